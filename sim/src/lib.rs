@@ -1,0 +1,15 @@
+//! Host side of splatline: scenes, float reference, metrics and reports around the fixed-point kernel.
+//!
+//! Data flows down this list and never back:
+//! a [`scene`] of splats is seen by a [`camera`] under [`rules`]; the [`reference`](mod@reference)
+//! draws it in double precision and [`fixed`] draws it through the kernel, both into a [`picture`];
+//! [`metrics`] compares two pictures and [`report`] tells people about it.
+
+pub mod camera;
+pub mod fixed;
+pub mod metrics;
+pub mod picture;
+pub mod reference;
+pub mod report;
+pub mod rules;
+pub mod scene;

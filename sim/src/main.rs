@@ -1,0 +1,3 @@
+//! The `splatline` command.
+
+fn main() {}

