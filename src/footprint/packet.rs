@@ -1,0 +1,1 @@
+//! Serial form of the packet.
