@@ -33,9 +33,10 @@ pub enum Cull {
     Near,
     /// z >= far.
     Far,
-    /// The centre is more than 2^26 pixels away from the origin of the screen.
+    /// The centre is more than 2^26 pixels away from the origin of the screen, or the footprint reaches more than
+    /// 2^28 pixels to a side.
     Range,
-    /// The footprint has no area (only without a low-pass filter).
+    /// The footprint has no area, or one beyond the packet's exponents (only without a low-pass filter).
     Degenerate,
     /// The opacity is below what the rules ever draw.
     Transparent,
@@ -94,6 +95,9 @@ fn bounding_box(
     for (axis, spread) in [variance.xx, variance.yy].into_iter().enumerate() {
         let extent = square_root(cutoff.multiply(spread, 16), 16).to_fixed(32);
         let extent = extent.saturating_add(extent >> 10);
+        if extent >> (32 + 28) != 0 {
+            return Err(Cull::Range);
+        }
         let sample = shift_left(centre[axis], 32 - subpixel).saturating_sub(1 << 31);
         let low = sample.saturating_sub(extent).saturating_add((1 << 32) - 1) >> 32;
         let high = (sample.saturating_add(extent) >> 32).saturating_add(1);

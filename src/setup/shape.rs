@@ -8,17 +8,28 @@ use crate::footprint::{Conic, Scan};
 use crate::format::Widths;
 use crate::math::{Scaled, reciprocal};
 
-/// LDL coefficients; `None` where the variance has no inverse.
+/// LDL coefficients; `None` where the variance has no inverse or a coefficient no place in the packet.
 pub fn scan(widths: &Widths, variance: &Variance) -> Option<Scan> {
     let bits = u32::from(widths.mantissa);
     let stretch = reciprocal(variance.yy, bits)?;
     let inverse = reciprocal(variance.determinant, bits)?;
-    Some(Scan {
+    let scan = Scan {
         curvature: variance.yy.multiply(inverse, bits),
         spread: variance.determinant.multiply(stretch, bits),
-        slope: variance.xy.multiply(stretch, bits),
+        slope: packable_slope(variance.xy.multiply(stretch, bits)),
         stretch,
-    })
+    };
+    [scan.curvature, scan.spread, scan.stretch].into_iter().all(packable).then_some(scan)
+}
+
+/// Is the exponent within the packet's 10 bits?
+fn packable(number: Scaled) -> bool {
+    (-512..512).contains(&number.exponent)
+}
+
+/// A slope too small for the packet's exponent (0 included) moves no pixel: exactly 0.
+fn packable_slope(slope: Scaled) -> Scaled {
+    if slope.exponent < -512 { Scaled { mantissa: 0, exponent: 0 } } else { slope }
 }
 
 /// Conic coefficients, aligned to the largest; `None` where the variance has no inverse.
@@ -32,5 +43,6 @@ pub fn conic(widths: &Widths, variance: &Variance, curvature: Scaled) -> Option<
     let coefficients = [curvature, cross, variance.xx.multiply(inverse, bits)];
     let leading = coefficients.iter().filter(|c| c.mantissa != 0).map(|c| c.leading()).max()?;
     let exponent = leading.saturating_sub(bits as i32 - 1);
-    Some(Conic { mantissa: coefficients.map(|c| c.scaled_by(exponent.saturating_neg()).to_fixed(0) as i32), exponent })
+    let mantissa = coefficients.map(|c| c.scaled_by(exponent.saturating_neg()).to_fixed(0) as i32);
+    (-512..512).contains(&exponent).then_some(Conic { mantissa, exponent })
 }

@@ -65,6 +65,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Weights as `rules` read them.
+    pub fn weights_for(&self, rules: &Rules) -> Vec<f64> {
+        let _ = rules;
+        self.splats.iter().map(|s| s.weight).collect()
+    }
+
     /// Colours as seen by `camera`, clamped at 0 from below.
     pub fn colours(&self, camera: &Camera) -> Vec<[f64; 3]> {
         let _ = camera;
