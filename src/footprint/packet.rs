@@ -17,7 +17,7 @@ pub const VERSION: u32 = 1;
 pub const FIELDS: usize = 25;
 
 /// Words of the longest packet that the width ranges allow.
-pub const WORDS: usize = 21;
+pub const WORDS: usize = 20;
 
 /// One field of the packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
