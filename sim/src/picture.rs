@@ -14,6 +14,10 @@ pub struct Picture {
 impl Picture {
     /// A transparent black picture.
     pub fn new(width: usize, height: usize) -> Self {
-        Picture { width, height, pixels: vec![[0.0; 4]; width * height] }
+        Picture {
+            width,
+            height,
+            pixels: vec![[0.0; 4]; width * height],
+        }
     }
 }
