@@ -70,4 +70,10 @@ impl Scene {
         let _ = camera;
         self.splats.iter().map(|s| s.colour).collect()
     }
+
+    /// Weights as `rules` need them (stub).
+    pub fn weights_for(&self, rules: &Rules) -> Vec<f64> {
+        let _ = rules;
+        self.splats.iter().map(|s| s.weight).collect()
+    }
 }
