@@ -5,6 +5,7 @@
 //! draws it in double precision and [`fixed`] draws it through the kernel, both into a [`picture`];
 //! [`metrics`] compares two pictures and [`report`] tells people about it.
 
+pub mod atomic;
 pub mod camera;
 pub mod design;
 pub mod fixed;
@@ -14,3 +15,4 @@ pub mod reference;
 pub mod report;
 pub mod rules;
 pub mod scene;
+pub mod vector;

@@ -140,4 +140,10 @@ fn direction_of_view(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
     } else {
         [0.0; 3]
     }
+
+    /// Weights as `rules` need them (stub).
+    pub fn weights_for(&self, rules: &Rules) -> Vec<f64> {
+        let _ = rules;
+        self.splats.iter().map(|s| s.weight).collect()
+    }
 }
