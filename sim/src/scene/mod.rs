@@ -94,12 +94,6 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Weights as `rules` read them.
-    pub fn weights_for(&self, rules: &Rules) -> Vec<f64> {
-        let _ = rules;
-        self.splats.iter().map(|s| s.weight).collect()
-    }
-
     /// Colours as seen by `camera`, clamped at 0 from below.
     ///
     /// Harmonics are evaluated once per splat, for the direction from the eye to its centre, or for the direction of
@@ -139,11 +133,5 @@ fn direction_of_view(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
         from_eye.map(|part| part / length)
     } else {
         [0.0; 3]
-    }
-
-    /// Weights as `rules` need them (stub).
-    pub fn weights_for(&self, rules: &Rules) -> Vec<f64> {
-        let _ = rules;
-        self.splats.iter().map(|s| s.weight).collect()
     }
 }
