@@ -59,7 +59,10 @@ pub struct Counts {
 impl Counts {
     /// Counts the outcome of projecting each splat; nothing is blended yet.
     pub fn of_projected<Footprint>(projected: &[Result<Footprint, Culled>]) -> Counts {
-        let mut counts = Counts { splats: projected.len(), ..Counts::default() };
+        let mut counts = Counts {
+            splats: projected.len(),
+            ..Counts::default()
+        };
         for outcome in projected {
             let counter = match outcome {
                 Ok(_) => &mut counts.drawn,
