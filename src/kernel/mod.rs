@@ -143,7 +143,7 @@ mod tests {
         let samples = 200_000;
         let (mut worst, mut sum) = (0.0f64, 0.0);
         for i in 0..samples {
-            let radial = end * i / samples;
+            let radial = (u128::from(end) * u128::from(i) / u128::from(samples)) as u64;
             let exact = (-0.5 * radial as f64 / (widths.radial as f64).exp2()).exp();
             let error = table.weight(radial) as f64 / (widths.weight as f64).exp2() - exact;
             worst = worst.max(error.abs());
