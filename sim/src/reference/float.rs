@@ -50,6 +50,21 @@ pub fn project(
     camera: &Camera,
     rules: &Rules,
 ) -> Result<Footprint, Culled> {
+    let footprint = project_beyond_viewport(splat, weight, colour, camera, rules)?;
+    match footprint.bounds.is_empty() {
+        true => Err(Culled::OutsideViewport),
+        false => Ok(footprint),
+    }
+}
+
+/// Like [`project`], but keeps a footprint that touches no pixel: its bounds are empty.
+pub fn project_beyond_viewport(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+) -> Result<Footprint, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
     let depth = position[2];
     let jacobian = Jacobian::at(camera, jacobian_slope(position, camera, rules), depth);
@@ -66,9 +81,6 @@ pub fn project(
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
-    if bounds.is_empty() {
-        return Err(Culled::OutsideViewport);
-    }
     Ok(Footprint { centre, depth, variance, conic: variance.conic(), peak, cutoff, bounds, colour })
 }
 
