@@ -26,13 +26,18 @@ fn print_table(deviations: &[Deviation]) {
     println!("largest differences of float     conic     centre      depth    picture");
     for d in deviations {
         print!("{:<18} {:>8} ", d.category, d.splats);
-        println!("{:>10.1e} {:>10.1e} {:>10.1e} {:>10.1e}", d.conic, d.centre, d.depth, d.picture);
+        println!(
+            "{:>10.1e} {:>10.1e} {:>10.1e} {:>10.1e}",
+            d.conic, d.centre, d.depth, d.picture
+        );
     }
 }
 
 #[test]
 fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
-    let Some(folder) = golden_folder() else { return };
+    let Some(folder) = golden_folder() else {
+        return;
+    };
     let golden = GoldenA::load(&folder).unwrap();
     assert_eq!(golden.splats.len(), 256);
     assert_eq!(golden.categories.len(), 11);
@@ -40,10 +45,30 @@ fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
     print_table(&deviations);
     for d in &deviations {
         assert!(d.splats > 0, "{}: nothing compared", d.category);
-        assert!(d.conic <= 1e-9, "{}: conic differs by {:e}", d.category, d.conic);
-        assert!(d.centre <= 1e-12, "{}: centre differs by {:e}", d.category, d.centre);
-        assert!(d.depth <= 1e-15, "{}: depth differs by {:e}", d.category, d.depth);
-        assert!(d.picture <= 2e-5, "{}: picture differs by {:e}", d.category, d.picture);
+        assert!(
+            d.conic <= 1e-9,
+            "{}: conic differs by {:e}",
+            d.category,
+            d.conic
+        );
+        assert!(
+            d.centre <= 1e-12,
+            "{}: centre differs by {:e}",
+            d.category,
+            d.centre
+        );
+        assert!(
+            d.depth <= 1e-15,
+            "{}: depth differs by {:e}",
+            d.category,
+            d.depth
+        );
+        assert!(
+            d.picture <= 2e-5,
+            "{}: picture differs by {:e}",
+            d.category,
+            d.picture
+        );
     }
 }
 
@@ -55,22 +80,36 @@ fn largest_opacity(golden: &GoldenSplat, camera: &Camera) -> f64 {
         let y = row as f64 + 0.5 - golden.centre[1];
         golden.splat.weight * (-0.5 * (a * x * x + 2.0 * b * x * y + c * y * y)).exp()
     };
-    let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| (column, row)));
-    pixels.map(|(column, row)| opacity(column, row)).fold(0.0, f64::max)
+    let pixels =
+        (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| (column, row)));
+    pixels
+        .map(|(column, row)| opacity(column, row))
+        .fold(0.0, f64::max)
 }
 
 #[test]
 fn only_splats_that_leave_no_trace_are_culled() {
-    let Some(folder) = golden_folder() else { return };
+    let Some(folder) = golden_folder() else {
+        return;
+    };
     let golden = GoldenA::load(&folder).unwrap();
     let projected = float::footprints(&golden.scene(ALL), &golden.camera, &golden.rules);
     for (index, (golden_splat, outcome)) in golden.splats.iter().zip(projected).enumerate() {
         match outcome {
-            Ok(_) => assert!(golden_splat.depth > golden.camera.near, "splat {index} lies before the near plane"),
-            Err(Culled::Near) => assert!(golden_splat.depth <= golden.camera.near, "splat {index} is in view"),
+            Ok(_) => assert!(
+                golden_splat.depth > golden.camera.near,
+                "splat {index} lies before the near plane"
+            ),
+            Err(Culled::Near) => assert!(
+                golden_splat.depth <= golden.camera.near,
+                "splat {index} is in view"
+            ),
             Err(why) => {
                 let opacity = largest_opacity(golden_splat, &golden.camera);
-                assert!(opacity < 1.0 / 255.0, "splat {index} is culled as {why:?} with opacity {opacity}");
+                assert!(
+                    opacity < 1.0 / 255.0,
+                    "splat {index} is culled as {why:?} with opacity {opacity}"
+                );
             }
         }
     }
@@ -79,31 +118,82 @@ fn only_splats_that_leave_no_trace_are_culled() {
 /// Peak signal to noise ratio of the colours, in decibels.
 fn psnr(a: &Picture, b: &Picture) -> f64 {
     let pixels = a.pixels.iter().zip(&b.pixels);
-    let squares: f64 = pixels.flat_map(|(a, b)| (0..3).map(move |i| (a[i] - b[i]).powi(2))).sum();
+    let squares: f64 = pixels
+        .flat_map(|(a, b)| (0..3).map(move |i| (a[i] - b[i]).powi(2)))
+        .sum();
     -10.0 * (squares / (3 * a.pixels.len()) as f64).log10()
 }
 
 #[test]
 fn tiny_scene_agrees_with_an_independent_renderer() {
-    let Some(folder) = golden_folder() else { return };
+    let Some(folder) = golden_folder() else {
+        return;
+    };
     let scene = trainer_ply::load(&folder.join("tiny.ply"));
     assert_eq!(scene.splats.len(), 400);
     let expected = Picture::read_png(&folder.join("tiny.png")).unwrap();
-    let camera = Camera::look_at([0.0, -5.0, -8.0], [0.0; 3], [0.0, -1.0, 0.0], 60.0, 320, 240).unwrap();
-    let draw = |rules: &Rules| float::draw(&scene, &camera, rules, Compositing::FrontToBack).picture;
+    let camera = Camera::look_at(
+        [0.0, -5.0, -8.0],
+        [0.0; 3],
+        [0.0, -1.0, 0.0],
+        60.0,
+        320,
+        240,
+    )
+    .unwrap();
+    let draw =
+        |rules: &Rules| float::draw(&scene, &camera, rules, Compositing::FrontToBack).picture;
     let picture = draw(&Rules::GAUSSIAN_3D);
     for (name, rules) in [
         ("3dgs", Rules::GAUSSIAN_3D),
-        ("no low pass", Rules { low_pass: 1e-9, ..Rules::GAUSSIAN_3D }),
-        ("cut at 2 sigma", Rules { cutoff: 4.0, ..Rules::GAUSSIAN_3D }),
-        ("cut at sqrt 8 sigma", Rules { cutoff: 8.0, ..Rules::GAUSSIAN_3D }),
-        ("cut at 3 sigma", Rules { cutoff: 9.0, ..Rules::GAUSSIAN_3D }),
-        ("alpha max 0.99", Rules { alpha_max: 0.99, ..Rules::GAUSSIAN_3D }),
+        (
+            "no low pass",
+            Rules {
+                low_pass: 1e-9,
+                ..Rules::GAUSSIAN_3D
+            },
+        ),
+        (
+            "cut at 2 sigma",
+            Rules {
+                cutoff: 4.0,
+                ..Rules::GAUSSIAN_3D
+            },
+        ),
+        (
+            "cut at sqrt 8 sigma",
+            Rules {
+                cutoff: 8.0,
+                ..Rules::GAUSSIAN_3D
+            },
+        ),
+        (
+            "cut at 3 sigma",
+            Rules {
+                cutoff: 9.0,
+                ..Rules::GAUSSIAN_3D
+            },
+        ),
+        (
+            "alpha max 0.99",
+            Rules {
+                alpha_max: 0.99,
+                ..Rules::GAUSSIAN_3D
+            },
+        ),
     ] {
         println!("{name}: {:.2} dB", psnr(&draw(&rules), &expected));
     }
-    let ex = exact::draw(&scene, &camera, &Rules::GAUSSIAN_3D, Compositing::FrontToBack).picture;
+    let ex = exact::draw(
+        &scene,
+        &camera,
+        &Rules::GAUSSIAN_3D,
+        Compositing::FrontToBack,
+    )
+    .picture;
     println!("exact: {:.2} dB", psnr(&ex, &expected));
-    picture.write_png(Path::new("/tmp/tiny_mine.png"), Depth::Eight).unwrap();
+    picture
+        .write_png(Path::new("/tmp/tiny_mine.png"), Depth::Eight)
+        .unwrap();
     assert!(psnr(&picture, &expected) >= 40.0);
 }

@@ -1,9 +1,11 @@
 //! Properties of both reference engines, against oracles that are written once more and naively.
 
 mod oracle;
+mod scenes;
 
-use oracle::{Engine, camera, naive_picture, scene_of, straight_camera};
+use oracle::{Engine, naive_picture};
 use proptest::prelude::*;
+use scenes::{scene_of, straight_camera};
 use splatline_sim::camera::Camera;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::compositor::{self, Projected};
@@ -13,12 +15,49 @@ use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{Scene, Splat};
 use splatline_sim::vector;
 
-const COMPOSITINGS: [Compositing; 3] = [Compositing::FrontToBack, Compositing::BackToFront, Compositing::XRay];
+const COMPOSITINGS: [Compositing; 3] = [
+    Compositing::FrontToBack,
+    Compositing::BackToFront,
+    Compositing::XRay,
+];
 
 /// Rules without thresholds, under which a rounding error cannot switch a pixel on or off.
-const SMOOTH: Rules = Rules { alpha_min: 0.0, stop: 0.0, ..Rules::GAUSSIAN_3D };
+const SMOOTH: Rules = Rules {
+    alpha_min: 0.0,
+    stop: 0.0,
+    ..Rules::GAUSSIAN_3D
+};
 
-fn draw(engine: Engine, scene: &Scene, camera: &Camera, rules: &Rules, compositing: Compositing) -> Drawing {
+/// A small camera, slightly turned, with oblong pixels and its principal point beside the centre.
+fn camera(orthographic: bool) -> Camera {
+    let turned = Camera::look_at(
+        [0.1, 0.2, -0.3],
+        [0.15, 0.1, 1.0],
+        [0.1, -1.0, 0.0],
+        60.0,
+        48,
+        40,
+    )
+    .unwrap();
+    let focal_length = if orthographic { 8.0 } else { turned.fx };
+    Camera {
+        fx: focal_length,
+        fy: 1.1 * focal_length,
+        cx: 22.7,
+        cy: 21.2,
+        far: 7.0,
+        orthographic,
+        ..turned
+    }
+}
+
+fn draw(
+    engine: Engine,
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    compositing: Compositing,
+) -> Drawing {
     match engine {
         Engine::Float => float::draw(scene, camera, rules, compositing),
         Engine::Exact => exact::draw(scene, camera, rules, compositing),
@@ -26,9 +65,18 @@ fn draw(engine: Engine, scene: &Scene, camera: &Camera, rules: &Rules, compositi
 }
 
 fn largest_difference(a: &Picture, b: &Picture) -> f64 {
-    assert_eq!((a.width, a.height, a.pixels.len()), (b.width, b.height, b.pixels.len()));
+    assert_eq!(
+        (a.width, a.height, a.pixels.len()),
+        (b.width, b.height, b.pixels.len())
+    );
     let channels = a.pixels.iter().flatten().zip(b.pixels.iter().flatten());
-    channels.fold(0.0, |largest, (a, b)| if a == b { largest } else { f64::max(largest, (a - b).abs()) })
+    channels.fold(0.0, |largest, (a, b)| {
+        if a == b {
+            largest
+        } else {
+            f64::max(largest, (a - b).abs())
+        }
+    })
 }
 
 /// Every splat at every pixel, through the engine's own opacity but without its bounds, bins and tiles.
@@ -222,17 +270,38 @@ proptest! {
 fn exact_converges_to_float_for_small_splats() {
     let camera = camera(false);
     for centre in [[0.0, 0.0, 4.0], [1.0, -0.8, 4.0]] {
-        for rules in [Rules { cutoff: 30.0, ..Rules::EWA }, SMOOTH] {
+        for rules in [
+            Rules {
+                cutoff: 30.0,
+                ..Rules::EWA
+            },
+            SMOOTH,
+        ] {
             let difference = |size: f64| {
                 let axes = rotated_axes([0.3, 0.8, -0.5, 0.4], [size, 0.6 * size, 0.3 * size]);
                 let weight = if rules.normalised { size * size } else { 0.7 };
-                let scene = scene_of(vec![Splat { centre, axes, weight, colour: [1.0; 3] }]);
-                let draw = |engine| draw(engine, &scene, &camera, &rules, Compositing::FrontToBack).picture;
+                let scene = scene_of(vec![Splat {
+                    centre,
+                    axes,
+                    weight,
+                    colour: [1.0; 3],
+                }]);
+                let draw = |engine| {
+                    draw(engine, &scene, &camera, &rules, Compositing::FrontToBack).picture
+                };
                 largest_difference(&draw(Engine::Float), &draw(Engine::Exact))
             };
             let [large, small, tiny] = [0.4, 0.04, 0.004].map(difference);
-            assert!(small < 0.2 * large, "{} at {centre:?}: {small:e} after {large:e}", rules.name);
-            assert!(tiny < 0.2 * small, "{} at {centre:?}: {tiny:e} after {small:e}", rules.name);
+            assert!(
+                small < 0.2 * large,
+                "{} at {centre:?}: {small:e} after {large:e}",
+                rules.name
+            );
+            assert!(
+                tiny < 0.2 * small,
+                "{} at {centre:?}: {tiny:e} after {small:e}",
+                rules.name
+            );
             assert!(tiny < 1e-4, "{} at {centre:?}: {tiny:e}", rules.name);
         }
     }
@@ -241,72 +310,31 @@ fn exact_converges_to_float_for_small_splats() {
 #[test]
 fn both_engines_agree_in_parallel_projection() {
     let axes = rotated_axes([0.3, 0.8, -0.5, 0.4], [1.0, 0.2, 0.05]);
-    let scene = scene_of(vec![Splat { centre: [0.4, -0.3, 2.0], axes, weight: 0.7, colour: [0.2, 0.5, 1.0] }]);
+    let scene = scene_of(vec![Splat {
+        centre: [0.4, -0.3, 2.0],
+        axes,
+        weight: 0.7,
+        colour: [0.2, 0.5, 1.0],
+    }]);
     for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
-        let draw = |engine| draw(engine, &scene, &camera(true), &rules, Compositing::FrontToBack).picture;
+        let draw = |engine| {
+            draw(
+                engine,
+                &scene,
+                &camera(true),
+                &rules,
+                Compositing::FrontToBack,
+            )
+            .picture
+        };
         assert!(largest_difference(&draw(Engine::Float), &draw(Engine::Exact)) <= 1e-14);
-        assert!(draw(Engine::Float).pixels.iter().any(|pixel| pixel[3] > 0.1));
+        assert!(
+            draw(Engine::Float)
+                .pixels
+                .iter()
+                .any(|pixel| pixel[3] > 0.1)
+        );
     }
-}
-
-/// One pixel, one splat per (opacity, depth): wide enough to have the peak opacity all over the pixel.
-fn stack(opacities_and_depths: &[(f64, f64)]) -> (Scene, Camera) {
-    let camera = Camera { width: 1, height: 1, cx: 0.5, cy: 0.5, ..straight_camera() };
-    let colours = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let splat = |(index, &(weight, depth)): (usize, &(f64, f64))| Splat {
-        centre: [0.0, 0.0, depth],
-        axes: rotated_axes([1.0, 0.0, 0.0, 0.0], [1.0; 3]),
-        weight,
-        colour: colours[index % 3],
-    };
-    (scene_of(opacities_and_depths.iter().enumerate().map(splat).collect()), camera)
-}
-
-fn pixel_of(stacked: &(Scene, Camera), rules: &Rules, compositing: Compositing) -> [f64; 4] {
-    float::draw(&stacked.0, &stacked.1, rules, compositing).picture.pixels[0]
-}
-
-fn assert_close(computed: [f64; 4], expected: [f64; 4]) {
-    let close = computed.iter().zip(expected).all(|(c, e)| (c - e).abs() <= 1e-12);
-    assert!(close, "{computed:?} instead of {expected:?}");
-}
-
-#[test]
-fn nearer_splats_cover_farther_ones_and_ties_go_by_index() {
-    let far_first = stack(&[(0.5, 3.0), (0.25, 2.0)]);
-    for compositing in [Compositing::FrontToBack, Compositing::BackToFront] {
-        assert_close(pixel_of(&far_first, &Rules::GAUSSIAN_3D, compositing), [0.375, 0.25, 0.0, 0.625]);
-        let tied = stack(&[(0.5, 2.0), (0.25, 2.0)]);
-        assert_close(pixel_of(&tied, &Rules::GAUSSIAN_3D, compositing), [0.5, 0.125, 0.0, 0.625]);
-    }
-    let depths = [3.0, 2.0, 3.0, 2.0, 1.0, 2.0].map(|depth| (0.5, depth));
-    let (scene, camera) = stack(&depths);
-    let projected = float::footprints(&scene, &camera, &Rules::GAUSSIAN_3D);
-    assert_eq!(compositor::order(&projected), [4, 1, 3, 5, 0, 2]);
-}
-
-#[test]
-fn x_ray_sums_and_clamps_at_the_end() {
-    let stacked = stack(&[(0.5, 3.0), (0.75, 2.0), (0.25, 1.0), (0.75, 1.5)]);
-    assert_close(pixel_of(&stacked, &Rules::GAUSSIAN_3D, Compositing::XRay), [1.0, 0.75, 0.25, 1.0]);
-}
-
-#[test]
-fn a_finished_pixel_stops_before_or_after_its_last_splat() {
-    // The second splat would leave a transmittance of 0.1 times 0.0005.
-    let opaque = stack(&[(0.9, 1.0), (1.0, 2.0), (0.5, 3.0)]);
-    let deeper = Rules { alpha_max: 0.9995, ..Rules::GAUSSIAN_3D };
-    assert_close(pixel_of(&opaque, &deeper, Compositing::FrontToBack), [0.9, 0.0, 0.0, 0.9]);
-    let after = Rules { stop_before: false, ..deeper };
-    assert_close(pixel_of(&opaque, &after, Compositing::FrontToBack), [0.9, 0.09995, 0.0, 0.99995]);
-    let never = Rules { stop: 0.0, ..deeper };
-    let expected = [0.9, 0.09995, 0.000025, 1.0 - 0.000025];
-    assert_close(pixel_of(&opaque, &never, Compositing::FrontToBack), expected);
-    assert_close(pixel_of(&opaque, &deeper, Compositing::BackToFront), expected);
-    let covered = |rules: &Rules| {
-        float::draw(&opaque.0, &opaque.1, rules, Compositing::FrontToBack).counts.covered_pixels
-    };
-    assert_eq!([covered(&deeper), covered(&after), covered(&never)], [1, 2, 3]);
 }
 
 #[test]
@@ -314,46 +342,78 @@ fn splats_are_culled_for_the_right_reason() {
     let camera = straight_camera();
     let axes = rotated_axes([1.0, 0.0, 0.0, 0.0], [0.1; 3]);
     let culled = |centre: [f64; 3], weight: f64, rules: &Rules| {
-        let splat = Splat { centre, axes, weight, colour: [1.0; 3] };
+        let splat = Splat {
+            centre,
+            axes,
+            weight,
+            colour: [1.0; 3],
+        };
         float::project(&splat, weight, splat.colour, &camera, rules).err()
     };
     let rules = Rules::GAUSSIAN_3D;
     assert_eq!(culled([0.0, 0.0, 2.0], 0.5, &rules), None);
-    assert_eq!(culled([0.0, 0.0, camera.near], 0.5, &rules), Some(Culled::Near));
+    assert_eq!(
+        culled([0.0, 0.0, camera.near], 0.5, &rules),
+        Some(Culled::Near)
+    );
     assert_eq!(culled([0.0, 0.0, -2.0], 0.5, &rules), Some(Culled::Near));
-    assert_eq!(culled([0.0, 0.0, camera.far], 0.5, &rules), Some(Culled::Far));
-    assert_eq!(culled([9.0, 0.0, 2.0], 0.5, &rules), Some(Culled::OutsideViewport));
-    assert_eq!(culled([0.0, 0.0, 2.0], 0.9 / 255.0, &rules), Some(Culled::Transparent));
+    assert_eq!(
+        culled([0.0, 0.0, camera.far], 0.5, &rules),
+        Some(Culled::Far)
+    );
+    assert_eq!(
+        culled([9.0, 0.0, 2.0], 0.5, &rules),
+        Some(Culled::OutsideViewport)
+    );
+    assert_eq!(
+        culled([0.0, 0.0, 2.0], 0.9 / 255.0, &rules),
+        Some(Culled::Transparent)
+    );
     assert_eq!(culled([0.0, 0.0, 2.0], 0.9 / 255.0, &Rules::EWA), None);
-    assert_eq!(culled([0.0, 0.0, 2.0], 0.0, &Rules::EWA), Some(Culled::Transparent));
-    assert_eq!(culled([0.0, 0.0, 2.0], f64::NAN, &rules), Some(Culled::NonFinite));
-    assert_eq!(culled([0.0, f64::INFINITY, 2.0], 0.5, &rules), Some(Culled::NonFinite));
-    let vast = Splat { centre: [0.0, 0.0, 2.0], axes: [[1e200; 3]; 3], weight: 0.5, colour: [1.0; 3] };
-    assert_eq!(float::project(&vast, 0.5, vast.colour, &camera, &rules).err(), Some(Culled::Degenerate));
+    assert_eq!(
+        culled([0.0, 0.0, 2.0], 0.0, &Rules::EWA),
+        Some(Culled::Transparent)
+    );
+    assert_eq!(
+        culled([0.0, 0.0, 2.0], f64::NAN, &rules),
+        Some(Culled::NonFinite)
+    );
+    assert_eq!(
+        culled([0.0, f64::INFINITY, 2.0], 0.5, &rules),
+        Some(Culled::NonFinite)
+    );
+    let vast = Splat {
+        centre: [0.0, 0.0, 2.0],
+        axes: [[1e200; 3]; 3],
+        weight: 0.5,
+        colour: [1.0; 3],
+    };
+    assert_eq!(
+        float::project(&vast, 0.5, vast.colour, &camera, &rules).err(),
+        Some(Culled::Degenerate)
+    );
 }
 
 #[test]
 fn a_normalised_splat_carries_its_mass_to_the_screen() {
     // On the axis at depth z a mass covers fx fy / z^2 times as many square pixels, whatever the splat's shape.
     let camera = straight_camera();
-    let rules = Rules { cutoff: 60.0, ..Rules::EWA };
+    let rules = Rules {
+        cutoff: 60.0,
+        ..Rules::EWA
+    };
     let axes = rotated_axes([0.3, 0.8, -0.5, 0.4], [0.15, 0.1, 0.02]);
-    let scene = scene_of(vec![Splat { centre: [0.0, 0.0, 4.0], axes, weight: 0.001, colour: [1.0; 3] }]);
+    let scene = scene_of(vec![Splat {
+        centre: [0.0, 0.0, 4.0],
+        axes,
+        weight: 0.001,
+        colour: [1.0; 3],
+    }]);
     let picture = float::draw(&scene, &camera, &rules, Compositing::XRay).picture;
     let sum: f64 = picture.pixels.iter().map(|pixel| pixel[3]).sum();
     let expected = 0.001 * camera.fx * camera.fy / 16.0;
-    assert!((sum / expected - 1.0).abs() < 1e-6, "{sum} instead of {expected}");
-}
-
-#[test]
-fn progress_reaches_the_last_row() {
-    use std::sync::atomic::{AtomicUsize, Ordering};
-    let (scene, camera) = (scene_of(vec![]), camera(false));
-    let most = AtomicUsize::new(0);
-    let progress = |done: usize, total: usize| {
-        assert_eq!(total, camera.height);
-        most.fetch_max(done, Ordering::Relaxed);
-    };
-    float::draw_with_progress(&scene, &camera, &Rules::EWA, Compositing::FrontToBack, &progress);
-    assert_eq!(most.into_inner(), camera.height);
+    assert!(
+        (sum / expected - 1.0).abs() < 1e-6,
+        "{sum} instead of {expected}"
+    );
 }

@@ -4,7 +4,7 @@
 use splatline_sim::camera::Camera;
 use splatline_sim::picture::Picture;
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight};
+use splatline_sim::scene::{Scene, Splat};
 
 type Matrix = [[f64; 3]; 3];
 
@@ -15,32 +15,6 @@ pub enum Engine {
     Float,
     /// The Jacobian at each pixel's ray.
     Exact,
-}
-
-/// A small camera in the origin that looks along z; its tiles are not all whole.
-pub fn straight_camera() -> Camera {
-    let straight = Camera::look_at([0.0; 3], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], 60.0, 48, 40).unwrap();
-    Camera { far: 7.0, ..straight }
-}
-
-/// The same, slightly turned, with oblong pixels and its principal point beside the centre.
-pub fn camera(orthographic: bool) -> Camera {
-    let turned = Camera::look_at([0.1, 0.2, -0.3], [0.15, 0.1, 1.0], [0.1, -1.0, 0.0], 60.0, 48, 40).unwrap();
-    let focal_length = if orthographic { 8.0 } else { turned.fx };
-    Camera { fx: focal_length, fy: 1.1 * focal_length, cx: 22.7, cy: 21.2, far: 7.0, orthographic, ..turned }
-}
-
-/// A scene without harmonics.
-pub fn scene_of(splats: Vec<Splat>) -> Scene {
-    Scene {
-        name: "test".to_string(),
-        natural_rules: Rules::GAUSSIAN_3D,
-        weight: Weight::Opacity,
-        splats,
-        harmonics: None,
-        skipped: Skipped::default(),
-        up: [0.0, -1.0, 0.0],
-    }
 }
 
 fn product(a: &Matrix, b: &Matrix) -> Matrix {
@@ -59,15 +33,23 @@ fn determinant(a: &Matrix) -> f64 {
 
 /// V in camera space: W (sum of a a^T) W^T.
 fn camera_variance(splat: &Splat, camera: &Camera) -> Matrix {
-    let world: Matrix =
-        std::array::from_fn(|i| std::array::from_fn(|j| splat.axes.iter().map(|a| a[i] * a[j]).sum()));
-    product(&product(&camera.rotation, &world), &transposed(&camera.rotation))
+    let world: Matrix = std::array::from_fn(|i| {
+        std::array::from_fn(|j| splat.axes.iter().map(|a| a[i] * a[j]).sum())
+    });
+    product(
+        &product(&camera.rotation, &world),
+        &transposed(&camera.rotation),
+    )
 }
 
 /// The 3x3 ray-space Jacobian of [EWA] eq. 29 in pixels, at the ray (sx, sy, 1) and depth z.
 fn ray_jacobian(slope: [f64; 2], z: f64, camera: &Camera) -> Matrix {
     if camera.orthographic {
-        return [[camera.fx, 0.0, 0.0], [0.0, camera.fy, 0.0], [0.0, 0.0, 1.0]];
+        return [
+            [camera.fx, 0.0, 0.0],
+            [0.0, camera.fy, 0.0],
+            [0.0, 0.0, 1.0],
+        ];
     }
     let [x, y] = [slope[0] * z, slope[1] * z];
     let l = (x * x + y * y + z * z).sqrt();
@@ -80,19 +62,34 @@ fn ray_jacobian(slope: [f64; 2], z: f64, camera: &Camera) -> Matrix {
 
 fn clamped_slope(slope: f64, size: usize, centre: f64, focal_length: f64) -> f64 {
     let t = size as f64 / (2.0 * focal_length);
-    slope.clamp(-(centre / focal_length + 0.3 * t), (size as f64 - centre) / focal_length + 0.3 * t)
+    slope.clamp(
+        -(centre / focal_length + 0.3 * t),
+        (size as f64 - centre) / focal_length + 0.3 * t,
+    )
 }
 
 /// Opacity of one splat at one point of the picture.
-fn opacity(engine: Engine, splat: &Splat, camera: &Camera, rules: &Rules, point: [f64; 2]) -> Option<f64> {
+fn opacity(
+    engine: Engine,
+    splat: &Splat,
+    camera: &Camera,
+    rules: &Rules,
+    point: [f64; 2],
+) -> Option<f64> {
     let [x, y, z] = camera.to_camera(splat.centre);
     if z <= camera.near || z >= camera.far {
         return None;
     }
     let distance = if camera.orthographic { 1.0 } else { z };
-    let [u, v] = [camera.fx * x / distance + camera.cx, camera.fy * y / distance + camera.cy];
+    let [u, v] = [
+        camera.fx * x / distance + camera.cx,
+        camera.fy * y / distance + camera.cy,
+    ];
     let slope = match engine {
-        Engine::Exact => [(point[0] - camera.cx) / camera.fx, (point[1] - camera.cy) / camera.fy],
+        Engine::Exact => [
+            (point[0] - camera.cx) / camera.fx,
+            (point[1] - camera.cy) / camera.fy,
+        ],
         Engine::Float if rules.clamp_jacobian => [
             clamped_slope(x / z, camera.width, camera.cx, camera.fx),
             clamped_slope(y / z, camera.height, camera.cy, camera.fy),
@@ -100,14 +97,18 @@ fn opacity(engine: Engine, splat: &Splat, camera: &Camera, rules: &Rules, point:
         Engine::Float => [x / z, y / z],
     };
     let jacobian = ray_jacobian(slope, z, camera);
-    let variance = product(&product(&jacobian, &camera_variance(splat, camera)), &transposed(&jacobian));
+    let variance = product(
+        &product(&jacobian, &camera_variance(splat, camera)),
+        &transposed(&jacobian),
+    );
     let a = variance[0][0] + rules.low_pass;
     let b = variance[0][1];
     let c = variance[1][1] + rules.low_pass;
     let determinant_of_variance = a * c - b * b;
     let [dx, dy] = [point[0] - u, point[1] - v];
     let r = (c * dx * dx - 2.0 * b * dx * dy + a * dy * dy) / determinant_of_variance;
-    let mass_to_peak = determinant(&jacobian).abs() / (std::f64::consts::TAU * determinant_of_variance.sqrt());
+    let mass_to_peak =
+        determinant(&jacobian).abs() / (std::f64::consts::TAU * determinant_of_variance.sqrt());
     let peak = splat.weight * if rules.normalised { mass_to_peak } else { 1.0 };
     let alpha = (peak * (-r / 2.0).exp()).min(rules.alpha_max);
     (r < rules.cutoff && alpha >= rules.alpha_min && alpha > 0.0).then_some(alpha)
@@ -140,11 +141,23 @@ pub fn gather(
 ) -> Picture {
     let mut picture = Picture::new(camera.width, camera.height);
     for (position, pixel) in picture.pixels.iter_mut().enumerate() {
-        let point = [(position % camera.width) as f64 + 0.5, (position / camera.width) as f64 + 0.5];
-        let samples: Vec<_> = order.iter().filter_map(|&index| sample(index, point)).collect();
+        let point = [
+            (position % camera.width) as f64 + 0.5,
+            (position / camera.width) as f64 + 0.5,
+        ];
+        let samples: Vec<_> = order
+            .iter()
+            .filter_map(|&index| sample(index, point))
+            .collect();
         *pixel = match compositing {
             Compositing::FrontToBack => front_to_back(&samples, rules),
-            Compositing::BackToFront => front_to_back(&samples, &Rules { stop: -1.0, ..*rules }),
+            Compositing::BackToFront => front_to_back(
+                &samples,
+                &Rules {
+                    stop: -1.0,
+                    ..*rules
+                },
+            ),
             Compositing::XRay => x_ray(&samples),
         };
     }
@@ -181,16 +194,27 @@ fn x_ray(samples: &[(f64, [f64; 3])]) -> [f64; 4] {
 
 /// By summation along the ray through `point`: the integral of the splat's widened Gaussian in pixel units, and the
 /// smallest squared Mahalanobis distance.
-pub fn integral_and_distance(splat: &Splat, camera: &Camera, point: [f64; 2], low_pass: f64) -> (f64, f64) {
+pub fn integral_and_distance(
+    splat: &Splat,
+    camera: &Camera,
+    point: [f64; 2],
+    low_pass: f64,
+) -> (f64, f64) {
     let centre = camera.to_camera(splat.centre);
     let z0 = centre[2];
     let mut variance = camera_variance(splat, camera);
     variance[0][0] += low_pass * (z0 / camera.fx).powi(2);
     variance[1][1] += low_pass * (z0 / camera.fy).powi(2);
     let inverse = inverted(&variance);
-    let ray = [(point[0] - camera.cx) / camera.fx, (point[1] - camera.cy) / camera.fy, 1.0];
+    let ray = [
+        (point[0] - camera.cx) / camera.fx,
+        (point[1] - camera.cy) / camera.fy,
+        1.0,
+    ];
     let form = |a: [f64; 3], b: [f64; 3]| -> f64 {
-        (0..3).map(|i| (0..3).map(|j| a[i] * inverse[i][j] * b[j]).sum::<f64>()).sum()
+        (0..3)
+            .map(|i| (0..3).map(|j| a[i] * inverse[i][j] * b[j]).sum::<f64>())
+            .sum()
     };
     // Samples around the nearest point, far enough and dense enough for the trapezoidal rule on a Gaussian.
     let nearest = form(ray, centre) / form(ray, ray);
@@ -204,7 +228,10 @@ pub fn integral_and_distance(splat: &Splat, camera: &Camera, point: [f64; 2], lo
     let stretch = (ray[0] * ray[0] + ray[1] * ray[1] + 1.0).sqrt();
     let norm = 1.0 / (std::f64::consts::TAU.powf(1.5) * determinant(&variance).sqrt());
     let sum: f64 = distances.iter().map(|r| (-r / 2.0).exp()).sum();
-    (norm * sum * step * stretch, distances.into_iter().fold(f64::INFINITY, f64::min))
+    (
+        norm * sum * step * stretch,
+        distances.into_iter().fold(f64::INFINITY, f64::min),
+    )
 }
 
 fn inverted(a: &Matrix) -> Matrix {
