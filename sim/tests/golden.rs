@@ -25,14 +25,7 @@ fn golden_folder() -> Option<PathBuf> {
 }
 
 fn print_table(deviations: &[Deviation]) {
-<<<<<<< HEAD
-    println!(
-        "{:<18} {:>6} {:>10} {:>10} {:>10}",
-        "category", "splats", "conic", "centre", "picture"
-    );
-=======
     println!("largest differences of float     conic     centre      depth    picture");
->>>>>>> reference
     for d in deviations {
         print!("{:<18} {:>8} ", d.category, d.splats);
         println!(
@@ -67,15 +60,12 @@ fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
             d.centre
         );
         assert!(
-<<<<<<< HEAD
-=======
             d.depth <= 1e-15,
             "{}: depth differs by {:e}",
             d.category,
             d.depth
         );
         assert!(
->>>>>>> reference
             d.picture <= 2e-5,
             "{}: picture differs by {:e}",
             d.category,
@@ -100,26 +90,11 @@ fn largest_opacity(golden: &GoldenSplat, camera: &Camera) -> f64 {
 }
 
 #[test]
-<<<<<<< HEAD
-fn nothing_is_culled_that_the_golden_source_sees() {
-=======
 fn only_splats_that_leave_no_trace_are_culled() {
->>>>>>> reference
     let Some(folder) = golden_folder() else {
         return;
     };
     let golden = GoldenA::load(&folder).unwrap();
-<<<<<<< HEAD
-    println!("culled here only: {:?}", golden.culled_here_only());
-    for (index, why) in golden.culled_here_only() {
-        // The source has a footprint for any opacity; below 1/255 none of its pixels is ever blended.
-        let opacity = golden.splats[index].splat.weight;
-        let too_faint = why == Culled::Transparent && opacity < 1.0 / 255.0;
-        assert!(
-            too_faint,
-            "splat {index} of opacity {opacity} is culled as {why:?}"
-        );
-=======
     let projected = float::footprints(&golden.scene(ALL), &golden.camera, &golden.rules);
     for (index, (golden_splat, outcome)) in golden.splats.iter().zip(projected).enumerate() {
         match outcome {
@@ -139,7 +114,6 @@ fn only_splats_that_leave_no_trace_are_culled() {
                 );
             }
         }
->>>>>>> reference
     }
 }
 
@@ -192,72 +166,6 @@ fn tiny_scene_agrees_with_an_independent_renderer() {
     let scene = trainer_ply::load(&folder.join("tiny.ply"));
     assert_eq!(scene.splats.len(), 400);
     let expected = Picture::read_png(&folder.join("tiny.png")).unwrap();
-<<<<<<< HEAD
-    let camera = Camera::look_at(
-        [0.0, -5.0, -8.0],
-        [0.0; 3],
-        [0.0, -1.0, 0.0],
-        60.0,
-        320,
-        240,
-    )
-    .unwrap();
-    let draw =
-        |rules: &Rules| float::draw(&scene, &camera, rules, Compositing::FrontToBack).picture;
-    let picture = draw(&Rules::GAUSSIAN_3D);
-    for (name, rules) in [
-        ("3dgs", Rules::GAUSSIAN_3D),
-        (
-            "no low pass",
-            Rules {
-                low_pass: 1e-9,
-                ..Rules::GAUSSIAN_3D
-            },
-        ),
-        (
-            "cut at 2 sigma",
-            Rules {
-                cutoff: 4.0,
-                ..Rules::GAUSSIAN_3D
-            },
-        ),
-        (
-            "cut at sqrt 8 sigma",
-            Rules {
-                cutoff: 8.0,
-                ..Rules::GAUSSIAN_3D
-            },
-        ),
-        (
-            "cut at 3 sigma",
-            Rules {
-                cutoff: 9.0,
-                ..Rules::GAUSSIAN_3D
-            },
-        ),
-        (
-            "alpha max 0.99",
-            Rules {
-                alpha_max: 0.99,
-                ..Rules::GAUSSIAN_3D
-            },
-        ),
-    ] {
-        println!("{name}: {:.2} dB", psnr(&draw(&rules), &expected));
-    }
-    let ex = exact::draw(
-        &scene,
-        &camera,
-        &Rules::GAUSSIAN_3D,
-        Compositing::FrontToBack,
-    )
-    .picture;
-    println!("exact: {:.2} dB", psnr(&ex, &expected));
-    picture
-        .write_png(Path::new("/tmp/tiny_mine.png"), Depth::Eight)
-        .unwrap();
-    assert!(psnr(&picture, &expected) >= 40.0);
-=======
     let (eye, up) = ([0.0, -5.0, -8.0], [0.0, -1.0, 0.0]);
     let camera = Camera::look_at(eye, [0.0; 3], up, 60.0, 320, 240).unwrap();
     let (rules, order) = (Rules::GAUSSIAN_3D, Compositing::FrontToBack);
@@ -282,5 +190,4 @@ fn tiny_scene_agrees_with_an_independent_renderer() {
     assert!(plain >= 47.0 && exact >= 47.0);
     // What is left is mostly the stored picture's rounding to 8 bits: 58.9 dB for evenly spread errors.
     assert!(faded >= 57.0);
->>>>>>> reference
 }

@@ -81,12 +81,6 @@ pub fn project_beyond_viewport(
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
-<<<<<<< HEAD
-    if bounds.is_empty() {
-        return Err(Culled::OutsideViewport);
-    }
-=======
->>>>>>> reference
     Ok(Footprint {
         centre,
         depth,

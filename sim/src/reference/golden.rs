@@ -130,23 +130,12 @@ impl GoldenA {
     }
 
     fn measure_category(&self, folder: &Path, category: &str) -> Result<Deviation> {
-<<<<<<< HEAD
-        let scene = self.scene(category);
-        let projected = float::footprints(&scene, &self.camera, &self.rules);
-=======
         let (camera, rules) = (&self.camera, &self.rules);
->>>>>>> reference
         let mut deviation = Deviation {
             category: category.to_string(),
             splats: 0,
             conic: 0.0,
             centre: 0.0,
-<<<<<<< HEAD
-            picture: 0.0,
-        };
-        for (golden, outcome) in self.members(category).zip(&projected) {
-            let Ok(footprint) = outcome else { continue };
-=======
             depth: 0.0,
             picture: 0.0,
         };
@@ -155,7 +144,6 @@ impl GoldenA {
             let projected =
                 float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
             let Ok(footprint) = projected else { continue };
->>>>>>> reference
             deviation.splats += 1;
             deviation.conic = largest(
                 deviation.conic,
@@ -165,15 +153,6 @@ impl GoldenA {
                 deviation.centre,
                 centre_difference(footprint.centre, golden.centre),
             );
-<<<<<<< HEAD
-        }
-        let drawing = compositor::draw(
-            &projected,
-            &self.camera,
-            &self.rules,
-            Compositing::FrontToBack,
-            &|_, _| (),
-=======
             deviation.depth = largest(
                 deviation.depth,
                 (footprint.depth / golden.depth - 1.0).abs(),
@@ -184,7 +163,6 @@ impl GoldenA {
             camera,
             rules,
             Compositing::FrontToBack,
->>>>>>> reference
         );
         let expected = self.picture(folder, category)?;
         let channels = drawing
@@ -198,23 +176,6 @@ impl GoldenA {
         }
         Ok(deviation)
     }
-<<<<<<< HEAD
-
-    /// Splats that only one side culls: the source culls by a coarser bound, so it may only cull more.
-    pub fn culled_here_only(&self) -> Vec<(usize, Culled)> {
-        let projected = float::footprints(&self.scene(ALL), &self.camera, &self.rules);
-        let outcomes = self.splats.iter().zip(projected).enumerate();
-        outcomes
-            .filter_map(|(index, (golden, outcome))| {
-                outcome
-                    .err()
-                    .filter(|_| !golden.culled)
-                    .map(|why| (index, why))
-            })
-            .collect()
-    }
-=======
->>>>>>> reference
 }
 
 /// Largest difference of an entry over the largest entry.
@@ -270,25 +231,12 @@ fn numbers<const N: usize>(line: &str) -> Result<[f64; N]> {
 
 /// The value of `key=value` in the comment lines; a key may hold spaces, a value may not.
 fn header_value<'a>(text: &'a str, key: &str) -> Result<&'a str> {
-<<<<<<< HEAD
-    let words = text
-        .lines()
-        .filter(|line| line.starts_with('#'))
-        .flat_map(str::split_whitespace);
-    let mut values = words
-        .filter_map(|word| word.split_once('='))
-        .filter(|(name, _)| name.starts_with(key));
-    values
-        .next()
-        .map(|(_, value)| value)
-=======
     let wanted = format!(" {key}=");
     let comments = text.lines().filter(|line| line.starts_with('#'));
     let mut values =
         comments.filter_map(|line| line.split_once(&wanted)?.1.split_whitespace().next());
     values
         .next()
->>>>>>> reference
         .with_context(|| format!("the header does not give '{key}'"))
 }
 
