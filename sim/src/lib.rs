@@ -5,6 +5,7 @@
 //! draws it in double precision and [`fixed`] draws it through the kernel, both into a [`picture`];
 //! [`metrics`] compares two pictures and [`report`] tells people about it.
 
+pub mod atomic;
 pub mod camera;
 pub mod fixed;
 pub mod metrics;
