@@ -192,7 +192,7 @@ fn scale_bar(map: &ErrorMap) -> String {
         "<div class=\"bar\" role=\"img\" aria-label=\"colour scale\" style=\"background:linear-gradient(to right,{})\"></div>\n\
          <div class=\"ticks\"><span>{low} darker</span><span>0</span><span>brighter {high}</span></div>\n",
         stops.join(","),
-        low = table::signed(-map.limit).replace('-', "−").replacen("e−", "e-", 1),
+        low = table::signed(-map.limit),
         high = table::signed(map.limit),
     )
 }

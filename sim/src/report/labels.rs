@@ -44,14 +44,14 @@ impl Rectangle {
     }
 }
 
-/// Places one label per anchor. `markers` are kept free, `frame` is not left.
+/// Places one label per anchor. What is `drawn` already is kept free, `frame` is not left.
 pub fn place(
     anchors: &[(f64, f64)],
     sizes: &[(f64, f64)],
-    markers: &[Rectangle],
+    drawn: &[Rectangle],
     frame: &Rectangle,
 ) -> Vec<Placement> {
-    let mut taken: Vec<Rectangle> = markers.to_vec();
+    let mut taken: Vec<Rectangle> = drawn.to_vec();
     let mut placements = Vec::with_capacity(anchors.len());
     for (&anchor, &size) in anchors.iter().zip(sizes) {
         let placement = best_place(anchor, size, &taken, frame);

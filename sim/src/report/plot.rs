@@ -91,8 +91,8 @@ struct Axes {
 impl Axes {
     fn new(rows: &[Row], frame: Rectangle) -> Axes {
         let (fastest, slowest) = range(rows.iter().map(log_milliseconds)).unwrap_or((0.0, 1.0));
-        // At least a factor of three, so that equal times do not blow noise up to the width of the picture.
-        let margin = (0.5 - (slowest - fastest)).max(0.0) / 2.0 + 0.1;
+        // At least a factor of two, so that equal times do not blow noise up to the width of the picture.
+        let margin = (0.3 - (slowest - fastest)).max(0.0) / 2.0 + 0.08;
         let (lowest, highest) = range(rows.iter().filter_map(|row| row.error.psnr_db)).unwrap_or((0.0, 50.0));
         let step = round_step((highest - lowest).max(4.0) / 4.0);
         let bottom = ((lowest - step * 0.3) / step).floor() * step;
@@ -188,11 +188,10 @@ fn draw_design(canvas: &Canvas, rows: &[Row], design: &str, tone: Tone, axes: &A
 
 /// One label per design, at its fastest traversal.
 fn draw_labels(canvas: &Canvas, rows: &[Row], designs: &[&str], axes: &Axes) -> Result<(), String> {
-    let points: Vec<(f64, f64)> = rows.iter().map(|row| axes.point(row)).collect();
-    let markers: Vec<Rectangle> = points.iter().map(|&point| Rectangle::around(point, MARKER + 2.0)).collect();
+    let drawn: Vec<Rectangle> = designs.iter().flat_map(|design| occupied(rows, design, axes)).collect();
     let anchors: Vec<(f64, f64)> = designs.iter().map(|design| fastest(rows, design, axes)).collect();
     let sizes: Vec<(f64, f64)> = designs.iter().map(|design| (text_width(design), TEXT * LINE_HEIGHT)).collect();
-    let placements = labels::place(&anchors, &sizes, &markers, &axes.frame);
+    let placements = labels::place(&anchors, &sizes, &drawn, &axes.frame);
     for (index, (design, placement)) in designs.iter().zip(&placements).enumerate() {
         let area = placement.area;
         let centre = (area.left + area.width / 2.0, area.top + area.height / 2.0);
@@ -206,6 +205,21 @@ fn draw_labels(canvas: &Canvas, rows: &[Row], designs: &[&str], axes: &Axes) -> 
         write(canvas, design, centre, tone(index), HPos::Center)?;
     }
     Ok(())
+}
+
+/// What a design's markers and its joining line cover, the line as a chain of small squares.
+fn occupied(rows: &[Row], design: &str, axes: &Axes) -> Vec<Rectangle> {
+    let points: Vec<(f64, f64)> = rows.iter().filter(|row| row.design == design).map(|row| axes.point(row)).collect();
+    let markers = points.iter().map(|&point| Rectangle::around(point, MARKER + 2.0));
+    let lines = points.windows(2).flat_map(|ends| {
+        let ((x0, y0), (x1, y1)) = (ends[0], ends[1]);
+        let steps = ((x1 - x0).hypot(y1 - y0) / 6.0).ceil().clamp(1.0, 400.0);
+        (0..=steps as usize).map(move |step| {
+            let part = step as f64 / steps;
+            Rectangle::around((x0 + (x1 - x0) * part, y0 + (y1 - y0) * part), 3.0)
+        })
+    });
+    markers.chain(lines).collect()
 }
 
 /// The leftmost point of a design.
