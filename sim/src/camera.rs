@@ -1,4 +1,31 @@
 //! The camera: x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
+//!
+//! A world point `u` lies at `t = W u + d` in camera space ([EWA] 6.2.1) and at `fx t0 / t2 + cx` in the picture
+//! (orthographic: `fx t0 + cx`). A camera comes from a point of view ([`Camera::look_at`]) or from a JSON file
+//! ([`Camera::from_json_file`]); both go through the same checks, so that the engines meet sound cameras only.
+
+use std::fmt;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::vector::{self, Vector};
+
+/// Largest number of columns or rows.
+pub const MAX_SIZE: usize = 16384;
+/// `near` of a camera that does not say.
+pub const DEFAULT_NEAR: f64 = 0.01;
+/// `far` of a camera that does not say.
+pub const DEFAULT_FAR: f64 = 1e10;
+
+/// Largest deviation of the rotation's products of rows from those of the identity.
+const ORTHONORMAL_TOLERANCE: f64 = 1e-4;
+/// Smallest sine of the angle between the direction of view and the up direction.
+const MIN_SINE_TO_UP: f64 = 1e-6;
+/// A camera file is a few hundred bytes; what is longer than this is not one.
+const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Pinhole or orthographic camera in double precision.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,4 +52,310 @@ pub struct Camera {
     pub far: f64,
     /// Parallel projection: u = fx x + cx.
     pub orthographic: bool,
+}
+
+/// Why a camera cannot be used; the message names the file, the field and what is expected.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CameraError {
+    /// The camera file, if the camera came from one.
+    pub file: Option<String>,
+    /// The offending field or option, if the problem belongs to one.
+    pub field: Option<&'static str>,
+    /// What is wrong and what is expected.
+    pub problem: String,
+}
+
+impl CameraError {
+    fn new(field: &'static str, problem: String) -> Self {
+        CameraError { file: None, field: Some(field), problem }
+    }
+
+    fn whole(problem: String) -> Self {
+        CameraError { file: None, field: None, problem }
+    }
+
+    fn in_file(self, path: &Path) -> Self {
+        CameraError { file: Some(path.display().to_string()), ..self }
+    }
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.file {
+            Some(file) => write!(f, "camera file '{file}': ")?,
+            None => write!(f, "camera: ")?,
+        }
+        if let Some(field) = self.field {
+            write!(f, "'{field}' ")?;
+        }
+        f.write_str(&self.problem)
+    }
+}
+
+impl std::error::Error for CameraError {}
+
+/// The camera file as it stands on disk (DESIGN section 5).
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CameraFile {
+    width: u64,
+    height: u64,
+    fx: f64,
+    fy: f64,
+    cx: f64,
+    cy: f64,
+    world_to_camera: Vec<f64>,
+    #[serde(default = "default_near")]
+    near: f64,
+    #[serde(default = "default_far")]
+    far: f64,
+    #[serde(default)]
+    orthographic: bool,
+}
+
+fn default_near() -> f64 {
+    DEFAULT_NEAR
+}
+
+fn default_far() -> f64 {
+    DEFAULT_FAR
+}
+
+impl Camera {
+    /// A perspective camera at `eye` that looks at `target`, with `up` pointing up in the picture.
+    ///
+    /// The rotation's rows are right = forward x up, down = forward x right, and forward. Pixels are square and
+    /// the principal point is the picture's centre.
+    pub fn look_at(
+        eye: [f64; 3],
+        target: [f64; 3],
+        up: [f64; 3],
+        vertical_fov_degrees: f64,
+        width: usize,
+        height: usize,
+    ) -> Result<Camera, CameraError> {
+        check_finite("eye", &eye)?;
+        check_finite("target", &target)?;
+        check_finite("up", &up)?;
+        check_size("width", width)?;
+        check_size("height", height)?;
+        if !(vertical_fov_degrees > 0.0 && vertical_fov_degrees < 180.0) {
+            let problem = format!("is {vertical_fov_degrees} degrees, but must lie between 0 and 180, both excluded");
+            return Err(CameraError::new("fov", problem));
+        }
+        let forward = unit(vector::subtract(target, eye)).ok_or_else(|| {
+            let problem = format!("{target:?} must lie away from the eye {eye:?}, at a finite distance");
+            CameraError::new("target", problem)
+        })?;
+        let up = unit(up).ok_or_else(|| CameraError::new("up", format!("is {up:?}, which has no direction")))?;
+        let sideways = vector::cross(forward, up);
+        let right = unit(sideways).filter(|_| vector::length(sideways) > MIN_SINE_TO_UP).ok_or_else(|| {
+            let problem = format!("{up:?} is parallel to the direction of view {forward:?}: choose another");
+            CameraError::new("up", problem)
+        })?;
+        let rotation = [right, vector::cross(forward, right), forward];
+        let focal_length = 0.5 * height as f64 / (0.5 * vertical_fov_degrees.to_radians()).tan();
+        Camera {
+            width,
+            height,
+            fx: focal_length,
+            fy: focal_length,
+            cx: 0.5 * width as f64,
+            cy: 0.5 * height as f64,
+            rotation,
+            translation: vector::scale(-1.0, vector::transform(&rotation, eye)),
+            near: DEFAULT_NEAR,
+            far: DEFAULT_FAR,
+            orthographic: false,
+        }
+        .checked()
+    }
+
+    /// Reads a camera from the text of a camera file.
+    pub fn from_json_str(text: &str) -> Result<Camera, CameraError> {
+        let file: CameraFile =
+            serde_json::from_str(text).map_err(|error| CameraError::whole(format!("not a camera in JSON: {error}")))?;
+        let matrix: [f64; 16] = file.world_to_camera.try_into().map_err(|numbers: Vec<f64>| {
+            let problem = format!("has {} numbers, but must have 16, row by row", numbers.len());
+            CameraError::new("world_to_camera", problem)
+        })?;
+        let row = |i: usize| [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]];
+        if matrix[12..] != [0.0, 0.0, 0.0, 1.0] {
+            let problem = format!("ends in the row {:?}, but must end in 0 0 0 1 (row-major)", &matrix[12..]);
+            return Err(CameraError::new("world_to_camera", problem));
+        }
+        Camera {
+            width: usize::try_from(file.width).unwrap_or(usize::MAX),
+            height: usize::try_from(file.height).unwrap_or(usize::MAX),
+            fx: file.fx,
+            fy: file.fy,
+            cx: file.cx,
+            cy: file.cy,
+            rotation: [row(0), row(1), row(2)],
+            translation: [matrix[3], matrix[7], matrix[11]],
+            near: file.near,
+            far: file.far,
+            orthographic: file.orthographic,
+        }
+        .checked()
+    }
+
+    /// Reads a camera file.
+    pub fn from_json_file(path: &Path) -> Result<Camera, CameraError> {
+        let text = read_text(path).map_err(|error| CameraError::whole(error).in_file(path))?;
+        Camera::from_json_str(&text).map_err(|error| error.in_file(path))
+    }
+
+    /// The camera as the text of a camera file; reading it back gives the same camera.
+    pub fn to_json(&self) -> String {
+        let [right, down, forward] = self.rotation;
+        let translation = self.translation;
+        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
+        let rows = [
+            row(right, translation[0]),
+            row(down, translation[1]),
+            row(forward, translation[2]),
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        let file = CameraFile {
+            width: self.width as u64,
+            height: self.height as u64,
+            fx: self.fx,
+            fy: self.fy,
+            cx: self.cx,
+            cy: self.cy,
+            world_to_camera: rows.concat(),
+            near: self.near,
+            far: self.far,
+            orthographic: self.orthographic,
+        };
+        // Numbers, a list and a flag always have a JSON form, so the error case does not arise.
+        serde_json::to_string_pretty(&file).unwrap_or_default()
+    }
+
+    /// The eye in world space: `-W^T d`.
+    pub fn eye(&self) -> [f64; 3] {
+        let [right, down, forward] = self.rotation;
+        let d = self.translation;
+        let along = vector::add(vector::scale(d[0], right), vector::scale(d[1], down));
+        vector::scale(-1.0, vector::add(along, vector::scale(d[2], forward)))
+    }
+
+    /// The direction of view in world space.
+    pub fn forward(&self) -> [f64; 3] {
+        self.rotation[2]
+    }
+
+    /// A world point in camera space: `t = W u + d`.
+    pub fn to_camera(&self, point: [f64; 3]) -> [f64; 3] {
+        vector::add(vector::transform(&self.rotation, point), self.translation)
+    }
+
+    /// The same view with another number of pixels: the intrinsics are scaled with the picture.
+    pub fn resized(&self, width: usize, height: usize) -> Result<Camera, CameraError> {
+        check_size("width", self.width)?;
+        check_size("height", self.height)?;
+        let across = width as f64 / self.width as f64;
+        let down = height as f64 / self.height as f64;
+        Camera {
+            width,
+            height,
+            fx: self.fx * across,
+            fy: self.fy * down,
+            cx: self.cx * across,
+            cy: self.cy * down,
+            ..self.clone()
+        }
+        .checked()
+    }
+
+    /// The camera itself, or what is wrong with it.
+    fn checked(self) -> Result<Camera, CameraError> {
+        check_size("width", self.width)?;
+        check_size("height", self.height)?;
+        check_focal_length("fx", self.fx)?;
+        check_focal_length("fy", self.fy)?;
+        check_finite("cx", &[self.cx])?;
+        check_finite("cy", &[self.cy])?;
+        check_rotation(&self.rotation)?;
+        check_finite("world_to_camera", &self.translation)?;
+        check_finite("near", &[self.near])?;
+        check_finite("far", &[self.far])?;
+        if !self.orthographic && self.near <= 0.0 {
+            let problem = format!("is {}, but must be positive for a perspective camera", self.near);
+            return Err(CameraError::new("near", problem));
+        }
+        if self.far <= self.near {
+            let problem = format!("is {}, but must be larger than near = {}", self.far, self.near);
+            return Err(CameraError::new("far", problem));
+        }
+        Ok(self)
+    }
+}
+
+fn read_text(path: &Path) -> Result<String, String> {
+    let mut text = String::new();
+    let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
+    file.take(MAX_FILE_BYTES + 1).read_to_string(&mut text).map_err(|error| format!("cannot be read: {error}"))?;
+    if text.len() as u64 > MAX_FILE_BYTES {
+        return Err(format!("is longer than {MAX_FILE_BYTES} bytes, so it is not a camera file"));
+    }
+    Ok(text)
+}
+
+/// `a` at length 1, unless it is zero or too long for a double.
+fn unit(a: Vector) -> Option<Vector> {
+    // Scaled by the largest coordinate first, so that squares neither overflow nor vanish.
+    let largest = a.iter().fold(0.0_f64, |largest, coordinate| largest.max(coordinate.abs()));
+    if !(largest.is_normal() && vector::is_finite(a)) {
+        return None;
+    }
+    let scaled = a.map(|coordinate| coordinate / largest);
+    let length = vector::length(scaled);
+    Some(scaled.map(|coordinate| coordinate / length))
+}
+
+fn check_size(field: &'static str, size: usize) -> Result<(), CameraError> {
+    if (1..=MAX_SIZE).contains(&size) {
+        return Ok(());
+    }
+    Err(CameraError::new(field, format!("is {size}, but must be 1 to {MAX_SIZE} pixels")))
+}
+
+fn check_finite(field: &'static str, numbers: &[f64]) -> Result<(), CameraError> {
+    if numbers.iter().all(|number| number.is_finite()) {
+        return Ok(());
+    }
+    Err(CameraError::new(field, format!("holds {numbers:?}, but must be finite")))
+}
+
+fn check_focal_length(field: &'static str, focal_length: f64) -> Result<(), CameraError> {
+    if focal_length.is_finite() && focal_length > 0.0 {
+        return Ok(());
+    }
+    Err(CameraError::new(field, format!("is {focal_length}, but must be positive and finite (in pixels)")))
+}
+
+fn check_rotation(rows: &[Vector; 3]) -> Result<(), CameraError> {
+    let field = "world_to_camera";
+    for (i, row) in rows.iter().enumerate() {
+        for (j, other) in rows.iter().enumerate().skip(i) {
+            let expected = if i == j { 1.0 } else { 0.0 };
+            let product = vector::dot(*row, *other);
+            // Written so that NaN is refused.
+            let orthonormal = (product - expected).abs() <= ORTHONORMAL_TOLERANCE;
+            if !orthonormal {
+                let problem = format!(
+                    "is not a rotation: the product of rows {i} and {j} is {product}, but must be {expected}; \
+                     remove scale and shear, and check that the matrix is row-major"
+                );
+                return Err(CameraError::new(field, problem));
+            }
+        }
+    }
+    if vector::dot(vector::cross(rows[0], rows[1]), rows[2]) < 0.0 {
+        let problem = "is a mirror image, not a rotation: its rows must point right, down and forward".to_string();
+        return Err(CameraError::new(field, problem));
+    }
+    Ok(())
 }

@@ -7,6 +7,7 @@
 
 pub mod atomic;
 pub mod camera;
+pub mod design;
 pub mod fixed;
 pub mod metrics;
 pub mod picture;
@@ -14,3 +15,4 @@ pub mod reference;
 pub mod report;
 pub mod rules;
 pub mod scene;
+pub mod vector;

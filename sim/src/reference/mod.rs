@@ -1,1 +1,151 @@
-//! To come.
+//! The double-precision reference: two engines that share one compositor and no arithmetic with the kernel.
+//!
+//! - [`float`]: EWA volume splatting as the papers write it (DESIGN section 2, system 1): the perspective map is
+//!   replaced by its affine approximation at the splat's centre.
+//! - [`exact`]: the integral (or peak) of the Gaussian along each pixel's own ray, without that approximation, so
+//!   that model error (`float` against `exact`) and arithmetic error (fixed against `float`) are told apart.
+//!
+//! Both derive from [`jacobian`]; [`compositor`] orders, bins and blends what they project. [`golden`] holds the
+//! independent data that the reference itself is measured against.
+
+pub mod compositor;
+pub mod exact;
+pub mod float;
+pub mod golden;
+pub mod jacobian;
+
+use crate::picture::Picture;
+
+/// Why a splat does not reach the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Culled {
+    /// At or before the near plane: z <= near.
+    Near,
+    /// At or beyond the far plane: z >= far.
+    Far,
+    /// Its footprint touches no pixel of the picture.
+    OutsideViewport,
+    /// Its peak is zero or below the smallest opacity that the rules keep.
+    Transparent,
+    /// Its variance on the screen is singular or too large for a double.
+    Degenerate,
+    /// Its position, axes, weight or colour is NaN or infinite.
+    NonFinite,
+}
+
+/// What became of a scene's splats in one drawing; `splats` is the sum of `drawn` and the reasons for culling.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Counts {
+    /// Splats of the scene.
+    pub splats: usize,
+    /// Splats handed to the compositor.
+    pub drawn: usize,
+    /// Culled as [`Culled::Near`].
+    pub near: usize,
+    /// Culled as [`Culled::Far`].
+    pub far: usize,
+    /// Culled as [`Culled::OutsideViewport`].
+    pub outside: usize,
+    /// Culled as [`Culled::Transparent`].
+    pub transparent: usize,
+    /// Culled as [`Culled::Degenerate`].
+    pub degenerate: usize,
+    /// Culled as [`Culled::NonFinite`].
+    pub non_finite: usize,
+    /// Pairs of a splat and a pixel that were blended: inside the cut-off, not too faint, pixel not yet finished.
+    pub covered_pixels: u64,
+}
+
+impl Counts {
+    /// Counts the outcome of projecting each splat; nothing is blended yet.
+    pub fn of_projected<Footprint>(projected: &[Result<Footprint, Culled>]) -> Counts {
+        let mut counts = Counts { splats: projected.len(), ..Counts::default() };
+        for outcome in projected {
+            let counter = match outcome {
+                Ok(_) => &mut counts.drawn,
+                Err(Culled::Near) => &mut counts.near,
+                Err(Culled::Far) => &mut counts.far,
+                Err(Culled::OutsideViewport) => &mut counts.outside,
+                Err(Culled::Transparent) => &mut counts.transparent,
+                Err(Culled::Degenerate) => &mut counts.degenerate,
+                Err(Culled::NonFinite) => &mut counts.non_finite,
+            };
+            *counter += 1;
+        }
+        counts
+    }
+}
+
+/// A picture and what became of the splats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawing {
+    /// The picture.
+    pub picture: Picture,
+    /// The counts.
+    pub counts: Counts,
+}
+
+/// A rectangle of pixels, `x0 <= x < x1` and `y0 <= y < y1`; empty if a pair is not ascending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelBox {
+    /// First column.
+    pub x0: usize,
+    /// First row.
+    pub y0: usize,
+    /// Column after the last.
+    pub x1: usize,
+    /// Row after the last.
+    pub y1: usize,
+}
+
+impl PixelBox {
+    /// Whether there is no pixel inside.
+    pub fn is_empty(&self) -> bool {
+        self.x0 >= self.x1 || self.y0 >= self.y1
+    }
+
+    /// The pixels of both rectangles.
+    pub fn intersection(&self, other: &PixelBox) -> PixelBox {
+        PixelBox {
+            x0: self.x0.max(other.x0),
+            y0: self.y0.max(other.y0),
+            x1: self.x1.min(other.x1),
+            y1: self.y1.min(other.y1),
+        }
+    }
+}
+
+/// The pixels `0..size` whose centres (i + 0.5) lie between `low` and `high`, as a half-open range.
+///
+/// `magnitude` is the size of the numbers that the ends were computed from: the interval is widened by a billionth
+/// of it, so that rounding never loses a pixel. NaN gives everything.
+pub fn pixel_range(low: f64, high: f64, magnitude: f64, size: usize) -> (usize, usize) {
+    let slack = 1e-9 * (1.0 + magnitude);
+    let (low, high) = (low - slack, high + slack);
+    if low.is_nan() || high.is_nan() {
+        return (0, size);
+    }
+    // Casts from float to integer saturate, so bounds far off the screen are safe.
+    let first = (low - 0.5).ceil().max(0.0) as usize;
+    let after_last = ((high - 0.5).floor() + 1.0).max(0.0) as usize;
+    (first, after_last.min(size))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pixel_ranges_hold_the_centres_of_the_interval() {
+        let range = |low, high| pixel_range(low, high, 0.0, 10);
+        assert_eq!(range(0.5, 2.5), (0, 3));
+        assert_eq!(range(0.51, 2.49), (1, 2));
+        assert_eq!(range(-5.0, 100.0), (0, 10));
+        assert_eq!(range(f64::NEG_INFINITY, f64::INFINITY), (0, 10));
+        assert_eq!(range(f64::NAN, 1.0), (0, 10));
+        for (low, high) in [(1e300, 2e300), (-2e300, -1e300), (3.6, 4.4)] {
+            let (first, after_last) = range(low, high);
+            assert!(first >= after_last, "{low} to {high}");
+        }
+    }
+}

@@ -1,7 +1,36 @@
 //! Scenes: what the loaders make of a file and both engines draw.
+//!
+//! | file | loader |
+//! |---|---|
+//! | `.ply`, `.splat`, `.spz` | 3D Gaussians, through one builder that checks and counts |
+//! | `.nrrd`, `.nhdr` | volumes, classified by a [`transfer`] function and shaded per voxel by [`shade`] |
+//! | `demo`, `random:COUNT[:SEED]`, `deep-stack` | no file: the embedded volume and [`synthetic`] scenes |
+
+mod bytes;
+mod error;
+mod gaussian;
+mod load;
+mod nrrd;
+mod ply;
+pub mod shade;
+mod splat_file;
+mod spz;
+pub mod synthetic;
+pub mod transfer;
+mod view;
+mod weights;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::{LoadError, Problem};
+pub use load::{LoadOptions, demo, load};
+pub use transfer::Transfer;
+pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
+use load::read_file;
 
 /// What a splat's weight means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,8 +95,43 @@ pub struct Scene {
 
 impl Scene {
     /// Colours as seen by `camera`, clamped at 0 from below.
+    ///
+    /// Harmonics are evaluated once per splat, for the direction from the eye to its centre, or for the direction of
+    /// view if the projection is parallel.
     pub fn colours(&self, camera: &Camera) -> Vec<[f64; 3]> {
-        let _ = camera;
-        self.splats.iter().map(|s| s.colour).collect()
+        let Some(harmonics) = &self.harmonics else {
+            return self.splats.iter().map(|splat| splat.colour).collect();
+        };
+        let count = gaussian::coefficient_count(harmonics.degree);
+        let coefficients = harmonics.coefficients.chunks_exact(count);
+        let seen = self.splats.iter().zip(&harmonics.base).zip(coefficients);
+        seen.map(|((splat, &base), coefficients)| {
+            gaussian::colour(base, coefficients, direction_of_view(camera, splat.centre))
+        })
+        .collect()
+    }
+}
+
+/// Unit vector from the eye, `-R^T d`, to a place; zero at the eye itself, where only the constant colour is left.
+fn direction_of_view(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
+    let Camera {
+        rotation,
+        translation,
+        ..
+    } = camera;
+    if camera.orthographic {
+        return rotation[2];
+    }
+    let from_eye: [f64; 3] = std::array::from_fn(|axis| {
+        place[axis]
+            + (0..3)
+                .map(|row| rotation[row][axis] * translation[row])
+                .sum::<f64>()
+    });
+    let length = from_eye.iter().map(|part| part * part).sum::<f64>().sqrt();
+    if length > 0.0 {
+        from_eye.map(|part| part / length)
+    } else {
+        [0.0; 3]
     }
 }

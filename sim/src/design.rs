@@ -1,0 +1,300 @@
+//! Designs by name or from a TOML file.
+//!
+//! A file names the design it starts from and the widths it changes:
+//!
+//! ```toml
+//! base = "standard24"   # classic8, lean18, standard24 or deep32
+//! mantissa = 20
+//! alpha = 16
+//! rounding = "truncate" # or "nearest"
+//! traversal = "box"     # or "spans"
+//! ```
+
+use serde::{Deserialize, Serialize};
+use splatline::format::{
+    Classic8, Custom, Deep32, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES, WidthError, Widths,
+};
+use std::path::Path;
+use thiserror::Error;
+
+/// The named designs, from the cheapest to the most accurate.
+pub const NAMES: [&str; 4] = ["classic8", "lean18", "standard24", "deep32"];
+
+/// A design as the command line chose it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DesignChoice {
+    /// Name of the design or of its file.
+    pub name: String,
+    /// Its widths.
+    pub widths: Widths,
+    /// Its own traversal, used unless the command line asks for another.
+    pub traversal: Traversal,
+    named: Option<Named>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Named {
+    Classic8,
+    Lean18,
+    Standard24,
+    Deep32,
+}
+
+/// What is wrong with a design's name or file.
+#[derive(Debug, Error)]
+pub enum DesignError {
+    /// Neither a design's name nor a TOML file's.
+    #[error("unknown design '{0}': expected classic8, lean18, standard24, deep32 or a file that ends in .toml")]
+    UnknownName(String),
+    /// The file cannot be read.
+    #[error("{file}: cannot read the design: {source}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// Not the TOML that is expected.
+    #[error("{file}: {message}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// Names the line and the key.
+        message: String,
+    },
+    /// A width is out of range.
+    #[error("{file}:{line}: {key} = {value} is out of range: allowed are {low} to {high}")]
+    OutOfRange {
+        /// The file.
+        file: String,
+        /// Line of the key, counted from 1.
+        line: usize,
+        /// The key.
+        key: &'static str,
+        /// Value found.
+        value: u8,
+        /// Smallest value allowed.
+        low: u8,
+        /// Largest value allowed.
+        high: u8,
+    },
+}
+
+/// Work that is done for a design, whichever type it has.
+pub trait DesignJob {
+    /// The result.
+    type Output;
+    /// The work itself.
+    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output;
+}
+
+impl DesignChoice {
+    /// A named design, or the design in a TOML file.
+    pub fn load(name: &str) -> Result<Self, DesignError> {
+        match Self::named(name) {
+            Some(choice) => Ok(choice),
+            None if name.ends_with(".toml") => Self::from_file(Path::new(name)),
+            None => Err(DesignError::UnknownName(name.to_owned())),
+        }
+    }
+
+    /// A design of [`NAMES`].
+    pub fn named(name: &str) -> Option<Self> {
+        let (named, widths, traversal) = match name {
+            "classic8" => (Named::Classic8, Classic8::WIDTHS, Traversal::Box),
+            "lean18" => (Named::Lean18, Lean18::WIDTHS, Traversal::Spans),
+            "standard24" => (Named::Standard24, Standard24::WIDTHS, Traversal::Spans),
+            "deep32" => (Named::Deep32, Deep32::WIDTHS, Traversal::Spans),
+            _ => return None,
+        };
+        Some(DesignChoice { name: name.to_owned(), widths, traversal, named: Some(named) })
+    }
+
+    /// The four named designs.
+    pub fn all() -> Vec<Self> {
+        NAMES.iter().filter_map(|name| Self::named(name)).collect()
+    }
+
+    /// The same widths held in fields: what a sweep runs. Bit-identical to the named type.
+    pub fn at_run_time(&self) -> Self {
+        DesignChoice { named: None, ..self.clone() }
+    }
+
+    /// Does the job with the design's own type: constants for named designs, fields for others.
+    pub fn dispatch<J: DesignJob>(&self, job: J) -> J::Output {
+        match self.named {
+            Some(Named::Classic8) => job.run(Classic8),
+            Some(Named::Lean18) => job.run(Lean18),
+            Some(Named::Standard24) => job.run(Standard24),
+            Some(Named::Deep32) => job.run(Deep32),
+            None => job.run(Custom::new(self.widths).expect("widths are checked when a choice is made")),
+        }
+    }
+
+    /// The resolved design for reports.
+    pub fn resolved(&self) -> ResolvedDesign {
+        let mut widths = serde_json::Map::new();
+        for ((field, ..), value) in WIDTH_RANGES.iter().zip(self.widths.numbers()) {
+            widths.insert((*field).to_owned(), value.into());
+        }
+        ResolvedDesign {
+            name: self.name.clone(),
+            traversal: traversal_name(self.traversal),
+            interpolate: self.widths.interpolate,
+            rounding: match self.widths.rounding {
+                Rounding::Nearest => "nearest",
+                Rounding::Truncate => "truncate",
+            },
+            widths,
+        }
+    }
+
+    fn from_file(path: &Path) -> Result<Self, DesignError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| DesignError::Unreadable { file: file.clone(), source })?;
+        Self::from_toml(&file, &text)
+    }
+
+    /// Parses the text of a design file; `file` is its name for messages.
+    pub fn from_toml(file: &str, text: &str) -> Result<Self, DesignError> {
+        let malformed = |message: String| DesignError::Malformed { file: file.to_owned(), message };
+        let parsed: DesignFile = toml::from_str(text).map_err(|error| malformed(error.to_string()))?;
+        let Some(mut choice) = Self::named(&parsed.base) else {
+            return Err(malformed(format!("base = \"{}\": expected one of {}", parsed.base, NAMES.join(", "))));
+        };
+        choice.named = None;
+        choice.name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        parsed.apply(&mut choice);
+        match choice.widths.check() {
+            Ok(()) => Ok(choice),
+            Err(WidthError { field, value, range: (low, high) }) => Err(DesignError::OutOfRange {
+                file: file.to_owned(),
+                line: line_of(text, field),
+                key: field,
+                value,
+                low,
+                high,
+            }),
+        }
+    }
+}
+
+/// A design with every field resolved, as reports show it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ResolvedDesign {
+    /// Name of the design or of its file.
+    pub name: String,
+    /// `box` or `spans`.
+    pub traversal: &'static str,
+    /// Linear interpolation of the footprint table.
+    pub interpolate: bool,
+    /// `nearest` or `truncate`.
+    pub rounding: &'static str,
+    /// Bits of every quantity.
+    pub widths: serde_json::Map<String, serde_json::Value>,
+}
+
+/// Name of a traversal on the command line.
+pub fn traversal_name(traversal: Traversal) -> &'static str {
+    match traversal {
+        Traversal::Box => "box",
+        Traversal::Spans => "spans",
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DesignFile {
+    base: String,
+    view: Option<u8>,
+    mantissa: Option<u8>,
+    subpixel: Option<u8>,
+    radial: Option<u8>,
+    table: Option<u8>,
+    interpolate: Option<bool>,
+    weight: Option<u8>,
+    peak: Option<u8>,
+    alpha: Option<u8>,
+    transmittance: Option<u8>,
+    colour: Option<u8>,
+    accumulator: Option<u8>,
+    rounding: Option<RoundingName>,
+    traversal: Option<TraversalName>,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum RoundingName {
+    Nearest,
+    Truncate,
+}
+
+#[derive(Clone, Copy, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum TraversalName {
+    Box,
+    Spans,
+}
+
+impl DesignFile {
+    fn apply(&self, choice: &mut DesignChoice) {
+        let base = choice.widths;
+        choice.widths = Widths {
+            view: self.view.unwrap_or(base.view),
+            mantissa: self.mantissa.unwrap_or(base.mantissa),
+            subpixel: self.subpixel.unwrap_or(base.subpixel),
+            radial: self.radial.unwrap_or(base.radial),
+            table: self.table.unwrap_or(base.table),
+            interpolate: self.interpolate.unwrap_or(base.interpolate),
+            weight: self.weight.unwrap_or(base.weight),
+            peak: self.peak.unwrap_or(base.peak),
+            alpha: self.alpha.unwrap_or(base.alpha),
+            transmittance: self.transmittance.unwrap_or(base.transmittance),
+            colour: self.colour.unwrap_or(base.colour),
+            accumulator: self.accumulator.unwrap_or(base.accumulator),
+            rounding: match self.rounding {
+                Some(RoundingName::Nearest) => Rounding::Nearest,
+                Some(RoundingName::Truncate) => Rounding::Truncate,
+                None => base.rounding,
+            },
+        };
+        choice.traversal = match self.traversal {
+            Some(TraversalName::Box) => Traversal::Box,
+            Some(TraversalName::Spans) => Traversal::Spans,
+            None => choice.traversal,
+        };
+    }
+}
+
+/// Line, counted from 1, on which `key` is set; 1 if it is not found.
+fn line_of(text: &str, key: &str) -> usize {
+    let sets_key = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    text.lines().position(sets_key).map_or(1, |index| index + 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_changes_its_base() {
+        let text = "base = \"standard24\"\nmantissa = 20\nrounding = \"truncate\"\ntraversal = \"box\"\n";
+        let choice = DesignChoice::from_toml("dir/mine.toml", text).unwrap();
+        let expected = Widths { mantissa: 20, rounding: Rounding::Truncate, ..Standard24::WIDTHS };
+        assert_eq!((choice.name.as_str(), choice.widths, choice.traversal), ("mine", expected, Traversal::Box));
+    }
+
+    #[test]
+    fn errors_name_file_line_and_range() {
+        let message = |text: &str| DesignChoice::from_toml("d.toml", text).unwrap_err().to_string();
+        assert_eq!(
+            message("base = \"lean18\"\n\nmantissa = 40\n"),
+            "d.toml:3: mantissa = 40 is out of range: allowed are 8 to 31"
+        );
+        assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("unknown field `mantisa`"));
+        assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("line 2"));
+        assert!(message("base = \"lean\"").contains("expected one of classic8, lean18"));
+        assert!(message("base = 3").contains("line 1"));
+        assert!(DesignChoice::load("nonesuch").unwrap_err().to_string().contains("unknown design 'nonesuch'"));
+    }
+}

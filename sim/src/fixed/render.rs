@@ -1,0 +1,241 @@
+//! Drawing a quantised scene: setup of every splat, depth order, tiles on all cores.
+
+use super::quantise::{QuantisedScene, kernel_compositing, kernel_rules};
+use crate::camera::Camera;
+use crate::design::{DesignChoice, DesignJob};
+use crate::picture::Picture;
+use crate::rules::{Compositing, Rules};
+use crate::scene::Scene;
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::Footprint;
+use splatline::format::{Design, Traversal, Widths};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::rules as kernel;
+use splatline::setup::{Cull, setup};
+use splatline::target::Target;
+use std::time::Instant;
+
+/// Columns and rows of a tile. Any size gives the same picture; this one keeps a tile's pixels in the first-level cache.
+const TILE: [u16; 2] = [64, 16];
+
+/// Splats drawn into a tile between two checks whether all its pixels have finished.
+const CHECK_INTERVAL: usize = 64;
+
+/// How to draw.
+#[derive(Clone, Debug)]
+pub struct Options<'a> {
+    /// Rules of blending.
+    pub rules: &'a Rules,
+    /// Order and operator.
+    pub compositing: Compositing,
+    /// Widths.
+    pub design: &'a DesignChoice,
+    /// Order of the pixels.
+    pub traversal: Traversal,
+}
+
+/// Wall-clock seconds of each part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Times {
+    /// Quantised splats to footprints.
+    pub setup: f64,
+    /// Depth order and tile lists.
+    pub sort: f64,
+    /// Footprints to pixels.
+    pub raster: f64,
+}
+
+/// What a drawing gives.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// The picture, converted to double precision without further rounding.
+    pub picture: Picture,
+    /// The kernel's pixels, row-major.
+    pub pixels: Vec<Pixel>,
+    /// Splats of the scene.
+    pub splats: usize,
+    /// Splats culled, by reason, in the order of [`Cull::ALL`].
+    pub culled: [usize; Cull::ALL.len()],
+    /// Splats of which a coordinate or colour was clamped to its format.
+    pub clamped: usize,
+    /// Pixels visited and covered.
+    pub coverage: Coverage,
+    /// Time taken.
+    pub times: Times,
+}
+
+/// Footprints of all splats, in the scene's order.
+pub fn footprints(scene: &Scene, camera: &Camera, options: &Options) -> Vec<Result<Footprint, Cull>> {
+    struct Job<'a>(&'a QuantisedScene, &'a kernel::Rules);
+    impl DesignJob for Job<'_> {
+        type Output = Vec<Result<Footprint, Cull>>;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+            set_up(design, self.0, self.1)
+        }
+    }
+    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    options.design.dispatch(Job(&quantised, &kernel_rules(options.rules)))
+}
+
+fn set_up<D: Design + Send + Sync>(
+    design: D,
+    quantised: &QuantisedScene,
+    rules: &kernel::Rules,
+) -> Vec<Result<Footprint, Cull>> {
+    quantised.splats.par_iter().map(|splat| setup(design, &quantised.view, rules, splat)).collect()
+}
+
+/// Draws `scene` as `camera` sees it.
+pub fn draw(scene: &Scene, camera: &Camera, options: &Options) -> Drawing {
+    struct Job<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>);
+    impl DesignJob for Job<'_> {
+        type Output = Drawing;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Drawing {
+            draw_with(design, self.0, self.1, self.2)
+        }
+    }
+    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    options.design.dispatch(Job(&quantised, camera, options))
+}
+
+fn draw_with<D: Design + Send + Sync>(
+    design: D,
+    quantised: &QuantisedScene,
+    camera: &Camera,
+    options: &Options,
+) -> Drawing {
+    let rules = kernel_rules(options.rules);
+    let started = Instant::now();
+    let results = set_up(design, quantised, &rules);
+    let mut culled = [0; Cull::ALL.len()];
+    let mut footprints = Vec::with_capacity(results.len());
+    for result in &results {
+        match result {
+            Ok(footprint) => footprints.push(*footprint),
+            Err(reason) => culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1,
+        }
+    }
+    let set_up_at = started.elapsed().as_secs_f64();
+    let order = depth_order(&footprints, options.compositing);
+    let tiles = TileLists::new(&footprints, &order, quantised.view.viewport);
+    let sorted_at = started.elapsed().as_secs_f64();
+    let (pixels, coverage) = raster(design, &rules, &footprints, &tiles, options);
+    let times =
+        Times { setup: set_up_at, sort: sorted_at - set_up_at, raster: started.elapsed().as_secs_f64() - sorted_at };
+    let picture = to_picture(&pixels, camera, &design.widths());
+    let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
+    Drawing { picture, pixels, splats, culled, clamped, coverage, times }
+}
+
+/// Indices of the footprints by depth, nearest first (farthest first for back to front), ties by index.
+fn depth_order(footprints: &[Footprint], compositing: Compositing) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..footprints.len() as u32).collect();
+    order.par_sort_by_key(|index| footprints[*index as usize].depth);
+    if compositing == Compositing::BackToFront {
+        order.reverse();
+    }
+    order
+}
+
+/// For every tile the footprints whose box touches it, in drawing order.
+struct TileLists {
+    viewport: [u16; 2],
+    columns: usize,
+    lists: Vec<Vec<u32>>,
+}
+
+impl TileLists {
+    fn new(footprints: &[Footprint], order: &[u32], viewport: [u16; 2]) -> Self {
+        let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(TILE[axis])));
+        let mut lists = vec![Vec::new(); columns * rows];
+        for index in order {
+            let footprint = &footprints[*index as usize];
+            let tile = |pixel: u16, axis: usize| usize::from(pixel / TILE[axis]);
+            for y in tile(footprint.first[1], 1)..=tile(footprint.last[1] - 1, 1) {
+                for x in tile(footprint.first[0], 0)..=tile(footprint.last[0] - 1, 0) {
+                    lists[y * columns + x].push(*index);
+                }
+            }
+        }
+        TileLists { viewport, columns, lists }
+    }
+
+    fn window(&self, tile: usize) -> Window {
+        let first = [(tile % self.columns) as u16 * TILE[0], (tile / self.columns) as u16 * TILE[1]];
+        let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(self.viewport[axis]));
+        Window { first, last }
+    }
+}
+
+fn raster<D: Design + Send + Sync>(
+    design: D,
+    rules: &kernel::Rules,
+    footprints: &[Footprint],
+    tiles: &TileLists,
+    options: &Options,
+) -> (Vec<Pixel>, Coverage) {
+    let widths = design.widths();
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, rules.table_range);
+    let Ok(table) = FootprintTable::new(&memory, &widths, rules.table_range) else {
+        unreachable!("the table has just been made for these widths")
+    };
+    let painter = Painter::new(design, rules, table, kernel_compositing(options.compositing), options.traversal);
+    let parts: Vec<(Vec<Pixel>, Coverage)> = (0..tiles.lists.len())
+        .into_par_iter()
+        .map(|tile| paint_tile(&painter, &widths, footprints, &tiles.lists[tile], tiles.window(tile)))
+        .collect();
+    let [width, height] = tiles.viewport.map(usize::from);
+    let mut frame = vec![Pixel::clear(&widths); width * height];
+    let mut coverage = Coverage::default();
+    for (tile, (pixels, part)) in parts.iter().enumerate() {
+        coverage += *part;
+        let window = tiles.window(tile);
+        let columns = usize::from(window.last[0] - window.first[0]);
+        for (row, y) in pixels.chunks_exact(columns).zip(usize::from(window.first[1])..) {
+            let start = y * width + usize::from(window.first[0]);
+            frame[start..start + columns].copy_from_slice(row);
+        }
+    }
+    (frame, coverage)
+}
+
+fn paint_tile<D: Design>(
+    painter: &Painter<D>,
+    widths: &Widths,
+    footprints: &[Footprint],
+    list: &[u32],
+    window: Window,
+) -> (Vec<Pixel>, Coverage) {
+    let columns = usize::from(window.last[0] - window.first[0]);
+    let rows = usize::from(window.last[1] - window.first[1]);
+    let mut pixels = vec![Pixel::clear(widths); columns * rows];
+    let mut coverage = Coverage::default();
+    let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
+        unreachable!("the tile's memory has just been made for its window")
+    };
+    for part in list.chunks(CHECK_INTERVAL) {
+        for index in part {
+            coverage += painter.draw(&footprints[*index as usize], &mut target);
+        }
+        if target.is_finished() {
+            break;
+        }
+    }
+    (pixels, coverage)
+}
+
+/// Colour and 1 - T in units of 1.0.
+fn to_picture(pixels: &[Pixel], camera: &Camera, widths: &Widths) -> Picture {
+    let colour_unit = f64::from(widths.accumulator).exp2();
+    let opaque = f64::from(widths.transmittance).exp2();
+    let mut picture = Picture::new(camera.width, camera.height);
+    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
+        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
+        *out = [r, g, b, 1.0 - f64::from(pixel.clear_share()) / opaque];
+    }
+    picture
+}

@@ -1,0 +1,235 @@
+//! Depth order, binning and blending, shared by both engines of the reference.
+//!
+//! Splats are ordered by depth, ties by index, and blended pixel by pixel ([EWA] 4.1 "every-sample" compositing;
+//! X-ray: [SWAN] 3.1). The picture is cut into bands of rows that rayon draws side by side, and each band into
+//! tiles: a tile goes through its splats in order and skips the rest once every pixel is finished. Only speed
+//! depends on the cutting: a pixel meets its splats in the same order as in a loop over all of them.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use super::{Counts, Culled, Drawing, PixelBox};
+use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::rules::{Compositing, Rules};
+
+/// Columns and rows of a tile.
+const TILE: usize = 16;
+
+/// Told the rows done and the rows in all, from any thread.
+pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+
+/// A splat on the screen, as the compositor needs it.
+pub trait Projected: Send + Sync {
+    /// Pixels outside of which the splat leaves no trace.
+    fn bounds(&self) -> PixelBox;
+
+    /// The depth to order by.
+    fn depth(&self) -> f64;
+
+    /// Linear RGB.
+    fn colour(&self) -> [f64; 3];
+
+    /// Radial index r and peak opacity at a point of the picture, in pixels.
+    fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64);
+
+    /// The columns `x0 <= x < x1` outside of which the splat leaves no trace on the row at height `y`.
+    fn row_span(&self, y: f64) -> (usize, usize) {
+        let _ = y;
+        (self.bounds().x0, self.bounds().x1)
+    }
+}
+
+/// Indices of the splats that were not culled: nearest first, equal depths in the order of their indices.
+pub fn order<Splat: Projected>(projected: &[Result<Splat, Culled>]) -> Vec<usize> {
+    let drawn = projected.iter().enumerate().filter_map(|(index, outcome)| {
+        let splat = outcome.as_ref().ok()?;
+        Some((splat.depth(), index))
+    });
+    let mut ordered: Vec<(f64, usize)> = drawn.collect();
+    ordered.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    ordered.into_iter().map(|(_, index)| index).collect()
+}
+
+/// The opacity of a splat at a point of the picture, or nothing where the rules leave it out.
+pub fn opacity(splat: &impl Projected, point: [f64; 2], rules: &Rules) -> Option<f64> {
+    let (radial_index, peak) = splat.radial_index_and_peak(point);
+    let opacity = rules.alpha_max.min(peak * (-0.5 * radial_index).exp());
+    // Written so that a NaN, which f64::min would turn into alpha_max, is left out.
+    let inside = radial_index < rules.cutoff && peak > 0.0;
+    (inside && opacity > 0.0 && opacity >= rules.alpha_min).then_some(opacity)
+}
+
+/// Draws projected splats.
+pub fn draw<Splat: Projected>(
+    projected: &[Result<Splat, Culled>],
+    camera: &Camera,
+    rules: &Rules,
+    compositing: Compositing,
+    progress: Progress,
+) -> Drawing {
+    let mut counts = Counts::of_projected(projected);
+    let mut picture = Picture::new(camera.width, camera.height);
+    if picture.pixels.is_empty() {
+        return Drawing { picture, counts };
+    }
+    let mut ordered: Vec<&Splat> = order(projected).iter().filter_map(|&i| projected[i].as_ref().ok()).collect();
+    if compositing == Compositing::BackToFront {
+        ordered.reverse();
+    }
+    let rows_done = AtomicUsize::new(0);
+    let bands = picture.pixels.par_chunks_mut(camera.width * TILE).enumerate();
+    let covered = bands.map(|(band, pixels)| {
+        let covered = draw_band(&ordered, band * TILE, camera.width, pixels, rules, compositing);
+        let rows = pixels.len() / camera.width;
+        progress(rows_done.fetch_add(rows, Ordering::Relaxed) + rows, camera.height);
+        covered
+    });
+    counts.covered_pixels = covered.sum();
+    Drawing { picture, counts }
+}
+
+/// Draws a band of rows from `y0` into its part of the picture; returns the pairs of splat and pixel blended.
+fn draw_band<Splat: Projected>(
+    ordered: &[&Splat],
+    y0: usize,
+    width: usize,
+    pixels: &mut [[f64; 4]],
+    rules: &Rules,
+    compositing: Compositing,
+) -> u64 {
+    let touching = |splats: &[&Splat], area: PixelBox| -> Vec<usize> {
+        let touches = |&i: &usize| !splats[i].bounds().intersection(&area).is_empty();
+        (0..splats.len()).filter(touches).collect()
+    };
+    let y1 = y0 + pixels.len() / width;
+    let of_band = touching(ordered, PixelBox { x0: 0, y0, x1: width, y1 });
+    let of_band: Vec<&Splat> = of_band.into_iter().map(|i| ordered[i]).collect();
+    let mut covered = 0;
+    for x0 in (0..width).step_by(TILE) {
+        let mut tile = Tile::new(PixelBox { x0, y0, x1: (x0 + TILE).min(width), y1 });
+        for i in touching(&of_band, tile.area) {
+            if tile.unfinished == 0 {
+                break;
+            }
+            covered += tile.add(of_band[i], rules, compositing);
+        }
+        tile.store(&mut pixels[x0..], width, compositing);
+    }
+    covered
+}
+
+/// A pixel that is being gathered.
+#[derive(Clone, Copy)]
+struct Pixel {
+    /// Premultiplied colour so far.
+    colour: [f64; 3],
+    /// Product of 1 - opacity so far.
+    transmittance: f64,
+    /// Sum of the opacities so far, for X-ray.
+    opacity_sum: f64,
+    /// Whether later splats are skipped.
+    finished: bool,
+}
+
+impl Pixel {
+    const EMPTY: Pixel = Pixel { colour: [0.0; 3], transmittance: 1.0, opacity_sum: 0.0, finished: false };
+
+    /// Gathers one splat; returns whether it was blended.
+    fn add(&mut self, opacity: f64, colour: [f64; 3], rules: &Rules, compositing: Compositing) -> bool {
+        match compositing {
+            Compositing::FrontToBack => self.add_behind(opacity, colour, rules),
+            Compositing::BackToFront => self.add_in_front(opacity, colour),
+            Compositing::XRay => self.sum_up(opacity, colour),
+        }
+    }
+
+    fn add_behind(&mut self, opacity: f64, colour: [f64; 3], rules: &Rules) -> bool {
+        let next = self.transmittance * (1.0 - opacity);
+        self.finished = next <= rules.stop;
+        if self.finished && rules.stop_before {
+            return false;
+        }
+        for (sum, channel) in self.colour.iter_mut().zip(colour) {
+            *sum += self.transmittance * opacity * channel;
+        }
+        self.transmittance = next;
+        true
+    }
+
+    fn add_in_front(&mut self, opacity: f64, colour: [f64; 3]) -> bool {
+        for (sum, channel) in self.colour.iter_mut().zip(colour) {
+            *sum = *sum * (1.0 - opacity) + opacity * channel;
+        }
+        self.transmittance *= 1.0 - opacity;
+        true
+    }
+
+    fn sum_up(&mut self, opacity: f64, colour: [f64; 3]) -> bool {
+        for (sum, channel) in self.colour.iter_mut().zip(colour) {
+            *sum += opacity * channel;
+        }
+        self.opacity_sum += opacity;
+        true
+    }
+
+    /// RGBA as the picture holds it.
+    fn output(&self, compositing: Compositing) -> [f64; 4] {
+        let [r, g, b] = self.colour;
+        match compositing {
+            Compositing::XRay => [r, g, b, self.opacity_sum].map(|sum| sum.min(1.0)),
+            _ => [r, g, b, 1.0 - self.transmittance],
+        }
+    }
+}
+
+/// A rectangle of pixels that are being gathered.
+struct Tile {
+    area: PixelBox,
+    /// Row by row, `TILE` to a row.
+    pixels: [Pixel; TILE * TILE],
+    /// Pixels that still take splats.
+    unfinished: usize,
+}
+
+impl Tile {
+    fn new(area: PixelBox) -> Tile {
+        let unfinished = (area.x1 - area.x0) * (area.y1 - area.y0);
+        Tile { area, pixels: [Pixel::EMPTY; TILE * TILE], unfinished }
+    }
+
+    /// Gathers one splat; returns in how many pixels it was blended.
+    fn add(&mut self, splat: &impl Projected, rules: &Rules, compositing: Compositing) -> u64 {
+        let inside = self.area.intersection(&splat.bounds());
+        let colour = splat.colour();
+        let mut covered = 0;
+        for y in inside.y0..inside.y1 {
+            let centre_y = y as f64 + 0.5;
+            let (x0, x1) = splat.row_span(centre_y);
+            let row = (y - self.area.y0) * TILE;
+            for x in inside.x0.max(x0)..inside.x1.min(x1) {
+                let pixel = &mut self.pixels[row + x - self.area.x0];
+                if pixel.finished {
+                    continue;
+                }
+                let Some(opacity) = opacity(splat, [x as f64 + 0.5, centre_y], rules) else {
+                    continue;
+                };
+                covered += u64::from(pixel.add(opacity, colour, rules, compositing));
+                self.unfinished -= usize::from(pixel.finished);
+            }
+        }
+        covered
+    }
+
+    /// Writes the tile to rows that start at its first pixel and are `stride` apart.
+    fn store(&self, rows: &mut [[f64; 4]], stride: usize, compositing: Compositing) {
+        let width = self.area.x1 - self.area.x0;
+        for (target, gathered) in rows.chunks_mut(stride).zip(self.pixels.chunks(TILE)) {
+            for (target, pixel) in target.iter_mut().zip(&gathered[..width]) {
+                *target = pixel.output(compositing);
+            }
+        }
+    }
+}

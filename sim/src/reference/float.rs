@@ -1,0 +1,196 @@
+//! Engine `float`: EWA volume splatting in double precision, straight from the papers' formulas.
+//!
+//! System 1 of DESIGN section 2 ([EWA] 6.2 and 7.1): centre t = W u + d, Jacobian of the perspective map at the
+//! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
+//! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
+
+use rayon::prelude::*;
+
+use super::compositor::{self, Projected};
+use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
+use super::{Culled, Drawing, PixelBox, pixel_range};
+use crate::camera::Camera;
+use crate::rules::{Compositing, Rules};
+use crate::scene::{Scene, Splat};
+use crate::vector;
+
+/// How far, in half pictures, the clamp of the Jacobian's slopes reaches beyond the picture's edge.
+const CLAMP_MARGIN: f64 = 0.3;
+
+/// Widens the radial index at which a splat becomes too faint, so that rounding never loses a pixel: the pixel's own
+/// opacity decides in the end.
+const CUTOFF_SLACK: f64 = 1e-9;
+
+/// A splat on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Footprint {
+    /// Centre [u, v], pixels.
+    pub centre: [f64; 2],
+    /// Camera-space z of the centre.
+    pub depth: f64,
+    /// Variance matrix including the low-pass filter, and its determinant.
+    pub variance: ScreenVariance,
+    /// Conic (A, B, C): r = A x^2 + 2 B x y + C y^2.
+    pub conic: [f64; 3],
+    /// Opacity at r = 0, before the clamp to `alpha_max`.
+    pub peak: f64,
+    /// Radial index at which the footprint ends: the rules' cut-off, or earlier where it becomes too faint.
+    pub cutoff: f64,
+    /// Pixels that may lie inside the cut-off.
+    pub bounds: PixelBox,
+    /// Linear RGB.
+    pub colour: [f64; 3],
+}
+
+/// Projects one splat of the given weight (as the rules need it) and colour.
+pub fn project(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+) -> Result<Footprint, Culled> {
+    let position = visible_position(splat, weight, colour, camera)?;
+    let depth = position[2];
+    let jacobian = Jacobian::at(camera, jacobian_slope(position, camera, rules), depth);
+    let axes = CameraAxes::new(&splat.axes, camera);
+    let variance = ScreenVariance::new(&axes, &jacobian, rules.low_pass);
+    let centre = screen_position(position, camera);
+    if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
+        return Err(Culled::Degenerate);
+    }
+    // [EWA] eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
+    let peak = match rules.normalised {
+        true => weight * jacobian.determinant() * variance.normalised_peak(),
+        false => weight,
+    };
+    let cutoff = effective_cutoff(peak, rules)?;
+    let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
+    if bounds.is_empty() {
+        return Err(Culled::OutsideViewport);
+    }
+    Ok(Footprint { centre, depth, variance, conic: variance.conic(), peak, cutoff, bounds, colour })
+}
+
+/// Projects every splat of the scene, in the scene's order.
+pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<Footprint, Culled>> {
+    let weights = scene.weights_for(rules);
+    let colours = scene.colours(camera);
+    let splats = scene.splats.par_iter().zip(weights).zip(colours);
+    splats.map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules)).collect()
+}
+
+/// Draws the scene; the caller's rayon pool decides the number of threads.
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, compositing: Compositing) -> Drawing {
+    draw_with_progress(scene, camera, rules, compositing, &|_, _| ())
+}
+
+/// Like [`draw`], reporting the rows done and the rows in all.
+pub fn draw_with_progress(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    compositing: Compositing,
+    progress: compositor::Progress,
+) -> Drawing {
+    compositor::draw(&footprints(scene, camera, rules), camera, rules, compositing, progress)
+}
+
+impl Projected for Footprint {
+    fn bounds(&self) -> PixelBox {
+        self.bounds
+    }
+
+    fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    fn colour(&self) -> [f64; 3] {
+        self.colour
+    }
+
+    fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {
+        let offset = [point[0] - self.centre[0], point[1] - self.centre[1]];
+        (self.variance.radial_index(offset), self.peak)
+    }
+
+    /// From r < cutoff with the square completed (DESIGN section 4.2): no pixel outside the ellipse is visited.
+    fn row_span(&self, y: f64) -> (usize, usize) {
+        let dy = y - self.centre[1];
+        let ScreenVariance { b, c, determinant, .. } = self.variance;
+        let left_over = (self.cutoff - dy * dy / c).max(0.0);
+        let middle = self.centre[0] + b / c * dy;
+        let half_width = (left_over * determinant / c).sqrt();
+        let magnitude = self.centre[0].abs() + half_width;
+        let (x0, x1) = pixel_range(middle - half_width, middle + half_width, magnitude, self.bounds.x1);
+        (x0.max(self.bounds.x0), x1)
+    }
+}
+
+/// The splat's centre in camera space, unless a number is not finite or it lies outside near and far.
+pub(super) fn visible_position(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+) -> Result<[f64; 3], Culled> {
+    let mut vectors = splat.axes.iter().chain([&splat.centre, &colour]);
+    if !(weight.is_finite() && vectors.all(|&numbers| vector::is_finite(numbers))) {
+        return Err(Culled::NonFinite);
+    }
+    let position = camera.to_camera(splat.centre);
+    if !vector::is_finite(position) {
+        return Err(Culled::Degenerate);
+    }
+    match position[2] {
+        z if z <= camera.near => Err(Culled::Near),
+        z if z >= camera.far => Err(Culled::Far),
+        _ => Ok(position),
+    }
+}
+
+/// Where a point of camera space lies in the picture, pixels.
+pub(super) fn screen_position(position: [f64; 3], camera: &Camera) -> [f64; 2] {
+    let [x, y, z] = position;
+    let distance = if camera.orthographic { 1.0 } else { z };
+    [camera.fx * x / distance + camera.cx, camera.fy * y / distance + camera.cy]
+}
+
+/// The radial index beyond which neither the cut-off nor the smallest opacity lets a pixel through.
+pub(super) fn effective_cutoff(peak: f64, rules: &Rules) -> Result<f64, Culled> {
+    if peak.is_infinite() || peak.is_nan() {
+        return Err(Culled::Degenerate);
+    }
+    if peak <= 0.0 || peak < rules.alpha_min {
+        return Err(Culled::Transparent);
+    }
+    // peak exp(-r/2) >= alpha_min; without a smallest opacity the logarithm is infinite, as it should be.
+    let faint = 2.0 * (peak / rules.alpha_min).ln() + CUTOFF_SLACK;
+    Ok(rules.cutoff.min(faint))
+}
+
+/// The slopes at which J is taken: the centre's own, or clamped to the widened frustum as `3dgs` asks.
+fn jacobian_slope(position: [f64; 3], camera: &Camera, rules: &Rules) -> [f64; 2] {
+    let [x, y, z] = position;
+    if !rules.clamp_jacobian {
+        return [x / z, y / z];
+    }
+    let clamped = |slope: f64, size: usize, centre: f64, focal_length: f64| {
+        let size = size as f64;
+        let margin = CLAMP_MARGIN * 0.5 * size / focal_length;
+        let (low, high) = (-(centre / focal_length + margin), (size - centre) / focal_length + margin);
+        // Not `clamp`, which panics where a principal point far off the picture turns the bounds around.
+        slope.min(high).max(low)
+    };
+    [clamped(x / z, camera.width, camera.cx, camera.fx), clamped(y / z, camera.height, camera.cy, camera.fy)]
+}
+
+/// The pixels of the ellipse r < cutoff: its half extents are sqrt(cutoff a) and sqrt(cutoff c).
+fn ellipse_bounds(centre: [f64; 2], variance: &ScreenVariance, cutoff: f64, camera: &Camera) -> PixelBox {
+    let half_width = (cutoff * variance.a).sqrt();
+    let half_height = (cutoff * variance.c).sqrt();
+    let range = |centre: f64, half: f64, size| pixel_range(centre - half, centre + half, centre.abs() + half, size);
+    let (x0, x1) = range(centre[0], half_width, camera.width);
+    let (y0, y1) = range(centre[1], half_height, camera.height);
+    PixelBox { x0, y0, x1, y1 }
+}

@@ -1,0 +1,258 @@
+//! Independent data to measure the reference against: 256 hard Gaussians in ten categories.
+//!
+//! The data set (`golden_a_*`, not part of the repository) was computed by other people's code under the `3dgs`
+//! rules: projections in double precision, conics in 60-digit arithmetic, and one 64 x 64 picture per category.
+//! The tests hold the reference to it, and the command line can print the same table.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{Context, Result, ensure};
+
+use super::float;
+use super::{Culled, compositor};
+use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::rules::{Compositing, Rules};
+use crate::scene::{Scene, Skipped, Splat, Weight};
+
+/// The category whose picture holds all splats.
+pub const ALL: &str = "all";
+
+const SPLATS_FILE: &str = "golden_a_splats.tsv";
+
+/// One splat of the data set with what others computed for it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GoldenSplat {
+    /// What makes it hard.
+    pub category: String,
+    /// The splat; its weight is the opacity.
+    pub splat: Splat,
+    /// Centre [u, v] in the picture, pixels; infinite at depth zero.
+    pub centre: [f64; 2],
+    /// Camera-space z.
+    pub depth: f64,
+    /// The source culled the splat, by the near plane or because it saw no pixel of it.
+    pub culled: bool,
+    /// The slopes of the Jacobian were clamped.
+    pub clamped: bool,
+    /// Conic (A, B, C) in 60-digit arithmetic, with low-pass; NaN at depth zero.
+    pub exact_conic: [f64; 3],
+}
+
+/// The data set.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GoldenA {
+    /// The camera of the header.
+    pub camera: Camera,
+    /// The `3dgs` rules with the low-pass of the header.
+    pub rules: Rules,
+    /// All splats, in the order of the file.
+    pub splats: Vec<GoldenSplat>,
+    /// The categories in the order of their first splat, then [`ALL`].
+    pub categories: Vec<String>,
+}
+
+/// Largest differences between the reference and the data set within one category.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Deviation {
+    /// The category.
+    pub category: String,
+    /// Splats compared.
+    pub splats: usize,
+    /// Largest difference of an entry of the conic over its largest entry.
+    pub conic: f64,
+    /// Largest difference of the centre, pixels, over the larger of 1 and the distance from the origin.
+    pub centre: f64,
+    /// Largest difference of a channel of the picture, in units of 1.0.
+    pub picture: f64,
+}
+
+impl GoldenA {
+    /// Reads the splats of the data set in `folder`.
+    pub fn load(folder: &Path) -> Result<GoldenA> {
+        let path = folder.join(SPLATS_FILE);
+        let text = fs::read_to_string(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        parse(&text).with_context(|| format!("in '{}'", path.display()))
+    }
+
+    /// Reads the picture of a category.
+    pub fn picture(&self, folder: &Path, category: &str) -> Result<Picture> {
+        let path = folder.join(format!("golden_a_img_{category}_ma0.999.txt"));
+        let text = fs::read_to_string(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        let mut picture = Picture { pixels: Vec::new(), ..Picture::new(self.camera.width, self.camera.height) };
+        for line in data_lines(&text) {
+            picture.pixels.push(numbers(line).with_context(|| format!("in '{}'", path.display()))?);
+        }
+        let expected = self.camera.width * self.camera.height;
+        ensure!(picture.pixels.len() == expected, "'{}' does not hold {expected} pixels", path.display());
+        Ok(picture)
+    }
+
+    /// The splats of a category.
+    pub fn members(&self, category: &str) -> impl Iterator<Item = &GoldenSplat> {
+        self.splats.iter().filter(move |golden| category == ALL || golden.category == category)
+    }
+
+    /// The splats of a category as a scene.
+    pub fn scene(&self, category: &str) -> Scene {
+        Scene {
+            name: format!("golden_a {category}"),
+            natural_rules: self.rules,
+            weight: Weight::Opacity,
+            splats: self.members(category).map(|golden| golden.splat).collect(),
+            harmonics: None,
+            skipped: Skipped::default(),
+            up: [0.0, -1.0, 0.0],
+        }
+    }
+
+    /// Measures engine `float` against the data set, category by category.
+    pub fn measure(&self, folder: &Path) -> Result<Vec<Deviation>> {
+        self.categories.iter().map(|category| self.measure_category(folder, category)).collect()
+    }
+
+    fn measure_category(&self, folder: &Path, category: &str) -> Result<Deviation> {
+        let scene = self.scene(category);
+        let projected = float::footprints(&scene, &self.camera, &self.rules);
+        let mut deviation =
+            Deviation { category: category.to_string(), splats: 0, conic: 0.0, centre: 0.0, picture: 0.0 };
+        for (golden, outcome) in self.members(category).zip(&projected) {
+            let Ok(footprint) = outcome else { continue };
+            deviation.splats += 1;
+            deviation.conic = largest(deviation.conic, conic_difference(footprint.conic, golden.exact_conic));
+            deviation.centre = largest(deviation.centre, centre_difference(footprint.centre, golden.centre));
+        }
+        let drawing =
+            compositor::draw(&projected, &self.camera, &self.rules, Compositing::FrontToBack, &|_, _| ());
+        let expected = self.picture(folder, category)?;
+        let channels = drawing.picture.pixels.iter().flatten().zip(expected.pixels.iter().flatten());
+        for (computed, expected) in channels {
+            deviation.picture = largest(deviation.picture, (computed - expected).abs());
+        }
+        Ok(deviation)
+    }
+
+    /// Splats that only one side culls: the source culls by a coarser bound, so it may only cull more.
+    pub fn culled_here_only(&self) -> Vec<(usize, Culled)> {
+        let projected = float::footprints(&self.scene(ALL), &self.camera, &self.rules);
+        let outcomes = self.splats.iter().zip(projected).enumerate();
+        outcomes
+            .filter_map(|(index, (golden, outcome))| outcome.err().filter(|_| !golden.culled).map(|why| (index, why)))
+            .collect()
+    }
+}
+
+/// Largest difference of an entry over the largest entry.
+pub fn conic_difference(computed: [f64; 3], exact: [f64; 3]) -> f64 {
+    let scale = exact.iter().fold(0.0_f64, |scale, entry| scale.max(entry.abs()));
+    computed.iter().zip(exact).fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
+}
+
+fn centre_difference(computed: [f64; 2], expected: [f64; 2]) -> f64 {
+    let scale = expected.iter().fold(1.0_f64, |scale, entry| scale.max(entry.abs()));
+    computed.iter().zip(expected).fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
+}
+
+/// Like `f64::max`, but a NaN is as bad as can be instead of ignored.
+fn largest(sofar: f64, difference: f64) -> f64 {
+    if difference.is_nan() { f64::INFINITY } else { sofar.max(difference) }
+}
+
+fn data_lines(text: &str) -> impl Iterator<Item = &str> {
+    text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty())
+}
+
+fn numbers<const N: usize>(line: &str) -> Result<[f64; N]> {
+    let fields: Vec<f64> = line
+        .split(|c: char| c == ',' || c.is_whitespace())
+        .map(|field| field.parse().with_context(|| format!("'{field}' is not a number")))
+        .collect::<Result<_>>()?;
+    let found = fields.len();
+    fields.try_into().ok().with_context(|| format!("expected {N} numbers, found {found}"))
+}
+
+/// The value of `key=value` in the comment lines.
+fn header_value<'a>(text: &'a str, key: &str) -> Result<&'a str> {
+    let words = text.lines().filter(|line| line.starts_with('#')).flat_map(str::split_whitespace);
+    let mut values = words.filter_map(|word| word.split_once('=')).filter(|(name, _)| name.starts_with(key));
+    values.next().map(|(_, value)| value).with_context(|| format!("the header does not give '{key}'"))
+}
+
+fn header_number(text: &str, key: &str) -> Result<f64> {
+    Ok(numbers::<1>(header_value(text, key)?)?[0])
+}
+
+fn parse(text: &str) -> Result<GoldenA> {
+    let camera = parse_camera(text)?;
+    let rules = Rules { low_pass: header_number(text, "eps2d")?, ..Rules::GAUSSIAN_3D };
+    let mut lines = data_lines(text);
+    let names: Vec<&str> = lines.next().context("the table is empty")?.split('\t').collect();
+    let splats: Vec<GoldenSplat> = lines
+        .enumerate()
+        .map(|(row, line)| parse_splat(&names, line).with_context(|| format!("row {row} of the table")))
+        .collect::<Result<_>>()?;
+    let mut categories: Vec<String> = Vec::new();
+    for golden in &splats {
+        if !categories.contains(&golden.category) {
+            categories.push(golden.category.clone());
+        }
+    }
+    categories.push(ALL.to_string());
+    Ok(GoldenA { camera, rules, splats, categories })
+}
+
+fn parse_camera(text: &str) -> Result<Camera> {
+    let [fx, fy, cx, cy] = numbers(header_value(text, "fx,fy,cx,cy")?)?;
+    let view: [f64; 16] = numbers(header_value(text, "viewmat")?)?;
+    let file = serde_json::json!({
+        "width": header_value(text, "W")?.parse::<usize>()?,
+        "height": header_value(text, "H")?.parse::<usize>()?,
+        "fx": fx, "fy": fy, "cx": cx, "cy": cy,
+        "world_to_camera": view,
+        "near": header_number(text, "near")?,
+        "far": header_number(text, "far")?,
+    });
+    Ok(Camera::from_json_str(&file.to_string())?)
+}
+
+fn parse_splat(names: &[&str], line: &str) -> Result<GoldenSplat> {
+    let fields: Vec<&str> = line.split('\t').collect();
+    ensure!(fields.len() == names.len(), "{} columns instead of {}", fields.len(), names.len());
+    let text = |name: &str| -> Result<&str> {
+        let column = names.iter().position(|&n| n == name);
+        column.map(|column| fields[column]).with_context(|| format!("there is no column '{name}'"))
+    };
+    let number = |name: &str| -> Result<f64> {
+        text(name)?.parse().with_context(|| format!("column '{name}' is not a number"))
+    };
+    let triple = |names: [&str; 3]| Ok::<_, anyhow::Error>([number(names[0])?, number(names[1])?, number(names[2])?]);
+    let quaternion = [number("qw")?, number("qx")?, number("qy")?, number("qz")?];
+    Ok(GoldenSplat {
+        category: text("cat")?.to_string(),
+        splat: Splat {
+            centre: triple(["mx", "my", "mz"])?,
+            axes: rotated_axes(quaternion, triple(["sx", "sy", "sz"])?),
+            weight: number("opac")?,
+            colour: triple(["r", "g", "b"])?,
+        },
+        centre: [number("u")?, number("v")?],
+        depth: number("depth")?,
+        culled: number("rx")? == 0.0 && number("ry")? == 0.0,
+        clamped: number("clamped")? != 0.0,
+        exact_conic: triple(["exact_conA", "exact_conB", "exact_conC"])?,
+    })
+}
+
+/// The axes of a splat: the coordinate axes, scaled, then turned by a quaternion (w, x, y, z) of any length.
+pub fn rotated_axes(quaternion: [f64; 4], scales: [f64; 3]) -> [[f64; 3]; 3] {
+    let [w, x, y, z] = quaternion;
+    let twice = 2.0 / (w * w + x * x + y * y + z * z);
+    let columns = [
+        [1.0 - twice * (y * y + z * z), twice * (x * y + w * z), twice * (x * z - w * y)],
+        [twice * (x * y - w * z), 1.0 - twice * (x * x + z * z), twice * (y * z + w * x)],
+        [twice * (x * z + w * y), twice * (y * z - w * x), 1.0 - twice * (x * x + y * y)],
+    ];
+    let [s1, s2, s3] = scales;
+    [columns[0].map(|c| s1 * c), columns[1].map(|c| s2 * c), columns[2].map(|c| s3 * c)]
+}

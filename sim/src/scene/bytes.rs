@@ -1,0 +1,240 @@
+//! Reading bytes that come from strangers: every access is bounded and nothing is allocated on a header's word alone.
+//!
+//! Plain data must be there before it is counted; compressed data may claim at most what deflate can unpack from the
+//! bytes at hand ([`MAX_DEFLATE_RATIO`]), and unpacking stops one byte past the claim. Memory is therefore bounded by
+//! the file's size.
+
+use std::io::Read;
+
+use flate2::read::MultiGzDecoder;
+
+use super::error::Problem;
+
+/// Deflate cannot expand further than this (258 bytes out of 2 bits, rounded up).
+const MAX_DEFLATE_RATIO: u64 = 1040;
+
+/// A cursor over a file's bytes.
+pub(super) struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Reader { rest: bytes }
+    }
+
+    /// Bytes not yet taken.
+    pub(super) fn remaining(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// The next `count` bytes; `field` names them in the error.
+    pub(super) fn take(&mut self, count: usize, field: &str) -> Result<&'a [u8], Problem> {
+        let (taken, rest) = self
+            .rest
+            .split_at_checked(count)
+            .ok_or_else(|| truncated(field, count as u64, self.rest.len()))?;
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    /// The next `N` bytes as an array.
+    pub(super) fn array<const N: usize>(&mut self, field: &str) -> Result<[u8; N], Problem> {
+        let (taken, rest) = self
+            .rest
+            .split_first_chunk::<N>()
+            .ok_or_else(|| truncated(field, N as u64, self.rest.len()))?;
+        self.rest = rest;
+        Ok(*taken)
+    }
+
+    /// `count` records of `record_bytes` each, refused at once if they are not all there.
+    pub(super) fn records(
+        &mut self,
+        count: u64,
+        record_bytes: usize,
+        field: &str,
+    ) -> Result<&'a [u8], Problem> {
+        let needed = checked_bytes(count, record_bytes as u64, field)?;
+        match usize::try_from(needed) {
+            Ok(length) => self.take(length, field),
+            Err(_) => Err(truncated(field, needed, self.rest.len())),
+        }
+    }
+}
+
+/// The error of a field that needs more bytes than are left.
+pub(super) fn truncated(field: &str, needed: u64, found: usize) -> Problem {
+    Problem::Truncated {
+        field: field.to_string(),
+        needed,
+        found: found as u64,
+    }
+}
+
+/// `count * each`, or an error naming the field if no machine could hold that.
+pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, Problem> {
+    count.checked_mul(each).ok_or_else(|| {
+        Problem::malformed(
+            field,
+            format!("{count} elements of {each} bytes"),
+            "correct the absurd count in the header",
+        )
+    })
+}
+
+/// Unpacks a gzip stream that must hold exactly `expected` bytes.
+pub(super) fn gunzip_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+    let possible = (packed.len() as u64).saturating_mul(MAX_DEFLATE_RATIO);
+    if expected > possible {
+        return Err(Problem::malformed(
+            field,
+            format!(
+                "the header claims {expected} bytes, but {} packed bytes hold at most {possible}",
+                packed.len()
+            ),
+            "correct the count in the header or fetch the file again",
+        ));
+    }
+    // One byte more than expected tells "too long" apart from "exact", and makes the decoder check its trailer.
+    let unpacked = gunzip_at_most(packed, expected + 1, field)?;
+    let found = unpacked.len() as u64;
+    if found < expected {
+        return Err(truncated(field, expected, unpacked.len()));
+    }
+    if found > expected {
+        return Err(Problem::malformed(
+            field,
+            format!("more than the {expected} bytes that the header justifies"),
+            "correct the header",
+        ));
+    }
+    Ok(unpacked)
+}
+
+/// The first `limit` bytes of a gzip stream, fewer if it ends before.
+pub(super) fn gunzip_at_most(packed: &[u8], limit: u64, field: &str) -> Result<Vec<u8>, Problem> {
+    let mut unpacked = Vec::new();
+    MultiGzDecoder::new(packed)
+        .take(limit)
+        .read_to_end(&mut unpacked)
+        .map_err(|error| Problem::Gzip {
+            field: field.to_string(),
+            reason: error.to_string(),
+        })?;
+    Ok(unpacked)
+}
+
+/// Byte order of multi-byte numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Endian {
+    Little,
+    Big,
+}
+
+/// Number types that PLY and NRRD store.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    /// Stored size in bytes.
+    pub(super) fn size(self) -> usize {
+        match self {
+            Scalar::I8 | Scalar::U8 => 1,
+            Scalar::I16 | Scalar::U16 => 2,
+            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
+            Scalar::F64 => 8,
+        }
+    }
+
+    /// The number stored in the first [`Self::size`] bytes of `stored`; missing bytes read as zero.
+    pub(super) fn decode(self, stored: &[u8], endian: Endian) -> f64 {
+        let size = self.size();
+        let mut little = [0u8; 8];
+        for (place, byte) in stored.iter().take(size).enumerate() {
+            let target = if endian == Endian::Little {
+                place
+            } else {
+                size - 1 - place
+            };
+            little[target] = *byte;
+        }
+        let [b0, b1, b2, b3, ..] = little;
+        match self {
+            Scalar::I8 => i8::from_le_bytes([b0]).into(),
+            Scalar::U8 => b0.into(),
+            Scalar::I16 => i16::from_le_bytes([b0, b1]).into(),
+            Scalar::U16 => u16::from_le_bytes([b0, b1]).into(),
+            Scalar::I32 => i32::from_le_bytes([b0, b1, b2, b3]).into(),
+            Scalar::U32 => u32::from_le_bytes([b0, b1, b2, b3]).into(),
+            Scalar::F32 => f32::from_le_bytes([b0, b1, b2, b3]).into(),
+            Scalar::F64 => f64::from_le_bytes(little),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    fn gzip(bytes: &[u8]) -> Vec<u8> {
+        let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+        encoder.write_all(bytes).unwrap();
+        encoder.finish().unwrap()
+    }
+
+    #[test]
+    fn numbers_are_read_in_both_byte_orders() {
+        assert_eq!(Scalar::I16.decode(&[0xfe, 0xff], Endian::Little), -2.0);
+        assert_eq!(Scalar::I16.decode(&[0xff, 0xfe], Endian::Big), -2.0);
+        assert_eq!(Scalar::U32.decode(&[0, 0, 1, 2], Endian::Big), 258.0);
+        assert_eq!(Scalar::F32.decode(&1.5f32.to_be_bytes(), Endian::Big), 1.5);
+        assert_eq!(
+            Scalar::F64.decode(&(-0.1f64).to_le_bytes(), Endian::Little),
+            -0.1
+        );
+    }
+
+    #[test]
+    fn a_gzip_bomb_stops_at_the_size_the_header_justifies() {
+        let bomb = gzip(&vec![0; 4_000_000]);
+        let message = gunzip_exact(&bomb, 1000, "data").unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "data: more than the 1000 bytes that the header justifies; correct the header"
+        );
+        let message = gunzip_exact(&bomb, 1 << 40, "data")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains("the header claims 1099511627776 bytes"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn every_truncation_of_a_gzip_stream_is_noticed() {
+        let packed = gzip(b"twenty bytes of data");
+        assert_eq!(
+            gunzip_exact(&packed, 20, "data").unwrap(),
+            b"twenty bytes of data"
+        );
+        for length in 0..packed.len() {
+            assert!(
+                gunzip_exact(&packed[..length], 20, "data").is_err(),
+                "cut at {length}"
+            );
+        }
+    }
+}

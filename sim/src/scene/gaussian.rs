@@ -1,0 +1,206 @@
+//! From a trained Gaussian's fields to a [`Splat`], and its view-dependent colour.
+//!
+//! Trainers store a logarithm per scale, a logit for the opacity and real spherical harmonics for the colour:
+//! `rgb = 0.5 + Y_0 f_dc + sum_k Y_k(direction) f_k`, clamped at 0, the direction running from the eye to the splat.
+//! The quaternion (w, x, y, z) is not always of unit length. Scene files come from strangers: a record that no
+//! engine can draw is counted by its reason and left out.
+
+use super::error::Problem;
+use super::{Harmonics, Scene, Skipped, Splat, Weight};
+use crate::rules::Rules;
+
+/// The constant harmonic, 1 / (2 sqrt(pi)).
+pub(super) const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
+
+/// Trained captures follow the photographs' cameras: y points down.
+const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
+
+/// One Gaussian with its fields decoded but not yet checked.
+pub(super) struct Gaussian<'a> {
+    pub(super) centre: [f64; 3],
+    /// Standard deviations, scene units.
+    pub(super) scales: [f64; 3],
+    /// w, x, y, z; any length but zero.
+    pub(super) rotation: [f64; 4],
+    /// 0 to 1.
+    pub(super) opacity: f64,
+    /// Colour of degree 0 before clamping.
+    pub(super) base: [f64; 3],
+    /// Coefficients of degree 1 and up.
+    pub(super) harmonics: &'a [[f32; 3]],
+}
+
+/// Peak opacity from a trained logit; +inf is 1 and -inf is 0 exactly.
+pub(super) fn opacity_from_logit(logit: f64) -> f64 {
+    1.0 / (1.0 + (-logit).exp())
+}
+
+/// Standard deviation from a trained logarithm. An infinite logarithm is no scale at all, not scale 0.
+pub(super) fn scale_from_log(log: f64) -> f64 {
+    if log.is_finite() { log.exp() } else { f64::NAN }
+}
+
+/// Colour of degree 0 from the trained constant coefficient.
+pub(super) fn base_from_coefficient(coefficient: f64) -> f64 {
+    0.5 + HARMONIC_0 * coefficient
+}
+
+/// Collects Gaussians into a scene and counts those that cannot be drawn.
+pub(super) struct GaussianScene {
+    degree: u8,
+    splats: Vec<Splat>,
+    coefficients: Vec<[f32; 3]>,
+    bases: Vec<[f32; 3]>,
+    skipped: Skipped,
+}
+
+impl GaussianScene {
+    pub(super) fn new(degree: u8) -> Self {
+        let skipped = Skipped::default();
+        GaussianScene {
+            degree,
+            splats: Vec::new(),
+            coefficients: Vec::new(),
+            bases: Vec::new(),
+            skipped,
+        }
+    }
+
+    /// Adds one Gaussian, or counts why not.
+    pub(super) fn push(&mut self, gaussian: &Gaussian) {
+        if !is_finite(gaussian) {
+            self.skipped.non_finite += 1;
+            return;
+        }
+        let Some(rotation) = rotation_matrix(gaussian.rotation) else {
+            self.skipped.zero_rotation += 1;
+            return;
+        };
+        let axis = |k: usize| [0, 1, 2].map(|row| rotation[row][k] * gaussian.scales[k]);
+        self.splats.push(Splat {
+            centre: gaussian.centre,
+            axes: [axis(0), axis(1), axis(2)],
+            weight: gaussian.opacity,
+            colour: gaussian.base.map(|channel| channel.max(0.0)),
+        });
+        if self.degree > 0 {
+            self.coefficients.extend_from_slice(gaussian.harmonics);
+            self.bases.push(gaussian.base.map(|channel| channel as f32));
+        }
+    }
+
+    /// The scene; a file of which nothing can be drawn is an error.
+    pub(super) fn finish(self, name: &str) -> Result<Scene, Problem> {
+        if self.splats.is_empty() {
+            let Skipped {
+                non_finite,
+                zero_rotation,
+            } = self.skipped;
+            return Err(Problem::malformed(
+                "splats",
+                format!(
+                    "none is left ({non_finite} with non-finite fields, {zero_rotation} with a zero rotation)"
+                ),
+                "export the scene again",
+            ));
+        }
+        let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
+        Ok(Scene {
+            name: name.to_string(),
+            natural_rules: Rules::GAUSSIAN_3D,
+            weight: Weight::Opacity,
+            splats: self.splats,
+            harmonics: (degree > 0).then_some(Harmonics {
+                degree,
+                coefficients,
+                base,
+            }),
+            skipped: self.skipped,
+            up: CAPTURE_UP,
+        })
+    }
+}
+
+/// Finite in single precision, the files' own: what overflows there cannot be squared safely anywhere.
+fn is_finite(gaussian: &Gaussian) -> bool {
+    let small = |value: &f64| (*value as f32).is_finite();
+    gaussian.centre.iter().all(small)
+        && gaussian.scales.iter().all(small)
+        && gaussian.rotation.iter().all(small)
+        && gaussian.opacity.is_finite()
+        && gaussian.base.iter().all(small)
+        && gaussian
+            .harmonics
+            .iter()
+            .flatten()
+            .all(|value| value.is_finite())
+}
+
+/// Rotation matrix of a quaternion of any length, none if the length is zero.
+pub(super) fn rotation_matrix(quaternion: [f64; 4]) -> Option<[[f64; 3]; 3]> {
+    let length = quaternion
+        .iter()
+        .map(|part| part * part)
+        .sum::<f64>()
+        .sqrt();
+    if length == 0.0 {
+        return None;
+    }
+    let [w, x, y, z] = quaternion.map(|part| part / length);
+    Some([
+        [
+            1.0 - 2.0 * (y * y + z * z),
+            2.0 * (x * y - w * z),
+            2.0 * (x * z + w * y),
+        ],
+        [
+            2.0 * (x * y + w * z),
+            1.0 - 2.0 * (x * x + z * z),
+            2.0 * (y * z - w * x),
+        ],
+        [
+            2.0 * (x * z - w * y),
+            2.0 * (y * z + w * x),
+            1.0 - 2.0 * (x * x + y * y),
+        ],
+    ])
+}
+
+/// RGB coefficients of degree 1 and up that a scene of this degree holds per splat.
+pub(super) fn coefficient_count(degree: u8) -> usize {
+    let side = usize::from(degree) + 1;
+    side * side - 1
+}
+
+/// The 15 real harmonics of degrees 1 to 3 in a unit direction, in the trainers' order and signs.
+pub(super) fn harmonic_basis([x, y, z]: [f64; 3]) -> [f64; 15] {
+    let (xx, yy, zz) = (x * x, y * y, z * z);
+    [
+        -0.488_602_511_902_919_9 * y,
+        0.488_602_511_902_919_9 * z,
+        -0.488_602_511_902_919_9 * x,
+        1.092_548_430_592_079_2 * x * y,
+        -1.092_548_430_592_079_2 * y * z,
+        0.315_391_565_252_520_05 * (2.0 * zz - xx - yy),
+        -1.092_548_430_592_079_2 * x * z,
+        0.546_274_215_296_039_6 * (xx - yy),
+        -0.590_043_589_926_643_5 * y * (3.0 * xx - yy),
+        2.890_611_442_640_554 * x * y * z,
+        -0.457_045_799_464_465_7 * y * (4.0 * zz - xx - yy),
+        0.373_176_332_590_115_4 * z * (2.0 * zz - 3.0 * xx - 3.0 * yy),
+        -0.457_045_799_464_465_7 * x * (4.0 * zz - xx - yy),
+        1.445_305_721_320_277 * z * (xx - yy),
+        -0.590_043_589_926_643_5 * x * (xx - 3.0 * yy),
+    ]
+}
+
+/// Colour in one direction, clamped at 0.
+pub(super) fn colour(base: [f32; 3], coefficients: &[[f32; 3]], direction: [f64; 3]) -> [f64; 3] {
+    let mut sum = base.map(f64::from);
+    for (harmonic, coefficient) in harmonic_basis(direction).iter().zip(coefficients) {
+        for (channel, part) in sum.iter_mut().zip(coefficient) {
+            *channel += harmonic * f64::from(*part);
+        }
+    }
+    sum.map(|channel| channel.max(0.0))
+}

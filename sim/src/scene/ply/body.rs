@@ -1,0 +1,218 @@
+//! The body of a PLY file: walks all elements in file order and shows the records of one of them.
+//!
+//! Numbers come out as f64 whatever their stored type, in the order of the header's properties. A list property
+//! takes its column, holding NaN. Bytes left over after the last record are an error: they mean that the header
+//! describes another file, and the picture would be silently wrong.
+
+use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, truncated};
+use super::super::error::Problem;
+use super::header::{Element, Format, Header, Kind, Property, shorten, split_line};
+
+/// Calls `visit` with each record of the element called `wanted`.
+pub(super) fn for_each_record(
+    header: &Header,
+    body: &[u8],
+    wanted: &str,
+    visit: &mut dyn FnMut(&[f64]),
+) -> Result<(), Problem> {
+    let mut source = match header.format {
+        Format::Ascii => Source::Ascii {
+            rest: body,
+            line: header.lines,
+        },
+        Format::Binary(endian) => Source::Binary {
+            reader: Reader::new(body),
+            endian,
+        },
+    };
+    let mut values = Vec::new();
+    for element in header
+        .elements
+        .iter()
+        .filter(|element| !element.properties.is_empty())
+    {
+        source.refuse_absurd_count(element)?;
+        for index in 0..element.count {
+            values.clear();
+            source.read_record(element, index, &mut values)?;
+            if element.name == wanted {
+                visit(&values);
+            }
+        }
+    }
+    source.finish()
+}
+
+/// Where the next record comes from.
+enum Source<'a> {
+    Ascii { rest: &'a [u8], line: usize },
+    Binary { reader: Reader<'a>, endian: Endian },
+}
+
+impl Source<'_> {
+    /// The records must fit what is left of the file before any of them is read.
+    fn refuse_absurd_count(&self, element: &Element) -> Result<(), Problem> {
+        let field = format!(
+            "element {}, {} records",
+            shorten(&element.name),
+            element.count
+        );
+        let (least, left) = match self {
+            // A digit and a separator per property.
+            Source::Ascii { rest, .. } => (2 * element.properties.len() as u64, rest.len()),
+            Source::Binary { reader, .. } => (element.least_bytes(), reader.remaining()),
+        };
+        let needed = checked_bytes(element.count, least, &field)?;
+        if needed > left as u64 {
+            return Err(truncated(&field, needed, left));
+        }
+        Ok(())
+    }
+
+    fn read_record(
+        &mut self,
+        element: &Element,
+        index: u64,
+        values: &mut Vec<f64>,
+    ) -> Result<(), Problem> {
+        match self {
+            Source::Ascii { rest, line } => read_ascii(rest, line, element, values),
+            Source::Binary { reader, endian } => {
+                for property in &element.properties {
+                    values.push(read_binary(reader, *endian, property, element, index)?);
+                }
+                Ok(())
+            }
+        }
+    }
+
+    fn finish(self) -> Result<(), Problem> {
+        let left = match self {
+            Source::Ascii { rest, .. } => rest.trim_ascii().len(),
+            Source::Binary { reader, .. } => reader.remaining(),
+        };
+        match left {
+            0 => Ok(()),
+            _ => Err(Problem::malformed(
+                "PLY body",
+                format!("{left} bytes are left over after the last record"),
+                "correct the counts or types in the header",
+            )),
+        }
+    }
+}
+
+fn read_binary(
+    reader: &mut Reader,
+    endian: Endian,
+    property: &Property,
+    element: &Element,
+    index: u64,
+) -> Result<f64, Problem> {
+    let field = || {
+        format!(
+            "element {} record {index}, property {}",
+            shorten(&element.name),
+            shorten(&property.name)
+        )
+    };
+    // The field's name is built only for an error: it would cost more than the reading.
+    let mut number = |scalar: Scalar| match reader.take(scalar.size(), "") {
+        Ok(stored) => Ok(scalar.decode(stored, endian)),
+        Err(_) => Err(truncated(
+            &field(),
+            scalar.size() as u64,
+            reader.remaining(),
+        )),
+    };
+    match property.kind {
+        Kind::Number(scalar) => number(scalar),
+        Kind::List { count, item } => {
+            let length = number(count)?;
+            let length = list_length(length).ok_or_else(|| bad_list(&field(), length))?;
+            reader.records(length, item.size(), &field())?;
+            Ok(f64::NAN)
+        }
+    }
+}
+
+fn read_ascii(
+    rest: &mut &[u8],
+    line: &mut usize,
+    element: &Element,
+    values: &mut Vec<f64>,
+) -> Result<(), Problem> {
+    let text = loop {
+        let (text, after) =
+            split_line(rest).ok_or_else(|| unfinished_line(*line + 1, rest.len()))?;
+        *rest = after;
+        *line += 1;
+        if !text.trim_ascii().is_empty() {
+            break String::from_utf8_lossy(text);
+        }
+    };
+    let mut words = text.split_ascii_whitespace();
+    for property in &element.properties {
+        let field = || format!("line {}, property {}", *line, shorten(&property.name));
+        let mut number = || parse_number(words.next(), &field());
+        let value = number()?;
+        match property.kind {
+            Kind::Number(_) => values.push(value),
+            Kind::List { .. } => {
+                let length = list_length(value).ok_or_else(|| bad_list(&field(), value))?;
+                for _ in 0..length {
+                    number()?;
+                }
+                values.push(f64::NAN);
+            }
+        }
+    }
+    match words.next() {
+        None => Ok(()),
+        Some(extra) => Err(Problem::malformed(
+            format!("line {line}"),
+            format!("'{}' stands after the last property", shorten(extra)),
+            "write one record per line",
+        )),
+    }
+}
+
+fn parse_number(word: Option<&str>, field: &str) -> Result<f64, Problem> {
+    let word = word
+        .ok_or_else(|| Problem::malformed(field, "the line ends before it", "complete the line"))?;
+    word.parse().map_err(|_| {
+        Problem::malformed(
+            field,
+            format!("'{}' is no number", shorten(word)),
+            "write a number such as 0.5",
+        )
+    })
+}
+
+/// A line cut in the middle of a number still parses, so only the newline proves that a record is whole.
+fn unfinished_line(line: usize, left: usize) -> Problem {
+    match left {
+        0 => Problem::malformed(
+            format!("line {line}"),
+            "the file ends before the last record",
+            "fetch it again",
+        ),
+        _ => Problem::malformed(
+            format!("line {line}"),
+            "the file ends without a newline, so the last number may be cut off",
+            "fetch the file again, or end it with a newline if it is complete",
+        ),
+    }
+}
+
+fn list_length(value: f64) -> Option<u64> {
+    (value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX)).then_some(value as u64)
+}
+
+fn bad_list(field: &str, value: f64) -> Problem {
+    Problem::malformed(
+        field,
+        format!("the list length {value} is no count"),
+        "correct the list",
+    )
+}

@@ -1,0 +1,224 @@
+//! The header of a PLY file: elements and their properties, in file order.
+
+use super::super::bytes::{Endian, Scalar};
+use super::super::error::Problem;
+
+/// How the body is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Ascii,
+    Binary(Endian),
+}
+
+/// Type of one property.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Number(Scalar),
+    /// A count followed by so many items; walked over, never used.
+    List {
+        count: Scalar,
+        item: Scalar,
+    },
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Property {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<Property>,
+}
+
+impl Element {
+    /// Place of the numeric property called `name` within a record.
+    pub(super) fn column(&self, name: &str) -> Option<usize> {
+        self.properties
+            .iter()
+            .position(|p| p.name == name && matches!(p.kind, Kind::Number(_)))
+    }
+
+    /// Least bytes of one binary record: lists may be empty.
+    pub(super) fn least_bytes(&self) -> u64 {
+        let least = |property: &Property| match property.kind {
+            Kind::Number(scalar) => scalar.size() as u64,
+            Kind::List { count, .. } => count.size() as u64,
+        };
+        self.properties.iter().map(least).sum()
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Header {
+    pub(super) format: Format,
+    pub(super) elements: Vec<Element>,
+    /// Lines of the header, so that the body's lines can be numbered.
+    pub(super) lines: usize,
+}
+
+/// Splits a PLY file into its header and its body.
+pub(super) fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), Problem> {
+    let mut rest = bytes;
+    let mut format = None;
+    let mut elements: Vec<Element> = Vec::new();
+    for number in 1.. {
+        let (line, after) = split_line(rest).ok_or_else(|| no_end(number))?;
+        rest = after;
+        let text = String::from_utf8_lossy(line);
+        let words: Vec<&str> = text.split_whitespace().collect();
+        match words.as_slice() {
+            _ if number == 1 => check_magic(&words)?,
+            ["end_header"] => {
+                let format = format.ok_or_else(|| missing_format(number))?;
+                return Ok((
+                    Header {
+                        format,
+                        elements,
+                        lines: number,
+                    },
+                    rest,
+                ));
+            }
+            [] | ["comment", ..] | ["obj_info", ..] => {}
+            ["format", name, "1.0"] => format = Some(parse_format(name, number)?),
+            ["element", name, count] => elements.push(parse_element(name, count, number)?),
+            ["property", words @ ..] => {
+                let property = parse_property(words, number)?;
+                let element = elements.last_mut().ok_or_else(|| stray_property(number))?;
+                element.properties.push(property);
+            }
+            _ => {
+                return Err(Problem::malformed(
+                    format!("PLY header line {number}"),
+                    format!("'{}' is not understood", shorten(&text)),
+                    "expected format, element, property, comment or end_header",
+                ));
+            }
+        }
+    }
+    Err(no_end(0))
+}
+
+/// The bytes before the next newline (without a carriage return) and those after it.
+pub(super) fn split_line(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
+    let end = bytes.iter().position(|&byte| byte == b'\n')?;
+    let line = bytes.get(..end)?;
+    Some((
+        line.strip_suffix(b"\r").unwrap_or(line),
+        bytes.get(end + 1..)?,
+    ))
+}
+
+/// A line as shown in a message.
+pub(super) fn shorten(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(60).collect()
+}
+
+fn check_magic(words: &[&str]) -> Result<(), Problem> {
+    match words {
+        ["ply"] => Ok(()),
+        _ => Err(Problem::malformed(
+            "PLY header line 1",
+            "it is not 'ply'",
+            "check that this is a PLY file",
+        )),
+    }
+}
+
+fn no_end(line: usize) -> Problem {
+    Problem::malformed(
+        format!("PLY header line {line}"),
+        "the file ends before end_header",
+        "fetch the file again: it is truncated",
+    )
+}
+
+fn missing_format(line: usize) -> Problem {
+    Problem::malformed(
+        format!("PLY header line {line}"),
+        "no format line came before end_header",
+        "add 'format binary_little_endian 1.0' or what the body is",
+    )
+}
+
+fn stray_property(line: usize) -> Problem {
+    Problem::malformed(
+        format!("PLY header line {line}"),
+        "a property comes before any element",
+        "put an element line before it",
+    )
+}
+
+fn parse_format(name: &str, line: usize) -> Result<Format, Problem> {
+    match name {
+        "ascii" => Ok(Format::Ascii),
+        "binary_little_endian" => Ok(Format::Binary(Endian::Little)),
+        "binary_big_endian" => Ok(Format::Binary(Endian::Big)),
+        other => Err(Problem::malformed(
+            format!("PLY header line {line}, format"),
+            format!("'{}' is unknown", shorten(other)),
+            "use ascii, binary_little_endian or binary_big_endian",
+        )),
+    }
+}
+
+fn parse_element(name: &str, count: &str, line: usize) -> Result<Element, Problem> {
+    let count = count.parse().map_err(|_| {
+        Problem::malformed(
+            format!("PLY header line {line}, element {}", shorten(name)),
+            format!("the count '{}' is no whole number", shorten(count)),
+            "write the number of records",
+        )
+    })?;
+    Ok(Element {
+        name: name.to_string(),
+        count,
+        properties: Vec::new(),
+    })
+}
+
+fn parse_property(words: &[&str], line: usize) -> Result<Property, Problem> {
+    match words {
+        ["list", count, item, name] => {
+            let kind = Kind::List {
+                count: parse_scalar(count, line)?,
+                item: parse_scalar(item, line)?,
+            };
+            Ok(Property {
+                name: name.to_string(),
+                kind,
+            })
+        }
+        [scalar, name] => Ok(Property {
+            name: name.to_string(),
+            kind: Kind::Number(parse_scalar(scalar, line)?),
+        }),
+        _ => Err(Problem::malformed(
+            format!("PLY header line {line}, property"),
+            "it is neither 'property TYPE NAME' nor 'property list TYPE TYPE NAME'",
+            "correct the line",
+        )),
+    }
+}
+
+fn parse_scalar(name: &str, line: usize) -> Result<Scalar, Problem> {
+    match name {
+        "char" | "int8" => Ok(Scalar::I8),
+        "uchar" | "uint8" => Ok(Scalar::U8),
+        "short" | "int16" => Ok(Scalar::I16),
+        "ushort" | "uint16" => Ok(Scalar::U16),
+        "int" | "int32" => Ok(Scalar::I32),
+        "uint" | "uint32" => Ok(Scalar::U32),
+        "float" | "float32" => Ok(Scalar::F32),
+        "double" | "float64" => Ok(Scalar::F64),
+        other => Err(Problem::malformed(
+            format!("PLY header line {line}, property"),
+            format!("the type '{}' is unknown", shorten(other)),
+            "use one of PLY's eight number types, for instance float or uchar",
+        )),
+    }
+}

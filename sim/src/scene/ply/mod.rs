@@ -1,0 +1,188 @@
+//! 3D Gaussians in the trainers' PLY layout.
+//!
+//! One `vertex` per Gaussian: `x y z`, `scale_0..2` (logarithms), `rot_0..3` (w, x, y, z), `opacity` (logit),
+//! `f_dc_0..2` and optionally `f_rest_*` (9, 24 or 45 numbers for degree 1, 2 or 3: all of red, then green, then
+//! blue). Properties may come in any order; others are ignored.
+
+mod body;
+mod header;
+#[cfg(test)]
+mod tests;
+
+use super::Scene;
+use super::error::Problem;
+use super::gaussian::{
+    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, opacity_from_logit,
+    scale_from_log,
+};
+use header::Element;
+
+/// Loads the Gaussians of a PLY file.
+pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
+    let (header, body) = header::parse(bytes)?;
+    let vertex = vertex_element(&header.elements)?;
+    let columns = Columns::find(vertex)?;
+    let degree = columns.degree();
+    let mut scene = GaussianScene::new(degree);
+    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
+    body::for_each_record(&header, body, "vertex", &mut |record| {
+        columns.read_harmonics(record, &mut harmonics);
+        scene.push(&columns.gaussian(record, &harmonics));
+    })?;
+    scene.finish(name)
+}
+
+fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
+    let mut vertices = elements.iter().filter(|element| element.name == "vertex");
+    let vertex = vertices.next().ok_or_else(|| {
+        Problem::malformed(
+            "PLY header",
+            "there is no element 'vertex'",
+            "export the scene as a 3D Gaussian PLY",
+        )
+    })?;
+    if vertices.next().is_some() {
+        return Err(Problem::malformed(
+            "PLY header",
+            "element 'vertex' is declared twice",
+            "declare it once",
+        ));
+    }
+    if vertex.count == 0 {
+        return Err(Problem::malformed(
+            "element vertex",
+            "its count is 0",
+            "export a scene with splats in it",
+        ));
+    }
+    Ok(vertex)
+}
+
+/// Where a record holds each field.
+struct Columns {
+    centre: [usize; 3],
+    scales: [usize; 3],
+    rotation: [usize; 4],
+    opacity: usize,
+    constant: [usize; 3],
+    rest: Vec<usize>,
+}
+
+impl Columns {
+    fn find(vertex: &Element) -> Result<Columns, Problem> {
+        refuse_other_kinds(vertex)?;
+        Ok(Columns {
+            centre: [
+                required(vertex, "x")?,
+                required(vertex, "y")?,
+                required(vertex, "z")?,
+            ],
+            scales: [
+                required(vertex, "scale_0")?,
+                required(vertex, "scale_1")?,
+                required(vertex, "scale_2")?,
+            ],
+            rotation: [
+                required(vertex, "rot_0")?,
+                required(vertex, "rot_1")?,
+                required(vertex, "rot_2")?,
+                required(vertex, "rot_3")?,
+            ],
+            opacity: required(vertex, "opacity")?,
+            constant: [
+                required(vertex, "f_dc_0")?,
+                required(vertex, "f_dc_1")?,
+                required(vertex, "f_dc_2")?,
+            ],
+            rest: find_rest(vertex)?,
+        })
+    }
+
+    fn degree(&self) -> u8 {
+        match self.rest.len() {
+            0 => 0,
+            9 => 1,
+            24 => 2,
+            _ => 3,
+        }
+    }
+
+    fn read_harmonics(&self, record: &[f64], harmonics: &mut [[f32; 3]]) {
+        let per_channel = harmonics.len();
+        for (k, coefficient) in harmonics.iter_mut().enumerate() {
+            *coefficient = [0, 1, 2]
+                .map(|channel| number(record, self.rest[channel * per_channel + k]) as f32);
+        }
+    }
+
+    fn gaussian<'a>(&self, record: &[f64], harmonics: &'a [[f32; 3]]) -> Gaussian<'a> {
+        Gaussian {
+            centre: self.centre.map(|column| number(record, column)),
+            scales: self
+                .scales
+                .map(|column| scale_from_log(number(record, column))),
+            rotation: self.rotation.map(|column| number(record, column)),
+            opacity: opacity_from_logit(number(record, self.opacity)),
+            base: self
+                .constant
+                .map(|column| base_from_coefficient(number(record, column))),
+            harmonics,
+        }
+    }
+}
+
+/// A record has a value for each property, so the fallback is never used; NaN would be counted as a skip.
+fn number(record: &[f64], column: usize) -> f64 {
+    record.get(column).copied().unwrap_or(f64::NAN)
+}
+
+/// Files that are sound but hold something other than trained Gaussians.
+fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
+    if vertex.column("packed_position").is_some() {
+        return Err(Problem::malformed(
+            "property packed_position",
+            "this is a compressed PLY, which is not read",
+            "convert it to an uncompressed 3D Gaussian PLY or to .spz",
+        ));
+    }
+    let gaussian_fields = ["scale_0", "rot_0", "opacity", "f_dc_0"];
+    if gaussian_fields
+        .iter()
+        .all(|name| vertex.column(name).is_none())
+    {
+        return Err(Problem::malformed(
+            "element vertex",
+            "it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud",
+            "surface splats from points come later; give a 3D Gaussian PLY",
+        ));
+    }
+    Ok(())
+}
+
+fn required(vertex: &Element, name: &str) -> Result<usize, Problem> {
+    vertex.column(name).ok_or_else(|| {
+        Problem::malformed(
+            format!("property {name}"),
+            "the Gaussians' element vertex lacks it",
+            "export the scene with x y z, scale_0..2, rot_0..3, opacity and f_dc_0..2",
+        )
+    })
+}
+
+fn find_rest(vertex: &Element) -> Result<Vec<usize>, Problem> {
+    let count = vertex
+        .properties
+        .iter()
+        .filter(|property| property.name.starts_with("f_rest_"))
+        .count();
+    if ![0, 9, 24, 45].contains(&count) {
+        return Err(Problem::malformed(
+            "properties f_rest_*",
+            format!("there are {count}"),
+            "degrees 0 to 3 have 0, 9, 24 or 45; export the scene with one of these",
+        ));
+    }
+    (0..count)
+        .map(|k| required(vertex, &format!("f_rest_{k}")))
+        .collect()
+}

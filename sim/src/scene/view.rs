@@ -1,0 +1,158 @@
+//! Where a scene lies and a camera that shows it.
+
+use super::{Scene, Weight, synthetic};
+use crate::camera::Camera;
+
+/// Part of the splats that may lie outside the robust bounds on each side: captures have stray splats far away.
+const STRAY_PART: f64 = 0.02;
+/// Distance of the default camera from the centre of a capture, in largest robust extents, and its field of view.
+const CAPTURE_DISTANCE: f64 = 1.25;
+const CAPTURE_DEGREES: f64 = 50.0;
+/// The same for a volume.
+const VOLUME_DISTANCE: f64 = 2.0;
+const VOLUME_DEGREES: f64 = 30.0;
+
+/// An axis-aligned box, scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Least coordinates.
+    pub least: [f64; 3],
+    /// Greatest coordinates.
+    pub greatest: [f64; 3],
+}
+
+impl Bounds {
+    /// The middle of the box.
+    pub fn centre(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| (self.least[axis] + self.greatest[axis]) / 2.0)
+    }
+
+    /// Side lengths.
+    pub fn extents(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| self.greatest[axis] - self.least[axis])
+    }
+}
+
+impl Scene {
+    /// The box of all splats' centres; none for a scene without splats.
+    pub fn bounds(&self) -> Option<Bounds> {
+        self.bounds_without(0.0)
+    }
+
+    /// The box of the centres when the outermost `stray` part on each side of each axis is left out.
+    fn bounds_without(&self, stray: f64) -> Option<Bounds> {
+        let last = self.splats.len().checked_sub(1)?;
+        let place = (last as f64 * stray) as usize;
+        let mut bounds = Bounds {
+            least: [0.0; 3],
+            greatest: [0.0; 3],
+        };
+        for axis in 0..3 {
+            let mut places: Vec<f64> = self.splats.iter().map(|splat| splat.centre[axis]).collect();
+            bounds.least[axis] = *places.select_nth_unstable_by(place, f64::total_cmp).1;
+            bounds.greatest[axis] = *places
+                .select_nth_unstable_by(last - place, f64::total_cmp)
+                .1;
+        }
+        Some(bounds)
+    }
+
+    /// A camera that shows the whole scene.
+    ///
+    /// Volumes are seen along +z from twice the largest extent with 30 degrees. Captures are seen across their
+    /// thinner horizontal side, without stray splats counting. Synthetic scenes have [`synthetic::camera`].
+    pub fn default_camera(&self, width: usize, height: usize) -> Camera {
+        if synthetic::is_synthetic(&self.name) {
+            return synthetic::camera(width, height);
+        }
+        match self.weight {
+            Weight::Mass => self.volume_camera(width, height),
+            Weight::Opacity => self.capture_camera(width, height),
+        }
+    }
+
+    fn volume_camera(&self, width: usize, height: usize) -> Camera {
+        let (centre, extents) = centre_and_extents(self.bounds());
+        let distance = VOLUME_DISTANCE * largest(extents);
+        let eye = [centre[0], centre[1], centre[2] - distance];
+        look_at(eye, centre, self.up, VOLUME_DEGREES, width, height)
+    }
+
+    fn capture_camera(&self, width: usize, height: usize) -> Camera {
+        let (centre, extents) = centre_and_extents(self.bounds_without(STRAY_PART));
+        let distance = CAPTURE_DISTANCE * largest(extents);
+        let mut eye = centre;
+        eye[across(self.up, extents)] += distance;
+        look_at(eye, centre, self.up, CAPTURE_DEGREES, width, height)
+    }
+}
+
+/// The axis with the smallest extent among those that are not up.
+fn across(up: [f64; 3], extents: [f64; 3]) -> usize {
+    let vertical = (0..3).max_by(|&a, &b| up[a].abs().total_cmp(&up[b].abs()));
+    let horizontal = (0..3).filter(|&axis| Some(axis) != vertical);
+    horizontal
+        .min_by(|&a, &b| extents[a].total_cmp(&extents[b]))
+        .unwrap_or(2)
+}
+
+/// A scene without splats is shown as a unit cube at the origin would be.
+fn centre_and_extents(bounds: Option<Bounds>) -> ([f64; 3], [f64; 3]) {
+    bounds.map_or(([0.0; 3], [1.0; 3]), |bounds| {
+        (bounds.centre(), bounds.extents())
+    })
+}
+
+/// The largest extent, 1 for a single point.
+fn largest(extents: [f64; 3]) -> f64 {
+    let largest = extents.into_iter().fold(0.0, f64::max);
+    if largest > 0.0 { largest } else { 1.0 }
+}
+
+/// A pinhole camera at `eye` looking at `target`; rows of the rotation are right, down, forward.
+///
+/// The default cameras never look along `up` and never stand at their target, so this cannot fail.
+pub(super) fn look_at(
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    vertical_degrees: f64,
+    width: usize,
+    height: usize,
+) -> Camera {
+    let forward = unit([0, 1, 2].map(|axis| target[axis] - eye[axis]));
+    let right = unit(cross(forward, up));
+    let down = cross(forward, right);
+    let rotation = [right, down, forward];
+    let focal = height as f64 / 2.0 / (vertical_degrees.to_radians() / 2.0).tan();
+    Camera {
+        width,
+        height,
+        fx: focal,
+        fy: focal,
+        cx: width as f64 / 2.0,
+        cy: height as f64 / 2.0,
+        rotation,
+        translation: rotation.map(|row| -(row[0] * eye[0] + row[1] * eye[1] + row[2] * eye[2])),
+        near: 0.01,
+        far: f64::INFINITY,
+        orthographic: false,
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn unit(vector: [f64; 3]) -> [f64; 3] {
+    let length = vector.iter().map(|part| part * part).sum::<f64>().sqrt();
+    vector.map(|part| part / length)
+}
+
+#[cfg(test)]
+#[path = "view_tests.rs"]
+mod tests;

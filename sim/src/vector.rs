@@ -1,0 +1,44 @@
+//! The few operations on vectors of three that the host needs, in double precision.
+
+/// A vector or point of three coordinates.
+pub type Vector = [f64; 3];
+
+/// `a + b`.
+pub fn add(a: Vector, b: Vector) -> Vector {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// `a - b`.
+pub fn subtract(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `factor * a`.
+pub fn scale(factor: f64, a: Vector) -> Vector {
+    a.map(|coordinate| factor * coordinate)
+}
+
+/// The scalar product `a . b`.
+pub fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The cross product `a x b`.
+pub fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The Euclidean length.
+pub fn length(a: Vector) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// The product of a row-major matrix and a column vector.
+pub fn transform(rows: &[Vector; 3], a: Vector) -> Vector {
+    [dot(rows[0], a), dot(rows[1], a), dot(rows[2], a)]
+}
+
+/// Whether every coordinate is finite.
+pub fn is_finite(a: Vector) -> bool {
+    a.iter().all(|coordinate| coordinate.is_finite())
+}

@@ -1,0 +1,132 @@
+//! The splat primitive: the units chained, from a footprint to the pixels of a target.
+
+use crate::blend::{Blend, Pixel};
+use crate::footprint::Footprint;
+use crate::format::{Design, Lane, Traversal};
+use crate::kernel::FootprintTable;
+use crate::raster::{ConicRows, Rows, Run, SpanRows};
+use crate::rules::{Compositing, Rules};
+use crate::target::Target;
+
+/// Pixels that a drawing touched.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Coverage {
+    /// Pixels at which a radial index was computed.
+    pub visited: u64,
+    /// Of these, pixels inside a footprint: r < c.
+    pub covered: u64,
+    /// Of the covered ones, pixels that had already finished.
+    pub finished: u64,
+}
+
+impl core::ops::AddAssign for Coverage {
+    fn add_assign(&mut self, other: Coverage) {
+        self.visited += other.visited;
+        self.covered += other.covered;
+        self.finished += other.finished;
+    }
+}
+
+/// Everything that is constant for a picture.
+#[derive(Clone, Copy, Debug)]
+pub struct Painter<'a, D> {
+    design: D,
+    table: FootprintTable<'a>,
+    blend: Blend,
+    compositing: Compositing,
+    traversal: Traversal,
+}
+
+impl<'a, D: Design> Painter<'a, D> {
+    /// A painter for one design, rule set, footprint table, order and traversal.
+    #[inline(always)]
+    pub fn new(
+        design: D,
+        rules: &Rules,
+        table: FootprintTable<'a>,
+        compositing: Compositing,
+        traversal: Traversal,
+    ) -> Self {
+        Painter { design, table, blend: Blend::new(&design.widths(), rules), compositing, traversal }
+    }
+
+    /// Draws one footprint into the target's window. Footprints must come in the compositing's order.
+    ///
+    /// At most as many steps as the window has pixels, plus one per row, whatever the footprint's bits.
+    pub fn draw(&self, footprint: &Footprint, target: &mut Target) -> Coverage {
+        let window = target.window();
+        match self.traversal {
+            Traversal::Spans => self.paint(footprint, SpanRows::new(self.design, footprint, &window), target),
+            Traversal::Box => self.paint(footprint, ConicRows::new(self.design, footprint, &window), target),
+        }
+    }
+
+    #[inline(always)]
+    fn paint<R: Rows>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
+        let blend = &self.blend;
+        let colour = &footprint.colour;
+        match self.compositing {
+            Compositing::FrontToBack => {
+                self.paint_with(footprint, rows, target, |pixel, alpha| blend.front_to_back(pixel, alpha, colour))
+            }
+            Compositing::BackToFront => {
+                self.paint_with(footprint, rows, target, |pixel, alpha| blend.back_to_front(pixel, alpha, colour))
+            }
+            Compositing::XRay => {
+                self.paint_with(footprint, rows, target, |pixel, alpha| blend.x_ray(pixel, alpha, colour))
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn paint_with<R: Rows>(
+        &self,
+        footprint: &Footprint,
+        mut rows: R,
+        target: &mut Target,
+        composite: impl Fn(&mut Pixel, u32),
+    ) -> Coverage {
+        let mut coverage = Coverage::default();
+        let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
+        while let Some(run) = rows.next_run() {
+            coverage += self.paint_run(footprint, run, drop, target, &composite);
+        }
+        coverage
+    }
+
+    /// The pixel lanes: radial index, footprint table, opacity, compositing.
+    #[inline(always)]
+    fn paint_run<L: Lane>(
+        &self,
+        footprint: &Footprint,
+        run: Run<L>,
+        drop: i32,
+        target: &mut Target,
+        composite: impl Fn(&mut Pixel, u32),
+    ) -> Coverage {
+        let mut coverage = Coverage { visited: run.length.into(), covered: 0, finished: 0 };
+        let end = cutoff_in_lane(footprint.cutoff, self.design.widths().radial);
+        for (pixel, lane) in target.row(run.y, run.x, run.length).iter_mut().zip(run.radials()) {
+            let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
+            if radial >= end {
+                continue;
+            }
+            coverage.covered += 1;
+            if pixel.is_finished() {
+                coverage.finished += 1;
+                continue;
+            }
+            let alpha = self.blend.opacity(footprint.peak, self.table.weight(radial));
+            if alpha > 0 {
+                composite(pixel, alpha);
+            }
+        }
+        coverage
+    }
+}
+
+/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest.
+#[inline(always)]
+fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
+    crate::math::shift_unsigned(cutoff.into(), 28 - i32::from(radial), crate::format::Rounding::Nearest)
+}

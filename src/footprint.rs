@@ -1,0 +1,55 @@
+//! The footprint packet: what setup hands to the rasterizer, one per visible splat.
+//!
+//! Everything a pixel needs to know of a splat is in here; neither the camera nor the scene is seen further
+//! down. Its serial form, bit for bit, is [`packet`].
+
+pub mod packet;
+
+use crate::math::Scaled;
+
+/// A projected splat. Integer formats depend on the design's [`Widths`](crate::format::Widths).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Footprint {
+    /// Sort key: depth z in scene units, UQ9.23, saturated.
+    pub depth: u32,
+    /// Centre in pixels, Q27.subpixel.
+    pub centre: [i64; 2],
+    /// First column and row of the bounding box, clipped to the viewport.
+    pub first: [u16; 2],
+    /// One past the last column and row of the bounding box, clipped to the viewport.
+    pub last: [u16; 2],
+    /// Coefficients of the `spans` traversal.
+    pub scan: Scan,
+    /// Coefficients of the `box` traversal.
+    pub conic: Conic,
+    /// The footprint is r < cutoff; UQ4.28, at most 4 + 1/16 in ewa and 11.1 in 3dgs.
+    pub cutoff: u32,
+    /// Opacity at r = 0, UQ4.peak, saturated.
+    pub peak: u32,
+    /// Linear red, green, blue, UQ4.colour.
+    pub colour: [u32; 3],
+}
+
+/// The LDL form of the quadratic form Q = (V' + V^h)^-1: r = A (x - xc(y))^2 + C dy^2 with xc(y) = u + S dy.
+///
+/// Every term is positive, so nothing cancels, and the row's span follows from r < c.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scan {
+    /// A = Vyy / det, per square pixel.
+    pub curvature: Scaled,
+    /// 1 / A = det / Vyy, square pixels: the squared half-width of a row is (c - C dy^2) / A.
+    pub spread: Scaled,
+    /// S = Vxy / Vyy, pixels per row.
+    pub slope: Scaled,
+    /// C = 1 / Vyy, per square pixel.
+    pub stretch: Scaled,
+}
+
+/// The conic form: r = a dx^2 + 2 b dx dy + c dy^2 with one exponent for the three coefficients, per square pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Conic {
+    /// Mantissas of a, b, c; the largest uses all of the design's mantissa bits.
+    pub mantissa: [i32; 3],
+    /// Power of two of all three.
+    pub exponent: i32,
+}

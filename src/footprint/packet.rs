@@ -1,0 +1,209 @@
+//! The packet's serial form: every field of a footprint at a fixed bit position, for a design's widths.
+//!
+//! Fields follow each other without padding, least significant bit first, in 32-bit words, in the order of
+//! [`Layout::fields`]; unused bits of the last word are 0. Mantissas of variances are unsigned, of the slope and the mixed
+//! conic coefficient signed; exponents are signed 10-bit; centres are signed. `docs/packet.md` is this table, printed.
+//!
+//! The format is versioned by [`VERSION`], which is the packet's first field.
+
+use super::{Conic, Footprint, Scan};
+use crate::format::Widths;
+use crate::math::Scaled;
+
+/// Version of the layout.
+pub const VERSION: u32 = 1;
+
+/// Number of fields.
+pub const FIELDS: usize = 25;
+
+/// Words of the longest packet that the width ranges allow.
+pub const WORDS: usize = 20;
+
+/// One field of the packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Name, as in [`Footprint`].
+    pub name: &'static str,
+    /// First bit, counted from bit 0 of word 0.
+    pub offset: u16,
+    /// Bits.
+    pub width: u8,
+    /// Two's complement?
+    pub signed: bool,
+    /// Fraction bits; mantissas and exponents are integers.
+    pub fraction: u8,
+}
+
+/// Where every field lies, for one design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    fields: [Field; FIELDS],
+}
+
+/// A serialised footprint; `Layout::words` of it are used.
+pub type Packet = [u32; WORDS];
+
+/// A packet of another version.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VersionError {
+    /// The version found.
+    pub found: u32,
+}
+
+impl Layout {
+    /// The layout for a design's widths.
+    pub const fn new(widths: &Widths) -> Layout {
+        let mantissa = widths.mantissa;
+        let (subpixel, peak, colour) = (widths.subpixel, widths.peak, widths.colour);
+        let mut fields = [
+            unsigned("version", 4, 0),
+            unsigned("depth", 32, 23),
+            signed("centre_u", 28 + subpixel, subpixel),
+            signed("centre_v", 28 + subpixel, subpixel),
+            unsigned("first_column", 16, 0),
+            unsigned("first_row", 16, 0),
+            unsigned("last_column", 16, 0),
+            unsigned("last_row", 16, 0),
+            unsigned("curvature_mantissa", mantissa, 0),
+            signed("curvature_exponent", 10, 0),
+            unsigned("spread_mantissa", mantissa, 0),
+            signed("spread_exponent", 10, 0),
+            signed("slope_mantissa", mantissa + 1, 0),
+            signed("slope_exponent", 10, 0),
+            unsigned("stretch_mantissa", mantissa, 0),
+            signed("stretch_exponent", 10, 0),
+            unsigned("conic_a", mantissa, 0),
+            signed("conic_b", mantissa + 1, 0),
+            unsigned("conic_c", mantissa, 0),
+            signed("conic_exponent", 10, 0),
+            unsigned("cutoff", 32, 28),
+            unsigned("peak", 4 + peak, peak),
+            unsigned("red", 4 + colour, colour),
+            unsigned("green", 4 + colour, colour),
+            unsigned("blue", 4 + colour, colour),
+        ];
+        let mut offset = 0;
+        let mut i = 0;
+        while i < FIELDS {
+            fields[i].offset = offset;
+            offset += fields[i].width as u16;
+            i += 1;
+        }
+        Layout { fields }
+    }
+
+    /// The fields in order.
+    pub const fn fields(&self) -> &[Field; FIELDS] {
+        &self.fields
+    }
+
+    /// Bits of a packet.
+    pub const fn bits(&self) -> usize {
+        let last = self.fields[FIELDS - 1];
+        last.offset as usize + last.width as usize
+    }
+
+    /// 32-bit words of a packet.
+    pub const fn words(&self) -> usize {
+        self.bits().div_ceil(32)
+    }
+
+    /// Serialises a footprint. A value too wide for its field is cut to its low bits; setup produces none.
+    pub fn encode(&self, footprint: &Footprint) -> Packet {
+        let mut packet = [0; WORDS];
+        for (field, value) in self.fields.iter().zip(values(footprint)) {
+            put(&mut packet, field, value);
+        }
+        packet
+    }
+
+    /// Reads a footprint back; defined for every bit pattern of the packet's version.
+    pub fn decode(&self, packet: &Packet) -> Result<Footprint, VersionError> {
+        let mut read = self.fields.iter().map(|field| get(packet, field));
+        let mut next = || read.next().unwrap_or_default();
+        let found = next() as u32;
+        if found != VERSION {
+            return Err(VersionError { found });
+        }
+        let depth = next() as u32;
+        let centre = [next(), next()];
+        let first = [next() as u16, next() as u16];
+        let last = [next() as u16, next() as u16];
+        let mut number = || Scaled { mantissa: next() as i32, exponent: next() as i32 };
+        let scan = Scan { curvature: number(), spread: number(), slope: number(), stretch: number() };
+        let mantissa = [next() as i32, next() as i32, next() as i32];
+        let conic = Conic { mantissa, exponent: next() as i32 };
+        let cutoff = next() as u32;
+        let peak = next() as u32;
+        let colour = [next() as u32, next() as u32, next() as u32];
+        Ok(Footprint { depth, centre, first, last, scan, conic, cutoff, peak, colour })
+    }
+}
+
+/// A footprint's values in the order of the fields.
+fn values(footprint: &Footprint) -> [i64; FIELDS] {
+    let Footprint { centre, first, last, scan, conic, colour, .. } = footprint;
+    let [mantissa_a, mantissa_b, mantissa_c] = conic.mantissa.map(i64::from);
+    [
+        VERSION.into(),
+        footprint.depth.into(),
+        centre[0],
+        centre[1],
+        first[0].into(),
+        first[1].into(),
+        last[0].into(),
+        last[1].into(),
+        scan.curvature.mantissa.into(),
+        scan.curvature.exponent.into(),
+        scan.spread.mantissa.into(),
+        scan.spread.exponent.into(),
+        scan.slope.mantissa.into(),
+        scan.slope.exponent.into(),
+        scan.stretch.mantissa.into(),
+        scan.stretch.exponent.into(),
+        mantissa_a,
+        mantissa_b,
+        mantissa_c,
+        conic.exponent.into(),
+        footprint.cutoff.into(),
+        footprint.peak.into(),
+        colour[0].into(),
+        colour[1].into(),
+        colour[2].into(),
+    ]
+}
+
+/// A field touches at most three words: at most 52 bits from any offset.
+fn put(packet: &mut Packet, field: &Field, value: i64) {
+    let bits = (value as u64 & mask(field.width)) as u128;
+    let placed = bits << (field.offset % 32);
+    for (word, part) in packet.iter_mut().skip(usize::from(field.offset / 32)).zip([0, 32, 64]) {
+        *word |= (placed >> part) as u32;
+    }
+}
+
+fn get(packet: &Packet, field: &Field) -> i64 {
+    let mut placed = 0u128;
+    for (word, part) in packet.iter().skip(usize::from(field.offset / 32)).zip([0, 32, 64]) {
+        placed |= u128::from(*word) << part;
+    }
+    let bits = (placed >> (field.offset % 32)) as u64 & mask(field.width);
+    if field.signed {
+        let spare = 64 - u32::from(field.width);
+        ((bits << spare) as i64) >> spare
+    } else {
+        bits as i64
+    }
+}
+
+const fn mask(width: u8) -> u64 {
+    (1 << width) - 1
+}
+
+const fn unsigned(name: &'static str, width: u8, fraction: u8) -> Field {
+    Field { name, offset: 0, width, signed: false, fraction }
+}
+
+const fn signed(name: &'static str, width: u8, fraction: u8) -> Field {
+    Field { name, offset: 0, width, signed: true, fraction }
+}

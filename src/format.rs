@@ -1,0 +1,326 @@
+//! Number formats: how many bits every quantity of the datapath has, in one place.
+//!
+//! Every stage is generic over [`Design`], which answers one question, "which widths?". A named design is a
+//! zero-sized type whose answer is a constant, so that the compiler folds every shift (firmware, RTL
+//! parameters); [`Custom`] carries the answer in a field (sweeps on the host). The arithmetic is written once
+//! and a test proves both bit-identical.
+//!
+//! # Conventions
+//!
+//! `Qm.n` is two's complement with `m` integer bits (sign not counted) and `n` fraction bits; `UQm.n` has no sign.
+//! Results that are kept are rounded to nearest, halves towards positive infinity, unless
+//! [`Widths::rounding`] says truncation; that choice covers the pixel path (opacity, transmittance, colour),
+//! where truncation shows as a darkening of deep stacks. Setup always rounds to nearest.
+
+/// What happens to the bits below a kept result in the pixel path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rounding {
+    /// To nearest, halves up: no bias beyond half-way cases.
+    Nearest,
+    /// Towards negative infinity: cheapest, with a bias of half a unit in the last place per operation.
+    Truncate,
+}
+
+/// The way pixels of a footprint are visited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Traversal {
+    /// Every pixel of the bounding box, conic forward differencing ([EWA] 7.1.2, [SURF] 4).
+    Box,
+    /// Only each row's span, LDL forward differencing.
+    Spans,
+}
+
+/// Widths of every quantity, in bits. "Fraction" counts bits right of the binary point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Widths {
+    /// Magnitude bits of the mantissas that lead from camera space to a footprint's centre, and fraction bits of
+    /// the rotation's entries (8 to 31; the rotation has at most 30).
+    pub view: u8,
+    /// Magnitude bits of every normalised mantissa of setup and of the row seeds (8 to 31).
+    pub mantissa: u8,
+    /// Fraction bits of a footprint's centre, in pixels (2 to 24).
+    pub subpixel: u8,
+    /// Fraction bits of the radial index in the pixel lanes (8 to 44; at most 27 for 32-bit lanes).
+    pub radial: u8,
+    /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14).
+    pub table: u8,
+    /// Linear interpolation between footprint table entries; otherwise the interval's own value.
+    pub interpolate: bool,
+    /// Fraction bits of a footprint table entry (4 to 28).
+    pub weight: u8,
+    /// Fraction bits of a footprint's peak opacity (4 to 28).
+    pub peak: u8,
+    /// Fraction bits of one splat's opacity at one pixel (4 to 28).
+    pub alpha: u8,
+    /// Fraction bits of the deep alpha channel, the pixel's transmittance (4 to 30).
+    pub transmittance: u8,
+    /// Fraction bits of a splat's colour (4 to 28).
+    pub colour: u8,
+    /// Fraction bits of the pixel's accumulated colour (4 to 27).
+    pub accumulator: u8,
+    /// Rounding in the pixel path.
+    pub rounding: Rounding,
+}
+
+/// A width outside its range: the field's name, the value and the range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WidthError {
+    /// Name of the field of [`Widths`].
+    pub field: &'static str,
+    /// Value found.
+    pub value: u8,
+    /// Smallest and largest value allowed.
+    pub range: (u8, u8),
+}
+
+/// Fields of [`Widths`] that hold a number, with their ranges.
+pub const WIDTH_RANGES: [(&str, u8, u8); 11] = [
+    ("view", 8, 31),
+    ("mantissa", 8, 31),
+    ("subpixel", 2, 24),
+    ("radial", 8, 44),
+    ("table", 2, 14),
+    ("weight", 4, 28),
+    ("peak", 4, 28),
+    ("alpha", 4, 28),
+    ("transmittance", 4, 30),
+    ("colour", 4, 28),
+    ("accumulator", 4, 27),
+];
+
+impl Widths {
+    /// The numeric fields, in the order of [`WIDTH_RANGES`].
+    pub const fn numbers(&self) -> [u8; 11] {
+        [
+            self.view,
+            self.mantissa,
+            self.subpixel,
+            self.radial,
+            self.table,
+            self.weight,
+            self.peak,
+            self.alpha,
+            self.transmittance,
+            self.colour,
+            self.accumulator,
+        ]
+    }
+
+    /// Are all widths within the ranges for which the datapath's bounds hold?
+    pub const fn check(&self) -> Result<(), WidthError> {
+        let numbers = self.numbers();
+        let mut i = 0;
+        while i < numbers.len() {
+            let (field, low, high) = WIDTH_RANGES[i];
+            if numbers[i] < low || numbers[i] > high {
+                return Err(WidthError { field, value: numbers[i], range: (low, high) });
+            }
+            i += 1;
+        }
+        Ok(())
+    }
+}
+
+/// The word in which a pixel lane keeps the radial index and its differences.
+///
+/// Arithmetic wraps: the values that matter lie in `[0, 16)`, and differences that leave the word belong to
+/// pixels outside the footprint, which are never visited after them.
+pub trait Lane: Copy + core::fmt::Debug + PartialEq {
+    /// The low bits of `value`.
+    fn from_wide(value: i64) -> Self;
+    /// Sign-extended value.
+    fn to_wide(self) -> i64;
+    /// Sum modulo the word.
+    fn add(self, other: Self) -> Self;
+}
+
+impl Lane for i32 {
+    #[inline(always)]
+    fn from_wide(value: i64) -> Self {
+        value as i32
+    }
+    #[inline(always)]
+    fn to_wide(self) -> i64 {
+        self as i64
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.wrapping_add(other)
+    }
+}
+
+impl Lane for i64 {
+    #[inline(always)]
+    fn from_wide(value: i64) -> Self {
+        value
+    }
+    #[inline(always)]
+    fn to_wide(self) -> i64 {
+        self
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.wrapping_add(other)
+    }
+}
+
+/// A complete choice of widths. An implementation must return widths that pass [`Widths::check`], best proven at
+/// compile time as the named designs do; the bounds of the whole datapath rest on it.
+pub trait Design: Copy {
+    /// Word of the pixel lanes: `i32` needs `radial <= 27`.
+    type Lane: Lane;
+    /// The widths; inlined to a constant for named designs.
+    fn widths(&self) -> Widths;
+}
+
+/// Widths chosen at run time; lanes are 64 bits wide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Custom(Widths);
+
+impl Custom {
+    /// Checks the widths.
+    pub const fn new(widths: Widths) -> Result<Self, WidthError> {
+        match widths.check() {
+            Ok(()) => Ok(Custom(widths)),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+impl Design for Custom {
+    type Lane = i64;
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        self.0
+    }
+}
+
+/// What 1997-2003 hardware would have built: 8-bit opacity, box traversal, no interpolation, truncation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Classic8;
+
+/// 18-bit multipliers (one operand of 18, the other of at most 27 bits: one DSP slice of today's FPGAs).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lean18;
+
+/// 24-bit mantissas, 32-bit pixel lanes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Standard24;
+
+/// 31-bit magnitudes, 64-bit pixel lanes: the most accurate the formats allow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Deep32;
+
+impl Classic8 {
+    /// Widths of the design.
+    pub const WIDTHS: Widths = Widths {
+        view: 20,
+        mantissa: 16,
+        subpixel: 8,
+        radial: 12,
+        table: 8,
+        interpolate: false,
+        weight: 8,
+        peak: 8,
+        alpha: 8,
+        transmittance: 8,
+        colour: 8,
+        accumulator: 8,
+        rounding: Rounding::Truncate,
+    };
+}
+
+impl Lean18 {
+    /// Widths of the design.
+    pub const WIDTHS: Widths = Widths {
+        view: 26,
+        mantissa: 18,
+        subpixel: 12,
+        radial: 22,
+        table: 10,
+        interpolate: true,
+        weight: 18,
+        peak: 24,
+        alpha: 18,
+        transmittance: 26,
+        colour: 14,
+        accumulator: 20,
+        rounding: Rounding::Nearest,
+    };
+}
+
+impl Standard24 {
+    /// Widths of the design.
+    pub const WIDTHS: Widths = Widths {
+        view: 30,
+        mantissa: 24,
+        subpixel: 16,
+        radial: 27,
+        table: 10,
+        interpolate: true,
+        weight: 24,
+        peak: 28,
+        alpha: 24,
+        transmittance: 30,
+        colour: 18,
+        accumulator: 24,
+        rounding: Rounding::Nearest,
+    };
+}
+
+impl Deep32 {
+    /// Widths of the design.
+    pub const WIDTHS: Widths = Widths {
+        view: 31,
+        mantissa: 31,
+        subpixel: 24,
+        radial: 44,
+        table: 12,
+        interpolate: true,
+        weight: 28,
+        peak: 28,
+        alpha: 28,
+        transmittance: 30,
+        colour: 24,
+        accumulator: 27,
+        rounding: Rounding::Nearest,
+    };
+}
+
+impl Design for Classic8 {
+    type Lane = i32;
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { checked(Self::WIDTHS) }
+    }
+}
+
+impl Design for Lean18 {
+    type Lane = i32;
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { checked(Self::WIDTHS) }
+    }
+}
+
+impl Design for Standard24 {
+    type Lane = i32;
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { checked(Self::WIDTHS) }
+    }
+}
+
+impl Design for Deep32 {
+    type Lane = i64;
+    #[inline(always)]
+    fn widths(&self) -> Widths {
+        const { checked(Self::WIDTHS) }
+    }
+}
+
+/// A named design with widths out of range does not compile.
+const fn checked(widths: Widths) -> Widths {
+    assert!(widths.check().is_ok());
+    widths
+}

@@ -1,0 +1,175 @@
+//! The footprint table: reconstruction kernel against radial index.
+//!
+//! All splats share one 1D table ([EWA] 7.1.2, [SURF] 4). It covers radial indices from 0 to `2^range` in
+//! `2^table` intervals; entries are UQ1.weight, the kernel's peak is 1. The Gaussian is exp(-r/2).
+//!
+//! With interpolation, the chord of a convex function lies above it by `h^2/12 f''` on average; for the Gaussian
+//! `f'' = f/4`, so entries are lowered by the factor `1 - h^2/48` and the mean error is 0. Without
+//! interpolation an entry is the kernel at the middle of its interval.
+
+use crate::format::Widths;
+use crate::math::shift_round;
+
+/// Largest number of entries of a table: `2^14` intervals and the end point.
+pub const MAX_ENTRIES: usize = (1 << 14) + 1;
+
+/// Entries that a design's table has.
+pub const fn entries(widths: &Widths) -> usize {
+    (1 << widths.table) + 1
+}
+
+/// A table in memory that the caller lends.
+#[derive(Clone, Copy, Debug)]
+pub struct FootprintTable<'a> {
+    entries: &'a [u32],
+    /// Bits of the radial index below the table's index.
+    rest_bits: u32,
+    interpolate: bool,
+}
+
+/// The memory lent for a table has not as many entries as [`entries`] asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TableSizeError {
+    /// Entries needed.
+    pub needed: usize,
+    /// Entries found.
+    pub found: usize,
+}
+
+impl<'a> FootprintTable<'a> {
+    /// Looks radial indices up in `entries`, which [`fill_gaussian`] filled for the same widths and range.
+    pub const fn new(entries: &'a [u32], widths: &Widths, range: u8) -> Result<Self, TableSizeError> {
+        let needed = self::entries(widths);
+        if entries.len() != needed {
+            return Err(TableSizeError { needed, found: entries.len() });
+        }
+        let rest_bits = (widths.radial as u32 + range as u32).saturating_sub(widths.table as u32);
+        Ok(FootprintTable { entries, rest_bits, interpolate: widths.interpolate })
+    }
+
+    /// Kernel at `radial` (UQ4.radial), UQ1.weight; 0 beyond the table. Interpolated results are rounded to nearest.
+    #[inline(always)]
+    pub fn weight(&self, radial: u64) -> u32 {
+        let index = (radial >> self.rest_bits) as usize;
+        let low = self.entries.get(index).copied().unwrap_or(0);
+        if !self.interpolate {
+            return low;
+        }
+        let high = self.entries.get(index + 1).copied().unwrap_or(0);
+        // At most 16 bits of the rest: beyond that the chord's own error dominates at any table size.
+        let kept = if self.rest_bits > 16 { 16 } else { self.rest_bits };
+        let rest = (radial >> (self.rest_bits - kept)) & ((1 << kept) - 1);
+        let step = (i64::from(high) - i64::from(low)) * rest as i64;
+        (i64::from(low) + shift_round(step, kept)) as u32
+    }
+}
+
+/// Fills a table with the Gaussian exp(-r/2) on 0 ..= `2^range`; evaluates at compile time for firmware.
+///
+/// Each entry is rounded to nearest from 60 fraction bits.
+pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
+    // One interval is h = 2^(range - table), so an entry's factor to the next is exp(-h/2).
+    let half_step = (1u64 << 60) >> (widths.table as u32 + 1 - range as u32);
+    let factor = exp_negative(half_step);
+    let mut value = if widths.interpolate {
+        // 1 - h^2/48 with h^2 = 2^(2 (range - table)).
+        (1u64 << 60) - ((1u64 << 60) >> (2 * (widths.table - range))) / 48
+    } else {
+        exp_negative(half_step / 2)
+    };
+    let drop = 60 - widths.weight as u32;
+    let mut i = 0;
+    while i < table.len() {
+        table[i] = ((value + (1 << (drop - 1))) >> drop) as u32;
+        value = ((value as u128 * factor as u128 + (1 << 59)) >> 60) as u64;
+        i += 1;
+    }
+}
+
+/// A compile-time table of the Gaussian; `N` must be [`entries`] of the widths.
+pub const fn gaussian<const N: usize>(widths: &Widths, range: u8) -> [u32; N] {
+    let mut table = [0; N];
+    fill_gaussian(&mut table, widths, range);
+    table
+}
+
+/// exp(-x) for x in [0, 4], both with 60 fraction bits: the power series of exp(-x/16), squared four times.
+const fn exp_negative(x: u64) -> u64 {
+    let one = 1i128 << 60;
+    let small = (x >> 4) as i128;
+    let mut term = one;
+    let mut sum = one;
+    let mut n = 1;
+    while n <= 20 {
+        term = -(term * small) / n / one;
+        sum += term;
+        n += 1;
+    }
+    let mut squared = 0;
+    while squared < 4 {
+        sum = (sum * sum) >> 60;
+        squared += 1;
+    }
+    sum as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{Classic8, Deep32, Lean18, Standard24};
+    extern crate std;
+    use std::vec;
+
+    fn errors(widths: Widths, range: u8) -> (f64, f64) {
+        let mut memory = vec![0; entries(&widths)];
+        fill_gaussian(&mut memory, &widths, range);
+        let table = FootprintTable::new(&memory, &widths, range).unwrap();
+        let end = 1u64 << (widths.radial + range);
+        let samples = 200_000;
+        let (mut worst, mut sum) = (0.0f64, 0.0);
+        for i in 0..samples {
+            let radial = end * i / samples;
+            let exact = (-0.5 * radial as f64 / (widths.radial as f64).exp2()).exp();
+            let error = table.weight(radial) as f64 / (widths.weight as f64).exp2() - exact;
+            worst = worst.max(error.abs());
+            sum += error;
+        }
+        (worst, sum / samples as f64)
+    }
+
+    /// One row a table: largest error and bias allowed.
+    #[test]
+    fn tables_are_accurate_and_unbiased() {
+        let rows = [
+            ("classic8 2", Classic8::WIDTHS, 2, 6.1e-3, 1e-4),
+            ("classic8 4", Classic8::WIDTHS, 4, 1.9e-2, 2e-4),
+            ("lean18 2", Lean18::WIDTHS, 2, 4.1e-6, 1e-7),
+            ("lean18 4", Lean18::WIDTHS, 4, 9e-6, 2e-7),
+            ("standard24 2", Standard24::WIDTHS, 2, 4e-7, 1e-8),
+            ("standard24 4", Standard24::WIDTHS, 4, 5.2e-6, 1e-8),
+            ("deep32 2", Deep32::WIDTHS, 2, 3e-8, 1e-9),
+            ("deep32 4", Deep32::WIDTHS, 4, 3.4e-7, 1e-9),
+        ];
+        for (name, widths, range, worst, bias) in rows {
+            let got = errors(widths, range);
+            assert!(got.0 < worst && got.1.abs() < bias, "{name}: largest {:.3e}, bias {:.3e}", got.0, got.1);
+        }
+    }
+
+    #[test]
+    fn compile_time_and_run_time_tables_are_equal() {
+        static TABLE: [u32; 1025] = gaussian(&Standard24::WIDTHS, 4);
+        let mut memory = [0; 1025];
+        fill_gaussian(&mut memory, &Standard24::WIDTHS, 4);
+        assert_eq!(TABLE, memory);
+    }
+
+    #[test]
+    fn beyond_the_table_is_zero_and_wrong_sizes_are_refused() {
+        let memory = [1; 257];
+        let table = FootprintTable::new(&memory, &Classic8::WIDTHS, 4).unwrap();
+        assert_eq!(table.weight(u64::MAX), 0);
+        let error = FootprintTable::new(&memory[1..], &Classic8::WIDTHS, 4).unwrap_err();
+        assert_eq!(error, TableSizeError { needed: 257, found: 256 });
+    }
+}

@@ -1,0 +1,13 @@
+//! Integer arithmetic shared by the stages, one function per file, the derivation at its head.
+
+mod log2;
+mod reciprocal;
+mod scaled;
+mod shift;
+mod sqrt;
+
+pub use log2::log2_upper;
+pub use reciprocal::reciprocal;
+pub use scaled::{Product, Scaled, sum_of_products};
+pub use shift::{shift_left, shift_round, shift_signed, shift_unsigned};
+pub use sqrt::{root_seed, square_root};

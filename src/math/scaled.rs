@@ -1,0 +1,174 @@
+//! Normalised numbers: an integer mantissa and a power of two.
+//!
+//! Setup works in block floating point: mantissas of [`mantissa`](crate::format::Widths::mantissa) bits, exponents that are
+//! aligned once per sum. Nothing is lost by range, so the relative error of every product is at most
+//! `2^-mantissa`, whatever the scene's scale. A sum of products is aligned in 64 bits and rounded once.
+
+use super::shift::{shift_round, shift_signed};
+
+/// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Scaled {
+    /// Signed mantissa, at most 31 bits of magnitude.
+    pub mantissa: i32,
+    /// Power of two.
+    pub exponent: i32,
+}
+
+/// An exact product of two mantissas, not yet normalised: `value * 2^exponent`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Product {
+    /// At most 62 bits of magnitude.
+    pub value: i64,
+    /// Power of two.
+    pub exponent: i32,
+}
+
+/// Exponent given to zero: below every other, and far from the ends of `i32`.
+const ZERO_EXPONENT: i32 = -(1 << 20);
+
+impl Scaled {
+    /// Zero.
+    pub const ZERO: Scaled = Scaled { mantissa: 0, exponent: ZERO_EXPONENT };
+
+    /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
+    #[inline]
+    pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> Scaled {
+        if value == 0 {
+            return Scaled::ZERO;
+        }
+        let length = 64 - value.unsigned_abs().leading_zeros() as i32;
+        let shift = length - bits as i32;
+        // A magnitude of 2^63 has no spare bit for the rounding constant: drop one bit first.
+        let mantissa = if shift > 31 { shift_round(value >> 1, shift as u32 - 1) } else { shift_signed(value, shift) };
+        let exponent = exponent.saturating_add(shift);
+        if mantissa.unsigned_abs() >> bits != 0 {
+            return Scaled { mantissa: (mantissa / 2) as i32, exponent: exponent.saturating_add(1) };
+        }
+        Scaled { mantissa: mantissa as i32, exponent }
+    }
+
+    /// Exact product.
+    #[inline(always)]
+    pub const fn times(self, other: Scaled) -> Product {
+        Product {
+            value: self.mantissa as i64 * other.mantissa as i64,
+            exponent: self.exponent.saturating_add(other.exponent),
+        }
+    }
+
+    /// Product rounded to `bits`.
+    #[inline]
+    pub const fn multiply(self, other: Scaled, bits: u32) -> Scaled {
+        self.times(other).normalise(bits)
+    }
+
+    /// `self * 2^power`, exactly.
+    #[inline(always)]
+    pub const fn scaled_by(self, power: i32) -> Scaled {
+        Scaled { mantissa: self.mantissa, exponent: self.exponent.saturating_add(power) }
+    }
+
+    /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
+    #[inline]
+    pub const fn to_fixed(self, fraction: u32) -> i64 {
+        shift_signed(self.mantissa as i64, 0i32.saturating_sub(self.exponent).saturating_sub(fraction as i32))
+    }
+
+    /// Position of the leading bit: `2^leading <= |self| < 2^(leading + 1)`; very negative for 0.
+    #[inline(always)]
+    pub const fn leading(self) -> i32 {
+        let length = 32 - self.mantissa.unsigned_abs().leading_zeros() as i32;
+        self.exponent.saturating_add(length - 1)
+    }
+}
+
+impl Product {
+    /// Rounded to `bits`.
+    #[inline]
+    pub const fn normalise(self, bits: u32) -> Scaled {
+        Scaled::from_wide(self.value, self.exponent, bits)
+    }
+
+    /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
+    #[inline]
+    pub const fn to_fixed(self, fraction: u32) -> i64 {
+        shift_signed(self.value, 0i32.saturating_sub(self.exponent).saturating_sub(fraction as i32))
+    }
+}
+
+/// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
+///
+/// Alignment error: at most half of `2^-60` of the largest term for each term.
+#[inline]
+pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
+    const { assert!(N <= 4) };
+    let mut leading = i32::MIN;
+    for term in terms {
+        if term.value != 0 {
+            let length = 64 - term.value.unsigned_abs().leading_zeros() as i32;
+            leading = leading.max(term.exponent.saturating_add(length));
+        }
+    }
+    if leading == i32::MIN {
+        return Scaled::ZERO;
+    }
+    let unit = leading.saturating_sub(60);
+    let mut sum = 0i64;
+    for term in terms {
+        if term.value != 0 {
+            sum = sum.wrapping_add(shift_signed(term.value, unit.saturating_sub(term.exponent)));
+        }
+    }
+    Scaled::from_wide(sum, unit, bits)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn value(number: Scaled) -> f64 {
+        number.mantissa as f64 * (number.exponent as f64).exp2()
+    }
+
+    proptest! {
+        #[test]
+        fn normalising_rounds_to_the_mantissa(wide: i64, exponent in -100i32..100, bits in 8u32..=31) {
+            let number = Scaled::from_wide(wide, exponent, bits);
+            let exact = wide as f64 * (exponent as f64).exp2();
+            prop_assert!((value(number) - exact).abs() <= exact.abs() * (-(bits as f64)).exp2() * 1.0001);
+            if wide != 0 {
+                let length = 32 - number.mantissa.unsigned_abs().leading_zeros();
+                prop_assert_eq!(length, bits);
+            }
+        }
+
+        #[test]
+        fn sums_are_rounded_once(parts: [(i32, i32, i8); 4], bits in 8u32..=31) {
+            let terms = parts.map(|(a, b, e)| Product { value: (a >> 1) as i64 * (b >> 1) as i64, exponent: e as i32 / 8 });
+            let exact: f64 = terms.iter().map(|t| t.value as f64 * (t.exponent as f64).exp2()).sum();
+            let largest = terms.iter().map(|t| (t.value as f64 * (t.exponent as f64).exp2()).abs()).fold(0.0, f64::max);
+            let error = (value(sum_of_products(terms, bits)) - exact).abs();
+            prop_assert!(error <= exact.abs() * (-(bits as f64)).exp2() * 1.0001 + largest * 1e-15, "{error} {exact}");
+        }
+
+        #[test]
+        fn every_bit_pattern_is_defined(mantissa: i32, exponent: i32, wide: i64, fraction in 0u32..64, bits in 1u32..=31) {
+            let number = Scaled { mantissa, exponent };
+            let _ = (number.to_fixed(fraction), number.leading(), number.multiply(number, bits));
+            let _ = Scaled::from_wide(wide, exponent, bits);
+            let product = Product { value: wide, exponent };
+            let _ = (product.to_fixed(fraction), sum_of_products([product; 4], bits));
+        }
+    }
+
+    #[test]
+    fn fixed_point_saturates() {
+        let number = Scaled { mantissa: 3, exponent: 80 };
+        assert_eq!(number.to_fixed(16), i64::MAX);
+        assert_eq!(Scaled { mantissa: -3, exponent: 80 }.to_fixed(16), i64::MIN);
+        assert_eq!(Scaled { mantissa: 3, exponent: -1 }.to_fixed(0), 2);
+        assert_eq!(Scaled::ZERO.to_fixed(40), 0);
+    }
+}

@@ -1,0 +1,83 @@
+//! Right shifts that round, defined for every shift amount.
+//!
+//! A shift by `s` divides by `2^s`. Rounding to nearest adds half of `2^s` first, so halves go up; the sum
+//! wraps only for values within half of `2^s` of the type's end, which no caller produces (all keep a spare bit).
+
+use crate::format::Rounding;
+
+/// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
+#[inline(always)]
+pub const fn shift_round(value: i64, shift: u32) -> i64 {
+    if shift == 0 {
+        return value;
+    }
+    if shift >= 64 {
+        return 0;
+    }
+    value.wrapping_add(1 << (shift - 1)) >> shift
+}
+
+/// `value * 2^shift` saturated to the type. `shift >= 63` saturates anything but 0.
+#[inline(always)]
+pub const fn shift_left(value: i64, shift: u32) -> i64 {
+    let head_room = value.unsigned_abs().leading_zeros();
+    if value == 0 || shift < head_room {
+        return if shift < 64 { value << shift } else { 0 };
+    }
+    if value < 0 { i64::MIN } else { i64::MAX }
+}
+
+/// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
+#[inline(always)]
+pub const fn shift_signed(value: i64, shift: i32) -> i64 {
+    if shift >= 0 { shift_round(value, shift as u32) } else { shift_left(value, shift.unsigned_abs()) }
+}
+
+/// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift
+/// multiplies and drops what leaves the word (the width ranges keep values below it).
+#[inline(always)]
+pub const fn shift_unsigned(value: u64, shift: i32, rounding: Rounding) -> u64 {
+    if shift >= 64 || shift <= -64 {
+        return 0;
+    }
+    if shift <= 0 {
+        return value << shift.unsigned_abs();
+    }
+    match rounding {
+        Rounding::Nearest => value.wrapping_add(1 << (shift - 1)) >> shift,
+        Rounding::Truncate => value >> shift,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn halves_go_up() {
+        let table: [(i64, u32, i64); 8] =
+            [(5, 1, 3), (-5, 1, -2), (7, 2, 2), (6, 2, 2), (5, 2, 1), (-6, 2, -1), (-7, 2, -2), (1, 64, 0)];
+        for (value, shift, expected) in table {
+            assert_eq!(shift_round(value, shift), expected, "{value} >> {shift}");
+        }
+    }
+
+    #[test]
+    fn left_shift_saturates() {
+        assert_eq!(shift_left(3, 2), 12);
+        assert_eq!(shift_left(-3, 2), -12);
+        assert_eq!(shift_left(3, 62), i64::MAX);
+        assert_eq!(shift_left(-3, 63), i64::MIN);
+        assert_eq!(shift_left(0, 200), 0);
+        assert_eq!(shift_left(1, 62), 1 << 62);
+        assert_eq!(shift_left(1, 63), i64::MAX);
+    }
+
+    #[test]
+    fn pixel_path_follows_the_rounding() {
+        assert_eq!(shift_unsigned(7, 2, Rounding::Nearest), 2);
+        assert_eq!(shift_unsigned(7, 2, Rounding::Truncate), 1);
+        assert_eq!(shift_unsigned(7, -2, Rounding::Truncate), 28);
+        assert_eq!(shift_unsigned(7, 64, Rounding::Nearest), 0);
+    }
+}

@@ -1,0 +1,238 @@
+//! Traversal `spans`: only the pixels of each row that lie in the ellipse, by LDL forward differencing.
+//!
+//! r(x, y) = A (x - xc(y))^2 + C dy^2, xc(y) = u + S dy. Down the rows, xc is a linear and C dy^2 a quadratic sequence
+//! in 64-bit integers (Q.32 pixels, Q11.52). A row's half-width is sqrt((c - C dy^2) / A) from the root
+//! table; at its start the radial index is seeded by two multiplications and then differenced in the lanes.
+//!
+//! Two things bound the error. Seeds are taken anew at every multiple of [`BLOCK`] columns, so that the rounding of the second
+//! difference (half a unit) grows to at most `BLOCK^2 / 2` half-units. And the slack added to c makes spans include
+//! every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the lane's own comparison rejects.
+
+use super::{Quadratic, Rows, Run, Window};
+use crate::footprint::Footprint;
+use crate::format::{Design, Lane};
+use crate::math::{Scaled, root_seed, shift_left, shift_round, shift_signed};
+
+/// Columns between two seeds of the radial index within a row.
+pub const BLOCK: u16 = 64;
+
+/// Fraction bits of C dy^2.
+const VERTICAL: u32 = 52;
+
+/// Added to the cut-off before the span is computed: 2^-10.
+const SLACK: i64 = 1 << (VERTICAL - 10);
+
+/// The runs of one footprint under the traversal `spans`.
+#[derive(Clone, Debug)]
+pub struct SpanRows<L> {
+    /// Rows still to come: `y .. last_row`.
+    y: u16,
+    last_row: u16,
+    /// Columns of the footprint's box, and of its part in the window.
+    bounds: [u16; 2],
+    visible: [u16; 2],
+    /// xc - 1/2 in the row to come, Q.32 pixels, and its change per row.
+    centre: i64,
+    slope: i64,
+    /// C dy^2 in the row to come, Q.52.
+    vertical: Quadratic,
+    /// Cut-off and slack, Q.52.
+    reach: i64,
+    half_width: HalfWidth,
+    seed: Seed<L>,
+    row: Row,
+}
+
+/// What is left of the row being drawn.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    y: u16,
+    x: u16,
+    end: u16,
+    centre: i64,
+    vertical: i64,
+}
+
+impl<L: Lane> SpanRows<L> {
+    /// Prepares the rows of `footprint` that lie in `window`.
+    #[inline]
+    pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
+        let widths = design.widths();
+        let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
+        let scan = &footprint.scan;
+        let bounds = Window { first: footprint.first, last: footprint.last };
+        let visible = bounds.intersect(window);
+        // Distance of the first row's sample points from the centre, in pixels.
+        let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1)).wrapping_sub(footprint.centre[1]);
+        let dy = Scaled::from_wide(dy, -(subpixel as i32), mantissa);
+        let slope = scan.slope.to_fixed(32);
+        let skipped = visible.first[1] - bounds.first[1];
+        let mut vertical = vertical(scan.stretch, dy, mantissa);
+        vertical.jump(skipped);
+        let centre = shift_left(footprint.centre[0], 32 - subpixel)
+            .wrapping_sub(1 << 31)
+            .wrapping_add(scan.slope.times(dy).to_fixed(32))
+            .wrapping_add(slope.wrapping_mul(skipped.into()));
+        SpanRows {
+            y: visible.first[1],
+            last_row: if visible.is_empty() { 0 } else { visible.last[1] },
+            bounds: [bounds.first[0], bounds.last[0]],
+            visible: [visible.first[0], visible.last[0]],
+            centre,
+            slope,
+            vertical,
+            reach: (i64::from(footprint.cutoff) << (VERTICAL - 28)) + SLACK,
+            half_width: HalfWidth::new(scan.spread),
+            seed: Seed::new(scan.curvature, scan.spread, mantissa, widths.radial.into()),
+            row: Row::default(),
+        }
+    }
+
+    /// Opens the next row: its span within the window, from the block that contains the window's first column.
+    #[inline(always)]
+    fn next_row(&mut self) {
+        let mut row = Row { y: self.y, x: 0, end: 0, centre: self.centre, vertical: self.vertical.value };
+        let rest = self.reach.wrapping_sub(row.vertical);
+        if rest > 0 {
+            let half = self.half_width.of(rest);
+            let low = row.centre.saturating_sub(half).saturating_add((1 << 32) - 1) >> 32;
+            let high = (row.centre.saturating_add(half) >> 32).saturating_add(1);
+            let [first, last] = self.bounds.map(i64::from);
+            let low = low.clamp(first, last) as u16;
+            row.x = low.max(self.visible[0] - self.visible[0] % BLOCK);
+            row.end = (high.clamp(first, last) as u16).min(self.visible[1]);
+        }
+        self.row = row;
+        self.y += 1;
+        self.centre = self.centre.wrapping_add(self.slope);
+        self.vertical.step();
+    }
+
+    /// The row's next part up to a multiple of [`BLOCK`], seeded at its own start.
+    ///
+    /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
+    #[inline(always)]
+    fn next_block(&mut self) -> Option<Run<L>> {
+        let Row { y, x, end, centre, vertical } = self.row;
+        let stop = (x - x % BLOCK).saturating_add(BLOCK).min(end);
+        self.row.x = stop;
+        let (radial, first, second) = self.seed.at(x, centre, vertical);
+        let run = Run { y, x, length: stop - x, radial, first, second };
+        let head = self.visible[0].saturating_sub(x);
+        if head == 0 {
+            return Some(run);
+        }
+        if head >= run.length { None } else { Some(run.skip(head)) }
+    }
+}
+
+impl<L: Lane> Rows for SpanRows<L> {
+    type Lane = L;
+
+    #[inline(always)]
+    fn fraction(&self) -> u32 {
+        self.seed.fraction
+    }
+
+    #[inline]
+    fn next_run(&mut self) -> Option<Run<L>> {
+        loop {
+            while self.row.x < self.row.end {
+                if let Some(run) = self.next_block() {
+                    return Some(run);
+                }
+            }
+            if self.y >= self.last_row {
+                return None;
+            }
+            self.next_row();
+        }
+    }
+}
+
+/// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
+fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
+    let along = stretch.multiply(dy, bits);
+    let unit = stretch.to_fixed(VERTICAL);
+    Quadratic {
+        value: along.times(dy).to_fixed(VERTICAL),
+        first: along.scaled_by(1).to_fixed(VERTICAL).wrapping_add(unit),
+        second: unit.wrapping_mul(2),
+    }
+}
+
+/// sqrt(rest / A): the root table and a multiplication.
+#[derive(Clone, Copy, Debug)]
+struct HalfWidth {
+    mantissa: u64,
+    odd: u32,
+    power: i32,
+}
+
+impl HalfWidth {
+    fn new(spread: Scaled) -> Self {
+        let odd = spread.exponent & 1;
+        // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
+        HalfWidth {
+            mantissa: spread.mantissa.unsigned_abs().into(),
+            odd: odd as u32,
+            power: ((spread.exponent - odd) / 2).saturating_add(32 - 14),
+        }
+    }
+
+    /// Half-width in Q.32 pixels for `rest` in Q.52, 0 < rest < 2^56.
+    #[inline(always)]
+    fn of(&self, rest: i64) -> i64 {
+        let squared = self.mantissa.wrapping_mul((rest as u64) >> (VERTICAL - 28)) << self.odd;
+        let (root, shift) = root_seed(squared);
+        shift_signed(root.into(), 0i32.saturating_sub(shift.saturating_add(self.power)))
+    }
+}
+
+/// Seeds of the lanes: r and its first difference at a column by two multiplications.
+///
+/// dx is held in as many bits as the mantissa has: its unit is a power of two that follows from the footprint's
+/// largest half-width, so that all alignments are constants of the footprint.
+#[derive(Clone, Copy, Debug)]
+struct Seed<L> {
+    curvature: i64,
+    bits: u32,
+    fraction: u32,
+    /// Right shifts: dx from Q.32, r and its difference to Q.fraction.
+    drop_dx: u32,
+    drop_radial: i32,
+    drop_first: i32,
+    unit: i64,
+    second: L,
+}
+
+impl<L: Lane> Seed<L> {
+    fn new(curvature: Scaled, spread: Scaled, bits: u32, fraction: u32) -> Self {
+        // |dx|^2 <= 16 spread < 2^(leading + 5), hence |dx| < 2^half in pixels.
+        let half = spread.leading().saturating_add(6) >> 1;
+        let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);
+        let power = curvature.exponent.clamp(-1024, 1024) + drop_dx - 32;
+        let unit = curvature.to_fixed(fraction);
+        Seed {
+            curvature: curvature.mantissa.into(),
+            bits,
+            fraction,
+            drop_dx: drop_dx as u32,
+            drop_radial: -(power + drop_dx - 32 + bits as i32 + fraction as i32),
+            drop_first: -(power + 1 + fraction as i32),
+            unit,
+            second: L::from_wide(unit.wrapping_mul(2)),
+        }
+    }
+
+    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`; `centre` is xc - 1/2 in Q.32.
+    #[inline(always)]
+    fn at(&self, x: u16, centre: i64, vertical: i64) -> (L, L, L) {
+        let dx = shift_round((i64::from(x) << 32).wrapping_sub(centre), self.drop_dx);
+        let along = self.curvature.wrapping_mul(dx);
+        let across = shift_round(along, self.bits).wrapping_mul(dx);
+        let radial = shift_signed(across, self.drop_radial).wrapping_add(shift_round(vertical, VERTICAL - self.fraction));
+        let first = shift_signed(along, self.drop_first).wrapping_add(self.unit);
+        (L::from_wide(radial), L::from_wide(first), self.second)
+    }
+}

@@ -1,0 +1,80 @@
+//! The named rules of blending, in fixed point: what a peak means, where a footprint ends, when a pixel is finished.
+
+use crate::math::Scaled;
+
+/// Where a footprint ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cutoff {
+    /// At a constant radial index, r < c, UQ4.28 ([EWA] 7.1.2: c = 4).
+    Radial(u32),
+    /// Where the opacity falls below [`Rules::alpha_min`]: c = 2 ln(peak / alpha_min).
+    Opacity,
+}
+
+/// How splats are weighted, cut off and composited. Constant for a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rules {
+    /// Kernels of unit volume: the peak opacity is weight |J W| / (2 pi sqrt(det(V' + V^h))) ([EWA] eq. 26-31).
+    /// Otherwise the weight is the peak opacity.
+    pub normalised: bool,
+    /// Variance of the low-pass filter V^h = h I in square pixels; 0 switches it off.
+    pub low_pass: Scaled,
+    /// End of a footprint.
+    pub cutoff: Cutoff,
+    /// Opacity of one splat at one pixel is clamped to this, UQ1.31.
+    pub alpha_max: u32,
+    /// Smaller opacities are skipped, UQ1.31.
+    pub alpha_min: u32,
+    /// A pixel is finished when its transmittance is at most this, UQ1.31.
+    pub stop: u32,
+    /// The splat that would bring the transmittance to `stop` is itself left out.
+    pub stop_before: bool,
+    /// x/z and y/z are clamped in the Jacobian to [`RatioLimits`](crate::view::RatioLimits).
+    pub clamp_jacobian: bool,
+    /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for all others.
+    pub table_range: u8,
+}
+
+/// `numerator / denominator` in UQ1.31, rounded to nearest.
+const fn ratio(numerator: u64, denominator: u64) -> u32 {
+    (((numerator << 31) + denominator / 2) / denominator) as u32
+}
+
+impl Rules {
+    /// EWA volume splatting: normalised kernels, identity low-pass, cut-off 4.
+    pub const EWA: Rules = Rules {
+        normalised: true,
+        low_pass: Scaled { mantissa: 1 << 30, exponent: -30 },
+        cutoff: Cutoff::Radial(4 << 28),
+        alpha_max: ratio(1, 1),
+        alpha_min: 0,
+        stop: ratio(1, 10_000),
+        stop_before: false,
+        clamp_jacobian: false,
+        table_range: 2,
+    };
+
+    /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
+    pub const GAUSSIAN_3D: Rules = Rules {
+        normalised: false,
+        low_pass: Scaled { mantissa: 1_288_490_189, exponent: -32 }, // 0.3
+        cutoff: Cutoff::Opacity,
+        alpha_max: ratio(999, 1000),
+        alpha_min: ratio(1, 255),
+        stop: ratio(1, 10_000),
+        stop_before: true,
+        clamp_jacobian: true,
+        table_range: 4,
+    };
+}
+
+/// In which order and by which operator a pixel gathers its splats ([EWA] 4.1, [SWAN] 3.1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compositing {
+    /// Nearest splat first, "over"; finished pixels skip the rest.
+    FrontToBack,
+    /// Farthest splat first, "over"; no pixel finishes.
+    BackToFront,
+    /// Plain summation of opacity and of opacity times colour.
+    XRay,
+}

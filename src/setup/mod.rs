@@ -1,0 +1,113 @@
+//! Splat setup: from a splat in the scene to a footprint on the screen, in integers only.
+//!
+//! ```text
+//! splat -> project -> jacobian -> variance -> shape -> footprint
+//! ```
+//!
+//! Each unit is one file with its equation at its head. Positions are fixed point; everything after the
+//! reciprocal of the depth is block floating point with the design's mantissa.
+
+mod jacobian;
+mod peak;
+mod project;
+mod shape;
+mod variance;
+
+pub use jacobian::{Column, columns};
+pub use peak::{cutoff, peak, peak_fixed};
+pub use project::{Projected, project};
+pub use shape::{conic, scan};
+pub use variance::{Variance, variance};
+
+use crate::footprint::Footprint;
+use crate::format::Design;
+use crate::math::{Scaled, shift_left, shift_unsigned, square_root};
+use crate::rules::Rules;
+use crate::splat::VolumeSplat;
+use crate::view::View;
+
+/// Why a splat has no footprint. Every culled splat has exactly one reason, the first that applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Cull {
+    /// z <= near.
+    Near,
+    /// z >= far.
+    Far,
+    /// The centre is more than 2^26 pixels away from the origin of the screen, or the footprint reaches more than
+    /// 2^28 pixels to a side.
+    Range,
+    /// The footprint has no area, or one beyond the packet's exponents (only without a low-pass filter).
+    Degenerate,
+    /// The opacity is below what the rules ever draw.
+    Transparent,
+    /// The bounding box does not touch the viewport.
+    Outside,
+}
+
+impl Cull {
+    /// All reasons, in the order in which they are tested.
+    pub const ALL: [Cull; 6] =
+        [Cull::Near, Cull::Far, Cull::Range, Cull::Degenerate, Cull::Transparent, Cull::Outside];
+}
+
+/// The whole of setup for one volume splat ([EWA] 6.2 and 7.1).
+///
+/// Total: defined for every bit pattern of its inputs.
+pub fn setup<D: Design>(design: D, view: &View, rules: &Rules, splat: &VolumeSplat) -> Result<Footprint, Cull> {
+    let widths = design.widths();
+    let projected = project(&widths, view, rules, splat.centre)?;
+    let columns = columns(&widths, view, &projected, &splat.axes);
+    let variance = variance(&widths, rules.low_pass, &columns);
+    let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
+    let peak = peak(&widths, rules, splat.weight, &projected, &variance);
+    let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
+    let (first, last) = bounding_box(widths.subpixel.into(), view, projected.centre, &variance, cutoff)?;
+    let colour_shift = 28 - i32::from(widths.colour);
+    let colour = splat.colour.map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32);
+    let peak = peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
+    Ok(Footprint {
+        depth: projected.depth,
+        centre: projected.centre,
+        first,
+        last,
+        scan,
+        conic,
+        cutoff,
+        peak,
+        colour,
+    })
+}
+
+/// Half-extents sqrt(c Vxx), sqrt(c Vyy) around the centre: the pixels whose sample points lie within, clipped to the viewport.
+///
+/// Extents are taken 2^-10 larger, relatively, than the root unit's 16-bit result, so that no pixel is missed.
+fn bounding_box(
+    subpixel: u32,
+    view: &View,
+    centre: [i64; 2],
+    variance: &Variance,
+    cutoff: u32,
+) -> Result<([u16; 2], [u16; 2]), Cull> {
+    let cutoff = Scaled::from_wide(cutoff.into(), -28, 16);
+    let mut first = [0; 2];
+    let mut last = [0; 2];
+    for (axis, spread) in [variance.xx, variance.yy].into_iter().enumerate() {
+        let extent = square_root(cutoff.multiply(spread, 16), 16).to_fixed(32);
+        let extent = extent.saturating_add(extent >> 10);
+        if extent >> (32 + 28) != 0 {
+            return Err(Cull::Range);
+        }
+        let sample = shift_left(centre[axis], 32 - subpixel).saturating_sub(1 << 31);
+        let low = sample.saturating_sub(extent).saturating_add((1 << 32) - 1) >> 32;
+        let high = (sample.saturating_add(extent) >> 32).saturating_add(1);
+        let limit = i64::from(view.viewport[axis]);
+        let (low, high) = (low.clamp(0, limit), high.clamp(0, limit));
+        if low >= high {
+            return Err(Cull::Outside);
+        }
+        first[axis] = low as u16;
+        last[axis] = high as u16;
+    }
+    Ok((first, last))
+}

@@ -1,0 +1,62 @@
+//! Peak opacity and the cut-off that follows from it.
+//!
+//! Normalised kernels ([EWA] eq. 26-31): the footprint is a Gaussian of unit volume in ray space, so its peak is
+//!
+//! ```text
+//! g |J W| / (2 pi sqrt(det)),   |J| = fx/z fy/z |t|/z = gain_x gain_y sqrt(1 + (x/z)^2 + (y/z)^2)
+//! ```
+//!
+//! with J in pixels and |W| = 1. Orthographic views have |t|/z = 1. All other rules take the weight itself.
+
+use super::project::Projected;
+use super::variance::Variance;
+use crate::format::Widths;
+use crate::math::{Product, Scaled, log2_upper, reciprocal, square_root, sum_of_products};
+use crate::rules::{Cutoff, Rules};
+
+/// 1 / (2 pi) with 31 bits.
+const INVERSE_TWO_PI: Scaled = Scaled { mantissa: 1_367_130_551, exponent: -33 };
+
+/// Peak opacity; 0 for negative weights.
+pub fn peak(widths: &Widths, rules: &Rules, weight: Scaled, projected: &Projected, variance: &Variance) -> Scaled {
+    if weight.mantissa <= 0 {
+        return Scaled::ZERO;
+    }
+    if !rules.normalised {
+        return weight;
+    }
+    let bits = u32::from(widths.mantissa);
+    let [x, y] = projected.ratio;
+    let one = Product { value: 1, exponent: 0 };
+    let slant = sum_of_products([one, x.times(x), y.times(y)], bits);
+    let Some(inverse) = reciprocal(variance.determinant, bits) else { return Scaled::ZERO };
+    let density = square_root(slant.multiply(inverse, bits), bits);
+    let area = projected.gain[0].multiply(projected.gain[1], bits);
+    weight.multiply(area, bits).multiply(density, bits).multiply(INVERSE_TWO_PI, bits)
+}
+
+/// The peak in UQ4.peak, saturated to the word; `None` if it rounds to 0.
+pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
+    match peak.to_fixed(fraction).clamp(0, (16 << fraction.min(28)) - 1) {
+        0 => None,
+        fixed => Some(fixed as u32),
+    }
+}
+
+/// Radial index at which the footprint ends, UQ4.28, at most 15; `None` if it is nowhere visible.
+///
+/// Where the opacity decides, c = 2 ln(peak / alpha_min) = 2 ln 2 (log2 peak - log2 alpha_min), rounded up by less than
+/// 2^-9: the pixel itself compares its opacity.
+pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
+    const TWO_LN_2: i64 = 90_852; // UQ1.16
+    const END: i64 = 15 << 28;
+    match rules.cutoff {
+        Cutoff::Radial(cutoff) => Some(cutoff.min(END as u32)),
+        Cutoff::Opacity => {
+            let smallest = Scaled::from_wide(rules.alpha_min.into(), -31, 31);
+            // log2_upper exceeds the logarithm by less than 2^-11: 32 units of 2^-16.
+            let octaves = log2_upper(peak)? - log2_upper(smallest)? + 32;
+            if octaves <= 0 { None } else { Some((i64::from(octaves) * TWO_LN_2 / 16).min(END) as u32) }
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! Input primitives.
+
+use crate::math::{Scaled, square_root, sum_of_products};
+use fixed::types::{I8F24, U4F28};
+
+/// A volume splat: an elliptical Gaussian reconstruction kernel of variance `V = sum_k a_k a_k^T` ([EWA] 6.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VolumeSplat {
+    /// Centre in scene units, Q7.24.
+    pub centre: [I8F24; 3],
+    /// The three axes a_k, each one standard deviation long.
+    pub axes: [Axis; 3],
+    /// Peak opacity (rules with peak opacity), or extinction times volume in square scene units (normalised
+    /// kernels; [EWA] eq. 5: g_k). Negative counts as 0.
+    pub weight: Scaled,
+    /// Linear red, green, blue, UQ4.28.
+    pub colour: [U4F28; 3],
+}
+
+/// A vector `mantissa * 2^exponent` in scene units: one exponent for the three components.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Axis {
+    /// Components; the largest should use all 31 bits of magnitude. `i32::MIN` counts as `-i32::MAX`.
+    pub mantissa: [i32; 3],
+    /// Power of two, -512 to 511 (others are clamped).
+    pub exponent: i32,
+}
+
+/// Why a covariance is not one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CovarianceError {
+    /// A variance is negative, or a covariance is larger than its variances allow.
+    Indefinite,
+}
+
+impl Axis {
+    /// One vector from three normalised numbers: aligned to the largest, rounded to nearest.
+    pub fn from_components(components: [Scaled; 3]) -> Axis {
+        let leading = components.iter().map(|c| if c.mantissa == 0 { i32::MIN } else { c.leading() }).max();
+        let Some(leading) = leading.filter(|l| *l != i32::MIN) else { return Axis::default() };
+        let exponent = leading.saturating_sub(29);
+        let mantissa = components.map(|c| c.scaled_by(exponent.saturating_neg()).to_fixed(0) as i32);
+        Axis { mantissa, exponent }
+    }
+
+    /// Axes of a covariance (xx, xy, xz, yy, yz, zz) in square scene units: the columns of its Cholesky factor.
+    ///
+    /// A semidefinite covariance gives axes of length 0. A pivot that is negative by no more than rounding (2^-24 of its variance)
+    /// counts as 0; a clearly negative one is an error. Relative error 2^-28 of the largest entry per column.
+    pub fn from_covariance(covariance: [Scaled; 6]) -> Result<[Axis; 3], CovarianceError> {
+        const BITS: u32 = 31;
+        let [xx, xy, xz, yy, yz, zz] = covariance;
+        let l11 = pivot(xx, [Scaled::ZERO; 2], xx)?;
+        let l21 = divide(xy, l11)?;
+        let l31 = divide(xz, l11)?;
+        let l22 = pivot(yy, [l21, Scaled::ZERO], yy)?;
+        let cross = sum_of_products([yz.times(ONE), negate(l31).times(l21)], BITS);
+        let l32 = divide(negligible(cross, yz), l22)?;
+        let l33 = pivot(zz, [l31, l32], zz)?;
+        Ok([
+            Axis::from_components([l11, l21, l31]),
+            Axis::from_components([Scaled::ZERO, l22, l32]),
+            Axis::from_components([Scaled::ZERO, Scaled::ZERO, l33]),
+        ])
+    }
+}
+
+const ONE: Scaled = Scaled { mantissa: 1 << 30, exponent: -30 };
+
+fn negate(value: Scaled) -> Scaled {
+    Scaled { mantissa: value.mantissa.saturating_neg(), exponent: value.exponent }
+}
+
+/// sqrt(variance - a^2 - b^2), 0 where the difference is rounding noise of `scale`.
+fn pivot(variance: Scaled, [a, b]: [Scaled; 2], scale: Scaled) -> Result<Scaled, CovarianceError> {
+    let rest = sum_of_products([variance.times(ONE), negate(a).times(a), negate(b).times(b)], 31);
+    let rest = negligible(rest, scale);
+    if rest.mantissa < 0 { Err(CovarianceError::Indefinite) } else { Ok(square_root(rest, 31)) }
+}
+
+/// 0 where `value` is below 2^-24 of `scale`.
+fn negligible(value: Scaled, scale: Scaled) -> Scaled {
+    if value.leading() < scale.leading().saturating_sub(24) { Scaled::ZERO } else { value }
+}
+
+/// `value / pivot`; a zero pivot allows only a zero value.
+fn divide(value: Scaled, pivot: Scaled) -> Result<Scaled, CovarianceError> {
+    match crate::math::reciprocal(pivot, 31) {
+        Some(inverse) => Ok(value.multiply(inverse, 31)),
+        None if value.mantissa == 0 => Ok(Scaled::ZERO),
+        None => Err(CovarianceError::Indefinite),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn scaled(value: f64) -> Scaled {
+        Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
+    }
+
+    fn vectors(axes: [Axis; 3]) -> [[f64; 3]; 3] {
+        axes.map(|a| a.mantissa.map(|m| m as f64 * (a.exponent as f64).exp2()))
+    }
+
+    proptest! {
+        #[test]
+        fn axes_reproduce_the_covariance(rows in proptest::array::uniform3(proptest::array::uniform3(-8.0f64..8.0))) {
+            let entry = |i: usize, j: usize| rows.iter().map(|r| r[i] * r[j]).sum::<f64>();
+            let exact = [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)];
+            if let Ok(axes) = Axis::from_covariance(exact.map(scaled)) {
+                let a = vectors(axes);
+                let back = |i: usize, j: usize| a.iter().map(|r| r[i] * r[j]).sum::<f64>();
+                let got = [back(0, 0), back(0, 1), back(0, 2), back(1, 1), back(1, 2), back(2, 2)];
+                let largest = exact[0].max(exact[3]).max(exact[5]);
+                for (g, e) in got.iter().zip(exact) {
+                    prop_assert!((g - e).abs() <= largest * 1e-7, "{got:?} {exact:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn singular_is_fine_and_indefinite_is_not() {
+        let flat = [4.0, 2.0, 0.0, 1.0, 0.0, 9.0].map(scaled);
+        assert_eq!(vectors(Axis::from_covariance(flat).unwrap()), [[2.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 3.0]]);
+        let saddle = [1.0, 2.0, 0.0, 1.0, 0.0, 1.0].map(scaled);
+        assert_eq!(Axis::from_covariance(saddle), Err(CovarianceError::Indefinite));
+        let negative = [-1.0, 0.0, 0.0, 1.0, 0.0, 1.0].map(scaled);
+        assert_eq!(Axis::from_covariance(negative), Err(CovarianceError::Indefinite));
+        assert_eq!(Axis::from_covariance([Scaled::ZERO; 6]), Ok([Axis::default(); 3]));
+    }
+}
