@@ -93,20 +93,14 @@ fn a_difference_whose_square_vanishes_is_not_called_identical() {
 fn pictures_that_cannot_be_compared_are_refused_by_name() {
     let good = Picture::new(4, 3);
     let message = |fixed: &Picture, float: &Picture| compare(fixed, float).unwrap_err().to_string();
-    assert_eq!(
-        message(&Picture::new(3, 4), &good),
-        "the pictures differ in size: fixed is 3x4, float is 4x3"
-    );
+    assert_eq!(message(&Picture::new(3, 4), &good), "the pictures differ in size: fixed is 3x4, float is 4x3");
     assert_eq!(message(&Picture::new(0, 5), &Picture::new(0, 5)), "the pictures have no pixels");
     let mut bad = good.clone();
     bad.pixels[6][1] = f64::NAN;
     assert_eq!(message(&good, &bad), "the float picture holds NaN in channel 1 of pixel (2, 1)");
     let mut short = good.clone();
     short.pixels.pop();
-    assert_eq!(
-        message(&short, &good),
-        "the fixed picture holds 11 pixels where its size asks for 12"
-    );
+    assert_eq!(message(&short, &good), "the fixed picture holds 11 pixels where its size asks for 12");
 }
 
 proptest! {

@@ -12,7 +12,9 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn help_and_version_succeed_on_stdout() {
-    for arguments in [&["--help"][..], &["render", "--help"], &["compare", "--help"], &["footprints", "--help"], &["--version"]] {
+    for arguments in
+        [&["--help"][..], &["render", "--help"], &["compare", "--help"], &["footprints", "--help"], &["--version"]]
+    {
         let output = splatline(arguments);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");
         assert!(output.stderr.is_empty() && !output.stdout.is_empty(), "{arguments:?}");
@@ -43,7 +45,16 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("missing.ply");
     let picture = folder.path().join("a.png");
-    let output = splatline(&["render", scene.to_str().unwrap(), "-o", picture.to_str().unwrap(), "--eye", "-1,2,3", "--target", "0,0,0"]);
+    let output = splatline(&[
+        "render",
+        scene.to_str().unwrap(),
+        "-o",
+        picture.to_str().unwrap(),
+        "--eye",
+        "-1,2,3",
+        "--target",
+        "0,0,0",
+    ]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(stderr(&output).contains("missing.ply"));
     assert!(output.stdout.is_empty() && !picture.exists());

@@ -1,6 +1,9 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use splatline::format::Traversal;
+use splatline_sim::design;
+use splatline_sim::picture::Depth;
 use splatline_sim::rules::{Compositing, Rules};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -9,8 +12,6 @@ use std::str::FromStr;
 pub const LARGEST_SIDE: usize = 16_384;
 /// Vertical field of view where none is given, degrees.
 pub const USUAL_FOV: f64 = 45.0;
-/// Designs that have a name, from the least to the most exact.
-pub const NAMED_DESIGNS: [&str; 4] = ["classic8", "lean18", "standard24", "deep32"];
 
 const EXAMPLES: &str = "\
 Examples:
@@ -105,7 +106,7 @@ pub struct FootprintsOptions {
     pub engine: Engine,
     /// Widths: classic8, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
-    pub design: DesignChoice,
+    pub design: DesignName,
     /// CSV file to write
     #[arg(short, long, value_name = "f.csv")]
     pub output: PathBuf,
@@ -155,7 +156,7 @@ pub struct DrawingOptions {
     pub engine: Engine,
     /// Widths: classic8, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
-    pub design: DesignChoice,
+    pub design: DesignName,
     /// How a footprint's pixels are walked [default: the design's own]
     #[arg(long, value_enum)]
     pub traversal: Option<TraversalChoice>,
@@ -164,7 +165,7 @@ pub struct DrawingOptions {
     pub compositing: CompositingChoice,
     /// Bits per channel of the PNG files
     #[arg(long, value_name = "8|16", default_value = "8", value_parser = depth)]
-    pub depth: u8,
+    pub depth: Depth,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
@@ -207,15 +208,11 @@ pub enum TraversalChoice {
     Spans,
 }
 
-impl TraversalChoice {
-    /// Both, the papers' first.
-    pub const ALL: [TraversalChoice; 2] = [TraversalChoice::Box, TraversalChoice::Spans];
-
-    /// Name on the command line and in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            TraversalChoice::Box => "box",
-            TraversalChoice::Spans => "spans",
+impl From<TraversalChoice> for Traversal {
+    fn from(choice: TraversalChoice) -> Self {
+        match choice {
+            TraversalChoice::Box => Traversal::Box,
+            TraversalChoice::Spans => Traversal::Spans,
         }
     }
 }
@@ -242,26 +239,18 @@ impl From<CompositingChoice> for Compositing {
     }
 }
 
-/// A named design or a file that holds one.
+/// The name of a design, or of a TOML file that holds one.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum DesignChoice {
-    /// One of [`NAMED_DESIGNS`].
-    Named(&'static str),
-    /// A TOML file.
-    File(PathBuf),
-}
+pub struct DesignName(pub String);
 
-impl FromStr for DesignChoice {
+impl FromStr for DesignName {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        if let Some(name) = NAMED_DESIGNS.into_iter().find(|&name| name == text) {
-            return Ok(DesignChoice::Named(name));
+        if design::NAMES.contains(&text) || text.ends_with(".toml") {
+            return Ok(DesignName(text.to_owned()));
         }
-        if text.ends_with(".toml") {
-            return Ok(DesignChoice::File(PathBuf::from(text)));
-        }
-        Err(format!("expected one of {} or a file that ends in .toml", NAMED_DESIGNS.join(", ")))
+        Err(format!("expected one of {} or a file that ends in .toml", design::NAMES.join(", ")))
     }
 }
 
@@ -319,10 +308,10 @@ fn field_of_view(text: &str) -> Result<f64, String> {
     }
 }
 
-fn depth(text: &str) -> Result<u8, String> {
+fn depth(text: &str) -> Result<Depth, String> {
     match text {
-        "8" => Ok(8),
-        "16" => Ok(16),
+        "8" => Ok(Depth::Eight),
+        "16" => Ok(Depth::Sixteen),
         _ => Err("expected 8 or 16".to_owned()),
     }
 }

@@ -1,11 +1,12 @@
 //! `splatline compare`: fixed point against the reference, with pictures and a report.
 
-use super::args::{CompareOptions, DesignChoice, Engine, NAMED_DESIGNS, TraversalChoice};
-use super::drawing::Design;
-use super::setup::{View, check_folder_of, threads, write};
+use super::args::{CompareOptions, Engine};
+use super::setup::{View, check_folder_of, write};
 use super::sweep::{self, Entry, Manner};
-use super::{Failure, engines, say};
-use anyhow::{Context, Result};
+use super::{Failure, say};
+use anyhow::Context;
+use splatline::format::Traversal;
+use splatline_sim::design::DesignChoice;
 use splatline_sim::report::table::{decibels, scientific, signed};
 use splatline_sim::report::{ChannelFacts, Report};
 use std::path::Path;
@@ -15,16 +16,11 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
     drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
     let view = View::from_options(&options.view)?;
-    let manner = Manner {
-        compositing: drawing.compositing.into(),
-        threads: threads(drawing.threads),
-        repeat: drawing.repeat,
-    };
+    let manner = Manner::from_options(drawing);
     // The fixed picture is always drawn; the option can only say what it is compared with.
     let reference = if drawing.engine == Engine::Exact { Engine::Exact } else { Engine::Float };
-    let design = engines::design(&drawing.design)?;
-    let chosen = Entry { traversal: drawing.traversal.unwrap_or(design.own_traversal), design };
-    let others = if options.only { Vec::new() } else { all_entries(&chosen)? };
+    let chosen = Entry::from_options(drawing)?;
+    let others = if options.only { Vec::new() } else { all_entries(&chosen.design) };
     let comparison = sweep::run(&view, &manner, reference, &chosen, &others)?;
     comparison.write(&options.output, drawing.depth)?;
     if let Some(path) = &drawing.json {
@@ -41,14 +37,15 @@ pub fn create_folder(folder: &Path) -> Result<(), Failure> {
 }
 
 /// Every named design by both traversals, and the chosen design by both if it is none of them.
-pub fn all_entries(chosen: &Entry) -> Result<Vec<Entry>> {
-    let named = NAMED_DESIGNS.into_iter().map(|name| engines::design(&DesignChoice::Named(name)));
-    let mut designs = named.collect::<Result<Vec<_>>>()?;
-    if !designs.iter().any(|design| design.name == chosen.design.name && design.facts == chosen.design.facts) {
-        designs.push(chosen.design.clone());
+pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
+    let mut designs = DesignChoice::all();
+    if !designs.contains(chosen) {
+        designs.push(chosen.clone());
     }
-    let both = |design: &Design| TraversalChoice::ALL.map(|traversal| Entry { design: design.clone(), traversal });
-    Ok(designs.iter().flat_map(both).collect())
+    let both = |design: &DesignChoice| {
+        [Traversal::Box, Traversal::Spans].map(|traversal| Entry { design: design.clone(), traversal })
+    };
+    designs.iter().flat_map(both).collect()
 }
 
 /// The chosen design's errors.

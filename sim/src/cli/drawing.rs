@@ -1,6 +1,5 @@
 //! What the engines hand to the commands, the same for all engines.
 
-use super::args::TraversalChoice;
 use splatline_sim::picture::Picture;
 use splatline_sim::report::facts::Counts;
 use splatline_sim::report::{HostTimes, Pixels};
@@ -12,22 +11,13 @@ pub struct Drawing {
     pub picture: Picture,
     /// Splats that were not drawn, by reason.
     pub culled: Counts,
+    /// Splats of which a value was clamped to the kernel's formats; they are drawn.
+    pub clamped: u64,
     /// Work of the rasterizer; nothing for engines that do not count it.
     pub pixels: Option<Pixels>,
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
     /// total is measured around the engine by [`super::sweep::measure`].
     pub stages: HostTimes,
-}
-
-/// A design as the commands see it.
-#[derive(Clone, Debug)]
-pub struct Design {
-    /// Name in tables: the design's own, or the file's stem.
-    pub name: String,
-    /// Everything it says, fully resolved, for report.json; its `name` must be [`Design::name`].
-    pub facts: serde_json::Value,
-    /// The traversal it is meant for.
-    pub own_traversal: TraversalChoice,
 }
 
 /// Where one splat lands. Pixels; the conic is that of the radial index `r = a dx^2 + 2 b dx dy + c dy^2`.
@@ -40,5 +30,5 @@ pub struct FootprintLine {
     /// a, b, c.
     pub conic: [f64; 3],
     /// x0, y0, x1, y1: first pixel inside, first pixel beyond.
-    pub bounds: [i64; 4],
+    pub bounds: [usize; 4],
 }

@@ -5,8 +5,11 @@
 
 use super::args::{Engine, FootprintsOptions};
 use super::drawing::FootprintLine;
+use super::engines::{self, Task};
 use super::setup::{View, check_folder_of, write};
-use super::{Failure, engines, say};
+use super::{Failure, say};
+use splatline_sim::design::DesignChoice;
+use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n";
@@ -18,9 +21,12 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let View { scene, camera, rules } = View::from_options(&options.view)?;
+    // Footprints do not depend on the order of blending.
+    let compositing = Compositing::FrontToBack;
+    let task = Task { scene: &scene, camera: &camera, rules: &rules, compositing };
     let lines = match options.engine {
-        Engine::Fixed => engines::fixed_footprints(&scene, &camera, &rules, &engines::design(&options.design)?)?,
-        _ => engines::float_footprints(&scene, &camera, &rules)?,
+        Engine::Fixed => engines::fixed_footprints(task, &DesignChoice::load(&options.design.0)?),
+        _ => engines::float_footprints(task),
     };
     write(&options.output, csv(&lines).as_bytes())?;
     let culled = lines.iter().filter(|line| line.is_none()).count();

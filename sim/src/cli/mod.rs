@@ -7,10 +7,6 @@ mod args;
 mod compare;
 mod demo;
 mod drawing;
-#[cfg(not(test))]
-mod engines;
-#[cfg(test)]
-#[path = "synthetic_engines.rs"]
 mod engines;
 mod footprints;
 mod progress;

@@ -2,9 +2,9 @@
 
 use super::args::{Engine, RenderOptions};
 use super::progress::Progress;
-use super::setup::{View, check_folder_of, threads, write};
-use super::sweep::{Entry, Manner, draw_entry, measure, report_of_drawing};
-use super::{Failure, engines, say};
+use super::setup::{View, check_folder_of, write};
+use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
+use super::{Failure, say};
 use splatline_sim::report::Report;
 use splatline_sim::report::facts::Counts;
 
@@ -17,32 +17,23 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("--traversal has no meaning for --engine {engine}")));
     }
     let view = View::from_options(&options.view)?;
-    let manner = Manner {
-        compositing: drawing.compositing.into(),
-        threads: threads(drawing.threads),
-        repeat: drawing.repeat,
-    };
+    let manner = Manner::from_options(drawing);
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
-    let (picture, report) = match drawing.engine {
+    let (measured, report) = match drawing.engine {
         Engine::Fixed => {
-            let design = engines::design(&drawing.design)?;
-            let entry = Entry { traversal: drawing.traversal.unwrap_or(design.own_traversal), design };
+            let entry = Entry::from_options(drawing)?;
             let measured = draw_entry(&view, &manner, &entry)?;
-            let plain = report_of_drawing(&view, &manner, Engine::Fixed, &measured);
-            let traversal = Some(entry.traversal.name().to_owned());
-            (measured.drawing.picture, Report { design: entry.design.facts, traversal, ..plain })
+            let report = report_of_entry(&view, &manner, &entry, &measured)?;
+            (measured, report)
         }
         engine => {
-            let View { scene, camera, rules } = &view;
-            let Manner { compositing, threads, .. } = manner;
-            let measured =
-                measure(&manner, || engines::draw_reference(engine, scene, camera, rules, compositing, threads))?;
-            let plain = report_of_drawing(&view, &manner, engine, &measured);
-            (measured.drawing.picture, plain)
+            let measured = draw_reference(&view, &manner, engine)?;
+            let report = report_of_drawing(&view, &manner, engine, &measured);
+            (measured, report)
         }
     };
-    engines::write_picture(&picture, &options.output, drawing.depth)?;
+    measured.drawing.picture.write_png(&options.output, drawing.depth)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
     }
@@ -55,11 +46,12 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 fn summary(report: &Report) -> String {
     let host = &report.host;
     format!(
-        "{}: {} splats{}{}\n{:.1} ms (median of {}; setup {:.1}, sort {:.1}, raster {:.1})\n",
+        "{}: {} splats{}{}{}\n{:.1} ms (median of {}; setup {:.1}, sort {:.1}, raster {:.1})\n",
         report.scene.name,
         report.scene.splats,
         reasons("skipped", &report.scene.skipped),
         reasons("culled", &report.scene.culled),
+        if report.scene.clamped > 0 { format!(", {} clamped", report.scene.clamped) } else { String::new() },
         host.total_s * 1e3,
         host.repeat,
         host.setup_s * 1e3,

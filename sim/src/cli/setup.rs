@@ -2,11 +2,10 @@
 
 use super::Failure;
 use super::args::{Size, USUAL_FOV, Vector, ViewOptions};
-use super::engines;
 use anyhow::{Context, anyhow};
 use splatline_sim::camera::Camera;
 use splatline_sim::rules::Rules;
-use splatline_sim::scene::Scene;
+use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::num::NonZero;
 use std::path::Path;
 
@@ -24,7 +23,8 @@ impl View {
     /// Loads the scene and places the camera.
     pub fn from_options(options: &ViewOptions) -> Result<View, Failure> {
         let light = options.light.map(|Vector(direction)| direction);
-        let scene = engines::load_scene(&options.scene, options.transfer.as_deref(), light)?;
+        let load_options = LoadOptions { transfer: options.transfer.clone(), light };
+        let scene = scene::load(&options.scene, &load_options)?;
         let camera = camera(options, &scene)?;
         let rules = options.rules.unwrap_or(scene.natural_rules);
         Ok(View { scene, camera, rules })
@@ -33,20 +33,20 @@ impl View {
 
 fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
     if let Some(path) = &options.camera {
-        let camera = engines::camera_from_file(path)?;
+        let camera = Camera::from_json_file(path)?;
         return match options.size {
-            Some(size) => Ok(engines::resized_camera(&camera, size)?),
+            Some(size) => Ok(camera.resized(size.width, size.height)?),
             None => Ok(camera),
         };
     }
     let size = options.size.unwrap_or(USUAL_SIZE);
     let (Some(Vector(eye)), Some(Vector(target))) = (options.eye, options.target) else {
-        return Ok(engines::default_camera(scene, size)?);
+        return Ok(scene.default_camera(size.width, size.height));
     };
     let up = options.up.map_or(scene.up, |Vector(up)| up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
-    engines::camera_looking_at(eye, target, up, fov, size)
-        .map_err(|error| Failure::Usage(format!("--eye, --target and --up make no camera: {error:#}")))
+    Camera::look_at(eye, target, up, fov, size.width, size.height)
+        .map_err(|error| Failure::Usage(format!("--eye, --target and --up make no camera: {error}")))
 }
 
 /// The number of threads asked for, or one per processor.

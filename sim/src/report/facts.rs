@@ -20,15 +20,15 @@ pub struct SceneFacts {
     pub skipped: Counts,
     /// Splats that this camera does not show, by reason.
     pub culled: Counts,
+    /// Splats of which a coordinate or colour was clamped to the kernel's formats; they are drawn.
+    pub clamped: u64,
 }
 
 impl SceneFacts {
-    /// The scene's own facts and the engine's counts of culled splats.
-    pub fn new(scene: &Scene, culled: Counts) -> Self {
-        let skipped = serde_json::to_value(scene.skipped)
-            .and_then(serde_json::from_value)
-            .unwrap_or_default();
-        SceneFacts { name: scene.name.clone(), splats: scene.splats.len() as u64, skipped, culled }
+    /// The scene's own facts and the engine's counts.
+    pub fn new(scene: &Scene, culled: Counts, clamped: u64) -> Self {
+        let skipped = serde_json::to_value(scene.skipped).and_then(serde_json::from_value).unwrap_or_default();
+        SceneFacts { name: scene.name.clone(), splats: scene.splats.len() as u64, skipped, culled, clamped }
     }
 }
 

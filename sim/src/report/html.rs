@@ -12,7 +12,6 @@ use crate::picture::Picture;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::ImageError;
-use std::collections::BTreeMap;
 
 /// Why a page could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -37,12 +36,7 @@ const SMALL_PICTURE: usize = 256;
 /// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked.
 pub fn page(report: &Report, fixed: &Picture, float: &Picture) -> Result<String, PageError> {
     let map = ErrorMap::new(fixed, float);
-    let sections = [
-        header(report),
-        pictures(report, fixed, float, &map)?,
-        sweep(report)?,
-        details(report)?,
-    ];
+    let sections = [header(report), pictures(report, fixed, float, &map)?, sweep(report)?, details(report)?];
     Ok(format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -106,7 +100,8 @@ fn headline(report: &Report) -> String {
         figures.push(("visited / covered", format!("{:.2}", pixels.visited as f64 / pixels.covered as f64)));
     }
     figures.push(("host time", with_unit(format!("{:.1}", report.host.total_s * 1e3), Some("ms"))));
-    let items: String = figures.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();
+    let items: String =
+        figures.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();
     format!("<dl class=\"headline\">\n{items}</dl>\n")
 }
 
@@ -119,7 +114,9 @@ fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -
     let fixed_note = format!("<b>{}</b> {}", escape(&report.engine), escape(&fixed_caption(report)));
     let float_note = format!("<b>{}</b> double precision", escape(reference));
     let map_note = match map.magnification() {
-        Some(factor) => format!("<b>error</b> fixed minus {}, magnified {} times", escape(reference), magnified(factor)),
+        Some(factor) => {
+            format!("<b>error</b> fixed minus {}, magnified {} times", escape(reference), magnified(factor))
+        }
         None => "<b>error</b> none: the pictures are identical".to_owned(),
     };
     let figures = [
@@ -275,12 +272,13 @@ fn inline_svg(svg: &str) -> String {
 }
 
 fn details(report: &Report) -> Result<String, PageError> {
-    let left_out = serde_json::to_string_pretty(&BTreeMap::from([
-        ("skipped when loading", &report.scene.skipped),
-        ("culled by this camera", &report.scene.culled),
-    ]))?;
+    let left_out = serde_json::to_string_pretty(&serde_json::json!({
+        "skipped when loading": report.scene.skipped,
+        "culled by this camera": report.scene.culled,
+        "clamped to the kernel's formats, but drawn": report.scene.clamped,
+    }))?;
     let folds = [
-        fold("Splats left out, by reason", &left_out),
+        fold("Splats left out or clamped", &left_out),
         fold("The design, fully resolved", &serde_json::to_string_pretty(&report.design)?),
         fold("Camera", &serde_json::to_string_pretty(&report.camera)?),
         fold("Rules of blending", &serde_json::to_string_pretty(&report.rules)?),

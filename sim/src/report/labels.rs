@@ -45,12 +45,7 @@ impl Rectangle {
 }
 
 /// Places one label per anchor. What is `drawn` already is kept free, `frame` is not left.
-pub fn place(
-    anchors: &[(f64, f64)],
-    sizes: &[(f64, f64)],
-    drawn: &[Rectangle],
-    frame: &Rectangle,
-) -> Vec<Placement> {
+pub fn place(anchors: &[(f64, f64)], sizes: &[(f64, f64)], drawn: &[Rectangle], frame: &Rectangle) -> Vec<Placement> {
     let mut taken: Vec<Rectangle> = drawn.to_vec();
     let mut placements = Vec::with_capacity(anchors.len());
     for (&anchor, &size) in anchors.iter().zip(sizes) {
@@ -99,8 +94,7 @@ fn beside(anchor: (f64, f64), size: (f64, f64), side: (f64, f64), ring: usize) -
     let distance = GAP + RING * ring as f64;
     let centre_x = anchor.0 + side.0 * (distance + size.0 / 2.0);
     let centre_y = anchor.1 + side.1 * (distance + size.1 / 2.0);
-    let area =
-        Rectangle { left: centre_x - size.0 / 2.0, top: centre_y - size.1 / 2.0, width: size.0, height: size.1 };
+    let area = Rectangle { left: centre_x - size.0 / 2.0, top: centre_y - size.1 / 2.0, width: size.0, height: size.1 };
     Placement { area, leader: ring > 0 }
 }
 

@@ -111,7 +111,7 @@ pub struct HostTimes {
     pub sort_s: f64,
     /// Rasterizing and blending.
     pub raster_s: f64,
-    /// All of it.
+    /// All of it by the wall clock, also bringing the scene into the kernel's formats and the pixels into a picture.
     pub total_s: f64,
     /// How many runs the medians are over.
     pub repeat: usize,

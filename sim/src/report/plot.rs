@@ -250,10 +250,7 @@ fn line(canvas: &Canvas, points: &[(f64, f64)], tone: Tone, width: u32) -> Resul
 }
 
 fn write(canvas: &Canvas, text: &str, at: (f64, f64), tone: Tone, anchor: HPos) -> Result<(), String> {
-    let style = ("sans-serif", TEXT * LINE_HEIGHT)
-        .into_font()
-        .color(&colour(tone))
-        .pos(Pos::new(anchor, VPos::Center));
+    let style = ("sans-serif", TEXT * LINE_HEIGHT).into_font().color(&colour(tone)).pos(Pos::new(anchor, VPos::Center));
     canvas.draw(&Text::new(text.to_owned(), pixel(at), style)).map_err(|error| error.to_string())
 }
 

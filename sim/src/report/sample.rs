@@ -101,6 +101,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
             splats: 312_954,
             skipped: [("non_finite".to_owned(), 2), ("zero_rotation".to_owned(), 0)].into(),
             culled: [("outside".to_owned(), 1204), ("transparent".to_owned(), 87)].into(),
+            clamped: 3,
         },
         camera: CameraFacts::from(&camera),
         rules: RulesFacts::from(&Rules::GAUSSIAN_3D),

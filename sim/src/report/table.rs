@@ -4,7 +4,16 @@ use super::{ChannelFacts, Row};
 
 /// Headings, in the order of [`cells`].
 pub const HEADINGS: [&str; 11] = [
-    "design", "traversal", "PSNR dB", "max error", "bias", "SSIM", "visited", "vis/cov", "setup ms", "raster ms",
+    "design",
+    "traversal",
+    "PSNR dB",
+    "max error",
+    "bias",
+    "SSIM",
+    "visited",
+    "vis/cov",
+    "setup ms",
+    "raster ms",
     "total ms",
 ];
 
