@@ -13,7 +13,10 @@ use splatline_sim::rules::Compositing;
 use splatline_sim::scene;
 use std::path::Path;
 
-const SIZE: Size = Size { width: 512, height: 512 };
+const SIZE: Size = Size {
+    width: 512,
+    height: 512,
+};
 const DESIGN: &str = "standard24";
 
 pub fn run() -> Result<(), Failure> {
@@ -26,11 +29,28 @@ pub fn run_into(folder: &Path, size: Size) -> Result<(), Failure> {
     let scene = scene::demo()?;
     let camera = scene.default_camera(size.width, size.height);
     let rules = scene.natural_rules;
-    let view = View { scene, camera, rules };
-    let manner = Manner { compositing: Compositing::FrontToBack, threads: threads(None), repeat: 1 };
+    let view = View {
+        scene,
+        camera,
+        rules,
+    };
+    let manner = Manner {
+        compositing: Compositing::FrontToBack,
+        threads: threads(None),
+        repeat: 1,
+    };
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
-    let chosen = Entry { traversal: design.traversal, design };
-    let comparison = sweep::run(&view, &manner, Engine::Float, &chosen, &all_entries(&chosen.design))?;
+    let chosen = Entry {
+        traversal: design.traversal,
+        design,
+    };
+    let comparison = sweep::run(
+        &view,
+        &manner,
+        Engine::Float,
+        &chosen,
+        &all_entries(&chosen.design),
+    )?;
     comparison.write(folder, Depth::Eight)?;
     let report = &comparison.report;
     say(&format!(

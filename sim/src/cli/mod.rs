@@ -46,7 +46,9 @@ pub fn run() -> ExitCode {
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
-            complain(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
+            complain(&format!(
+                "error: {message}\n\nFor more information, try '--help'.\n"
+            ));
             ExitCode::from(2)
         }
     }

@@ -14,7 +14,9 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
     if drawing.engine != Engine::Fixed && drawing.traversal.is_some() {
         let engine = drawing.engine.name();
-        return Err(Failure::Usage(format!("--traversal has no meaning for --engine {engine}")));
+        return Err(Failure::Usage(format!(
+            "--traversal has no meaning for --engine {engine}"
+        )));
     }
     let view = View::from_options(&options.view)?;
     let manner = Manner::from_options(drawing);
@@ -33,7 +35,10 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             (measured, report)
         }
     };
-    measured.drawing.picture.write_png(&options.output, drawing.depth)?;
+    measured
+        .drawing
+        .picture
+        .write_png(&options.output, drawing.depth)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
     }
@@ -51,7 +56,11 @@ fn summary(report: &Report) -> String {
         report.scene.splats,
         reasons("skipped", &report.scene.skipped),
         reasons("culled", &report.scene.culled),
-        if report.scene.clamped > 0 { format!(", {} clamped", report.scene.clamped) } else { String::new() },
+        if report.scene.clamped > 0 {
+            format!(", {} clamped", report.scene.clamped)
+        } else {
+            String::new()
+        },
         host.total_s * 1e3,
         host.repeat,
         host.setup_s * 1e3,
@@ -62,11 +71,16 @@ fn summary(report: &Report) -> String {
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.
 fn reasons(what: &str, counts: &Counts) -> String {
-    let named: Vec<String> =
-        counts.iter().filter(|(_, count)| **count > 0).map(|(reason, count)| format!("{reason} {count}")).collect();
+    let named: Vec<String> = counts
+        .iter()
+        .filter(|(_, count)| **count > 0)
+        .map(|(reason, count)| format!("{reason} {count}"))
+        .collect();
     if named.is_empty() {
         return String::new();
     }
-    let total = counts.values().fold(0u64, |sum, count| sum.saturating_add(*count));
+    let total = counts
+        .values()
+        .fold(0u64, |sum, count| sum.saturating_add(*count));
     format!(", {total} {what} ({})", named.join(", "))
 }
