@@ -11,6 +11,7 @@ mod engines;
 mod footprints;
 mod progress;
 mod render;
+mod results;
 mod setup;
 mod sweep;
 #[cfg(test)]
@@ -60,6 +61,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Results(options)) => results::run(&options),
     }
 }
 
