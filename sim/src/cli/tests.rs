@@ -213,7 +213,7 @@ fn footprints_are_csv_with_empty_fields_for_culled_splats() {
 #[test]
 fn the_demo_writes_its_report() {
     let folder = tempfile::tempdir().unwrap();
-    demo::run_into(folder.path(), Size { width: 32, height: 32 }).unwrap();
+    demo::run_into(folder.path(), Size { width: 32, height: 32 }, 1).unwrap();
     assert_eq!(read_report(&folder.path().join("report.json")).table.len(), 8);
 }
 

@@ -146,8 +146,8 @@ fn pictures_text(map: &ErrorMap) -> String {
     format!(
         "{shown} In the map each pixel is its worst colour channel: <b>orange</b> where fixed point is brighter, <b>blue</b> \
          where it is darker, dark where both agree. The scale ends at the largest error, {limit}, which is {steps:.2} \
-         steps of an 8-bit picture. Colour grows with the square root of the error so that faint patterns show; the \
-         numbers under the bar are linear.",
+         steps of an 8-bit picture. Towards it the scale is logarithmic, so that a few stray pixels do not hide the rest: \
+         read colours by the numbers under the bar.",
         limit = table::scientific(map.limit),
         steps = map.limit * 255.0,
     )
@@ -185,12 +185,13 @@ fn scale_bar(map: &ErrorMap) -> String {
         .map(|step| error_map::colour(f64::from(step) / 20.0 - 1.0))
         .map(|[red, green, blue]| format!("rgb({red},{green},{blue})"))
         .collect();
+    let ticks: String = [-1.0, -0.5, 0.0, 0.5, 1.0]
+        .map(|position| format!("<span>{}</span>", table::signed(map.difference_at(position))))
+        .concat();
     format!(
         "<div class=\"bar\" role=\"img\" aria-label=\"colour scale\" style=\"background:linear-gradient(to right,{})\"></div>\n\
-         <div class=\"ticks\"><span>{low} darker</span><span>0</span><span>brighter {high}</span></div>\n",
+         <div class=\"ticks\">{ticks}</div>\n<div class=\"ticks ends\"><span>darker</span><span>brighter</span></div>\n",
         stops.join(","),
-        low = table::signed(-map.limit),
-        high = table::signed(map.limit),
     )
 }
 

@@ -148,6 +148,21 @@ fn the_error_map_is_signed_and_the_largest_error_fills_the_scale() {
 }
 
 #[test]
+fn stray_pixels_do_not_hide_the_rest_and_the_scale_is_invertible() {
+    let float = Picture { width: 100, height: 10, pixels: vec![[0.5; 4]; 1000] };
+    let mut fixed = float.clone();
+    for (index, pixel) in fixed.pixels.iter_mut().enumerate() {
+        pixel[0] += if index == 7 { -0.1 } else { 1e-5 };
+    }
+    let map = ErrorMap::new(&fixed, &float);
+    assert_eq!(map.position(map.differences[7]), -1.0);
+    assert!(map.position(1e-5) > 0.15, "{}", map.position(1e-5));
+    for difference in [-0.1, -1e-7, 0.0, 1e-5, 0.03] {
+        assert!((map.difference_at(map.position(difference)) - difference).abs() < 1e-12);
+    }
+}
+
+#[test]
 fn the_scale_grows_in_lightness_on_both_sides() {
     let lightness = |relative: f64| error_map::colour(relative).iter().map(|&c| u32::from(c)).sum::<u32>();
     for step in 0..100 {
