@@ -33,10 +33,9 @@ const NARROW_PLOT: (u32, u32) = (380, 420);
 /// Pictures up to this width are enlarged pixel by pixel instead of smoothly.
 const SMALL_PICTURE: usize = 256;
 
-/// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked.
-pub fn page(report: &Report, fixed: &Picture, float: &Picture) -> Result<String, PageError> {
-    let map = ErrorMap::new(fixed, float);
-    let sections = [header(report), pictures(report, fixed, float, &map)?, sweep(report)?, details(report)?];
+/// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked, and `map` is theirs.
+pub fn page(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String, PageError> {
+    let sections = [header(report), pictures(report, fixed, float, map)?, sweep(report)?, details(report)?];
     Ok(format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -145,8 +144,8 @@ fn pictures_text(map: &ErrorMap) -> String {
     }
     format!(
         "{shown} In the map each pixel is its worst colour channel: <b>orange</b> where fixed point is brighter, <b>blue</b> \
-         where it is darker, dark where both agree. The scale ends at the largest error, {limit}, which is {steps:.2} \
-         steps of an 8-bit picture. Towards it the scale is logarithmic, so that a few stray pixels do not hide the rest: \
+         where it is darker, dark where both agree. The scale ends at the largest error: {limit}, or {steps:.2} \
+         steps of an 8-bit picture, is magnified to full colour. Towards it the scale is logarithmic, so that a few stray pixels do not hide the rest: \
          read colours by the numbers under the bar.",
         limit = table::scientific(map.limit),
         steps = map.limit * 255.0,

@@ -5,6 +5,10 @@ use super::*;
 use crate::picture::Picture;
 use proptest::prelude::*;
 
+fn page(report: &Report, fixed: &Picture, float: &Picture) -> String {
+    html::page(report, fixed, float, &ErrorMap::new(fixed, float)).unwrap()
+}
+
 #[test]
 fn json_round_trips_and_is_written_whole() {
     let (fixed, float) = sample::pictures(40, 30);
@@ -32,7 +36,7 @@ fn json_has_the_keys_that_scripts_read() {
         "/error/rgb/bias",
         "/error/rgb/ssim",
         "/error/alpha/psnr_db",
-        "/cycles",
+        "/error_map/limit", "/error_map/knee", "/error_map/magnification", "/cycles",
         "/pixels/covered",
         "/pixels/visited",
         "/host/setup_s",
@@ -107,7 +111,7 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
 #[test]
 fn the_page_is_one_file_without_any_address() {
     let (fixed, float) = sample::pictures(64, 48);
-    let page = html::page(&sample::report(&fixed, &float), &fixed, &float).unwrap();
+    let page = page(&sample::report(&fixed, &float), &fixed, &float);
     for outside in ["http:", "https:", "//", "url(", "@import", "<script", "<link", "<iframe"] {
         // base64 may hold two slashes, so the pictures are left out.
         let text: String = page.split("src=\"data:").map(|part| part.split_once("\">").map_or(part, |p| p.1)).collect();
@@ -124,7 +128,7 @@ fn the_page_survives_odd_names_and_identical_pictures() {
     let mut report = sample::report(&float, &float);
     report.scene.name = "<script>alert('x')</script> & \"co\"".to_owned();
     report.table.clear();
-    let page = html::page(&report, &float, &float).unwrap();
+    let page = page(&report, &float, &float);
     assert!(!page.contains("<script"));
     assert!(page.contains("&lt;script&gt;"));
     assert!(page.contains("the pictures are identical"));
@@ -211,7 +215,7 @@ fn look() {
     let folder = Path::new(&folder);
     let (fixed, float) = sample::pictures(512, 512);
     let report = sample::report(&fixed, &float);
-    std::fs::write(folder.join("report.html"), html::page(&report, &fixed, &float).unwrap()).unwrap();
+    std::fs::write(folder.join("report.html"), page(&report, &fixed, &float)).unwrap();
     std::fs::write(folder.join("plot.svg"), plot::svg(&report.table, 760, 440).unwrap()).unwrap();
     std::fs::write(folder.join("error.png"), ErrorMap::new(&fixed, &float).to_rgb().to_png().unwrap()).unwrap();
 }
