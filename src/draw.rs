@@ -47,7 +47,13 @@ impl<'a, D: Design> Painter<'a, D> {
         compositing: Compositing,
         traversal: Traversal,
     ) -> Self {
-        Painter { design, table, blend: Blend::new(&design.widths(), rules), compositing, traversal }
+        Painter {
+            design,
+            table,
+            blend: Blend::new(&design.widths(), rules),
+            compositing,
+            traversal,
+        }
     }
 
     /// Draws one footprint into the target's window. Footprints must come in the compositing's order.
@@ -56,8 +62,16 @@ impl<'a, D: Design> Painter<'a, D> {
     pub fn draw(&self, footprint: &Footprint, target: &mut Target) -> Coverage {
         let window = target.window();
         match self.traversal {
-            Traversal::Spans => self.paint(footprint, SpanRows::new(self.design, footprint, &window), target),
-            Traversal::Box => self.paint(footprint, ConicRows::new(self.design, footprint, &window), target),
+            Traversal::Spans => self.paint(
+                footprint,
+                SpanRows::new(self.design, footprint, &window),
+                target,
+            ),
+            Traversal::Box => self.paint(
+                footprint,
+                ConicRows::new(self.design, footprint, &window),
+                target,
+            ),
         }
     }
 
@@ -66,15 +80,15 @@ impl<'a, D: Design> Painter<'a, D> {
         let blend = &self.blend;
         let colour = &footprint.colour;
         match self.compositing {
-            Compositing::FrontToBack => {
-                self.paint_with(footprint, rows, target, |pixel, alpha| blend.front_to_back(pixel, alpha, colour))
-            }
-            Compositing::BackToFront => {
-                self.paint_with(footprint, rows, target, |pixel, alpha| blend.back_to_front(pixel, alpha, colour))
-            }
-            Compositing::XRay => {
-                self.paint_with(footprint, rows, target, |pixel, alpha| blend.x_ray(pixel, alpha, colour))
-            }
+            Compositing::FrontToBack => self.paint_with(footprint, rows, target, |pixel, alpha| {
+                blend.front_to_back(pixel, alpha, colour)
+            }),
+            Compositing::BackToFront => self.paint_with(footprint, rows, target, |pixel, alpha| {
+                blend.back_to_front(pixel, alpha, colour)
+            }),
+            Compositing::XRay => self.paint_with(footprint, rows, target, |pixel, alpha| {
+                blend.x_ray(pixel, alpha, colour)
+            }),
         }
     }
 
@@ -104,9 +118,17 @@ impl<'a, D: Design> Painter<'a, D> {
         target: &mut Target,
         composite: impl Fn(&mut Pixel, u32),
     ) -> Coverage {
-        let mut coverage = Coverage { visited: run.length.into(), covered: 0, finished: 0 };
+        let mut coverage = Coverage {
+            visited: run.length.into(),
+            covered: 0,
+            finished: 0,
+        };
         let end = cutoff_in_lane(footprint.cutoff, self.design.widths().radial);
-        for (pixel, lane) in target.row(run.y, run.x, run.length).iter_mut().zip(run.radials()) {
+        for (pixel, lane) in target
+            .row(run.y, run.x, run.length)
+            .iter_mut()
+            .zip(run.radials())
+        {
             let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
             if radial >= end {
                 continue;
@@ -116,7 +138,9 @@ impl<'a, D: Design> Painter<'a, D> {
                 coverage.finished += 1;
                 continue;
             }
-            let alpha = self.blend.opacity(footprint.peak, self.table.weight(radial));
+            let alpha = self
+                .blend
+                .opacity(footprint.peak, self.table.weight(radial));
             if alpha > 0 {
                 composite(pixel, alpha);
             }
@@ -128,5 +152,9 @@ impl<'a, D: Design> Painter<'a, D> {
 /// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest.
 #[inline(always)]
 fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
-    crate::math::shift_unsigned(cutoff.into(), 28 - i32::from(radial), crate::format::Rounding::Nearest)
+    crate::math::shift_unsigned(
+        cutoff.into(),
+        28 - i32::from(radial),
+        crate::format::Rounding::Nearest,
+    )
 }

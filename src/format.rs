@@ -44,8 +44,9 @@ pub struct Widths {
     pub radial: u8,
     /// Base-2 logarithm of the number of intervals of the footprint table (2 to 14).
     pub table: u8,
-    /// Linear interpolation between footprint table entries; otherwise the interval's own value.
-    pub interpolate: bool,
+    /// Bits of the interpolator's multiplier: fraction bits of the position within a table interval (0 to 20). 0 is no
+    /// interpolation, the interval's own value.
+    pub interpolation: u8,
     /// Fraction bits of a footprint table entry (4 to 28).
     pub weight: u8,
     /// Fraction bits of a footprint's peak opacity (4 to 28).
@@ -74,12 +75,13 @@ pub struct WidthError {
 }
 
 /// Fields of [`Widths`] that hold a number, with their ranges.
-pub const WIDTH_RANGES: [(&str, u8, u8); 11] = [
+pub const WIDTH_RANGES: [(&str, u8, u8); 12] = [
     ("view", 8, 31),
     ("mantissa", 8, 31),
     ("subpixel", 2, 24),
     ("radial", 8, 44),
     ("table", 2, 14),
+    ("interpolation", 0, 20),
     ("weight", 4, 28),
     ("peak", 4, 28),
     ("alpha", 4, 28),
@@ -90,13 +92,14 @@ pub const WIDTH_RANGES: [(&str, u8, u8); 11] = [
 
 impl Widths {
     /// The numeric fields, in the order of [`WIDTH_RANGES`].
-    pub const fn numbers(&self) -> [u8; 11] {
+    pub const fn numbers(&self) -> [u8; 12] {
         [
             self.view,
             self.mantissa,
             self.subpixel,
             self.radial,
             self.table,
+            self.interpolation,
             self.weight,
             self.peak,
             self.alpha,
@@ -113,7 +116,11 @@ impl Widths {
         while i < numbers.len() {
             let (field, low, high) = WIDTH_RANGES[i];
             if numbers[i] < low || numbers[i] > high {
-                return Err(WidthError { field, value: numbers[i], range: (low, high) });
+                return Err(WidthError {
+                    field,
+                    value: numbers[i],
+                    range: (low, high),
+                });
             }
             i += 1;
         }
@@ -219,7 +226,7 @@ impl Classic8 {
         subpixel: 8,
         radial: 12,
         table: 8,
-        interpolate: false,
+        interpolation: 0,
         weight: 8,
         peak: 8,
         alpha: 8,
@@ -238,7 +245,7 @@ impl Lean18 {
         subpixel: 12,
         radial: 22,
         table: 10,
-        interpolate: true,
+        interpolation: 16,
         weight: 18,
         peak: 24,
         alpha: 18,
@@ -254,10 +261,10 @@ impl Standard24 {
     pub const WIDTHS: Widths = Widths {
         view: 30,
         mantissa: 24,
-        subpixel: 16,
+        subpixel: 20,
         radial: 27,
         table: 10,
-        interpolate: true,
+        interpolation: 14,
         weight: 24,
         peak: 28,
         alpha: 24,
@@ -276,7 +283,7 @@ impl Deep32 {
         subpixel: 24,
         radial: 44,
         table: 12,
-        interpolate: true,
+        interpolation: 20,
         weight: 28,
         peak: 28,
         alpha: 28,

@@ -2,15 +2,15 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod blend;
+pub mod draw;
+pub mod footprint;
 pub mod format;
+pub mod kernel;
 pub mod math;
-pub mod view;
-pub mod splat;
+pub mod raster;
 pub mod rules;
 pub mod setup;
-pub mod footprint;
-pub mod raster;
-pub mod kernel;
-pub mod blend;
+pub mod splat;
 pub mod target;
-pub mod draw;
+pub mod view;

@@ -44,7 +44,10 @@ impl Rules {
     /// EWA volume splatting: normalised kernels, identity low-pass, cut-off 4.
     pub const EWA: Rules = Rules {
         normalised: true,
-        low_pass: Scaled { mantissa: 1 << 30, exponent: -30 },
+        low_pass: Scaled {
+            mantissa: 1 << 30,
+            exponent: -30,
+        },
         cutoff: Cutoff::Radial(4 << 28),
         alpha_max: ratio(1, 1),
         alpha_min: 0,
@@ -57,7 +60,10 @@ impl Rules {
     /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,
-        low_pass: Scaled { mantissa: 1_288_490_189, exponent: -32 }, // 0.3
+        low_pass: Scaled {
+            mantissa: 1_288_490_189,
+            exponent: -32,
+        }, // 0.3
         cutoff: Cutoff::Opacity,
         alpha_max: ratio(999, 1000),
         alpha_min: ratio(1, 255),

@@ -36,10 +36,22 @@ pub enum CovarianceError {
 impl Axis {
     /// One vector from three normalised numbers: aligned to the largest, rounded to nearest.
     pub fn from_components(components: [Scaled; 3]) -> Axis {
-        let leading = components.iter().map(|c| if c.mantissa == 0 { i32::MIN } else { c.leading() }).max();
-        let Some(leading) = leading.filter(|l| *l != i32::MIN) else { return Axis::default() };
+        let leading = components
+            .iter()
+            .map(|c| {
+                if c.mantissa == 0 {
+                    i32::MIN
+                } else {
+                    c.leading()
+                }
+            })
+            .max();
+        let Some(leading) = leading.filter(|l| *l != i32::MIN) else {
+            return Axis::default();
+        };
         let exponent = leading.saturating_sub(29);
-        let mantissa = components.map(|c| c.scaled_by(exponent.saturating_neg()).to_fixed(0) as i32);
+        let mantissa =
+            components.map(|c| c.scaled_by(exponent.saturating_neg()).to_fixed(0) as i32);
         Axis { mantissa, exponent }
     }
 
@@ -65,22 +77,39 @@ impl Axis {
     }
 }
 
-const ONE: Scaled = Scaled { mantissa: 1 << 30, exponent: -30 };
+const ONE: Scaled = Scaled {
+    mantissa: 1 << 30,
+    exponent: -30,
+};
 
 fn negate(value: Scaled) -> Scaled {
-    Scaled { mantissa: value.mantissa.saturating_neg(), exponent: value.exponent }
+    Scaled {
+        mantissa: value.mantissa.saturating_neg(),
+        exponent: value.exponent,
+    }
 }
 
 /// sqrt(variance - a^2 - b^2), 0 where the difference is rounding noise of `scale`.
 fn pivot(variance: Scaled, [a, b]: [Scaled; 2], scale: Scaled) -> Result<Scaled, CovarianceError> {
-    let rest = sum_of_products([variance.times(ONE), negate(a).times(a), negate(b).times(b)], 31);
+    let rest = sum_of_products(
+        [variance.times(ONE), negate(a).times(a), negate(b).times(b)],
+        31,
+    );
     let rest = negligible(rest, scale);
-    if rest.mantissa < 0 { Err(CovarianceError::Indefinite) } else { Ok(square_root(rest, 31)) }
+    if rest.mantissa < 0 {
+        Err(CovarianceError::Indefinite)
+    } else {
+        Ok(square_root(rest, 31))
+    }
 }
 
 /// 0 where `value` is below 2^-24 of `scale`.
 fn negligible(value: Scaled, scale: Scaled) -> Scaled {
-    if value.leading() < scale.leading().saturating_sub(24) { Scaled::ZERO } else { value }
+    if value.leading() < scale.leading().saturating_sub(24) {
+        Scaled::ZERO
+    } else {
+        value
+    }
 }
 
 /// `value / pivot`; a zero pivot allows only a zero value.
@@ -125,11 +154,23 @@ mod tests {
     #[test]
     fn singular_is_fine_and_indefinite_is_not() {
         let flat = [4.0, 2.0, 0.0, 1.0, 0.0, 9.0].map(scaled);
-        assert_eq!(vectors(Axis::from_covariance(flat).unwrap()), [[2.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 3.0]]);
+        assert_eq!(
+            vectors(Axis::from_covariance(flat).unwrap()),
+            [[2.0, 1.0, 0.0], [0.0; 3], [0.0, 0.0, 3.0]]
+        );
         let saddle = [1.0, 2.0, 0.0, 1.0, 0.0, 1.0].map(scaled);
-        assert_eq!(Axis::from_covariance(saddle), Err(CovarianceError::Indefinite));
+        assert_eq!(
+            Axis::from_covariance(saddle),
+            Err(CovarianceError::Indefinite)
+        );
         let negative = [-1.0, 0.0, 0.0, 1.0, 0.0, 1.0].map(scaled);
-        assert_eq!(Axis::from_covariance(negative), Err(CovarianceError::Indefinite));
-        assert_eq!(Axis::from_covariance([Scaled::ZERO; 6]), Ok([Axis::default(); 3]));
+        assert_eq!(
+            Axis::from_covariance(negative),
+            Err(CovarianceError::Indefinite)
+        );
+        assert_eq!(
+            Axis::from_covariance([Scaled::ZERO; 6]),
+            Ok([Axis::default(); 3])
+        );
     }
 }

@@ -23,14 +23,31 @@ pub struct TargetError {
 
 impl<'a> Target<'a> {
     /// A target for the pixels of `window`, rows `stride` pixels apart (at least the window's width).
-    pub fn new(pixels: &'a mut [Pixel], window: Window, stride: usize) -> Result<Self, TargetError> {
+    pub fn new(
+        pixels: &'a mut [Pixel],
+        window: Window,
+        stride: usize,
+    ) -> Result<Self, TargetError> {
         let columns = usize::from(window.last[0].saturating_sub(window.first[0]));
         let rows = usize::from(window.last[1].saturating_sub(window.first[1]));
-        let needed = if rows == 0 { 0 } else { (rows - 1).saturating_mul(stride.max(columns)).saturating_add(columns) };
+        let needed = if rows == 0 {
+            0
+        } else {
+            (rows - 1)
+                .saturating_mul(stride.max(columns))
+                .saturating_add(columns)
+        };
         if stride < columns || pixels.len() < needed {
-            return Err(TargetError { needed, found: pixels.len() });
+            return Err(TargetError {
+                needed,
+                found: pixels.len(),
+            });
         }
-        Ok(Target { pixels, window, stride })
+        Ok(Target {
+            pixels,
+            window,
+            stride,
+        })
     }
 
     /// The pixels that the target holds.
@@ -52,13 +69,19 @@ impl<'a> Target<'a> {
             return &mut [];
         }
         let start = usize::from(y - first[1]) * self.stride + usize::from(x - first[0]);
-        self.pixels.get_mut(start..start + usize::from(length)).unwrap_or_default()
+        self.pixels
+            .get_mut(start..start + usize::from(length))
+            .unwrap_or_default()
     }
 
     /// Have all pixels of the window finished?
     pub fn is_finished(&mut self) -> bool {
         let Window { first, last } = self.window;
         let columns = last[0].saturating_sub(first[0]);
-        (first[1]..last[1]).all(|y| self.row(y, first[0], columns).iter().all(Pixel::is_finished))
+        (first[1]..last[1]).all(|y| {
+            self.row(y, first[0], columns)
+                .iter()
+                .all(Pixel::is_finished)
+        })
     }
 }

@@ -71,5 +71,8 @@ impl View {
 #[inline(always)]
 pub(crate) fn round_entry(entry: I2F30, bits: u32) -> i64 {
     let drop = 30u32.saturating_sub(bits);
-    crate::math::shift_left(crate::math::shift_round(i64::from(entry.to_bits()), drop), drop)
+    crate::math::shift_left(
+        crate::math::shift_round(i64::from(entry.to_bits()), drop),
+        drop,
+    )
 }

@@ -17,7 +17,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     // A symbolic link keeps pointing to its file: the file is replaced, not the link.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     if fs::metadata(&target).is_ok_and(|metadata| !metadata.is_file()) {
-        return OpenOptions::new().write(true).open(&target)?.write_all(bytes);
+        return OpenOptions::new()
+            .write(true)
+            .open(&target)?
+            .write_all(bytes);
     }
     let temporary = temporary_beside(&target)?;
     let written = write_and_flush(&temporary, bytes).and_then(|()| fs::rename(&temporary, &target));
@@ -35,7 +38,11 @@ fn temporary_beside(target: &Path) -> io::Result<PathBuf> {
     })?;
     let mut hidden = std::ffi::OsString::from(".");
     hidden.push(name);
-    hidden.push(format!(".{}.{}.tmp", std::process::id(), SERIAL.fetch_add(1, Ordering::Relaxed)));
+    hidden.push(format!(
+        ".{}.{}.tmp",
+        std::process::id(),
+        SERIAL.fetch_add(1, Ordering::Relaxed)
+    ));
     Ok(target.with_file_name(hidden))
 }
 
@@ -51,7 +58,9 @@ mod tests {
 
     fn names_in(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+        entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect()
     }
 
     #[test]
@@ -68,7 +77,10 @@ mod tests {
     fn a_failure_leaves_the_target_and_no_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         assert!(write(&folder.path().join("missing/x.png"), b"x").is_err());
-        assert!(write(folder.path(), b"x").is_err(), "a folder cannot be replaced");
+        assert!(
+            write(folder.path(), b"x").is_err(),
+            "a folder cannot be replaced"
+        );
         assert!(write(Path::new(""), b"x").is_err());
         assert!(names_in(folder.path()).is_empty());
     }
@@ -78,7 +90,12 @@ mod tests {
     fn devices_are_written_and_links_are_followed() {
         use std::os::unix::fs::FileTypeExt;
         write(Path::new("/dev/null"), b"x").unwrap();
-        assert!(fs::metadata("/dev/null").unwrap().file_type().is_char_device());
+        assert!(
+            fs::metadata("/dev/null")
+                .unwrap()
+                .file_type()
+                .is_char_device()
+        );
 
         let folder = tempfile::tempdir().unwrap();
         let (file, link) = (folder.path().join("file"), folder.path().join("link"));

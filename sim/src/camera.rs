@@ -1,6 +1,6 @@
 //! The camera: x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
 //!
-//! A world point `u` lies at `t = W u + d` in camera space ([EWA] 6.2.1) and at `fx t0 / t2 + cx` in the picture
+//! A world point `u` lies at `t = W u + d` in camera space (EWA 6.2.1) and at `fx t0 / t2 + cx` in the picture
 //! (orthographic: `fx t0 + cx`). A camera comes from a point of view ([`Camera::look_at`]) or from a JSON file
 //! ([`Camera::from_json_file`]); both go through the same checks, so that the engines meet sound cameras only.
 
@@ -67,15 +67,26 @@ pub struct CameraError {
 
 impl CameraError {
     fn new(field: &'static str, problem: String) -> Self {
-        CameraError { file: None, field: Some(field), problem }
+        CameraError {
+            file: None,
+            field: Some(field),
+            problem,
+        }
     }
 
     fn whole(problem: String) -> Self {
-        CameraError { file: None, field: None, problem }
+        CameraError {
+            file: None,
+            field: None,
+            problem,
+        }
     }
 
     fn in_file(self, path: &Path) -> Self {
-        CameraError { file: Some(path.display().to_string()), ..self }
+        CameraError {
+            file: Some(path.display().to_string()),
+            ..self
+        }
     }
 }
 
@@ -94,7 +105,7 @@ impl fmt::Display for CameraError {
 
 impl std::error::Error for CameraError {}
 
-/// The camera file as it stands on disk (DESIGN section 5).
+/// The camera file as it stands on disk: row-major, pixels.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CameraFile {
@@ -140,19 +151,27 @@ impl Camera {
         check_size("width", width)?;
         check_size("height", height)?;
         if !(vertical_fov_degrees > 0.0 && vertical_fov_degrees < 180.0) {
-            let problem = format!("is {vertical_fov_degrees} degrees, but must lie between 0 and 180, both excluded");
+            let problem = format!(
+                "is {vertical_fov_degrees} degrees, but must lie between 0 and 180, both excluded"
+            );
             return Err(CameraError::new("fov", problem));
         }
         let forward = unit(vector::subtract(target, eye)).ok_or_else(|| {
-            let problem = format!("{target:?} must lie away from the eye {eye:?}, at a finite distance");
+            let problem =
+                format!("{target:?} must lie away from the eye {eye:?}, at a finite distance");
             CameraError::new("target", problem)
         })?;
-        let up = unit(up).ok_or_else(|| CameraError::new("up", format!("is {up:?}, which has no direction")))?;
+        let up = unit(up)
+            .ok_or_else(|| CameraError::new("up", format!("is {up:?}, which has no direction")))?;
         let sideways = vector::cross(forward, up);
-        let right = unit(sideways).filter(|_| vector::length(sideways) > MIN_SINE_TO_UP).ok_or_else(|| {
-            let problem = format!("{up:?} is parallel to the direction of view {forward:?}: choose another");
-            CameraError::new("up", problem)
-        })?;
+        let right = unit(sideways)
+            .filter(|_| vector::length(sideways) > MIN_SINE_TO_UP)
+            .ok_or_else(|| {
+                let problem = format!(
+                    "{up:?} is parallel to the direction of view {forward:?}: choose another"
+                );
+                CameraError::new("up", problem)
+            })?;
         let rotation = [right, vector::cross(forward, right), forward];
         let focal_length = 0.5 * height as f64 / (0.5 * vertical_fov_degrees.to_radians()).tan();
         Camera {
@@ -173,15 +192,24 @@ impl Camera {
 
     /// Reads a camera from the text of a camera file.
     pub fn from_json_str(text: &str) -> Result<Camera, CameraError> {
-        let file: CameraFile =
-            serde_json::from_str(text).map_err(|error| CameraError::whole(format!("not a camera in JSON: {error}")))?;
-        let matrix: [f64; 16] = file.world_to_camera.try_into().map_err(|numbers: Vec<f64>| {
-            let problem = format!("has {} numbers, but must have 16, row by row", numbers.len());
-            CameraError::new("world_to_camera", problem)
-        })?;
+        let file: CameraFile = serde_json::from_str(text)
+            .map_err(|error| CameraError::whole(format!("not a camera in JSON: {error}")))?;
+        let matrix: [f64; 16] = file
+            .world_to_camera
+            .try_into()
+            .map_err(|numbers: Vec<f64>| {
+                let problem = format!(
+                    "has {} numbers, but must have 16, row by row",
+                    numbers.len()
+                );
+                CameraError::new("world_to_camera", problem)
+            })?;
         let row = |i: usize| [matrix[4 * i], matrix[4 * i + 1], matrix[4 * i + 2]];
         if matrix[12..] != [0.0, 0.0, 0.0, 1.0] {
-            let problem = format!("ends in the row {:?}, but must end in 0 0 0 1 (row-major)", &matrix[12..]);
+            let problem = format!(
+                "ends in the row {:?}, but must end in 0 0 0 1 (row-major)",
+                &matrix[12..]
+            );
             return Err(CameraError::new("world_to_camera", problem));
         }
         Camera {
@@ -282,11 +310,17 @@ impl Camera {
         check_finite("near", &[self.near])?;
         check_finite("far", &[self.far])?;
         if !self.orthographic && self.near <= 0.0 {
-            let problem = format!("is {}, but must be positive for a perspective camera", self.near);
+            let problem = format!(
+                "is {}, but must be positive for a perspective camera",
+                self.near
+            );
             return Err(CameraError::new("near", problem));
         }
         if self.far <= self.near {
-            let problem = format!("is {}, but must be larger than near = {}", self.far, self.near);
+            let problem = format!(
+                "is {}, but must be larger than near = {}",
+                self.far, self.near
+            );
             return Err(CameraError::new("far", problem));
         }
         Ok(self)
@@ -296,9 +330,13 @@ impl Camera {
 fn read_text(path: &Path) -> Result<String, String> {
     let mut text = String::new();
     let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
-    file.take(MAX_FILE_BYTES + 1).read_to_string(&mut text).map_err(|error| format!("cannot be read: {error}"))?;
+    file.take(MAX_FILE_BYTES + 1)
+        .read_to_string(&mut text)
+        .map_err(|error| format!("cannot be read: {error}"))?;
     if text.len() as u64 > MAX_FILE_BYTES {
-        return Err(format!("is longer than {MAX_FILE_BYTES} bytes, so it is not a camera file"));
+        return Err(format!(
+            "is longer than {MAX_FILE_BYTES} bytes, so it is not a camera file"
+        ));
     }
     Ok(text)
 }
@@ -306,7 +344,9 @@ fn read_text(path: &Path) -> Result<String, String> {
 /// `a` at length 1, unless it is zero or too long for a double.
 fn unit(a: Vector) -> Option<Vector> {
     // Scaled by the largest coordinate first, so that squares neither overflow nor vanish.
-    let largest = a.iter().fold(0.0_f64, |largest, coordinate| largest.max(coordinate.abs()));
+    let largest = a
+        .iter()
+        .fold(0.0_f64, |largest, coordinate| largest.max(coordinate.abs()));
     if !(largest.is_normal() && vector::is_finite(a)) {
         return None;
     }
@@ -319,21 +359,30 @@ fn check_size(field: &'static str, size: usize) -> Result<(), CameraError> {
     if (1..=MAX_SIZE).contains(&size) {
         return Ok(());
     }
-    Err(CameraError::new(field, format!("is {size}, but must be 1 to {MAX_SIZE} pixels")))
+    Err(CameraError::new(
+        field,
+        format!("is {size}, but must be 1 to {MAX_SIZE} pixels"),
+    ))
 }
 
 fn check_finite(field: &'static str, numbers: &[f64]) -> Result<(), CameraError> {
     if numbers.iter().all(|number| number.is_finite()) {
         return Ok(());
     }
-    Err(CameraError::new(field, format!("holds {numbers:?}, but must be finite")))
+    Err(CameraError::new(
+        field,
+        format!("holds {numbers:?}, but must be finite"),
+    ))
 }
 
 fn check_focal_length(field: &'static str, focal_length: f64) -> Result<(), CameraError> {
     if focal_length.is_finite() && focal_length > 0.0 {
         return Ok(());
     }
-    Err(CameraError::new(field, format!("is {focal_length}, but must be positive and finite (in pixels)")))
+    Err(CameraError::new(
+        field,
+        format!("is {focal_length}, but must be positive and finite (in pixels)"),
+    ))
 }
 
 fn check_rotation(rows: &[Vector; 3]) -> Result<(), CameraError> {
@@ -354,7 +403,9 @@ fn check_rotation(rows: &[Vector; 3]) -> Result<(), CameraError> {
         }
     }
     if vector::dot(vector::cross(rows[0], rows[1]), rows[2]) < 0.0 {
-        let problem = "is a mirror image, not a rotation: its rows must point right, down and forward".to_string();
+        let problem =
+            "is a mirror image, not a rotation: its rows must point right, down and forward"
+                .to_string();
         return Err(CameraError::new(field, problem));
     }
     Ok(())

@@ -12,7 +12,8 @@
 
 use serde::{Deserialize, Serialize};
 use splatline::format::{
-    Classic8, Custom, Deep32, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES, WidthError, Widths,
+    Classic8, Custom, Deep32, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES,
+    WidthError, Widths,
 };
 use std::path::Path;
 use thiserror::Error;
@@ -44,7 +45,9 @@ enum Named {
 #[derive(Debug, Error)]
 pub enum DesignError {
     /// Neither a design's name nor a TOML file's.
-    #[error("unknown design '{0}': expected classic8, lean18, standard24, deep32 or a file that ends in .toml")]
+    #[error(
+        "unknown design '{0}': expected classic8, lean18, standard24, deep32 or a file that ends in .toml"
+    )]
     UnknownName(String),
     /// The file cannot be read.
     #[error("{file}: cannot read the design: {source}")]
@@ -107,7 +110,12 @@ impl DesignChoice {
             "deep32" => (Named::Deep32, Deep32::WIDTHS, Traversal::Spans),
             _ => return None,
         };
-        Some(DesignChoice { name: name.to_owned(), widths, traversal, named: Some(named) })
+        Some(DesignChoice {
+            name: name.to_owned(),
+            widths,
+            traversal,
+            named: Some(named),
+        })
     }
 
     /// The four named designs.
@@ -117,7 +125,10 @@ impl DesignChoice {
 
     /// The same widths held in fields: what a sweep runs. Bit-identical to the named type.
     pub fn at_run_time(&self) -> Self {
-        DesignChoice { named: None, ..self.clone() }
+        DesignChoice {
+            named: None,
+            ..self.clone()
+        }
     }
 
     /// Does the job with the design's own type: constants for named designs, fields for others.
@@ -127,7 +138,9 @@ impl DesignChoice {
             Some(Named::Lean18) => job.run(Lean18),
             Some(Named::Standard24) => job.run(Standard24),
             Some(Named::Deep32) => job.run(Deep32),
-            None => job.run(Custom::new(self.widths).expect("widths are checked when a choice is made")),
+            None => {
+                job.run(Custom::new(self.widths).expect("widths are checked when a choice is made"))
+            }
         }
     }
 
@@ -140,7 +153,6 @@ impl DesignChoice {
         ResolvedDesign {
             name: self.name.clone(),
             traversal: traversal_name(self.traversal),
-            interpolate: self.widths.interpolate,
             rounding: match self.widths.rounding {
                 Rounding::Nearest => "nearest",
                 Rounding::Truncate => "truncate",
@@ -151,23 +163,42 @@ impl DesignChoice {
 
     fn from_file(path: &Path) -> Result<Self, DesignError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| DesignError::Unreadable { file: file.clone(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| DesignError::Unreadable {
+            file: file.clone(),
+            source,
+        })?;
         Self::from_toml(&file, &text)
     }
 
     /// Parses the text of a design file; `file` is its name for messages.
     pub fn from_toml(file: &str, text: &str) -> Result<Self, DesignError> {
-        let malformed = |message: String| DesignError::Malformed { file: file.to_owned(), message };
-        let parsed: DesignFile = toml::from_str(text).map_err(|error| malformed(error.to_string()))?;
+        let malformed = |message: String| DesignError::Malformed {
+            file: file.to_owned(),
+            message,
+        };
+        let parsed: DesignFile =
+            toml::from_str(text).map_err(|error| malformed(error.to_string()))?;
         let Some(mut choice) = Self::named(&parsed.base) else {
-            return Err(malformed(format!("base = \"{}\": expected one of {}", parsed.base, NAMES.join(", "))));
+            return Err(malformed(format!(
+                "base = \"{}\": expected one of {}",
+                parsed.base,
+                NAMES.join(", ")
+            )));
         };
         choice.named = None;
-        choice.name = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        choice.name = Path::new(file)
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy()
+            .into_owned();
         parsed.apply(&mut choice);
         match choice.widths.check() {
             Ok(()) => Ok(choice),
-            Err(WidthError { field, value, range: (low, high) }) => Err(DesignError::OutOfRange {
+            Err(WidthError {
+                field,
+                value,
+                range: (low, high),
+            }) => Err(DesignError::OutOfRange {
                 file: file.to_owned(),
                 line: line_of(text, field),
                 key: field,
@@ -186,8 +217,6 @@ pub struct ResolvedDesign {
     pub name: String,
     /// `box` or `spans`.
     pub traversal: &'static str,
-    /// Linear interpolation of the footprint table.
-    pub interpolate: bool,
     /// `nearest` or `truncate`.
     pub rounding: &'static str,
     /// Bits of every quantity.
@@ -211,7 +240,7 @@ struct DesignFile {
     subpixel: Option<u8>,
     radial: Option<u8>,
     table: Option<u8>,
-    interpolate: Option<bool>,
+    interpolation: Option<u8>,
     weight: Option<u8>,
     peak: Option<u8>,
     alpha: Option<u8>,
@@ -245,7 +274,7 @@ impl DesignFile {
             subpixel: self.subpixel.unwrap_or(base.subpixel),
             radial: self.radial.unwrap_or(base.radial),
             table: self.table.unwrap_or(base.table),
-            interpolate: self.interpolate.unwrap_or(base.interpolate),
+            interpolation: self.interpolation.unwrap_or(base.interpolation),
             weight: self.weight.unwrap_or(base.weight),
             peak: self.peak.unwrap_or(base.peak),
             alpha: self.alpha.unwrap_or(base.alpha),
@@ -268,7 +297,11 @@ impl DesignFile {
 
 /// Line, counted from 1, on which `key` is set; 1 if it is not found.
 fn line_of(text: &str, key: &str) -> usize {
-    let sets_key = |line: &str| line.trim_start().strip_prefix(key).is_some_and(|rest| rest.trim_start().starts_with('='));
+    let sets_key = |line: &str| {
+        line.trim_start()
+            .strip_prefix(key)
+            .is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
     text.lines().position(sets_key).map_or(1, |index| index + 1)
 }
 
@@ -278,15 +311,27 @@ mod tests {
 
     #[test]
     fn a_file_changes_its_base() {
-        let text = "base = \"standard24\"\nmantissa = 20\nrounding = \"truncate\"\ntraversal = \"box\"\n";
+        let text =
+            "base = \"standard24\"\nmantissa = 20\nrounding = \"truncate\"\ntraversal = \"box\"\n";
         let choice = DesignChoice::from_toml("dir/mine.toml", text).unwrap();
-        let expected = Widths { mantissa: 20, rounding: Rounding::Truncate, ..Standard24::WIDTHS };
-        assert_eq!((choice.name.as_str(), choice.widths, choice.traversal), ("mine", expected, Traversal::Box));
+        let expected = Widths {
+            mantissa: 20,
+            rounding: Rounding::Truncate,
+            ..Standard24::WIDTHS
+        };
+        assert_eq!(
+            (choice.name.as_str(), choice.widths, choice.traversal),
+            ("mine", expected, Traversal::Box)
+        );
     }
 
     #[test]
     fn errors_name_file_line_and_range() {
-        let message = |text: &str| DesignChoice::from_toml("d.toml", text).unwrap_err().to_string();
+        let message = |text: &str| {
+            DesignChoice::from_toml("d.toml", text)
+                .unwrap_err()
+                .to_string()
+        };
         assert_eq!(
             message("base = \"lean18\"\n\nmantissa = 40\n"),
             "d.toml:3: mantissa = 40 is out of range: allowed are 8 to 31"
@@ -295,6 +340,11 @@ mod tests {
         assert!(message("base = \"lean18\"\nmantisa = 4\n").contains("line 2"));
         assert!(message("base = \"lean\"").contains("expected one of classic8, lean18"));
         assert!(message("base = 3").contains("line 1"));
-        assert!(DesignChoice::load("nonesuch").unwrap_err().to_string().contains("unknown design 'nonesuch'"));
+        assert!(
+            DesignChoice::load("nonesuch")
+                .unwrap_err()
+                .to_string()
+                .contains("unknown design 'nonesuch'")
+        );
     }
 }

@@ -93,7 +93,10 @@ pub fn compare(fixed: &Picture, float: &Picture) -> Result<Errors, CompareError>
     check(float, "float")?;
     let (fixed_size, float_size) = ((fixed.width, fixed.height), (float.width, float.height));
     if fixed_size != float_size {
-        return Err(CompareError::Size { fixed: fixed_size, float: float_size });
+        return Err(CompareError::Size {
+            fixed: fixed_size,
+            float: float_size,
+        });
     }
     let luminance = |p: &[f64; 4]| (0..3).map(|c| LUMINANCE[c] * stored(p[c])).sum();
     let alpha = |p: &[f64; 4]| stored(p[3]);
@@ -113,7 +116,11 @@ fn check(picture: &Picture, which: &'static str) -> Result<(), CompareError> {
     let expected = picture.width.saturating_mul(picture.height);
     let found = picture.pixels.len();
     if found != expected {
-        return Err(CompareError::PixelCount { which, found, expected });
+        return Err(CompareError::PixelCount {
+            which,
+            found,
+            expected,
+        });
     }
     if found == 0 {
         return Err(CompareError::Empty);
@@ -121,7 +128,13 @@ fn check(picture: &Picture, which: &'static str) -> Result<(), CompareError> {
     for (index, pixel) in picture.pixels.iter().enumerate() {
         if let Some(channel) = pixel.iter().position(|v| !v.is_finite()) {
             let (x, y) = (index % picture.width, index / picture.width);
-            return Err(CompareError::NonFinite { which, x, y, channel, value: pixel[channel] });
+            return Err(CompareError::NonFinite {
+                which,
+                x,
+                y,
+                channel,
+                value: pixel[channel],
+            });
         }
     }
     Ok(())
@@ -161,7 +174,11 @@ fn channel_error(
 
 /// Differences so small that their squares vanish (below 1e-154) are not identical; they get the largest finite PSNR.
 fn psnr(max_abs: f64, mean_square: f64) -> f64 {
-    if max_abs == 0.0 { f64::INFINITY } else { -10.0 * mean_square.max(f64::MIN_POSITIVE).log10() }
+    if max_abs == 0.0 {
+        f64::INFINITY
+    } else {
+        -10.0 * mean_square.max(f64::MIN_POSITIVE).log10()
+    }
 }
 
 /// Window-weighted means of a, b, a^2, b^2 and ab.
@@ -175,7 +192,11 @@ fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64)
     let mut rows: VecDeque<Vec<Moments>> = VecDeque::with_capacity(down.len());
     let mut sum = 0.0;
     let mut positions = 0usize;
-    for (a, b) in fixed.pixels.chunks(fixed.width).zip(float.pixels.chunks(fixed.width)) {
+    for (a, b) in fixed
+        .pixels
+        .chunks(fixed.width)
+        .zip(float.pixels.chunks(fixed.width))
+    {
         if rows.len() == down.len() {
             rows.pop_front();
         }

@@ -27,12 +27,15 @@ fn naive_ssim(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
                 })
                 .collect();
             let total: f64 = cells.iter().map(|c| c.0).sum();
-            let mean = |f: &dyn Fn(f64, f64) -> f64| cells.iter().map(|c| c.0 * f(c.1, c.2)).sum::<f64>() / total;
+            let mean = |f: &dyn Fn(f64, f64) -> f64| {
+                cells.iter().map(|c| c.0 * f(c.1, c.2)).sum::<f64>() / total
+            };
             let (ma, mb) = (mean(&|x, _| x), mean(&|_, y| y));
             let va = mean(&|x, _| (x - ma).powi(2));
             let vb = mean(&|_, y| (y - mb).powi(2));
             let cov = mean(&|x, y| (x - ma) * (y - mb));
-            sum += (2.0 * ma * mb + 1e-4) * (2.0 * cov + 9e-4) / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
+            sum += (2.0 * ma * mb + 1e-4) * (2.0 * cov + 9e-4)
+                / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
             count += 1.0;
         }
     }
@@ -40,7 +43,11 @@ fn naive_ssim(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
 }
 
 fn plane(picture: &Picture, value: impl Fn(&[f64; 4]) -> f64) -> Vec<Vec<f64>> {
-    picture.pixels.chunks(picture.width).map(|row| row.iter().map(&value).collect()).collect()
+    picture
+        .pixels
+        .chunks(picture.width)
+        .map(|row| row.iter().map(&value).collect())
+        .collect()
 }
 
 fn close(a: f64, b: f64, tolerance: f64) -> bool {
@@ -71,13 +78,22 @@ fn bias_is_signed_and_the_largest_difference_is_located() {
     assert_eq!(errors.alpha.max_at, (8, 5, 3));
     assert!(close(errors.colour.bias, -0.25 / (3.0 * 63.0), 1e-15));
     assert!(close(errors.alpha.bias, 0.25 / 63.0, 1e-15));
-    assert_eq!(compare(&float, &fixed).unwrap().alpha.bias, -errors.alpha.bias);
+    assert_eq!(
+        compare(&float, &fixed).unwrap().alpha.bias,
+        -errors.alpha.bias
+    );
 }
 
 #[test]
 fn values_are_clamped_as_stored_but_not_quantised() {
     let float = picture(3, 3, |_, _, _| 1.0);
-    assert_eq!(compare(&picture(3, 3, |_, _, _| 7.0), &float).unwrap().colour.psnr_db, f64::INFINITY);
+    assert_eq!(
+        compare(&picture(3, 3, |_, _, _| 7.0), &float)
+            .unwrap()
+            .colour
+            .psnr_db,
+        f64::INFINITY
+    );
     let near = compare(&picture(3, 3, |_, _, _| 1.0 - 1e-7), &float).unwrap();
     assert!(close(near.colour.psnr_db, 140.0, 1e-6));
 }
@@ -86,21 +102,39 @@ fn values_are_clamped_as_stored_but_not_quantised() {
 fn a_difference_whose_square_vanishes_is_not_called_identical() {
     let mut fixed = Picture::new(2, 2);
     fixed.pixels[0][0] = 1e-200;
-    assert!(compare(&fixed, &Picture::new(2, 2)).unwrap().colour.psnr_db.is_finite());
+    assert!(
+        compare(&fixed, &Picture::new(2, 2))
+            .unwrap()
+            .colour
+            .psnr_db
+            .is_finite()
+    );
 }
 
 #[test]
 fn pictures_that_cannot_be_compared_are_refused_by_name() {
     let good = Picture::new(4, 3);
     let message = |fixed: &Picture, float: &Picture| compare(fixed, float).unwrap_err().to_string();
-    assert_eq!(message(&Picture::new(3, 4), &good), "the pictures differ in size: fixed is 3x4, float is 4x3");
-    assert_eq!(message(&Picture::new(0, 5), &Picture::new(0, 5)), "the pictures have no pixels");
+    assert_eq!(
+        message(&Picture::new(3, 4), &good),
+        "the pictures differ in size: fixed is 3x4, float is 4x3"
+    );
+    assert_eq!(
+        message(&Picture::new(0, 5), &Picture::new(0, 5)),
+        "the pictures have no pixels"
+    );
     let mut bad = good.clone();
     bad.pixels[6][1] = f64::NAN;
-    assert_eq!(message(&good, &bad), "the float picture holds NaN in channel 1 of pixel (2, 1)");
+    assert_eq!(
+        message(&good, &bad),
+        "the float picture holds NaN in channel 1 of pixel (2, 1)"
+    );
     let mut short = good.clone();
     short.pixels.pop();
-    assert_eq!(message(&short, &good), "the fixed picture holds 11 pixels where its size asks for 12");
+    assert_eq!(
+        message(&short, &good),
+        "the fixed picture holds 11 pixels where its size asks for 12"
+    );
 }
 
 proptest! {

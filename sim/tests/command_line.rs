@@ -3,7 +3,10 @@
 use std::process::{Command, Output};
 
 fn splatline(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_splatline")).args(arguments).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_splatline"))
+        .args(arguments)
+        .output()
+        .unwrap()
 }
 
 fn stderr(output: &Output) -> String {
@@ -12,12 +15,19 @@ fn stderr(output: &Output) -> String {
 
 #[test]
 fn help_and_version_succeed_on_stdout() {
-    for arguments in
-        [&["--help"][..], &["render", "--help"], &["compare", "--help"], &["footprints", "--help"], &["--version"]]
-    {
+    for arguments in [
+        &["--help"][..],
+        &["render", "--help"],
+        &["compare", "--help"],
+        &["footprints", "--help"],
+        &["--version"],
+    ] {
         let output = splatline(arguments);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}");
-        assert!(output.stderr.is_empty() && !output.stdout.is_empty(), "{arguments:?}");
+        assert!(
+            output.stderr.is_empty() && !output.stdout.is_empty(),
+            "{arguments:?}"
+        );
     }
 }
 
@@ -29,14 +39,25 @@ fn bad_usage_is_exit_code_2_on_stderr() {
         &["render", "a.ply"],
         &["render", "a.ply", "-o", "a.png", "--size", "0x10"],
         &["render", "a.ply", "-o", "a.png", "--size", "20000x10"],
-        &["render", "a.ply", "-o", "a.png", "--camera", "c.json", "--eye", "1,2,3", "--target", "0,0,0"],
+        &[
+            "render", "a.ply", "-o", "a.png", "--camera", "c.json", "--eye", "1,2,3", "--target",
+            "0,0,0",
+        ],
         &["render", "a.ply", "-o", "a.png", "--eye", "1,2"],
         &["footprints", "a.ply", "-o", "a.csv", "--engine", "exact"],
         &["compare", "a.ply", "-o", "a", "--design", "unheard-of"],
     ] {
         let output = splatline(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", stderr(&output));
-        assert!(output.stdout.is_empty() && stderr(&output).starts_with("error: "), "{arguments:?}");
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
+        assert!(
+            output.stdout.is_empty() && stderr(&output).starts_with("error: "),
+            "{arguments:?}"
+        );
     }
 }
 

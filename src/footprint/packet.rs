@@ -129,20 +129,49 @@ impl Layout {
         let centre = [next(), next()];
         let first = [next() as u16, next() as u16];
         let last = [next() as u16, next() as u16];
-        let mut number = || Scaled { mantissa: next() as i32, exponent: next() as i32 };
-        let scan = Scan { curvature: number(), spread: number(), slope: number(), stretch: number() };
+        let mut number = || Scaled {
+            mantissa: next() as i32,
+            exponent: next() as i32,
+        };
+        let scan = Scan {
+            curvature: number(),
+            spread: number(),
+            slope: number(),
+            stretch: number(),
+        };
         let mantissa = [next() as i32, next() as i32, next() as i32];
-        let conic = Conic { mantissa, exponent: next() as i32 };
+        let conic = Conic {
+            mantissa,
+            exponent: next() as i32,
+        };
         let cutoff = next() as u32;
         let peak = next() as u32;
         let colour = [next() as u32, next() as u32, next() as u32];
-        Ok(Footprint { depth, centre, first, last, scan, conic, cutoff, peak, colour })
+        Ok(Footprint {
+            depth,
+            centre,
+            first,
+            last,
+            scan,
+            conic,
+            cutoff,
+            peak,
+            colour,
+        })
     }
 }
 
 /// A footprint's values in the order of the fields.
 fn values(footprint: &Footprint) -> [i64; FIELDS] {
-    let Footprint { centre, first, last, scan, conic, colour, .. } = footprint;
+    let Footprint {
+        centre,
+        first,
+        last,
+        scan,
+        conic,
+        colour,
+        ..
+    } = footprint;
     let [mantissa_a, mantissa_b, mantissa_c] = conic.mantissa.map(i64::from);
     [
         VERSION.into(),
@@ -177,14 +206,22 @@ fn values(footprint: &Footprint) -> [i64; FIELDS] {
 fn put(packet: &mut Packet, field: &Field, value: i64) {
     let bits = (value as u64 & mask(field.width)) as u128;
     let placed = bits << (field.offset % 32);
-    for (word, part) in packet.iter_mut().skip(usize::from(field.offset / 32)).zip([0, 32, 64]) {
+    for (word, part) in packet
+        .iter_mut()
+        .skip(usize::from(field.offset / 32))
+        .zip([0, 32, 64])
+    {
         *word |= (placed >> part) as u32;
     }
 }
 
 fn get(packet: &Packet, field: &Field) -> i64 {
     let mut placed = 0u128;
-    for (word, part) in packet.iter().skip(usize::from(field.offset / 32)).zip([0, 32, 64]) {
+    for (word, part) in packet
+        .iter()
+        .skip(usize::from(field.offset / 32))
+        .zip([0, 32, 64])
+    {
         placed |= u128::from(*word) << part;
     }
     let bits = (placed >> (field.offset % 32)) as u64 & mask(field.width);
@@ -201,9 +238,21 @@ const fn mask(width: u8) -> u64 {
 }
 
 const fn unsigned(name: &'static str, width: u8, fraction: u8) -> Field {
-    Field { name, offset: 0, width, signed: false, fraction }
+    Field {
+        name,
+        offset: 0,
+        width,
+        signed: false,
+        fraction,
+    }
 }
 
 const fn signed(name: &'static str, width: u8, fraction: u8) -> Field {
-    Field { name, offset: 0, width, signed: true, fraction }
+    Field {
+        name,
+        offset: 0,
+        width,
+        signed: true,
+        fraction,
+    }
 }

@@ -55,11 +55,25 @@ mod tests {
     #[test]
     fn bounds_from_above_and_closely() {
         for mantissa in (1..2_000_000).chain([i32::MAX]) {
-            let got = log2_upper(Scaled { mantissa, exponent: -9 }).unwrap() as f64 / 65536.0;
+            let got = log2_upper(Scaled {
+                mantissa,
+                exponent: -9,
+            })
+            .unwrap() as f64
+                / 65536.0;
             let exact = (mantissa as f64).log2() - 9.0;
-            assert!(got >= exact && got - exact < 2f64.powi(-11), "{mantissa}: {got} {exact}");
+            assert!(
+                got >= exact && got - exact < 2f64.powi(-11),
+                "{mantissa}: {got} {exact}"
+            );
         }
         assert_eq!(log2_upper(Scaled::ZERO), None);
-        assert!(log2_upper(Scaled { mantissa: 1, exponent: i32::MAX }).is_some());
+        assert!(
+            log2_upper(Scaled {
+                mantissa: 1,
+                exponent: i32::MAX
+            })
+            .is_some()
+        );
     }
 }

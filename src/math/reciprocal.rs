@@ -37,9 +37,17 @@ pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
     let low = TABLE[index & 0xff] as i64;
     let high = TABLE[(index & 0xff) + 1] as i64;
     let seed = low + shift_round((high - low) * rest, 23);
-    let result = if bits > 16 { newton(x, seed) } else { seed << 30 };
+    let result = if bits > 16 {
+        newton(x, seed)
+    } else {
+        seed << 30
+    };
     let signed = if value.mantissa < 0 { -result } else { result };
-    Some(Scaled::from_wide(signed, (-60i32).saturating_sub(value.leading()), bits))
+    Some(Scaled::from_wide(
+        signed,
+        (-60i32).saturating_sub(value.leading()),
+        bits,
+    ))
 }
 
 /// y (2 - x y) in UQ1.60 from y in UQ1.30 and x in UQ1.31.
@@ -55,14 +63,27 @@ mod tests {
     use super::*;
 
     fn relative_error(mantissa: i32, bits: u32) -> f64 {
-        let got = reciprocal(Scaled { mantissa, exponent: 0 }, bits).unwrap();
+        let got = reciprocal(
+            Scaled {
+                mantissa,
+                exponent: 0,
+            },
+            bits,
+        )
+        .unwrap();
         (got.mantissa as f64 * (got.exponent as f64).exp2() * mantissa as f64 - 1.0).abs()
     }
 
     #[test]
     fn exhaustive_at_16_bits() {
-        let worst = (1i32 << 15..1 << 16).map(|m| relative_error(m, 16)).fold(0.0, f64::max);
-        assert!(worst < 2f64.powi(-16) + 2f64.powf(-17.9), "{:.2} bits", -worst.log2());
+        let worst = (1i32 << 15..1 << 16)
+            .map(|m| relative_error(m, 16))
+            .fold(0.0, f64::max);
+        assert!(
+            worst < 2f64.powi(-16) + 2f64.powf(-17.9),
+            "{:.2} bits",
+            -worst.log2()
+        );
     }
 
     #[test]
@@ -71,7 +92,11 @@ mod tests {
             let worst = (0..200_000u64)
                 .map(|i| relative_error(((1u64 << 30) + i * 5368 + i * i % 4099) as i32, bits))
                 .fold(0.0, f64::max);
-            assert!(worst < 2f64.powi(-(bits as i32)) + 2f64.powi(-29), "{bits}: {:.2} bits", -worst.log2());
+            assert!(
+                worst < 2f64.powi(-(bits as i32)) + 2f64.powi(-29),
+                "{bits}: {:.2} bits",
+                -worst.log2()
+            );
         }
     }
 

@@ -29,7 +29,10 @@ const ZERO_EXPONENT: i32 = -(1 << 20);
 
 impl Scaled {
     /// Zero.
-    pub const ZERO: Scaled = Scaled { mantissa: 0, exponent: ZERO_EXPONENT };
+    pub const ZERO: Scaled = Scaled {
+        mantissa: 0,
+        exponent: ZERO_EXPONENT,
+    };
 
     /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
     #[inline]
@@ -40,12 +43,22 @@ impl Scaled {
         let length = 64 - value.unsigned_abs().leading_zeros() as i32;
         let shift = length - bits as i32;
         // A magnitude of 2^63 has no spare bit for the rounding constant: drop one bit first.
-        let mantissa = if shift > 31 { shift_round(value >> 1, shift as u32 - 1) } else { shift_signed(value, shift) };
+        let mantissa = if shift > 31 {
+            shift_round(value >> 1, shift as u32 - 1)
+        } else {
+            shift_signed(value, shift)
+        };
         let exponent = exponent.saturating_add(shift);
         if mantissa.unsigned_abs() >> bits != 0 {
-            return Scaled { mantissa: (mantissa / 2) as i32, exponent: exponent.saturating_add(1) };
+            return Scaled {
+                mantissa: (mantissa / 2) as i32,
+                exponent: exponent.saturating_add(1),
+            };
         }
-        Scaled { mantissa: mantissa as i32, exponent }
+        Scaled {
+            mantissa: mantissa as i32,
+            exponent,
+        }
     }
 
     /// Exact product.
@@ -66,13 +79,20 @@ impl Scaled {
     /// `self * 2^power`, exactly.
     #[inline(always)]
     pub const fn scaled_by(self, power: i32) -> Scaled {
-        Scaled { mantissa: self.mantissa, exponent: self.exponent.saturating_add(power) }
+        Scaled {
+            mantissa: self.mantissa,
+            exponent: self.exponent.saturating_add(power),
+        }
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
     #[inline]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
-        shift_signed(self.mantissa as i64, 0i32.saturating_sub(self.exponent).saturating_sub(fraction as i32))
+        shift_signed(
+            self.mantissa as i64,
+            0i32.saturating_sub(self.exponent)
+                .saturating_sub(fraction as i32),
+        )
     }
 
     /// Position of the leading bit: `2^leading <= |self| < 2^(leading + 1)`; very negative for 0.
@@ -93,7 +113,11 @@ impl Product {
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
     #[inline]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
-        shift_signed(self.value, 0i32.saturating_sub(self.exponent).saturating_sub(fraction as i32))
+        shift_signed(
+            self.value,
+            0i32.saturating_sub(self.exponent)
+                .saturating_sub(fraction as i32),
+        )
     }
 }
 
@@ -165,10 +189,27 @@ mod tests {
 
     #[test]
     fn fixed_point_saturates() {
-        let number = Scaled { mantissa: 3, exponent: 80 };
+        let number = Scaled {
+            mantissa: 3,
+            exponent: 80,
+        };
         assert_eq!(number.to_fixed(16), i64::MAX);
-        assert_eq!(Scaled { mantissa: -3, exponent: 80 }.to_fixed(16), i64::MIN);
-        assert_eq!(Scaled { mantissa: 3, exponent: -1 }.to_fixed(0), 2);
+        assert_eq!(
+            Scaled {
+                mantissa: -3,
+                exponent: 80
+            }
+            .to_fixed(16),
+            i64::MIN
+        );
+        assert_eq!(
+            Scaled {
+                mantissa: 3,
+                exponent: -1
+            }
+            .to_fixed(0),
+            2
+        );
         assert_eq!(Scaled::ZERO.to_fixed(40), 0);
     }
 }

@@ -30,7 +30,11 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
 /// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
 #[inline(always)]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
-    if shift >= 0 { shift_round(value, shift as u32) } else { shift_left(value, shift.unsigned_abs()) }
+    if shift >= 0 {
+        shift_round(value, shift as u32)
+    } else {
+        shift_left(value, shift.unsigned_abs())
+    }
 }
 
 /// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift
@@ -55,8 +59,16 @@ mod tests {
 
     #[test]
     fn halves_go_up() {
-        let table: [(i64, u32, i64); 8] =
-            [(5, 1, 3), (-5, 1, -2), (7, 2, 2), (6, 2, 2), (5, 2, 1), (-6, 2, -1), (-7, 2, -2), (1, 64, 0)];
+        let table: [(i64, u32, i64); 8] = [
+            (5, 1, 3),
+            (-5, 1, -2),
+            (7, 2, 2),
+            (6, 2, 2),
+            (5, 2, 1),
+            (-6, 2, -1),
+            (-7, 2, -2),
+            (1, 64, 0),
+        ];
         for (value, shift, expected) in table {
             assert_eq!(shift_round(value, shift), expected, "{value} >> {shift}");
         }

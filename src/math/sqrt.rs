@@ -50,12 +50,21 @@ pub fn square_root(value: Scaled, bits: u32) -> Scaled {
     }
     let odd = value.exponent & 1;
     let (root, shift) = root_seed((value.mantissa as u64) << odd);
-    let seed = Scaled::from_wide(root as i64, shift.saturating_add((value.exponent - odd) / 2), 31);
+    let seed = Scaled::from_wide(
+        root as i64,
+        shift.saturating_add((value.exponent - odd) / 2),
+        31,
+    );
     if bits <= 16 {
         return Scaled::from_wide(seed.mantissa as i64, seed.exponent, bits);
     }
-    let Some(inverse) = reciprocal(seed, 31) else { return Scaled::ZERO };
-    let halved = Product { value: seed.mantissa as i64, exponent: seed.exponent.saturating_sub(1) };
+    let Some(inverse) = reciprocal(seed, 31) else {
+        return Scaled::ZERO;
+    };
+    let halved = Product {
+        value: seed.mantissa as i64,
+        exponent: seed.exponent.saturating_sub(1),
+    };
     let mut quotient = value.times(inverse);
     quotient.exponent = quotient.exponent.saturating_sub(1);
     sum_of_products([halved, quotient], bits)
@@ -83,14 +92,24 @@ mod tests {
     #[test]
     fn wide_roots() {
         for bits in [12, 16, 18, 24, 31] {
-            let bound = 2f64.powi(-(bits as i32)) + if bits > 16 { 2f64.powi(-29) } else { 2f64.powf(-16.9) };
+            let bound = 2f64.powi(-(bits as i32))
+                + if bits > 16 {
+                    2f64.powi(-29)
+                } else {
+                    2f64.powf(-16.9)
+                };
             for i in 1..100_000i64 {
                 let mantissa = (i * 21_473) as i32;
                 for exponent in [-7, 6] {
                     let exact = (mantissa as f64 * (exponent as f64).exp2()).sqrt();
                     let got = square_root(Scaled { mantissa, exponent }, bits);
-                    let error = (got.mantissa as f64 * (got.exponent as f64).exp2() / exact - 1.0).abs();
-                    assert!(error <= bound, "{bits} bits: {mantissa} {exponent}: {:.2}", -error.log2());
+                    let error =
+                        (got.mantissa as f64 * (got.exponent as f64).exp2() / exact - 1.0).abs();
+                    assert!(
+                        error <= bound,
+                        "{bits} bits: {mantissa} {exponent}: {:.2}",
+                        -error.log2()
+                    );
                 }
             }
         }

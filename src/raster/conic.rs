@@ -36,10 +36,17 @@ impl ConicRows {
         let widths = design.widths();
         let bits = u32::from(widths.mantissa);
         let corner = [0, 1].map(|axis| distance(footprint, axis, widths.subpixel.into(), bits));
-        let [a, b, c] = footprint.conic.mantissa.map(|mantissa| Scaled { mantissa, exponent: footprint.conic.exponent });
+        let [a, b, c] = footprint.conic.mantissa.map(|mantissa| Scaled {
+            mantissa,
+            exponent: footprint.conic.exponent,
+        });
         let [dx, dy] = corner;
-        let [adx, bdx, bdy, cdy] =
-            [a.multiply(dx, bits), b.multiply(dx, bits), b.multiply(dy, bits), c.multiply(dy, bits)];
+        let [adx, bdx, bdy, cdy] = [
+            a.multiply(dx, bits),
+            b.multiply(dx, bits),
+            b.multiply(dy, bits),
+            c.multiply(dy, bits),
+        ];
         let fixed = |value: Scaled| value.to_fixed(FRACTION);
         let radial = adx.times(dx).to_fixed(FRACTION);
         let radial = radial.wrapping_add(bdx.times(dy).to_fixed(FRACTION).wrapping_mul(2));
@@ -50,10 +57,16 @@ impl ConicRows {
             columns: 0,
             radial: Quadratic {
                 value: radial.wrapping_add(cdy.times(dy).to_fixed(FRACTION)),
-                first: fixed(cdy).wrapping_add(fixed(bdx)).wrapping_mul(2).wrapping_add(fixed(c)),
+                first: fixed(cdy)
+                    .wrapping_add(fixed(bdx))
+                    .wrapping_mul(2)
+                    .wrapping_add(fixed(c)),
                 second: fixed(c).wrapping_mul(2),
             },
-            across: fixed(adx).wrapping_add(fixed(bdy)).wrapping_mul(2).wrapping_add(fixed(a)),
+            across: fixed(adx)
+                .wrapping_add(fixed(bdy))
+                .wrapping_mul(2)
+                .wrapping_add(fixed(a)),
             cross: fixed(b).wrapping_mul(2),
             second: fixed(a).wrapping_mul(2),
         };
@@ -63,18 +76,31 @@ impl ConicRows {
 
     /// Moves the differences to the visible part's corner, exactly.
     fn clip(&mut self, footprint: &Footprint, window: &Window) {
-        let visible = Window { first: footprint.first, last: footprint.last }.intersect(window);
+        let visible = Window {
+            first: footprint.first,
+            last: footprint.last,
+        }
+        .intersect(window);
         if visible.is_empty() {
             return;
         }
         let skip = [0, 1].map(|axis| visible.first[axis] - footprint.first[axis]);
-        let mut row = Quadratic { value: self.radial.value, first: self.across, second: self.second };
+        let mut row = Quadratic {
+            value: self.radial.value,
+            first: self.across,
+            second: self.second,
+        };
         row.jump(skip[0]);
         self.radial.value = row.value;
         self.across = row.first;
-        self.radial.first = self.radial.first.wrapping_add(self.cross.wrapping_mul(skip[0].into()));
+        self.radial.first = self
+            .radial
+            .first
+            .wrapping_add(self.cross.wrapping_mul(skip[0].into()));
         self.radial.jump(skip[1]);
-        self.across = self.across.wrapping_add(self.cross.wrapping_mul(skip[1].into()));
+        self.across = self
+            .across
+            .wrapping_add(self.cross.wrapping_mul(skip[1].into()));
         self.y = visible.first[1];
         self.last_row = visible.last[1];
         self.first_column = visible.first[0];
@@ -112,5 +138,9 @@ impl Rows for ConicRows {
 /// Distance of the first sample point of the box from the centre, pixels.
 fn distance(footprint: &Footprint, axis: usize, subpixel: u32, bits: u32) -> Scaled {
     let sample = (2 * i64::from(footprint.first[axis]) + 1) << (subpixel - 1);
-    Scaled::from_wide(sample.wrapping_sub(footprint.centre[axis]), -(subpixel as i32), bits)
+    Scaled::from_wide(
+        sample.wrapping_sub(footprint.centre[axis]),
+        -(subpixel as i32),
+        bits,
+    )
 }

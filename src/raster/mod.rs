@@ -59,7 +59,12 @@ impl<L: Lane> Run<L> {
     /// The run's radial indices, pixel by pixel: two additions each.
     #[inline(always)]
     pub fn radials(self) -> impl Iterator<Item = L> {
-        let Run { mut radial, mut first, second, .. } = self;
+        let Run {
+            mut radial,
+            mut first,
+            second,
+            ..
+        } = self;
         (0..self.length).map(move |_| {
             let here = radial;
             radial = radial.add(first);
@@ -73,11 +78,19 @@ impl<L: Lane> Run<L> {
     fn skip(self, count: u16) -> Run<L> {
         let n = i64::from(count);
         let pairs = n * (n - 1).max(0) / 2;
-        let (radial, first, second) = (self.radial.to_wide(), self.first.to_wide(), self.second.to_wide());
+        let (radial, first, second) = (
+            self.radial.to_wide(),
+            self.first.to_wide(),
+            self.second.to_wide(),
+        );
         Run {
             x: self.x + count,
             length: self.length - count,
-            radial: L::from_wide(radial.wrapping_add(n.wrapping_mul(first)).wrapping_add(pairs.wrapping_mul(second))),
+            radial: L::from_wide(
+                radial
+                    .wrapping_add(n.wrapping_mul(first))
+                    .wrapping_add(pairs.wrapping_mul(second)),
+            ),
             first: L::from_wide(first.wrapping_add(n.wrapping_mul(second))),
             ..self
         }
@@ -112,7 +125,10 @@ impl Quadratic {
     fn jump(&mut self, count: u16) {
         let n = i64::from(count);
         let pairs = n * (n - 1).max(0) / 2;
-        self.value = self.value.wrapping_add(n.wrapping_mul(self.first)).wrapping_add(pairs.wrapping_mul(self.second));
+        self.value = self
+            .value
+            .wrapping_add(n.wrapping_mul(self.first))
+            .wrapping_add(pairs.wrapping_mul(self.second));
         self.first = self.first.wrapping_add(n.wrapping_mul(self.second));
     }
 }

@@ -60,10 +60,14 @@ impl<L: Lane> SpanRows<L> {
         let widths = design.widths();
         let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
         let scan = &footprint.scan;
-        let bounds = Window { first: footprint.first, last: footprint.last };
+        let bounds = Window {
+            first: footprint.first,
+            last: footprint.last,
+        };
         let visible = bounds.intersect(window);
         // Distance of the first row's sample points from the centre, in pixels.
-        let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1)).wrapping_sub(footprint.centre[1]);
+        let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1))
+            .wrapping_sub(footprint.centre[1]);
         let dy = Scaled::from_wide(dy, -(subpixel as i32), mantissa);
         let slope = scan.slope.to_fixed(32);
         let skipped = visible.first[1] - bounds.first[1];
@@ -75,7 +79,11 @@ impl<L: Lane> SpanRows<L> {
             .wrapping_add(slope.wrapping_mul(skipped.into()));
         SpanRows {
             y: visible.first[1],
-            last_row: if visible.is_empty() { 0 } else { visible.last[1] },
+            last_row: if visible.is_empty() {
+                0
+            } else {
+                visible.last[1]
+            },
             bounds: [bounds.first[0], bounds.last[0]],
             visible: [visible.first[0], visible.last[0]],
             centre,
@@ -91,11 +99,21 @@ impl<L: Lane> SpanRows<L> {
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
     #[inline(always)]
     fn next_row(&mut self) {
-        let mut row = Row { y: self.y, x: 0, end: 0, centre: self.centre, vertical: self.vertical.value };
+        let mut row = Row {
+            y: self.y,
+            x: 0,
+            end: 0,
+            centre: self.centre,
+            vertical: self.vertical.value,
+        };
         let rest = self.reach.wrapping_sub(row.vertical);
         if rest > 0 {
             let half = self.half_width.of(rest);
-            let low = row.centre.saturating_sub(half).saturating_add((1 << 32) - 1) >> 32;
+            let low = row
+                .centre
+                .saturating_sub(half)
+                .saturating_add((1 << 32) - 1)
+                >> 32;
             let high = (row.centre.saturating_add(half) >> 32).saturating_add(1);
             let [first, last] = self.bounds.map(i64::from);
             let low = low.clamp(first, last) as u16;
@@ -113,16 +131,33 @@ impl<L: Lane> SpanRows<L> {
     /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
     #[inline(always)]
     fn next_block(&mut self) -> Option<Run<L>> {
-        let Row { y, x, end, centre, vertical } = self.row;
+        let Row {
+            y,
+            x,
+            end,
+            centre,
+            vertical,
+        } = self.row;
         let stop = (x - x % BLOCK).saturating_add(BLOCK).min(end);
         self.row.x = stop;
         let (radial, first, second) = self.seed.at(x, centre, vertical);
-        let run = Run { y, x, length: stop - x, radial, first, second };
+        let run = Run {
+            y,
+            x,
+            length: stop - x,
+            radial,
+            first,
+            second,
+        };
         let head = self.visible[0].saturating_sub(x);
         if head == 0 {
             return Some(run);
         }
-        if head >= run.length { None } else { Some(run.skip(head)) }
+        if head >= run.length {
+            None
+        } else {
+            Some(run.skip(head))
+        }
     }
 }
 
@@ -185,7 +220,10 @@ impl HalfWidth {
     fn of(&self, rest: i64) -> i64 {
         let squared = self.mantissa.wrapping_mul((rest as u64) >> (VERTICAL - 28)) << self.odd;
         let (root, shift) = root_seed(squared);
-        shift_signed(root.into(), 0i32.saturating_sub(shift.saturating_add(self.power)))
+        shift_signed(
+            root.into(),
+            0i32.saturating_sub(shift.saturating_add(self.power)),
+        )
     }
 }
 
@@ -231,7 +269,8 @@ impl<L: Lane> Seed<L> {
         let dx = shift_round((i64::from(x) << 32).wrapping_sub(centre), self.drop_dx);
         let along = self.curvature.wrapping_mul(dx);
         let across = shift_round(along, self.bits).wrapping_mul(dx);
-        let radial = shift_signed(across, self.drop_radial).wrapping_add(shift_round(vertical, VERTICAL - self.fraction));
+        let radial = shift_signed(across, self.drop_radial)
+            .wrapping_add(shift_round(vertical, VERTICAL - self.fraction));
         let first = shift_signed(along, self.drop_first).wrapping_add(self.unit);
         (L::from_wide(radial), L::from_wide(first), self.second)
     }

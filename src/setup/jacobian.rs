@@ -20,7 +20,12 @@ pub struct Column {
 }
 
 /// M = J W A, one column per axis. An axis of length 0 gives a zero column.
-pub fn columns(widths: &Widths, view: &View, projected: &Projected, axes: &[Axis; 3]) -> [Column; 3] {
+pub fn columns(
+    widths: &Widths,
+    view: &View,
+    projected: &Projected,
+    axes: &[Axis; 3],
+) -> [Column; 3] {
     axes.map(|axis| column(widths, view, projected, axis))
 }
 
@@ -29,11 +34,20 @@ fn column(widths: &Widths, view: &View, projected: &Projected, axis: Axis) -> Co
     let [x, y, z] = turn(widths, view, axis);
     let shear = |across: Scaled, ratio: Scaled, gain: Scaled| {
         let along = ratio.times(z);
-        let along = Product { value: along.value.wrapping_neg(), exponent: along.exponent };
-        let across = Product { value: across.mantissa.into(), exponent: across.exponent };
+        let along = Product {
+            value: along.value.wrapping_neg(),
+            exponent: along.exponent,
+        };
+        let across = Product {
+            value: across.mantissa.into(),
+            exponent: across.exponent,
+        };
         sum_of_products([across, along], bits).multiply(gain, bits)
     };
-    Column { x: shear(x, projected.ratio[0], projected.gain[0]), y: shear(y, projected.ratio[1], projected.gain[1]) }
+    Column {
+        x: shear(x, projected.ratio[0], projected.gain[0]),
+        y: shear(y, projected.ratio[1], projected.gain[1]),
+    }
 }
 
 /// W a: exact products and sum, each component rounded to the mantissa.

@@ -46,14 +46,25 @@ pub enum Cull {
 
 impl Cull {
     /// All reasons, in the order in which they are tested.
-    pub const ALL: [Cull; 6] =
-        [Cull::Near, Cull::Far, Cull::Range, Cull::Degenerate, Cull::Transparent, Cull::Outside];
+    pub const ALL: [Cull; 6] = [
+        Cull::Near,
+        Cull::Far,
+        Cull::Range,
+        Cull::Degenerate,
+        Cull::Transparent,
+        Cull::Outside,
+    ];
 }
 
 /// The whole of setup for one volume splat ([EWA] 6.2 and 7.1).
 ///
 /// Total: defined for every bit pattern of its inputs.
-pub fn setup<D: Design>(design: D, view: &View, rules: &Rules, splat: &VolumeSplat) -> Result<Footprint, Cull> {
+pub fn setup<D: Design>(
+    design: D,
+    view: &View,
+    rules: &Rules,
+    splat: &VolumeSplat,
+) -> Result<Footprint, Cull> {
     let widths = design.widths();
     let projected = project(&widths, view, rules, splat.centre)?;
     let columns = columns(&widths, view, &projected, &splat.axes);
@@ -62,9 +73,17 @@ pub fn setup<D: Design>(design: D, view: &View, rules: &Rules, splat: &VolumeSpl
     let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
     let peak = peak(&widths, rules, splat.weight, &projected, &variance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
-    let (first, last) = bounding_box(widths.subpixel.into(), view, projected.centre, &variance, cutoff)?;
+    let (first, last) = bounding_box(
+        widths.subpixel.into(),
+        view,
+        projected.centre,
+        &variance,
+        cutoff,
+    )?;
     let colour_shift = 28 - i32::from(widths.colour);
-    let colour = splat.colour.map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32);
+    let colour = splat
+        .colour
+        .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32);
     let peak = peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
     Ok(Footprint {
         depth: projected.depth,

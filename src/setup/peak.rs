@@ -15,10 +15,19 @@ use crate::math::{Product, Scaled, log2_upper, reciprocal, square_root, sum_of_p
 use crate::rules::{Cutoff, Rules};
 
 /// 1 / (2 pi) with 31 bits.
-const INVERSE_TWO_PI: Scaled = Scaled { mantissa: 1_367_130_551, exponent: -33 };
+const INVERSE_TWO_PI: Scaled = Scaled {
+    mantissa: 1_367_130_551,
+    exponent: -33,
+};
 
 /// Peak opacity; 0 for negative weights.
-pub fn peak(widths: &Widths, rules: &Rules, weight: Scaled, projected: &Projected, variance: &Variance) -> Scaled {
+pub fn peak(
+    widths: &Widths,
+    rules: &Rules,
+    weight: Scaled,
+    projected: &Projected,
+    variance: &Variance,
+) -> Scaled {
     if weight.mantissa <= 0 {
         return Scaled::ZERO;
     }
@@ -27,17 +36,28 @@ pub fn peak(widths: &Widths, rules: &Rules, weight: Scaled, projected: &Projecte
     }
     let bits = u32::from(widths.mantissa);
     let [x, y] = projected.ratio;
-    let one = Product { value: 1, exponent: 0 };
+    let one = Product {
+        value: 1,
+        exponent: 0,
+    };
     let slant = sum_of_products([one, x.times(x), y.times(y)], bits);
-    let Some(inverse) = reciprocal(variance.determinant, bits) else { return Scaled::ZERO };
+    let Some(inverse) = reciprocal(variance.determinant, bits) else {
+        return Scaled::ZERO;
+    };
     let density = square_root(slant.multiply(inverse, bits), bits);
     let area = projected.gain[0].multiply(projected.gain[1], bits);
-    weight.multiply(area, bits).multiply(density, bits).multiply(INVERSE_TWO_PI, bits)
+    weight
+        .multiply(area, bits)
+        .multiply(density, bits)
+        .multiply(INVERSE_TWO_PI, bits)
 }
 
 /// The peak in UQ4.peak, saturated to the word; `None` if it rounds to 0.
 pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
-    match peak.to_fixed(fraction).clamp(0, (16 << fraction.min(28)) - 1) {
+    match peak
+        .to_fixed(fraction)
+        .clamp(0, (16 << fraction.min(28)) - 1)
+    {
         0 => None,
         fixed => Some(fixed as u32),
     }
@@ -56,7 +76,11 @@ pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
             let smallest = Scaled::from_wide(rules.alpha_min.into(), -31, 31);
             // log2_upper exceeds the logarithm by less than 2^-11: 32 units of 2^-16.
             let octaves = log2_upper(peak)? - log2_upper(smallest)? + 32;
-            if octaves <= 0 { None } else { Some((i64::from(octaves) * TWO_LN_2 / 16).min(END) as u32) }
+            if octaves <= 0 {
+                None
+            } else {
+                Some((i64::from(octaves) * TWO_LN_2 / 16).min(END) as u32)
+            }
         }
     }
 }

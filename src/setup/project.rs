@@ -26,7 +26,12 @@ pub struct Projected {
 }
 
 /// Projects `centre` (scene units, Q7.24); culls by depth and range.
-pub fn project(widths: &Widths, view: &View, rules: &Rules, centre: [I8F24; 3]) -> Result<Projected, Cull> {
+pub fn project(
+    widths: &Widths,
+    view: &View,
+    rules: &Rules,
+    centre: [I8F24; 3],
+) -> Result<Projected, Cull> {
     let bits = u32::from(widths.view);
     let [x, y, z] = view.to_camera(centre, bits);
     let perspective = view.projection == Projection::Perspective;
@@ -38,7 +43,11 @@ pub fn project(widths: &Widths, view: &View, rules: &Rules, centre: [I8F24; 3]) 
     }
     let depth = shift_round(z, 31).clamp(0, u32::MAX.into()) as u32;
     let position = [x, y].map(|coordinate| Scaled::from_wide(coordinate, -54, bits));
-    let inverse = if perspective { reciprocal(Scaled::from_wide(z, -54, bits), bits).ok_or(Cull::Near)? } else { ONE };
+    let inverse = if perspective {
+        reciprocal(Scaled::from_wide(z, -54, bits), bits).ok_or(Cull::Near)?
+    } else {
+        ONE
+    };
     let on_plane = position.map(|coordinate| coordinate.multiply(inverse, bits));
     let mut centre = [0; 2];
     for axis in 0..2 {
@@ -46,11 +55,23 @@ pub fn project(widths: &Widths, view: &View, rules: &Rules, centre: [I8F24; 3]) 
     }
     let mantissa = u32::from(widths.mantissa);
     let gain = view.focal.map(|focal| focal.multiply(inverse, mantissa));
-    let ratio = if perspective { ratios(view, rules, on_plane, mantissa) } else { [Scaled::ZERO; 2] };
-    Ok(Projected { depth, centre, ratio, gain })
+    let ratio = if perspective {
+        ratios(view, rules, on_plane, mantissa)
+    } else {
+        [Scaled::ZERO; 2]
+    };
+    Ok(Projected {
+        depth,
+        centre,
+        ratio,
+        gain,
+    })
 }
 
-const ONE: Scaled = Scaled { mantissa: 1 << 30, exponent: -30 };
+const ONE: Scaled = Scaled {
+    mantissa: 1 << 30,
+    exponent: -30,
+};
 
 /// fx x/z + cx in Q27.subpixel; `None` beyond 2^26 pixels.
 fn on_screen(widths: &Widths, view: &View, axis: usize, on_plane: Scaled) -> Option<i64> {
@@ -67,7 +88,10 @@ fn ratios(view: &View, rules: &Rules, on_plane: [Scaled; 2], bits: u32) -> [Scal
     let mut ratio = on_plane;
     for (axis, value) in ratio.iter_mut().enumerate() {
         let mut fixed = value.to_fixed(32);
-        let (low, high) = (view.limits.low[axis].to_bits(), view.limits.high[axis].to_bits());
+        let (low, high) = (
+            view.limits.low[axis].to_bits(),
+            view.limits.high[axis].to_bits(),
+        );
         if rules.clamp_jacobian && (fixed < low || fixed > high) {
             fixed = fixed.min(high).max(low);
             *value = Scaled::from_wide(fixed, -32, bits);
@@ -77,4 +101,3 @@ fn ratios(view: &View, rules: &Rules, on_plane: [Scaled; 2], bits: u32) -> [Scal
     }
     ratio
 }
-

@@ -19,7 +19,10 @@ pub fn scan(widths: &Widths, variance: &Variance) -> Option<Scan> {
         slope: packable_slope(variance.xy.multiply(stretch, bits)),
         stretch,
     };
-    [scan.curvature, scan.spread, scan.stretch].into_iter().all(packable).then_some(scan)
+    [scan.curvature, scan.spread, scan.stretch]
+        .into_iter()
+        .all(packable)
+        .then_some(scan)
 }
 
 /// Is the exponent within the packet's 10 bits?
@@ -29,7 +32,14 @@ fn packable(number: Scaled) -> bool {
 
 /// A slope too small for the packet's exponent (0 included) moves no pixel: exactly 0.
 fn packable_slope(slope: Scaled) -> Scaled {
-    if slope.exponent < -512 { Scaled { mantissa: 0, exponent: 0 } } else { slope }
+    if slope.exponent < -512 {
+        Scaled {
+            mantissa: 0,
+            exponent: 0,
+        }
+    } else {
+        slope
+    }
 }
 
 /// Conic coefficients, aligned to the largest; `None` where the variance has no inverse.
@@ -39,10 +49,19 @@ pub fn conic(widths: &Widths, variance: &Variance, curvature: Scaled) -> Option<
     let bits = u32::from(widths.mantissa);
     let inverse = reciprocal(variance.determinant, bits)?;
     let cross = variance.xy.multiply(inverse, bits);
-    let cross = Scaled { mantissa: -cross.mantissa, exponent: cross.exponent };
+    let cross = Scaled {
+        mantissa: -cross.mantissa,
+        exponent: cross.exponent,
+    };
     let coefficients = [curvature, cross, variance.xx.multiply(inverse, bits)];
-    let leading = coefficients.iter().filter(|c| c.mantissa != 0).map(|c| c.leading()).max()?;
+    let leading = coefficients
+        .iter()
+        .filter(|c| c.mantissa != 0)
+        .map(|c| c.leading())
+        .max()?;
     let exponent = leading.saturating_sub(bits as i32 - 1);
     let mantissa = coefficients.map(|c| c.scaled_by(exponent.saturating_neg()).to_fixed(0) as i32);
-    (-512..512).contains(&exponent).then_some(Conic { mantissa, exponent })
+    (-512..512)
+        .contains(&exponent)
+        .then_some(Conic { mantissa, exponent })
 }

@@ -30,22 +30,44 @@ pub struct Variance {
 /// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more.
 pub fn variance(widths: &Widths, low_pass: Scaled, columns: &[Column; 3]) -> Variance {
     let bits = u32::from(widths.mantissa);
-    let h = Product { value: low_pass.mantissa.into(), exponent: low_pass.exponent };
+    let h = Product {
+        value: low_pass.mantissa.into(),
+        exponent: low_pass.exponent,
+    };
     let [a, b, c] = columns;
     let xx = sum_of_products([a.x.times(a.x), b.x.times(b.x), c.x.times(c.x), h], bits);
     let yy_sharp = sum_of_products([a.y.times(a.y), b.y.times(b.y), c.y.times(c.y)], bits);
     let xy = sum_of_products([a.x.times(a.y), b.x.times(b.y), c.x.times(c.y)], bits);
-    let plain = |value: Scaled| Product { value: value.mantissa.into(), exponent: value.exponent };
+    let plain = |value: Scaled| Product {
+        value: value.mantissa.into(),
+        exponent: value.exponent,
+    };
     let yy = sum_of_products([plain(yy_sharp), h], bits);
     let trace = sum_of_products([plain(xx), plain(yy_sharp)], bits);
     let [ab, ac, bc] = [minor(a, b, bits), minor(a, c, bits), minor(b, c, bits)];
-    let determinant = sum_of_products([ab.times(ab), ac.times(ac), bc.times(bc), low_pass.times(trace)], bits);
-    Variance { xx, xy, yy, determinant }
+    let determinant = sum_of_products(
+        [
+            ab.times(ab),
+            ac.times(ac),
+            bc.times(bc),
+            low_pass.times(trace),
+        ],
+        bits,
+    );
+    Variance {
+        xx,
+        xy,
+        yy,
+        determinant,
+    }
 }
 
 /// The 2x2 minor m_j x m_k.
 fn minor(j: &Column, k: &Column, bits: u32) -> Scaled {
     let crossed = j.y.times(k.x);
-    let crossed = Product { value: crossed.value.wrapping_neg(), exponent: crossed.exponent };
+    let crossed = Product {
+        value: crossed.value.wrapping_neg(),
+        exponent: crossed.exponent,
+    };
     sum_of_products([j.x.times(k.y), crossed], bits)
 }

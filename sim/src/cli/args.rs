@@ -122,13 +122,28 @@ pub struct ViewOptions {
     #[arg(long, value_name = "c.json", conflicts_with_all = ["eye", "target", "up", "fov"])]
     pub camera: Option<PathBuf>,
     /// Position of the camera
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, requires = "target")]
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        allow_hyphen_values = true,
+        requires = "target"
+    )]
     pub eye: Option<Vector>,
     /// Point in the middle of the picture
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, requires = "eye")]
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        allow_hyphen_values = true,
+        requires = "eye"
+    )]
     pub target: Option<Vector>,
     /// Direction that is up in the picture [default: the scene's]
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true, requires = "eye")]
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        allow_hyphen_values = true,
+        requires = "eye"
+    )]
     pub up: Option<Vector>,
     /// Vertical field of view in degrees [default: 45]
     #[arg(long, value_name = "deg", value_parser = field_of_view, requires = "eye")]
@@ -250,7 +265,10 @@ impl FromStr for DesignName {
         if design::NAMES.contains(&text) || text.ends_with(".toml") {
             return Ok(DesignName(text.to_owned()));
         }
-        Err(format!("expected one of {} or a file that ends in .toml", design::NAMES.join(", ")))
+        Err(format!(
+            "expected one of {} or a file that ends in .toml",
+            design::NAMES.join(", ")
+        ))
     }
 }
 
@@ -262,9 +280,13 @@ impl FromStr for Vector {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parts: Vec<f64> = text.split(',').map(|part| number(part.trim())).collect::<Result<_, _>>()?;
+        let parts: Vec<f64> = text
+            .split(',')
+            .map(|part| number(part.trim()))
+            .collect::<Result<_, _>>()?;
         let count = parts.len();
-        let three = <[f64; 3]>::try_from(parts).map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
+        let three = <[f64; 3]>::try_from(parts)
+            .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
         Ok(Vector(three))
     }
 }
@@ -282,15 +304,22 @@ impl FromStr for Size {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (width, height) = text.split_once(['x', 'X']).ok_or("expected WxH, for example 640x480")?;
-        Ok(Size { width: side(width)?, height: side(height)? })
+        let (width, height) = text
+            .split_once(['x', 'X'])
+            .ok_or("expected WxH, for example 640x480")?;
+        Ok(Size {
+            width: side(width)?,
+            height: side(height)?,
+        })
     }
 }
 
 fn side(text: &str) -> Result<usize, String> {
     match text.parse() {
         Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
-        _ => Err(format!("width and height must be whole numbers from 1 to {LARGEST_SIDE}, not '{text}'")),
+        _ => Err(format!(
+            "width and height must be whole numbers from 1 to {LARGEST_SIDE}, not '{text}'"
+        )),
     }
 }
 

@@ -18,9 +18,17 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let view = View::from_options(&options.view)?;
     let manner = Manner::from_options(drawing);
     // The fixed picture is always drawn; the option can only say what it is compared with.
-    let reference = if drawing.engine == Engine::Exact { Engine::Exact } else { Engine::Float };
+    let reference = if drawing.engine == Engine::Exact {
+        Engine::Exact
+    } else {
+        Engine::Float
+    };
     let chosen = Entry::from_options(drawing)?;
-    let others = if options.only { Vec::new() } else { all_entries(&chosen.design) };
+    let others = if options.only {
+        Vec::new()
+    } else {
+        all_entries(&chosen.design)
+    };
     let comparison = sweep::run(&view, &manner, reference, &chosen, &others)?;
     comparison.write(&options.output, drawing.depth)?;
     if let Some(path) = &drawing.json {
@@ -32,7 +40,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
 
 /// The folder for results, made if need be.
 pub fn create_folder(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).with_context(|| format!("cannot create the folder '{}'", folder.display()))?;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder '{}'", folder.display()))?;
     Ok(())
 }
 
@@ -43,7 +52,10 @@ pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
         designs.push(chosen.clone());
     }
     let both = |design: &DesignChoice| {
-        [Traversal::Box, Traversal::Spans].map(|traversal| Entry { design: design.clone(), traversal })
+        [Traversal::Box, Traversal::Spans].map(|traversal| Entry {
+            design: design.clone(),
+            traversal,
+        })
     };
     designs.iter().flat_map(both).collect()
 }
@@ -59,7 +71,10 @@ fn summary(report: &Report, folder: &Path) -> String {
             error.ssim
         )
     };
-    let errors = report.error.iter().map(|error| line("RGB", &error.rgb) + &line("alpha", &error.alpha));
+    let errors = report
+        .error
+        .iter()
+        .map(|error| line("RGB", &error.rgb) + &line("alpha", &error.alpha));
     format!(
         "{}, design {} by {}, against {}\n{}{}\n",
         report.scene.name,

@@ -13,7 +13,10 @@ use splatline_sim::rules::Compositing;
 use splatline_sim::scene;
 use std::path::Path;
 
-const SIZE: Size = Size { width: 512, height: 512 };
+const SIZE: Size = Size {
+    width: 512,
+    height: 512,
+};
 const DESIGN: &str = "standard24";
 /// Times are medians over this many runs: the first one also pays for cold caches.
 const REPEAT: usize = 3;
@@ -28,11 +31,28 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
     let scene = scene::demo()?;
     let camera = scene.default_camera(size.width, size.height);
     let rules = scene.natural_rules;
-    let view = View { scene, camera, rules };
-    let manner = Manner { compositing: Compositing::FrontToBack, threads: threads(None), repeat };
+    let view = View {
+        scene,
+        camera,
+        rules,
+    };
+    let manner = Manner {
+        compositing: Compositing::FrontToBack,
+        threads: threads(None),
+        repeat,
+    };
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
-    let chosen = Entry { traversal: design.traversal, design };
-    let comparison = sweep::run(&view, &manner, Engine::Float, &chosen, &all_entries(&chosen.design))?;
+    let chosen = Entry {
+        traversal: design.traversal,
+        design,
+    };
+    let comparison = sweep::run(
+        &view,
+        &manner,
+        Engine::Float,
+        &chosen,
+        &all_entries(&chosen.design),
+    )?;
     comparison.write(folder, Depth::Eight)?;
     let report = &comparison.report;
     say(&format!(

@@ -28,32 +28,64 @@ pub struct Task<'a> {
 /// Runs `work` on so many threads.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    Ok(pool.with_context(|| format!("cannot start {threads} threads"))?.install(work))
+    Ok(pool
+        .with_context(|| format!("cannot start {threads} threads"))?
+        .install(work))
 }
 
 /// Draws by one of the double-precision engines.
 pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
-    let Task { scene, camera, rules, compositing } = task;
+    let Task {
+        scene,
+        camera,
+        rules,
+        compositing,
+    } = task;
     let reference::Drawing { picture, counts } = match engine {
         Engine::Float => float::draw(scene, camera, rules, compositing),
         Engine::Exact => exact::draw(scene, camera, rules, compositing),
         Engine::Fixed => bail!("engine 'fixed' is not a reference"),
     };
-    Ok(Drawing { picture, culled: reference_culled(&counts), clamped: 0, pixels: None, stages: HostTimes::default() })
+    Ok(Drawing {
+        picture,
+        culled: reference_culled(&counts),
+        clamped: 0,
+        pixels: None,
+        stages: HostTimes::default(),
+    })
 }
 
 /// Draws through the kernel.
 pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Drawing {
-    let options = fixed::Options { rules: task.rules, compositing: task.compositing, design, traversal };
+    let options = fixed::Options {
+        rules: task.rules,
+        compositing: task.compositing,
+        design,
+        traversal,
+    };
     let drawing = fixed::draw(task.scene, task.camera, &options);
-    let fixed::Times { setup, sort, raster } = drawing.times;
-    let stages = HostTimes { setup_s: setup, sort_s: sort, raster_s: raster, ..HostTimes::default() };
+    let fixed::Times {
+        setup,
+        sort,
+        raster,
+    } = drawing.times;
+    let stages = HostTimes {
+        setup_s: setup,
+        sort_s: sort,
+        raster_s: raster,
+        ..HostTimes::default()
+    };
     let counts = Cull::ALL.iter().zip(drawing.culled);
     Drawing {
         picture: drawing.picture,
-        culled: counts.map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64)).collect(),
+        culled: counts
+            .map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64))
+            .collect(),
         clamped: drawing.clamped as u64,
-        pixels: Some(Pixels { covered: drawing.coverage.covered, visited: drawing.coverage.visited }),
+        pixels: Some(Pixels {
+            covered: drawing.coverage.covered,
+            visited: drawing.coverage.visited,
+        }),
         stages,
     }
 }
@@ -61,12 +93,20 @@ pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Dr
 /// Footprints by the kernel's setup, in splat order; nothing for culled splats.
 pub fn fixed_footprints(task: Task, design: &DesignChoice) -> Vec<Option<FootprintLine>> {
     let traversal = design.traversal;
-    let options = fixed::Options { rules: task.rules, compositing: task.compositing, design, traversal };
+    let options = fixed::Options {
+        rules: task.rules,
+        compositing: task.compositing,
+        design,
+        traversal,
+    };
     let footprints = fixed::footprints(task.scene, task.camera, &options);
     // The kernel's depths are in its own scene units; quantising once more is the price of not widening its interface.
     let depth_log2 = -fixed::QuantisedScene::new(task.scene, task.camera, task.rules).scale_log2;
     let line = |footprint: &Footprint| line_of(footprint, &design.widths, depth_log2);
-    footprints.iter().map(|result| result.as_ref().ok().map(line)).collect()
+    footprints
+        .iter()
+        .map(|result| result.as_ref().ok().map(line))
+        .collect()
 }
 
 /// Footprints in double precision, in splat order; nothing for culled splats.
@@ -81,7 +121,10 @@ pub fn float_footprints(task: Task) -> Vec<Option<FootprintLine>> {
             bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
         }
     };
-    footprints.iter().map(|result| result.as_ref().ok().map(line)).collect()
+    footprints
+        .iter()
+        .map(|result| result.as_ref().ok().map(line))
+        .collect()
 }
 
 /// A packet's integers as numbers: UQ9.23 depth in units of 2^`depth_log2`, Q27.subpixel centre, conic mantissas with their exponent.
@@ -92,7 +135,10 @@ fn line_of(footprint: &Footprint, widths: &Widths, depth_log2: i32) -> Footprint
     FootprintLine {
         centre: footprint.centre.map(|coordinate| coordinate as f64 * step),
         depth: f64::from(footprint.depth) * power_of_two(depth_log2 - 23),
-        conic: footprint.conic.mantissa.map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
+        conic: footprint
+            .conic
+            .mantissa
+            .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
         bounds: [x0, y0, x1, y1].map(usize::from),
     }
 }
@@ -118,5 +164,7 @@ fn reference_culled(counts: &reference::Counts) -> Counts {
         ("degenerate", counts.degenerate),
         ("non_finite", counts.non_finite),
     ];
-    reasons.map(|(reason, count)| (reason.to_owned(), count as u64)).into()
+    reasons
+        .map(|(reason, count)| (reason.to_owned(), count as u64))
+        .into()
 }

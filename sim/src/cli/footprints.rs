@@ -17,20 +17,34 @@ const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n";
 pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
     check_folder_of(&options.output)?;
     if options.engine == Engine::Exact {
-        let message = "--engine exact integrates along rays and has no footprints; use fixed or float";
+        let message =
+            "--engine exact integrates along rays and has no footprints; use fixed or float";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let View { scene, camera, rules } = View::from_options(&options.view)?;
+    let View {
+        scene,
+        camera,
+        rules,
+    } = View::from_options(&options.view)?;
     // Footprints do not depend on the order of blending.
     let compositing = Compositing::FrontToBack;
-    let task = Task { scene: &scene, camera: &camera, rules: &rules, compositing };
+    let task = Task {
+        scene: &scene,
+        camera: &camera,
+        rules: &rules,
+        compositing,
+    };
     let lines = match options.engine {
         Engine::Fixed => engines::fixed_footprints(task, &DesignChoice::load(&options.design.0)?),
         _ => engines::float_footprints(task),
     };
     write(&options.output, csv(&lines).as_bytes())?;
     let culled = lines.iter().filter(|line| line.is_none()).count();
-    say(&format!("{}: {} splats, {culled} culled\n", scene.name, lines.len()));
+    say(&format!(
+        "{}: {} splats, {culled} culled\n",
+        scene.name,
+        lines.len()
+    ));
     Ok(())
 }
 
@@ -40,8 +54,16 @@ fn csv(lines: &[Option<FootprintLine>]) -> String {
         // Writing to a String cannot fail.
         let _ = match line {
             None => writeln!(text, "{index},,,,,,,,,,"),
-            Some(FootprintLine { centre: [u, v], depth, conic: [a, b, c], bounds: [x0, y0, x1, y1] }) => {
-                writeln!(text, "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1}")
+            Some(FootprintLine {
+                centre: [u, v],
+                depth,
+                conic: [a, b, c],
+                bounds: [x0, y0, x1, y1],
+            }) => {
+                writeln!(
+                    text,
+                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1}"
+                )
             }
         };
     }

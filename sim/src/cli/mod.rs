@@ -46,7 +46,9 @@ pub fn run() -> ExitCode {
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
-            complain(&format!("error: {message}\n\nFor more information, try '--help'.\n"));
+            complain(&format!(
+                "error: {message}\n\nFor more information, try '--help'.\n"
+            ));
             ExitCode::from(2)
         }
     }
@@ -63,15 +65,18 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
 
 /// The error and its causes, each said once: some errors already quote their cause.
 fn explain(error: &anyhow::Error) -> String {
-    error.chain().map(ToString::to_string).fold(String::new(), |said, cause| {
-        if said.is_empty() {
-            cause
-        } else if said.contains(&cause) {
-            said
-        } else {
-            format!("{said}: {cause}")
-        }
-    })
+    error
+        .chain()
+        .map(ToString::to_string)
+        .fold(String::new(), |said, cause| {
+            if said.is_empty() {
+                cause
+            } else if said.contains(&cause) {
+                said
+            } else {
+                format!("{said}: {cause}")
+            }
+        })
 }
 
 /// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.

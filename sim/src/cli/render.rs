@@ -14,7 +14,9 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
     if drawing.engine != Engine::Fixed && drawing.traversal.is_some() {
         let engine = drawing.engine.name();
-        return Err(Failure::Usage(format!("--traversal has no meaning for --engine {engine}")));
+        return Err(Failure::Usage(format!(
+            "--traversal has no meaning for --engine {engine}"
+        )));
     }
     let view = View::from_options(&options.view)?;
     let manner = Manner::from_options(drawing);
@@ -33,7 +35,10 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             (measured, report)
         }
     };
-    measured.drawing.picture.write_png(&options.output, drawing.depth)?;
+    measured
+        .drawing
+        .picture
+        .write_png(&options.output, drawing.depth)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
     }
@@ -45,7 +50,11 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 /// What was drawn, what was left out and how long it took.
 fn summary(report: &Report) -> String {
     let scene = &report.scene;
-    let clamped = if scene.clamped > 0 { format!(", {} clamped", scene.clamped) } else { String::new() };
+    let clamped = if scene.clamped > 0 {
+        format!(", {} clamped", scene.clamped)
+    } else {
+        String::new()
+    };
     format!(
         "{}: {} splats{}{}{clamped}\n{}\n",
         scene.name,
@@ -59,23 +68,36 @@ fn summary(report: &Report) -> String {
 /// Only the kernel's host side tells its stages apart.
 fn times(report: &Report) -> String {
     let host = &report.host;
-    let runs = if host.repeat > 1 { format!(", median of {} runs", host.repeat) } else { String::new() };
+    let runs = if host.repeat > 1 {
+        format!(", median of {} runs", host.repeat)
+    } else {
+        String::new()
+    };
     let total = format!("{:.1} ms{runs}", host.total_s * 1e3);
     if report.traversal.is_none() {
         return total;
     }
-    let stages = [("setup", host.setup_s), ("sort", host.sort_s), ("raster", host.raster_s)];
+    let stages = [
+        ("setup", host.setup_s),
+        ("sort", host.sort_s),
+        ("raster", host.raster_s),
+    ];
     let stages = stages.map(|(name, seconds)| format!("{name} {:.1}", seconds * 1e3));
     format!("{total} ({})", stages.join(", "))
 }
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.
 fn reasons(what: &str, counts: &Counts) -> String {
-    let named: Vec<String> =
-        counts.iter().filter(|(_, count)| **count > 0).map(|(reason, count)| format!("{reason} {count}")).collect();
+    let named: Vec<String> = counts
+        .iter()
+        .filter(|(_, count)| **count > 0)
+        .map(|(reason, count)| format!("{reason} {count}"))
+        .collect();
     if named.is_empty() {
         return String::new();
     }
-    let total = counts.values().fold(0u64, |sum, count| sum.saturating_add(*count));
+    let total = counts
+        .values()
+        .fold(0u64, |sum, count| sum.saturating_add(*count));
     format!(", {total} {what} ({})", named.join(", "))
 }

@@ -10,7 +10,10 @@ use std::num::NonZero;
 use std::path::Path;
 
 /// Where neither a camera file nor `--size` says otherwise.
-const USUAL_SIZE: Size = Size { width: 512, height: 512 };
+const USUAL_SIZE: Size = Size {
+    width: 512,
+    height: 512,
+};
 
 /// What is looked at, from where and under which rules.
 pub struct View {
@@ -23,11 +26,18 @@ impl View {
     /// Loads the scene and places the camera.
     pub fn from_options(options: &ViewOptions) -> Result<View, Failure> {
         let light = options.light.map(|Vector(direction)| direction);
-        let load_options = LoadOptions { transfer: options.transfer.clone(), light };
+        let load_options = LoadOptions {
+            transfer: options.transfer.clone(),
+            light,
+        };
         let scene = scene::load(&options.scene, &load_options)?;
         let camera = camera(options, &scene)?;
         let rules = options.rules.unwrap_or(scene.natural_rules);
-        Ok(View { scene, camera, rules })
+        Ok(View {
+            scene,
+            camera,
+            rules,
+        })
     }
 }
 
@@ -45,8 +55,9 @@ fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
     };
     let up = options.up.map_or(scene.up, |Vector(up)| up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
-    Camera::look_at(eye, target, up, fov, size.width, size.height)
-        .map_err(|error| Failure::Usage(format!("--eye, --target and --up make no camera: {error}")))
+    Camera::look_at(eye, target, up, fov, size.width, size.height).map_err(|error| {
+        Failure::Usage(format!("--eye, --target and --up make no camera: {error}"))
+    })
 }
 
 /// The number of threads asked for, or one per processor.
@@ -57,7 +68,11 @@ pub fn threads(asked: Option<usize>) -> usize {
 /// Fails before the work and not after it if the output's folder does not exist.
 pub fn check_folder_of(file: &Path) -> Result<(), Failure> {
     if file.is_dir() {
-        return Err(anyhow!("cannot write '{}': it is a folder; name a file in it", file.display()).into());
+        return Err(anyhow!(
+            "cannot write '{}': it is a folder; name a file in it",
+            file.display()
+        )
+        .into());
     }
     match file.parent() {
         Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
@@ -70,6 +85,7 @@ pub fn check_folder_of(file: &Path) -> Result<(), Failure> {
 
 /// Writes bytes whole; the error names the file.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    splatline_sim::atomic::write(path, bytes).with_context(|| format!("cannot write '{}'", path.display()))?;
+    splatline_sim::atomic::write(path, bytes)
+        .with_context(|| format!("cannot write '{}'", path.display()))?;
     Ok(())
 }

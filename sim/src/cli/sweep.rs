@@ -35,7 +35,11 @@ pub struct Entry {
 impl Manner {
     /// As the command line says.
     pub fn from_options(options: &DrawingOptions) -> Manner {
-        Manner { compositing: options.compositing.into(), threads: threads(options.threads), repeat: options.repeat }
+        Manner {
+            compositing: options.compositing.into(),
+            threads: threads(options.threads),
+            repeat: options.repeat,
+        }
     }
 }
 
@@ -68,16 +72,26 @@ pub struct Comparison {
 }
 
 /// Runs `draw` as often as asked and keeps the last drawing.
-pub fn measure(manner: &Manner, mut draw: impl FnMut() -> Result<Drawing> + Send) -> Result<Measured> {
+pub fn measure(
+    manner: &Manner,
+    mut draw: impl FnMut() -> Result<Drawing> + Send,
+) -> Result<Measured> {
     let mut runs = Vec::with_capacity(manner.repeat);
     engines::on_threads(manner.threads, || {
         loop {
             let start = Instant::now();
             let drawing = draw()?;
             let total_s = start.elapsed().as_secs_f64();
-            runs.push(HostTimes { total_s, threads: manner.threads, ..drawing.stages });
+            runs.push(HostTimes {
+                total_s,
+                threads: manner.threads,
+                ..drawing.stages
+            });
             if runs.len() >= manner.repeat {
-                return Ok(Measured { drawing, host: HostTimes::median_of(&runs) });
+                return Ok(Measured {
+                    drawing,
+                    host: HostTimes::median_of(&runs),
+                });
             }
         }
     })?
@@ -85,17 +99,34 @@ pub fn measure(manner: &Manner, mut draw: impl FnMut() -> Result<Drawing> + Send
 
 /// Draws by one of the double-precision engines.
 pub fn draw_reference(view: &View, manner: &Manner, engine: Engine) -> Result<Measured> {
-    measure(manner, || engines::draw_reference(engine, task(view, manner)))
+    measure(manner, || {
+        engines::draw_reference(engine, task(view, manner))
+    })
 }
 
 /// Draws one entry through the kernel.
 pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measured> {
-    measure(manner, || Ok(engines::draw_fixed(task(view, manner), &entry.design, entry.traversal)))
+    measure(manner, || {
+        Ok(engines::draw_fixed(
+            task(view, manner),
+            &entry.design,
+            entry.traversal,
+        ))
+    })
 }
 
 fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
-    let View { scene, camera, rules } = view;
-    Task { scene, camera, rules, compositing: manner.compositing }
+    let View {
+        scene,
+        camera,
+        rules,
+    } = view;
+    Task {
+        scene,
+        camera,
+        rules,
+        compositing: manner.compositing,
+    }
 }
 
 /// Draws `chosen` and `others`, which may hold `chosen` again, against the reference.
@@ -110,7 +141,10 @@ pub fn run(
     let progress = Progress::new(entries.len() + 1);
     progress.doing(format!("{} reference", reference.name()));
     // Once is enough: the reference's time is not reported.
-    let once = Manner { repeat: 1, ..*manner };
+    let once = Manner {
+        repeat: 1,
+        ..*manner
+    };
     let float = draw_reference(view, &once, reference)?.drawing.picture;
     progress.advance();
 
@@ -123,7 +157,13 @@ pub fn run(
             .with_context(|| format!("design {} cannot be compared", entry.title()))?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = traversal_name(entry.traversal);
-        table.push(Row::new(&entry.design.name, traversal, &errors, pixels, measured.host));
+        table.push(Row::new(
+            &entry.design.name,
+            traversal,
+            &errors,
+            pixels,
+            measured.host,
+        ));
         if entry == chosen {
             kept = Some((measured, errors));
         }
@@ -138,7 +178,12 @@ pub fn run(
         table,
         ..report_of_entry(view, manner, chosen, &measured)?
     };
-    Ok(Comparison { fixed: measured.drawing.picture, float, map, report })
+    Ok(Comparison {
+        fixed: measured.drawing.picture,
+        float,
+        map,
+        report,
+    })
 }
 
 /// All entries, the chosen one in its place among the others or else last.
@@ -151,7 +196,12 @@ fn entries(chosen: &Entry, others: &[Entry]) -> Vec<Entry> {
 }
 
 /// The report of one picture through the kernel that was compared with nothing.
-pub fn report_of_entry(view: &View, manner: &Manner, entry: &Entry, measured: &Measured) -> Result<Report> {
+pub fn report_of_entry(
+    view: &View,
+    manner: &Manner,
+    entry: &Entry,
+    measured: &Measured,
+) -> Result<Report> {
     Ok(Report {
         design: serde_json::to_value(entry.design.resolved())?,
         traversal: Some(traversal_name(entry.traversal).to_owned()),
@@ -160,14 +210,23 @@ pub fn report_of_entry(view: &View, manner: &Manner, entry: &Entry, measured: &M
 }
 
 /// The report of one picture by whatever engine, without design and traversal.
-pub fn report_of_drawing(view: &View, manner: &Manner, engine: Engine, measured: &Measured) -> Report {
+pub fn report_of_drawing(
+    view: &View,
+    manner: &Manner,
+    engine: Engine,
+    measured: &Measured,
+) -> Report {
     Report {
         format: FORMAT.to_owned(),
         engine: engine.name().to_owned(),
         reference: None,
         design: serde_json::Value::Null,
         traversal: None,
-        scene: SceneFacts::new(&view.scene, measured.drawing.culled.clone(), measured.drawing.clamped),
+        scene: SceneFacts::new(
+            &view.scene,
+            measured.drawing.culled.clone(),
+            measured.drawing.clamped,
+        ),
         camera: CameraFacts::from(&view.camera),
         rules: RulesFacts::from(&view.rules),
         compositing: compositing_name(manner.compositing).to_owned(),
@@ -186,7 +245,13 @@ impl Comparison {
         self.fixed.write_png(&folder.join("fixed.png"), depth)?;
         self.float.write_png(&folder.join("float.png"), depth)?;
         write(&folder.join("error.png"), &self.map.to_rgb().to_png()?)?;
-        write(&folder.join("report.json"), self.report.to_json()?.as_bytes())?;
-        write(&folder.join("report.html"), html::page(&self.report, &self.fixed, &self.float, &self.map)?.as_bytes())
+        write(
+            &folder.join("report.json"),
+            self.report.to_json()?.as_bytes(),
+        )?;
+        write(
+            &folder.join("report.html"),
+            html::page(&self.report, &self.fixed, &self.float, &self.map)?.as_bytes(),
+        )
     }
 }

@@ -38,7 +38,8 @@ impl QuantisedScene {
             .zip(colours.iter().zip(&weights))
             .map(|(splat, (colour, weight))| {
                 let position = splat.centre.map(|value| value * exp2(scale_log2));
-                let fits = position.iter().all(|p| p.abs() < 128.0) && colour.iter().all(|c| *c < 16.0);
+                let fits =
+                    position.iter().all(|p| p.abs() < 128.0) && colour.iter().all(|c| *c < 16.0);
                 clamped += usize::from(!fits);
                 VolumeSplat {
                     centre: position.map(I8F24::saturating_from_num),
@@ -48,7 +49,12 @@ impl QuantisedScene {
                 }
             })
             .collect();
-        QuantisedScene { view: view(camera, scale_log2), splats, scale_log2, clamped }
+        QuantisedScene {
+            view: view(camera, scale_log2),
+            splats,
+            scale_log2,
+            clamped,
+        }
     }
 }
 
@@ -57,11 +63,22 @@ impl QuantisedScene {
 /// Positions of a few stray splats far outside would cost all others their precision; they are clamped, counted and reported
 /// instead once they are 2^10 times farther out than half of the splats.
 fn scale_log2(scene: &Scene, camera: &Camera) -> i32 {
-    let mut reach: Vec<f64> = scene.splats.iter().map(|s| s.centre.iter().fold(0.0, |m: f64, c| m.max(c.abs()))).collect();
+    let mut reach: Vec<f64> = scene
+        .splats
+        .iter()
+        .map(|s| s.centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
+        .collect();
     reach.sort_by(f64::total_cmp);
     let median = reach.get(reach.len() / 2).copied().unwrap_or(1.0);
-    let farthest = reach.last().copied().unwrap_or(1.0).min(median.max(1e-30) * 1024.0);
-    let eye = camera.translation.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
+    let farthest = reach
+        .last()
+        .copied()
+        .unwrap_or(1.0)
+        .min(median.max(1e-30) * 1024.0);
+    let eye = camera
+        .translation
+        .iter()
+        .fold(0.0, |m: f64, d| m.max(d.abs()));
     let largest = farthest.max(eye / 2.0).clamp(1e-30, 1e30);
     6 - largest.log2().floor() as i32
 }
@@ -81,28 +98,54 @@ pub fn scaled(value: f64) -> Scaled {
 
 fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
     let axis = Axis::from_components(axis.map(scaled));
-    Axis { exponent: axis.exponent + scale_log2, ..axis }
+    Axis {
+        exponent: axis.exponent + scale_log2,
+        ..axis
+    }
 }
 
 fn view(camera: &Camera, scale_log2: i32) -> View {
     let unit = exp2(scale_log2);
     let focal_unit = if camera.orthographic { -scale_log2 } else { 0 };
-    let half_width = [camera.width as f64 / (2.0 * camera.fx), camera.height as f64 / (2.0 * camera.fy)];
-    let low = [-(camera.cx / camera.fx + 0.3 * half_width[0]), -(camera.cy / camera.fy + 0.3 * half_width[1])];
+    let half_width = [
+        camera.width as f64 / (2.0 * camera.fx),
+        camera.height as f64 / (2.0 * camera.fy),
+    ];
+    let low = [
+        -(camera.cx / camera.fx + 0.3 * half_width[0]),
+        -(camera.cy / camera.fy + 0.3 * half_width[1]),
+    ];
     let high = [
         (camera.width as f64 - camera.cx) / camera.fx + 0.3 * half_width[0],
         (camera.height as f64 - camera.cy) / camera.fy + 0.3 * half_width[1],
     ];
     View {
-        rotation: camera.rotation.map(|row| row.map(I2F30::saturating_from_num)),
-        translation: camera.translation.map(|d| I10F54::saturating_from_num(d * unit)),
-        focal: [scaled(camera.fx).scaled_by(focal_unit), scaled(camera.fy).scaled_by(focal_unit)],
-        principal: [I32F32::saturating_from_num(camera.cx), I32F32::saturating_from_num(camera.cy)],
+        rotation: camera
+            .rotation
+            .map(|row| row.map(I2F30::saturating_from_num)),
+        translation: camera
+            .translation
+            .map(|d| I10F54::saturating_from_num(d * unit)),
+        focal: [
+            scaled(camera.fx).scaled_by(focal_unit),
+            scaled(camera.fy).scaled_by(focal_unit),
+        ],
+        principal: [
+            I32F32::saturating_from_num(camera.cx),
+            I32F32::saturating_from_num(camera.cy),
+        ],
         near: I10F54::saturating_from_num(camera.near * unit),
         far: I10F54::saturating_from_num(camera.far * unit),
         viewport: [camera.width, camera.height].map(|size| u16::try_from(size).unwrap_or(u16::MAX)),
-        projection: if camera.orthographic { Projection::Orthographic } else { Projection::Perspective },
-        limits: RatioLimits { low: low.map(I32F32::saturating_from_num), high: high.map(I32F32::saturating_from_num) },
+        projection: if camera.orthographic {
+            Projection::Orthographic
+        } else {
+            Projection::Perspective
+        },
+        limits: RatioLimits {
+            low: low.map(I32F32::saturating_from_num),
+            high: high.map(I32F32::saturating_from_num),
+        },
     }
 }
 
@@ -114,7 +157,11 @@ pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
         normalised: rules.normalised,
         low_pass: scaled(rules.low_pass),
         cutoff: if radial {
-            kernel::Cutoff::Radial((rules.cutoff * 2f64.powi(28)).round().clamp(0.0, 15.0 * 2f64.powi(28)) as u32)
+            kernel::Cutoff::Radial(
+                (rules.cutoff * 2f64.powi(28))
+                    .round()
+                    .clamp(0.0, 15.0 * 2f64.powi(28)) as u32,
+            )
         } else {
             kernel::Cutoff::Opacity
         },
@@ -143,7 +190,10 @@ mod tests {
     #[test]
     fn both_statements_of_the_rules_agree() {
         assert_eq!(kernel_rules(&Rules::EWA), kernel::Rules::EWA);
-        assert_eq!(kernel_rules(&Rules::GAUSSIAN_3D), kernel::Rules::GAUSSIAN_3D);
+        assert_eq!(
+            kernel_rules(&Rules::GAUSSIAN_3D),
+            kernel::Rules::GAUSSIAN_3D
+        );
     }
 
     #[test]
@@ -151,7 +201,10 @@ mod tests {
         for value in [1.0, -0.3, 1e-20, 12345.678, -7e25, 0.999_999_999_9] {
             let got = scaled(value);
             let back = f64::from(got.mantissa) * exp2(got.exponent);
-            assert!((back / value - 1.0).abs() <= 2f64.powi(-31), "{value}: {back}");
+            assert!(
+                (back / value - 1.0).abs() <= 2f64.powi(-31),
+                "{value}: {back}"
+            );
         }
         assert_eq!(scaled(f64::NAN), Scaled::ZERO);
         assert_eq!(scaled(f64::INFINITY), Scaled::ZERO);

@@ -68,7 +68,11 @@ pub struct Drawing {
 }
 
 /// Footprints of all splats, in the scene's order.
-pub fn footprints(scene: &Scene, camera: &Camera, options: &Options) -> Vec<Result<Footprint, Cull>> {
+pub fn footprints(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+) -> Vec<Result<Footprint, Cull>> {
     struct Job<'a>(&'a QuantisedScene, &'a kernel::Rules);
     impl DesignJob for Job<'_> {
         type Output = Vec<Result<Footprint, Cull>>;
@@ -77,7 +81,9 @@ pub fn footprints(scene: &Scene, camera: &Camera, options: &Options) -> Vec<Resu
         }
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    options.design.dispatch(Job(&quantised, &kernel_rules(options.rules)))
+    options
+        .design
+        .dispatch(Job(&quantised, &kernel_rules(options.rules)))
 }
 
 fn set_up<D: Design + Send + Sync>(
@@ -85,7 +91,11 @@ fn set_up<D: Design + Send + Sync>(
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
 ) -> Vec<Result<Footprint, Cull>> {
-    quantised.splats.par_iter().map(|splat| setup(design, &quantised.view, rules, splat)).collect()
+    quantised
+        .splats
+        .par_iter()
+        .map(|splat| setup(design, &quantised.view, rules, splat))
+        .collect()
 }
 
 /// Draws `scene` as `camera` sees it.
@@ -123,11 +133,22 @@ fn draw_with<D: Design + Send + Sync>(
     let tiles = TileLists::new(&footprints, &order, quantised.view.viewport);
     let sorted_at = started.elapsed().as_secs_f64();
     let (pixels, coverage) = raster(design, &rules, &footprints, &tiles, options);
-    let times =
-        Times { setup: set_up_at, sort: sorted_at - set_up_at, raster: started.elapsed().as_secs_f64() - sorted_at };
+    let times = Times {
+        setup: set_up_at,
+        sort: sorted_at - set_up_at,
+        raster: started.elapsed().as_secs_f64() - sorted_at,
+    };
     let picture = to_picture(&pixels, camera, &design.widths());
     let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
-    Drawing { picture, pixels, splats, culled, clamped, coverage, times }
+    Drawing {
+        picture,
+        pixels,
+        splats,
+        culled,
+        clamped,
+        coverage,
+        times,
+    }
 }
 
 /// Indices of the footprints by depth, nearest first (farthest first for back to front), ties by index.
@@ -160,11 +181,18 @@ impl TileLists {
                 }
             }
         }
-        TileLists { viewport, columns, lists }
+        TileLists {
+            viewport,
+            columns,
+            lists,
+        }
     }
 
     fn window(&self, tile: usize) -> Window {
-        let first = [(tile % self.columns) as u16 * TILE[0], (tile / self.columns) as u16 * TILE[1]];
+        let first = [
+            (tile % self.columns) as u16 * TILE[0],
+            (tile / self.columns) as u16 * TILE[1],
+        ];
         let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(self.viewport[axis]));
         Window { first, last }
     }
@@ -183,10 +211,24 @@ fn raster<D: Design + Send + Sync>(
     let Ok(table) = FootprintTable::new(&memory, &widths, rules.table_range) else {
         unreachable!("the table has just been made for these widths")
     };
-    let painter = Painter::new(design, rules, table, kernel_compositing(options.compositing), options.traversal);
+    let painter = Painter::new(
+        design,
+        rules,
+        table,
+        kernel_compositing(options.compositing),
+        options.traversal,
+    );
     let parts: Vec<(Vec<Pixel>, Coverage)> = (0..tiles.lists.len())
         .into_par_iter()
-        .map(|tile| paint_tile(&painter, &widths, footprints, &tiles.lists[tile], tiles.window(tile)))
+        .map(|tile| {
+            paint_tile(
+                &painter,
+                &widths,
+                footprints,
+                &tiles.lists[tile],
+                tiles.window(tile),
+            )
+        })
         .collect();
     let [width, height] = tiles.viewport.map(usize::from);
     let mut frame = vec![Pixel::clear(&widths); width * height];
@@ -195,7 +237,10 @@ fn raster<D: Design + Send + Sync>(
         coverage += *part;
         let window = tiles.window(tile);
         let columns = usize::from(window.last[0] - window.first[0]);
-        for (row, y) in pixels.chunks_exact(columns).zip(usize::from(window.first[1])..) {
+        for (row, y) in pixels
+            .chunks_exact(columns)
+            .zip(usize::from(window.first[1])..)
+        {
             let start = y * width + usize::from(window.first[0]);
             frame[start..start + columns].copy_from_slice(row);
         }

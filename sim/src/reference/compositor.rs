@@ -1,7 +1,7 @@
 //! Depth order, binning and blending, shared by both engines of the reference.
 //!
-//! Splats are ordered by depth, ties by index, and blended pixel by pixel ([EWA] 4.1 "every-sample" compositing;
-//! X-ray: [SWAN] 3.1). The picture is cut into bands of rows that rayon draws side by side, and each band into
+//! Splats are ordered by depth, ties by index, and blended pixel by pixel (EWA 4.1 "every-sample" compositing;
+//! X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side, and each band into
 //! tiles: a tile goes through its splats in order and skips the rest once every pixel is finished. Only speed
 //! depends on the cutting: a pixel meets its splats in the same order as in a loop over all of them.
 
@@ -74,16 +74,32 @@ pub fn draw<Splat: Projected>(
     if picture.pixels.is_empty() {
         return Drawing { picture, counts };
     }
-    let mut ordered: Vec<&Splat> = order(projected).iter().filter_map(|&i| projected[i].as_ref().ok()).collect();
+    let mut ordered: Vec<&Splat> = order(projected)
+        .iter()
+        .filter_map(|&i| projected[i].as_ref().ok())
+        .collect();
     if compositing == Compositing::BackToFront {
         ordered.reverse();
     }
     let rows_done = AtomicUsize::new(0);
-    let bands = picture.pixels.par_chunks_mut(camera.width * TILE).enumerate();
+    let bands = picture
+        .pixels
+        .par_chunks_mut(camera.width * TILE)
+        .enumerate();
     let covered = bands.map(|(band, pixels)| {
-        let covered = draw_band(&ordered, band * TILE, camera.width, pixels, rules, compositing);
+        let covered = draw_band(
+            &ordered,
+            band * TILE,
+            camera.width,
+            pixels,
+            rules,
+            compositing,
+        );
         let rows = pixels.len() / camera.width;
-        progress(rows_done.fetch_add(rows, Ordering::Relaxed) + rows, camera.height);
+        progress(
+            rows_done.fetch_add(rows, Ordering::Relaxed) + rows,
+            camera.height,
+        );
         covered
     });
     counts.covered_pixels = covered.sum();
@@ -104,11 +120,24 @@ fn draw_band<Splat: Projected>(
         (0..splats.len()).filter(touches).collect()
     };
     let y1 = y0 + pixels.len() / width;
-    let of_band = touching(ordered, PixelBox { x0: 0, y0, x1: width, y1 });
+    let of_band = touching(
+        ordered,
+        PixelBox {
+            x0: 0,
+            y0,
+            x1: width,
+            y1,
+        },
+    );
     let of_band: Vec<&Splat> = of_band.into_iter().map(|i| ordered[i]).collect();
     let mut covered = 0;
     for x0 in (0..width).step_by(TILE) {
-        let mut tile = Tile::new(PixelBox { x0, y0, x1: (x0 + TILE).min(width), y1 });
+        let mut tile = Tile::new(PixelBox {
+            x0,
+            y0,
+            x1: (x0 + TILE).min(width),
+            y1,
+        });
         for i in touching(&of_band, tile.area) {
             if tile.unfinished == 0 {
                 break;
@@ -134,10 +163,21 @@ struct Pixel {
 }
 
 impl Pixel {
-    const EMPTY: Pixel = Pixel { colour: [0.0; 3], transmittance: 1.0, opacity_sum: 0.0, finished: false };
+    const EMPTY: Pixel = Pixel {
+        colour: [0.0; 3],
+        transmittance: 1.0,
+        opacity_sum: 0.0,
+        finished: false,
+    };
 
     /// Gathers one splat; returns whether it was blended.
-    fn add(&mut self, opacity: f64, colour: [f64; 3], rules: &Rules, compositing: Compositing) -> bool {
+    fn add(
+        &mut self,
+        opacity: f64,
+        colour: [f64; 3],
+        rules: &Rules,
+        compositing: Compositing,
+    ) -> bool {
         match compositing {
             Compositing::FrontToBack => self.add_behind(opacity, colour, rules),
             Compositing::BackToFront => self.add_in_front(opacity, colour),
@@ -196,7 +236,11 @@ struct Tile {
 impl Tile {
     fn new(area: PixelBox) -> Tile {
         let unfinished = (area.x1 - area.x0) * (area.y1 - area.y0);
-        Tile { area, pixels: [Pixel::EMPTY; TILE * TILE], unfinished }
+        Tile {
+            area,
+            pixels: [Pixel::EMPTY; TILE * TILE],
+            unfinished,
+        }
     }
 
     /// Gathers one splat; returns in how many pixels it was blended.

@@ -66,7 +66,12 @@ pub fn project<'a>(
     let position = visible_position(splat, weight, colour, camera)?;
     let axes = CameraAxes::new(&splat.axes, camera);
     let centre = screen_position(position, camera);
-    let whole = PixelBox { x0: 0, y0: 0, x1: camera.width, y1: camera.height };
+    let whole = PixelBox {
+        x0: 0,
+        y0: 0,
+        x1: camera.width,
+        y1: camera.height,
+    };
     let mut footprint = ExactFootprint {
         camera,
         axes,
@@ -83,8 +88,18 @@ pub fn project<'a>(
         return Err(Culled::Degenerate);
     }
     // The peak of a normalised kernel differs from ray to ray, so its smallest opacity bounds nothing here.
-    let alpha_min = if rules.normalised { 0.0 } else { rules.alpha_min };
-    let cutoff = effective_cutoff(peak, &Rules { alpha_min, ..*rules })?;
+    let alpha_min = if rules.normalised {
+        0.0
+    } else {
+        rules.alpha_min
+    };
+    let cutoff = effective_cutoff(
+        peak,
+        &Rules {
+            alpha_min,
+            ..*rules
+        },
+    )?;
     footprint.bounds = footprint.bounds_within(cutoff);
     if footprint.bounds.is_empty() {
         return Err(Culled::OutsideViewport);
@@ -101,7 +116,9 @@ pub fn footprints<'a>(
     let weights = scene.weights_for(rules);
     let colours = scene.colours(camera);
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    splats.map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules)).collect()
+    splats
+        .map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules))
+        .collect()
 }
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
@@ -117,14 +134,23 @@ pub fn draw_with_progress(
     compositing: Compositing,
     progress: compositor::Progress,
 ) -> Drawing {
-    compositor::draw(&footprints(scene, camera, rules), camera, rules, compositing, progress)
+    compositor::draw(
+        &footprints(scene, camera, rules),
+        camera,
+        rules,
+        compositing,
+        progress,
+    )
 }
 
 impl ExactFootprint<'_> {
     /// The marginal variance and the peak on the ray through a point of the picture.
     fn variance_and_peak(&self, point: [f64; 2]) -> (ScreenVariance, f64) {
         let camera = self.camera;
-        let slope = [(point[0] - camera.cx) / camera.fx, (point[1] - camera.cy) / camera.fy];
+        let slope = [
+            (point[0] - camera.cx) / camera.fx,
+            (point[1] - camera.cy) / camera.fy,
+        ];
         let jacobian = Jacobian::at(camera, slope, self.depth);
         let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
         let peak = match self.normalised {
@@ -184,7 +210,13 @@ impl ExactFootprint<'_> {
             false => (-w / (root - q), (root - q) / p),
         };
         // w = q = 0 (a point without a filter) makes 0 / 0: then both ends are the centre.
-        let end = |e: f64| if e.is_nan() { centre } else { centre + focal_length * e };
+        let end = |e: f64| {
+            if e.is_nan() {
+                centre
+            } else {
+                centre + focal_length * e
+            }
+        };
         [end(low), end(high)]
     }
 }

@@ -1,6 +1,6 @@
 //! Engine `float`: EWA volume splatting in double precision, straight from the papers' formulas.
 //!
-//! System 1 of DESIGN section 2 ([EWA] 6.2 and 7.1): centre t = W u + d, Jacobian of the perspective map at the
+//! EWA 6.2 and 7.1: centre t = W u + d, Jacobian of the perspective map at the
 //! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
 //! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
 
@@ -50,6 +50,21 @@ pub fn project(
     camera: &Camera,
     rules: &Rules,
 ) -> Result<Footprint, Culled> {
+    let footprint = project_beyond_viewport(splat, weight, colour, camera, rules)?;
+    match footprint.bounds.is_empty() {
+        true => Err(Culled::OutsideViewport),
+        false => Ok(footprint),
+    }
+}
+
+/// Like [`project`], but keeps a footprint that touches no pixel: its bounds are empty.
+pub fn project_beyond_viewport(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+) -> Result<Footprint, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
     let depth = position[2];
     let jacobian = Jacobian::at(camera, jacobian_slope(position, camera, rules), depth);
@@ -59,17 +74,23 @@ pub fn project(
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
         return Err(Culled::Degenerate);
     }
-    // [EWA] eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
+    // EWA eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
     let peak = match rules.normalised {
         true => weight * jacobian.determinant() * variance.normalised_peak(),
         false => weight,
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
-    if bounds.is_empty() {
-        return Err(Culled::OutsideViewport);
-    }
-    Ok(Footprint { centre, depth, variance, conic: variance.conic(), peak, cutoff, bounds, colour })
+    Ok(Footprint {
+        centre,
+        depth,
+        variance,
+        conic: variance.conic(),
+        peak,
+        cutoff,
+        bounds,
+        colour,
+    })
 }
 
 /// Projects every splat of the scene, in the scene's order.
@@ -77,7 +98,9 @@ pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<F
     let weights = scene.weights_for(rules);
     let colours = scene.colours(camera);
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    splats.map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules)).collect()
+    splats
+        .map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules))
+        .collect()
 }
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
@@ -93,7 +116,13 @@ pub fn draw_with_progress(
     compositing: Compositing,
     progress: compositor::Progress,
 ) -> Drawing {
-    compositor::draw(&footprints(scene, camera, rules), camera, rules, compositing, progress)
+    compositor::draw(
+        &footprints(scene, camera, rules),
+        camera,
+        rules,
+        compositing,
+        progress,
+    )
 }
 
 impl Projected for Footprint {
@@ -114,15 +143,22 @@ impl Projected for Footprint {
         (self.variance.radial_index(offset), self.peak)
     }
 
-    /// From r < cutoff with the square completed (DESIGN section 4.2): no pixel outside the ellipse is visited.
+    /// From r < cutoff with the square completed : no pixel outside the ellipse is visited.
     fn row_span(&self, y: f64) -> (usize, usize) {
         let dy = y - self.centre[1];
-        let ScreenVariance { b, c, determinant, .. } = self.variance;
+        let ScreenVariance {
+            b, c, determinant, ..
+        } = self.variance;
         let left_over = (self.cutoff - dy * dy / c).max(0.0);
         let middle = self.centre[0] + b / c * dy;
         let half_width = (left_over * determinant / c).sqrt();
         let magnitude = self.centre[0].abs() + half_width;
-        let (x0, x1) = pixel_range(middle - half_width, middle + half_width, magnitude, self.bounds.x1);
+        let (x0, x1) = pixel_range(
+            middle - half_width,
+            middle + half_width,
+            magnitude,
+            self.bounds.x1,
+        );
         (x0.max(self.bounds.x0), x1)
     }
 }
@@ -153,7 +189,10 @@ pub(super) fn visible_position(
 pub(super) fn screen_position(position: [f64; 3], camera: &Camera) -> [f64; 2] {
     let [x, y, z] = position;
     let distance = if camera.orthographic { 1.0 } else { z };
-    [camera.fx * x / distance + camera.cx, camera.fy * y / distance + camera.cy]
+    [
+        camera.fx * x / distance + camera.cx,
+        camera.fy * y / distance + camera.cy,
+    ]
 }
 
 /// The radial index beyond which neither the cut-off nor the smallest opacity lets a pixel through.
@@ -178,18 +217,31 @@ fn jacobian_slope(position: [f64; 3], camera: &Camera, rules: &Rules) -> [f64; 2
     let clamped = |slope: f64, size: usize, centre: f64, focal_length: f64| {
         let size = size as f64;
         let margin = CLAMP_MARGIN * 0.5 * size / focal_length;
-        let (low, high) = (-(centre / focal_length + margin), (size - centre) / focal_length + margin);
+        let (low, high) = (
+            -(centre / focal_length + margin),
+            (size - centre) / focal_length + margin,
+        );
         // Not `clamp`, which panics where a principal point far off the picture turns the bounds around.
         slope.min(high).max(low)
     };
-    [clamped(x / z, camera.width, camera.cx, camera.fx), clamped(y / z, camera.height, camera.cy, camera.fy)]
+    [
+        clamped(x / z, camera.width, camera.cx, camera.fx),
+        clamped(y / z, camera.height, camera.cy, camera.fy),
+    ]
 }
 
 /// The pixels of the ellipse r < cutoff: its half extents are sqrt(cutoff a) and sqrt(cutoff c).
-fn ellipse_bounds(centre: [f64; 2], variance: &ScreenVariance, cutoff: f64, camera: &Camera) -> PixelBox {
+fn ellipse_bounds(
+    centre: [f64; 2],
+    variance: &ScreenVariance,
+    cutoff: f64,
+    camera: &Camera,
+) -> PixelBox {
     let half_width = (cutoff * variance.a).sqrt();
     let half_height = (cutoff * variance.c).sqrt();
-    let range = |centre: f64, half: f64, size| pixel_range(centre - half, centre + half, centre.abs() + half, size);
+    let range = |centre: f64, half: f64, size| {
+        pixel_range(centre - half, centre + half, centre.abs() + half, size)
+    };
     let (x0, x1) = range(centre[0], half_width, camera.width);
     let (y0, y1) = range(centre[1], half_height, camera.height);
     PixelBox { x0, y0, x1, y1 }

@@ -10,7 +10,6 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 
 use super::float;
-use super::{Culled, compositor};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
@@ -58,12 +57,14 @@ pub struct GoldenA {
 pub struct Deviation {
     /// The category.
     pub category: String,
-    /// Splats compared.
+    /// Projections compared: all but those before the near plane.
     pub splats: usize,
     /// Largest difference of an entry of the conic over its largest entry.
     pub conic: f64,
     /// Largest difference of the centre, pixels, over the larger of 1 and the distance from the origin.
     pub centre: f64,
+    /// Largest relative difference of the depth.
+    pub depth: f64,
     /// Largest difference of a channel of the picture, in units of 1.0.
     pub picture: f64,
 }
@@ -72,26 +73,39 @@ impl GoldenA {
     /// Reads the splats of the data set in `folder`.
     pub fn load(folder: &Path) -> Result<GoldenA> {
         let path = folder.join(SPLATS_FILE);
-        let text = fs::read_to_string(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
+        let text = fs::read_to_string(&path)
+            .with_context(|| format!("cannot read '{}'", path.display()))?;
         parse(&text).with_context(|| format!("in '{}'", path.display()))
     }
 
     /// Reads the picture of a category.
     pub fn picture(&self, folder: &Path, category: &str) -> Result<Picture> {
         let path = folder.join(format!("golden_a_img_{category}_ma0.999.txt"));
-        let text = fs::read_to_string(&path).with_context(|| format!("cannot read '{}'", path.display()))?;
-        let mut picture = Picture { pixels: Vec::new(), ..Picture::new(self.camera.width, self.camera.height) };
+        let text = fs::read_to_string(&path)
+            .with_context(|| format!("cannot read '{}'", path.display()))?;
+        let mut picture = Picture {
+            pixels: Vec::new(),
+            ..Picture::new(self.camera.width, self.camera.height)
+        };
         for line in data_lines(&text) {
-            picture.pixels.push(numbers(line).with_context(|| format!("in '{}'", path.display()))?);
+            picture
+                .pixels
+                .push(numbers(line).with_context(|| format!("in '{}'", path.display()))?);
         }
         let expected = self.camera.width * self.camera.height;
-        ensure!(picture.pixels.len() == expected, "'{}' does not hold {expected} pixels", path.display());
+        ensure!(
+            picture.pixels.len() == expected,
+            "'{}' does not hold {expected} pixels",
+            path.display()
+        );
         Ok(picture)
     }
 
     /// The splats of a category.
     pub fn members(&self, category: &str) -> impl Iterator<Item = &GoldenSplat> {
-        self.splats.iter().filter(move |golden| category == ALL || golden.category == category)
+        self.splats
+            .iter()
+            .filter(move |golden| category == ALL || golden.category == category)
     }
 
     /// The splats of a category as a scene.
@@ -109,74 +123,121 @@ impl GoldenA {
 
     /// Measures engine `float` against the data set, category by category.
     pub fn measure(&self, folder: &Path) -> Result<Vec<Deviation>> {
-        self.categories.iter().map(|category| self.measure_category(folder, category)).collect()
+        self.categories
+            .iter()
+            .map(|category| self.measure_category(folder, category))
+            .collect()
     }
 
     fn measure_category(&self, folder: &Path, category: &str) -> Result<Deviation> {
-        let scene = self.scene(category);
-        let projected = float::footprints(&scene, &self.camera, &self.rules);
-        let mut deviation =
-            Deviation { category: category.to_string(), splats: 0, conic: 0.0, centre: 0.0, picture: 0.0 };
-        for (golden, outcome) in self.members(category).zip(&projected) {
-            let Ok(footprint) = outcome else { continue };
+        let (camera, rules) = (&self.camera, &self.rules);
+        let mut deviation = Deviation {
+            category: category.to_string(),
+            splats: 0,
+            conic: 0.0,
+            centre: 0.0,
+            depth: 0.0,
+            picture: 0.0,
+        };
+        for golden in self.members(category) {
+            // Opaque, so that a projection is compared whether or not it would leave a trace in the picture.
+            let projected =
+                float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
+            let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
-            deviation.conic = largest(deviation.conic, conic_difference(footprint.conic, golden.exact_conic));
-            deviation.centre = largest(deviation.centre, centre_difference(footprint.centre, golden.centre));
+            deviation.conic = largest(
+                deviation.conic,
+                conic_difference(footprint.conic, golden.exact_conic),
+            );
+            deviation.centre = largest(
+                deviation.centre,
+                centre_difference(footprint.centre, golden.centre),
+            );
+            deviation.depth = largest(
+                deviation.depth,
+                (footprint.depth / golden.depth - 1.0).abs(),
+            );
         }
-        let drawing =
-            compositor::draw(&projected, &self.camera, &self.rules, Compositing::FrontToBack, &|_, _| ());
+        let drawing = float::draw(
+            &self.scene(category),
+            camera,
+            rules,
+            Compositing::FrontToBack,
+        );
         let expected = self.picture(folder, category)?;
-        let channels = drawing.picture.pixels.iter().flatten().zip(expected.pixels.iter().flatten());
+        let channels = drawing
+            .picture
+            .pixels
+            .iter()
+            .flatten()
+            .zip(expected.pixels.iter().flatten());
         for (computed, expected) in channels {
             deviation.picture = largest(deviation.picture, (computed - expected).abs());
         }
         Ok(deviation)
     }
-
-    /// Splats that only one side culls: the source culls by a coarser bound, so it may only cull more.
-    pub fn culled_here_only(&self) -> Vec<(usize, Culled)> {
-        let projected = float::footprints(&self.scene(ALL), &self.camera, &self.rules);
-        let outcomes = self.splats.iter().zip(projected).enumerate();
-        outcomes
-            .filter_map(|(index, (golden, outcome))| outcome.err().filter(|_| !golden.culled).map(|why| (index, why)))
-            .collect()
-    }
 }
 
 /// Largest difference of an entry over the largest entry.
 pub fn conic_difference(computed: [f64; 3], exact: [f64; 3]) -> f64 {
-    let scale = exact.iter().fold(0.0_f64, |scale, entry| scale.max(entry.abs()));
-    computed.iter().zip(exact).fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
+    let scale = exact
+        .iter()
+        .fold(0.0_f64, |scale, entry| scale.max(entry.abs()));
+    computed
+        .iter()
+        .zip(exact)
+        .fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
 }
 
 fn centre_difference(computed: [f64; 2], expected: [f64; 2]) -> f64 {
-    let scale = expected.iter().fold(1.0_f64, |scale, entry| scale.max(entry.abs()));
-    computed.iter().zip(expected).fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
+    let scale = expected
+        .iter()
+        .fold(1.0_f64, |scale, entry| scale.max(entry.abs()));
+    computed
+        .iter()
+        .zip(expected)
+        .fold(0.0, |sofar, (c, e)| largest(sofar, (c - e).abs() / scale))
 }
 
 /// Like `f64::max`, but a NaN is as bad as can be instead of ignored.
 fn largest(sofar: f64, difference: f64) -> f64 {
-    if difference.is_nan() { f64::INFINITY } else { sofar.max(difference) }
+    if difference.is_nan() {
+        f64::INFINITY
+    } else {
+        sofar.max(difference)
+    }
 }
 
 fn data_lines(text: &str) -> impl Iterator<Item = &str> {
-    text.lines().filter(|line| !line.starts_with('#') && !line.trim().is_empty())
+    text.lines()
+        .filter(|line| !line.starts_with('#') && !line.trim().is_empty())
 }
 
 fn numbers<const N: usize>(line: &str) -> Result<[f64; N]> {
     let fields: Vec<f64> = line
         .split(|c: char| c == ',' || c.is_whitespace())
-        .map(|field| field.parse().with_context(|| format!("'{field}' is not a number")))
+        .map(|field| {
+            field
+                .parse()
+                .with_context(|| format!("'{field}' is not a number"))
+        })
         .collect::<Result<_>>()?;
     let found = fields.len();
-    fields.try_into().ok().with_context(|| format!("expected {N} numbers, found {found}"))
+    fields
+        .try_into()
+        .ok()
+        .with_context(|| format!("expected {N} numbers, found {found}"))
 }
 
-/// The value of `key=value` in the comment lines.
+/// The value of `key=value` in the comment lines; a key may hold spaces, a value may not.
 fn header_value<'a>(text: &'a str, key: &str) -> Result<&'a str> {
-    let words = text.lines().filter(|line| line.starts_with('#')).flat_map(str::split_whitespace);
-    let mut values = words.filter_map(|word| word.split_once('=')).filter(|(name, _)| name.starts_with(key));
-    values.next().map(|(_, value)| value).with_context(|| format!("the header does not give '{key}'"))
+    let wanted = format!(" {key}=");
+    let comments = text.lines().filter(|line| line.starts_with('#'));
+    let mut values =
+        comments.filter_map(|line| line.split_once(&wanted)?.1.split_whitespace().next());
+    values
+        .next()
+        .with_context(|| format!("the header does not give '{key}'"))
 }
 
 fn header_number(text: &str, key: &str) -> Result<f64> {
@@ -185,12 +246,21 @@ fn header_number(text: &str, key: &str) -> Result<f64> {
 
 fn parse(text: &str) -> Result<GoldenA> {
     let camera = parse_camera(text)?;
-    let rules = Rules { low_pass: header_number(text, "eps2d")?, ..Rules::GAUSSIAN_3D };
+    let rules = Rules {
+        low_pass: header_number(text, "eps2d")?,
+        ..Rules::GAUSSIAN_3D
+    };
     let mut lines = data_lines(text);
-    let names: Vec<&str> = lines.next().context("the table is empty")?.split('\t').collect();
+    let names: Vec<&str> = lines
+        .next()
+        .context("the table is empty")?
+        .split('\t')
+        .collect();
     let splats: Vec<GoldenSplat> = lines
         .enumerate()
-        .map(|(row, line)| parse_splat(&names, line).with_context(|| format!("row {row} of the table")))
+        .map(|(row, line)| {
+            parse_splat(&names, line).with_context(|| format!("row {row} of the table"))
+        })
         .collect::<Result<_>>()?;
     let mut categories: Vec<String> = Vec::new();
     for golden in &splats {
@@ -199,12 +269,17 @@ fn parse(text: &str) -> Result<GoldenA> {
         }
     }
     categories.push(ALL.to_string());
-    Ok(GoldenA { camera, rules, splats, categories })
+    Ok(GoldenA {
+        camera,
+        rules,
+        splats,
+        categories,
+    })
 }
 
 fn parse_camera(text: &str) -> Result<Camera> {
     let [fx, fy, cx, cy] = numbers(header_value(text, "fx,fy,cx,cy")?)?;
-    let view: [f64; 16] = numbers(header_value(text, "viewmat")?)?;
+    let view: [f64; 16] = numbers(header_value(text, "viewmat(row-major world->cam)")?)?;
     let file = serde_json::json!({
         "width": header_value(text, "W")?.parse::<usize>()?,
         "height": header_value(text, "H")?.parse::<usize>()?,
@@ -218,15 +293,26 @@ fn parse_camera(text: &str) -> Result<Camera> {
 
 fn parse_splat(names: &[&str], line: &str) -> Result<GoldenSplat> {
     let fields: Vec<&str> = line.split('\t').collect();
-    ensure!(fields.len() == names.len(), "{} columns instead of {}", fields.len(), names.len());
+    ensure!(
+        fields.len() == names.len(),
+        "{} columns instead of {}",
+        fields.len(),
+        names.len()
+    );
     let text = |name: &str| -> Result<&str> {
         let column = names.iter().position(|&n| n == name);
-        column.map(|column| fields[column]).with_context(|| format!("there is no column '{name}'"))
+        column
+            .map(|column| fields[column])
+            .with_context(|| format!("there is no column '{name}'"))
     };
     let number = |name: &str| -> Result<f64> {
-        text(name)?.parse().with_context(|| format!("column '{name}' is not a number"))
+        text(name)?
+            .parse()
+            .with_context(|| format!("column '{name}' is not a number"))
     };
-    let triple = |names: [&str; 3]| Ok::<_, anyhow::Error>([number(names[0])?, number(names[1])?, number(names[2])?]);
+    let triple = |names: [&str; 3]| {
+        Ok::<_, anyhow::Error>([number(names[0])?, number(names[1])?, number(names[2])?])
+    };
     let quaternion = [number("qw")?, number("qx")?, number("qy")?, number("qz")?];
     Ok(GoldenSplat {
         category: text("cat")?.to_string(),
@@ -249,10 +335,26 @@ pub fn rotated_axes(quaternion: [f64; 4], scales: [f64; 3]) -> [[f64; 3]; 3] {
     let [w, x, y, z] = quaternion;
     let twice = 2.0 / (w * w + x * x + y * y + z * z);
     let columns = [
-        [1.0 - twice * (y * y + z * z), twice * (x * y + w * z), twice * (x * z - w * y)],
-        [twice * (x * y - w * z), 1.0 - twice * (x * x + z * z), twice * (y * z + w * x)],
-        [twice * (x * z + w * y), twice * (y * z - w * x), 1.0 - twice * (x * x + y * y)],
+        [
+            1.0 - twice * (y * y + z * z),
+            twice * (x * y + w * z),
+            twice * (x * z - w * y),
+        ],
+        [
+            twice * (x * y - w * z),
+            1.0 - twice * (x * x + z * z),
+            twice * (y * z + w * x),
+        ],
+        [
+            twice * (x * z + w * y),
+            twice * (y * z - w * x),
+            1.0 - twice * (x * x + y * y),
+        ],
     ];
     let [s1, s2, s3] = scales;
-    [columns[0].map(|c| s1 * c), columns[1].map(|c| s2 * c), columns[2].map(|c| s3 * c)]
+    [
+        columns[0].map(|c| s1 * c),
+        columns[1].map(|c| s2 * c),
+        columns[2].map(|c| s3 * c),
+    ]
 }

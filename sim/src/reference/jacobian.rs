@@ -1,6 +1,6 @@
 //! The affine map from camera space to pixels at one ray, and the variance it gives a splat on the screen.
 //!
-//! [EWA] eq. 29 replaces the perspective map by its Jacobian. Without the third row, which only matters for the
+//! EWA eq. 29 replaces the perspective map by its Jacobian. Without the third row, which only matters for the
 //! integral along the ray, and in pixels instead of unit focal length it reads
 //!
 //! ```text
@@ -12,7 +12,7 @@
 //! (one standard deviation each) as columns of A, the variance on the screen is V' + V^h with V' = M M^T, M = J A,
 //! and V^h = h I for the low-pass filter.
 //!
-//! Its determinant is a sum of squares (Cauchy-Binet; DESIGN section 4.1), never the difference a c - b^2:
+//! Its determinant is a sum of squares (Cauchy-Binet), never the difference a c - b^2:
 //!
 //! ```text
 //!     det(M M^T + h I) = |m0 x m1|^2 + h (|m0|^2 + |m1|^2) + h^2
@@ -41,9 +41,15 @@ impl Jacobian {
     /// The map at depth `z` along the ray of slopes `slope`; in parallel projection neither matters.
     pub fn at(camera: &Camera, slope: [f64; 2], z: f64) -> Jacobian {
         if camera.orthographic {
-            return Jacobian { scale: [camera.fx, camera.fy], slope: [0.0, 0.0] };
+            return Jacobian {
+                scale: [camera.fx, camera.fy],
+                slope: [0.0, 0.0],
+            };
         }
-        Jacobian { scale: [camera.fx / z, camera.fy / z], slope }
+        Jacobian {
+            scale: [camera.fx / z, camera.fy / z],
+            slope,
+        }
     }
 
     /// The two rows of the map.
@@ -53,7 +59,7 @@ impl Jacobian {
         [[kx, 0.0, -kx * sx], [0.0, ky, -ky * sy]]
     }
 
-    /// The determinant of the full 3x3 Jacobian, whose third row is the direction of the ray ([EWA] eq. 29):
+    /// The determinant of the full 3x3 Jacobian, whose third row is the direction of the ray (EWA eq. 29):
     /// square pixels per square scene unit across the ray.
     pub fn determinant(&self) -> f64 {
         let [kx, ky] = self.scale;
@@ -77,9 +83,16 @@ impl CameraAxes {
         // The cofactors turn with the axes; taken in world space they keep the exactness of axes that lie there
         // along the coordinates.
         let [a1, a2, a3] = *world_axes;
-        let cofactors = [vector::cross(a2, a3), vector::cross(a3, a1), vector::cross(a1, a2)];
+        let cofactors = [
+            vector::cross(a2, a3),
+            vector::cross(a3, a1),
+            vector::cross(a1, a2),
+        ];
         let rotate = |a: Vector| vector::transform(&camera.rotation, a);
-        CameraAxes { axes: world_axes.map(rotate), cofactors: cofactors.map(rotate) }
+        CameraAxes {
+            axes: world_axes.map(rotate),
+            cofactors: cofactors.map(rotate),
+        }
     }
 
     /// The coordinate `i` of all three axes: row `i` of A.
@@ -109,19 +122,27 @@ impl ScreenVariance {
         let m1 = splat.axes.map(|axis| vector::dot(j1, axis));
         let normal = [jacobian.slope[0], jacobian.slope[1], 1.0];
         let area = jacobian.scale[0] * jacobian.scale[1];
-        let cross = splat.cofactors.map(|cofactor| area * vector::dot(cofactor, normal));
+        let cross = splat
+            .cofactors
+            .map(|cofactor| area * vector::dot(cofactor, normal));
         let (squared0, squared1) = (vector::dot(m0, m0), vector::dot(m1, m1));
         ScreenVariance {
             a: squared0 + low_pass,
             b: vector::dot(m0, m1),
             c: squared1 + low_pass,
-            determinant: vector::dot(cross, cross) + low_pass * (squared0 + squared1) + low_pass * low_pass,
+            determinant: vector::dot(cross, cross)
+                + low_pass * (squared0 + squared1)
+                + low_pass * low_pass,
         }
     }
 
     /// The conic Q = (V' + V^h)^-1 as (A, B, C) of A x^2 + 2 B x y + C y^2.
     pub fn conic(&self) -> [f64; 3] {
-        [self.c / self.determinant, -self.b / self.determinant, self.a / self.determinant]
+        [
+            self.c / self.determinant,
+            -self.b / self.determinant,
+            self.a / self.determinant,
+        ]
     }
 
     /// The radial index r = x^T Q x at an offset from the centre.
@@ -138,7 +159,13 @@ impl ScreenVariance {
     pub fn is_regular(&self) -> bool {
         let numbers = [self.a, self.b, self.c, self.determinant];
         let [a, b, c] = self.conic();
-        self.determinant > 0.0 && numbers.iter().chain(&[a, b, c]).all(|number| number.is_finite()) && a > 0.0 && c > 0.0
+        self.determinant > 0.0
+            && numbers
+                .iter()
+                .chain(&[a, b, c])
+                .all(|number| number.is_finite())
+            && a > 0.0
+            && c > 0.0
     }
 
     /// The peak of a Gaussian of unit volume on the screen: 1 / (2 pi sqrt(det)), per square pixel.

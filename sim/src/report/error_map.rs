@@ -15,9 +15,17 @@ use crate::picture::Picture;
 /// The dark middle, then towards full error, in sRGB.
 const MIDDLE: [f64; 3] = [17.0, 19.0, 24.0];
 /// Fixed is brighter.
-const WARM: [[f64; 3]; 3] = [[150.0, 45.0, 25.0], [240.0, 120.0, 45.0], [255.0, 226.0, 170.0]];
+const WARM: [[f64; 3]; 3] = [
+    [150.0, 45.0, 25.0],
+    [240.0, 120.0, 45.0],
+    [255.0, 226.0, 170.0],
+];
 /// Fixed is darker.
-const COOL: [[f64; 3]; 3] = [[22.0, 70.0, 150.0], [50.0, 145.0, 230.0], [190.0, 232.0, 255.0]];
+const COOL: [[f64; 3]; 3] = [
+    [22.0, 70.0, 150.0],
+    [50.0, 145.0, 230.0],
+    [190.0, 232.0, 255.0],
+];
 
 /// The knee over the median error.
 const KNEE: f64 = 0.25;
@@ -42,11 +50,23 @@ pub struct ErrorMap {
 impl ErrorMap {
     /// Compares two pictures of one size (which [`crate::metrics::compare`] checks).
     pub fn new(fixed: &Picture, float: &Picture) -> ErrorMap {
-        let differences: Vec<f64> =
-            fixed.pixels.iter().zip(&float.pixels).map(|(a, b)| largest_difference(a, b)).collect();
-        let limit = differences.iter().fold(0.0f64, |limit, d| limit.max(d.abs()));
+        let differences: Vec<f64> = fixed
+            .pixels
+            .iter()
+            .zip(&float.pixels)
+            .map(|(a, b)| largest_difference(a, b))
+            .collect();
+        let limit = differences
+            .iter()
+            .fold(0.0f64, |limit, d| limit.max(d.abs()));
         let knee = KNEE * median_size(&differences).max(limit * SMALLEST_KNEE);
-        ErrorMap { width: fixed.width, height: fixed.height, differences, limit, knee }
+        ErrorMap {
+            width: fixed.width,
+            height: fixed.height,
+            differences,
+            limit,
+            knee,
+        }
     }
 
     /// By what factor the largest error is magnified to reach full colour; nothing for identical pictures.
@@ -56,18 +76,34 @@ impl ErrorMap {
 
     /// The map in colours.
     pub fn to_rgb(&self) -> Rgb {
-        let bytes = self.differences.iter().flat_map(|&d| colour(self.position(d))).collect();
-        Rgb { width: self.width, height: self.height, bytes }
+        let bytes = self
+            .differences
+            .iter()
+            .flat_map(|&d| colour(self.position(d)))
+            .collect();
+        Rgb {
+            width: self.width,
+            height: self.height,
+            bytes,
+        }
     }
 
     /// Where a difference stands on the scale, -1 to 1.
     pub fn position(&self, difference: f64) -> f64 {
-        if self.limit > 0.0 { (difference / self.knee).asinh() / self.range() } else { 0.0 }
+        if self.limit > 0.0 {
+            (difference / self.knee).asinh() / self.range()
+        } else {
+            0.0
+        }
     }
 
     /// The difference that stands at a position of the scale: the inverse of [`ErrorMap::position`].
     pub fn difference_at(&self, position: f64) -> f64 {
-        if self.limit > 0.0 { self.knee * (position * self.range()).sinh() } else { 0.0 }
+        if self.limit > 0.0 {
+            self.knee * (position * self.range()).sinh()
+        } else {
+            0.0
+        }
     }
 
     fn range(&self) -> f64 {
@@ -80,14 +116,22 @@ pub fn colour(position: f64) -> [u8; 3] {
     let stops = if position < 0.0 { &COOL } else { &WARM };
     let along = position.abs().min(1.0) * stops.len() as f64;
     let index = (along as usize).min(stops.len() - 1);
-    let start = if index == 0 { &MIDDLE } else { &stops[index - 1] };
+    let start = if index == 0 {
+        &MIDDLE
+    } else {
+        &stops[index - 1]
+    };
     let part = along - index as f64;
     std::array::from_fn(|c| (start[c] + (stops[index][c] - start[c]) * part).round() as u8)
 }
 
 /// Median size of the differences that are not zero; 0 if there are none.
 fn median_size(differences: &[f64]) -> f64 {
-    let mut sizes: Vec<f64> = differences.iter().map(|d| d.abs()).filter(|&size| size > 0.0).collect();
+    let mut sizes: Vec<f64> = differences
+        .iter()
+        .map(|d| d.abs())
+        .filter(|&size| size > 0.0)
+        .collect();
     if sizes.is_empty() {
         return 0.0;
     }
@@ -99,5 +143,8 @@ fn median_size(differences: &[f64]) -> f64 {
 fn largest_difference(fixed: &[f64; 4], float: &[f64; 4]) -> f64 {
     (0..3)
         .map(|c| stored(fixed[c]) - stored(float[c]))
-        .fold(0.0, |largest: f64, d| if d.abs() > largest.abs() { d } else { largest })
+        .fold(
+            0.0,
+            |largest: f64, d| if d.abs() > largest.abs() { d } else { largest },
+        )
 }

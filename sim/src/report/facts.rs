@@ -27,8 +27,16 @@ pub struct SceneFacts {
 impl SceneFacts {
     /// The scene's own facts and the engine's counts.
     pub fn new(scene: &Scene, culled: Counts, clamped: u64) -> Self {
-        let skipped = serde_json::to_value(scene.skipped).and_then(serde_json::from_value).unwrap_or_default();
-        SceneFacts { name: scene.name.clone(), splats: scene.splats.len() as u64, skipped, culled, clamped }
+        let skipped = serde_json::to_value(scene.skipped)
+            .and_then(serde_json::from_value)
+            .unwrap_or_default();
+        SceneFacts {
+            name: scene.name.clone(),
+            splats: scene.splats.len() as u64,
+            skipped,
+            culled,
+            clamped,
+        }
     }
 }
 

@@ -34,8 +34,18 @@ const NARROW_PLOT: (u32, u32) = (380, 420);
 const SMALL_PICTURE: usize = 256;
 
 /// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked, and `map` is theirs.
-pub fn page(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String, PageError> {
-    let sections = [header(report), pictures(report, fixed, float, map)?, sweep(report)?, details(report)?];
+pub fn page(
+    report: &Report,
+    fixed: &Picture,
+    float: &Picture,
+    map: &ErrorMap,
+) -> Result<String, PageError> {
+    let sections = [
+        header(report),
+        pictures(report, fixed, float, map)?,
+        sweep(report)?,
+        details(report)?,
+    ];
     Ok(format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -51,7 +61,9 @@ pub fn page(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -
 fn dark_plot() -> String {
     let rule = |tone: &Tone| {
         let Tone { light, dark } = tone;
-        format!(".plot [fill=\"{light}\"]{{fill:{dark}}}.plot [stroke=\"{light}\"]{{stroke:{dark}}}\n")
+        format!(
+            ".plot [fill=\"{light}\"]{{fill:{dark}}}.plot [stroke=\"{light}\"]{{stroke:{dark}}}\n"
+        )
     };
     let tones = [plot::INK, plot::GRID, plot::LEADER];
     let rules: String = tones.iter().chain(&plot::DESIGNS).map(rule).collect();
@@ -90,38 +102,79 @@ fn subject(report: &Report) -> String {
 fn headline(report: &Report) -> String {
     let mut figures: Vec<(&str, String)> = Vec::new();
     if let Some(error) = &report.error {
-        figures.push(("PSNR of RGB", with_unit(table::decibels(&error.rgb), error.rgb.psnr_db.map(|_| "dB"))));
+        figures.push((
+            "PSNR of RGB",
+            with_unit(table::decibels(&error.rgb), error.rgb.psnr_db.map(|_| "dB")),
+        ));
         figures.push(("largest error", table::scientific(error.rgb.max_abs)));
         figures.push(("bias", table::signed(error.rgb.bias)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
     }
     if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
-        figures.push(("visited / covered", format!("{:.2}", pixels.visited as f64 / pixels.covered as f64)));
+        figures.push((
+            "visited / covered",
+            format!("{:.2}", pixels.visited as f64 / pixels.covered as f64),
+        ));
     }
-    figures.push(("host time", with_unit(format!("{:.1}", report.host.total_s * 1e3), Some("ms"))));
-    let items: String =
-        figures.iter().map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n")).collect();
+    figures.push((
+        "host time",
+        with_unit(format!("{:.1}", report.host.total_s * 1e3), Some("ms")),
+    ));
+    let items: String = figures
+        .iter()
+        .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"))
+        .collect();
     format!("<dl class=\"headline\">\n{items}</dl>\n")
 }
 
 fn with_unit(value: String, unit: Option<&str>) -> String {
-    unit.map_or(value.clone(), |unit| format!("{value} <small>{unit}</small>"))
+    unit.map_or(value.clone(), |unit| {
+        format!("{value} <small>{unit}</small>")
+    })
 }
 
-fn pictures(report: &Report, fixed: &Picture, float: &Picture, map: &ErrorMap) -> Result<String, PageError> {
+fn pictures(
+    report: &Report,
+    fixed: &Picture,
+    float: &Picture,
+    map: &ErrorMap,
+) -> Result<String, PageError> {
     let reference = report.reference.as_deref().unwrap_or("float");
-    let fixed_note = format!("<b>{}</b> {}", escape(&report.engine), escape(&fixed_caption(report)));
+    let fixed_note = format!(
+        "<b>{}</b> {}",
+        escape(&report.engine),
+        escape(&fixed_caption(report))
+    );
     let float_note = format!("<b>{}</b> double precision", escape(reference));
     let map_note = match map.magnification() {
         Some(factor) => {
-            format!("<b>error</b> fixed minus {}, magnified {} times", escape(reference), magnified(factor))
+            format!(
+                "<b>error</b> fixed minus {}, magnified {} times",
+                escape(reference),
+                magnified(factor)
+            )
         }
         None => "<b>error</b> none: the pictures are identical".to_owned(),
     };
     let figures = [
-        figure(&fixed_note, &Rgb::on_black(fixed), "the fixed-point picture", "")?,
-        figure(&float_note, &Rgb::on_black(float), "the reference picture", "")?,
-        figure(&map_note, &map.to_rgb(), "map of signed errors", &scale_bar(map))?,
+        figure(
+            &fixed_note,
+            &Rgb::on_black(fixed),
+            "the fixed-point picture",
+            "",
+        )?,
+        figure(
+            &float_note,
+            &Rgb::on_black(float),
+            "the reference picture",
+            "",
+        )?,
+        figure(
+            &map_note,
+            &map.to_rgb(),
+            "map of signed errors",
+            &scale_bar(map),
+        )?,
     ];
     Ok(format!(
         "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n<div class=\"pictures\">\n{figures}</div>\n</section>\n",
@@ -165,7 +218,11 @@ fn magnified(factor: f64) -> String {
 }
 
 fn figure(note: &str, picture: &Rgb, alternative: &str, below: &str) -> Result<String, PageError> {
-    let class = if picture.width <= SMALL_PICTURE { " class=\"small\"" } else { "" };
+    let class = if picture.width <= SMALL_PICTURE {
+        " class=\"small\""
+    } else {
+        ""
+    };
     Ok(format!(
         "<figure>\n<figcaption>{note}</figcaption>\n<img{class} width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" \
          src=\"data:image/png;base64,{data}\">\n{below}</figure>\n",
@@ -185,7 +242,12 @@ fn scale_bar(map: &ErrorMap) -> String {
         .map(|[red, green, blue]| format!("rgb({red},{green},{blue})"))
         .collect();
     let ticks: String = [-1.0, -0.5, 0.0, 0.5, 1.0]
-        .map(|position| format!("<span>{}</span>", table::signed(map.difference_at(position))))
+        .map(|position| {
+            format!(
+                "<span>{}</span>",
+                table::signed(map.difference_at(position))
+            )
+        })
         .concat();
     format!(
         "<div class=\"bar\" role=\"img\" aria-label=\"colour scale\" style=\"background:linear-gradient(to right,{})\"></div>\n\
@@ -220,7 +282,11 @@ fn sweep(report: &Report) -> Result<String, PageError> {
 
 /// `1 run`, `median of 5 runs`.
 fn plural(count: usize, noun: &str, many: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{many}{count} {noun}s") }
+    if count == 1 {
+        format!("1 {noun}")
+    } else {
+        format!("{many}{count} {noun}s")
+    }
 }
 
 /// Errors of the chosen design per channel group.
@@ -232,7 +298,9 @@ fn error_table(error: &ErrorFacts) -> String {
             table::scientific(facts.max_abs),
             facts.max_at.x,
             facts.max_at.y,
-            ["R", "G", "B", "A"].get(facts.max_at.channel).unwrap_or(&"?"),
+            ["R", "G", "B", "A"]
+                .get(facts.max_at.channel)
+                .unwrap_or(&"?"),
             table::signed(facts.bias),
             facts.ssim,
         )
@@ -246,16 +314,29 @@ fn error_table(error: &ErrorFacts) -> String {
 }
 
 fn sweep_table(report: &Report) -> String {
-    let class = |column: usize| if column < WORD_COLUMNS { " class=\"word\"" } else { "" };
-    let headings: String =
-        HEADINGS.iter().enumerate().map(|(column, text)| format!("<th{}>{text}</th>", class(column))).collect();
+    let class = |column: usize| {
+        if column < WORD_COLUMNS {
+            " class=\"word\""
+        } else {
+            ""
+        }
+    };
+    let headings: String = HEADINGS
+        .iter()
+        .enumerate()
+        .map(|(column, text)| format!("<th{}>{text}</th>", class(column)))
+        .collect();
     let line = |row: &Row| {
         let cells: String = table::cells(row)
             .iter()
             .enumerate()
             .map(|(column, text)| format!("<td{}>{}</td>", class(column), escape(text)))
             .collect();
-        let mark = if is_chosen(report, row) { " class=\"chosen\"" } else { "" };
+        let mark = if is_chosen(report, row) {
+            " class=\"chosen\""
+        } else {
+            ""
+        };
         format!("<tr{mark}>{cells}</tr>\n")
     };
     let lines: String = report.table.iter().map(line).collect();
@@ -268,7 +349,11 @@ fn is_chosen(report: &Report, row: &Row) -> bool {
 
 /// Inline SVG needs no namespace; without it the page holds no address at all.
 fn inline_svg(svg: &str) -> String {
-    svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", " role=\"img\" aria-label=\"speed against error\"", 1)
+    svg.replacen(
+        " xmlns=\"http://www.w3.org/2000/svg\"",
+        " role=\"img\" aria-label=\"speed against error\"",
+        1,
+    )
 }
 
 fn details(report: &Report) -> Result<String, PageError> {
@@ -279,9 +364,15 @@ fn details(report: &Report) -> Result<String, PageError> {
     }))?;
     let folds = [
         fold("Splats left out or clamped", &left_out),
-        fold("The design, fully resolved", &serde_json::to_string_pretty(&report.design)?),
+        fold(
+            "The design, fully resolved",
+            &serde_json::to_string_pretty(&report.design)?,
+        ),
         fold("Camera", &serde_json::to_string_pretty(&report.camera)?),
-        fold("Rules of blending", &serde_json::to_string_pretty(&report.rules)?),
+        fold(
+            "Rules of blending",
+            &serde_json::to_string_pretty(&report.rules)?,
+        ),
     ];
     Ok(format!(
         "<section>\n<h2>Details</h2>\n{}</section>\n</main>\n<footer>The same numbers for scripts: report.json \
@@ -292,20 +383,24 @@ fn details(report: &Report) -> Result<String, PageError> {
 }
 
 fn fold(title: &str, text: &str) -> String {
-    format!("<details><summary>{title}</summary><pre>{}</pre></details>\n", escape(text))
+    format!(
+        "<details><summary>{title}</summary><pre>{}</pre></details>\n",
+        escape(text)
+    )
 }
 
 /// Text as HTML; names come from files of strangers.
 fn escape(text: &str) -> String {
-    text.chars().fold(String::with_capacity(text.len()), |mut escaped, letter| {
-        match letter {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            other => escaped.push(other),
-        }
-        escaped
-    })
+    text.chars()
+        .fold(String::with_capacity(text.len()), |mut escaped, letter| {
+            match letter {
+                '&' => escaped.push_str("&amp;"),
+                '<' => escaped.push_str("&lt;"),
+                '>' => escaped.push_str("&gt;"),
+                '"' => escaped.push_str("&quot;"),
+                '\'' => escaped.push_str("&#39;"),
+                other => escaped.push(other),
+            }
+            escaped
+        })
 }

@@ -28,12 +28,18 @@ pub struct Placement {
 impl Rectangle {
     /// A square around a point.
     pub fn around((x, y): (f64, f64), half: f64) -> Rectangle {
-        Rectangle { left: x - half, top: y - half, width: 2.0 * half, height: 2.0 * half }
+        Rectangle {
+            left: x - half,
+            top: y - half,
+            width: 2.0 * half,
+            height: 2.0 * half,
+        }
     }
 
     /// Area common to both.
     pub fn overlap(&self, other: &Rectangle) -> f64 {
-        let across = (self.left + self.width).min(other.left + other.width) - self.left.max(other.left);
+        let across =
+            (self.left + self.width).min(other.left + other.width) - self.left.max(other.left);
         let down = (self.top + self.height).min(other.top + other.height) - self.top.max(other.top);
         across.max(0.0) * down.max(0.0)
     }
@@ -45,7 +51,12 @@ impl Rectangle {
 }
 
 /// Places one label per anchor. What is `drawn` already is kept free, `frame` is not left.
-pub fn place(anchors: &[(f64, f64)], sizes: &[(f64, f64)], drawn: &[Rectangle], frame: &Rectangle) -> Vec<Placement> {
+pub fn place(
+    anchors: &[(f64, f64)],
+    sizes: &[(f64, f64)],
+    drawn: &[Rectangle],
+    frame: &Rectangle,
+) -> Vec<Placement> {
     let mut taken: Vec<Rectangle> = drawn.to_vec();
     let mut placements = Vec::with_capacity(anchors.len());
     for (&anchor, &size) in anchors.iter().zip(sizes) {
@@ -57,9 +68,17 @@ pub fn place(anchors: &[(f64, f64)], sizes: &[(f64, f64)], drawn: &[Rectangle], 
 }
 
 /// The first free place, or the one with the least overlap.
-fn best_place(anchor: (f64, f64), size: (f64, f64), taken: &[Rectangle], frame: &Rectangle) -> Placement {
+fn best_place(
+    anchor: (f64, f64),
+    size: (f64, f64),
+    taken: &[Rectangle],
+    frame: &Rectangle,
+) -> Placement {
     let cost = |placement: &Placement| {
-        let covered: f64 = taken.iter().map(|other| placement.area.overlap(other)).sum();
+        let covered: f64 = taken
+            .iter()
+            .map(|other| placement.area.overlap(other))
+            .sum();
         covered + placement.area.outside(frame)
     };
     let mut best = beside(anchor, size, (1.0, 0.0), 0);
@@ -81,8 +100,16 @@ fn best_place(anchor: (f64, f64), size: (f64, f64), taken: &[Rectangle], frame: 
 }
 
 /// Directions from the marker to the label, in order of preference.
-const SIDES: [(f64, f64); 8] =
-    [(1.0, 0.0), (-1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, -1.0), (-1.0, 1.0)];
+const SIDES: [(f64, f64); 8] = [
+    (1.0, 0.0),
+    (-1.0, 0.0),
+    (0.0, -1.0),
+    (0.0, 1.0),
+    (1.0, -1.0),
+    (1.0, 1.0),
+    (-1.0, -1.0),
+    (-1.0, 1.0),
+];
 
 /// Distance between a marker's centre and the nearest edge of its label.
 const GAP: f64 = 10.0;
@@ -94,8 +121,16 @@ fn beside(anchor: (f64, f64), size: (f64, f64), side: (f64, f64), ring: usize) -
     let distance = GAP + RING * ring as f64;
     let centre_x = anchor.0 + side.0 * (distance + size.0 / 2.0);
     let centre_y = anchor.1 + side.1 * (distance + size.1 / 2.0);
-    let area = Rectangle { left: centre_x - size.0 / 2.0, top: centre_y - size.1 / 2.0, width: size.0, height: size.1 };
-    Placement { area, leader: ring > 0 }
+    let area = Rectangle {
+        left: centre_x - size.0 / 2.0,
+        top: centre_y - size.1 / 2.0,
+        width: size.0,
+        height: size.1,
+    };
+    Placement {
+        area,
+        leader: ring > 0,
+    }
 }
 
 #[cfg(test)]
@@ -103,12 +138,25 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const FRAME: Rectangle = Rectangle { left: 0.0, top: 0.0, width: 600.0, height: 400.0 };
+    const FRAME: Rectangle = Rectangle {
+        left: 0.0,
+        top: 0.0,
+        width: 600.0,
+        height: 400.0,
+    };
 
     #[test]
     fn a_lone_label_stands_to_the_right_without_a_leader() {
         let placed = place(&[(100.0, 100.0)], &[(60.0, 14.0)], &[], &FRAME);
-        assert_eq!(placed[0].area, Rectangle { left: 110.0, top: 93.0, width: 60.0, height: 14.0 });
+        assert_eq!(
+            placed[0].area,
+            Rectangle {
+                left: 110.0,
+                top: 93.0,
+                width: 60.0,
+                height: 14.0
+            }
+        );
         assert!(!placed[0].leader);
     }
 

@@ -169,19 +169,29 @@ impl Report {
 
     /// Name of the design in words.
     pub fn design_name(&self) -> &str {
-        self.design.get("name").and_then(|name| name.as_str()).unwrap_or("unnamed")
+        self.design
+            .get("name")
+            .and_then(|name| name.as_str())
+            .unwrap_or("unnamed")
     }
 }
 
 impl From<&Errors> for ErrorFacts {
     fn from(errors: &Errors) -> Self {
-        ErrorFacts { rgb: (&errors.colour).into(), alpha: (&errors.alpha).into() }
+        ErrorFacts {
+            rgb: (&errors.colour).into(),
+            alpha: (&errors.alpha).into(),
+        }
     }
 }
 
 impl From<&ErrorMap> for ScaleFacts {
     fn from(map: &ErrorMap) -> Self {
-        ScaleFacts { limit: map.limit, knee: map.knee, magnification: map.magnification() }
+        ScaleFacts {
+            limit: map.limit,
+            knee: map.knee,
+            magnification: map.magnification(),
+        }
     }
 }
 
@@ -216,7 +226,13 @@ impl HostTimes {
 
 impl Row {
     /// A line of the sweep.
-    pub fn new(design: &str, traversal: &str, errors: &Errors, pixels: Pixels, host: HostTimes) -> Row {
+    pub fn new(
+        design: &str,
+        traversal: &str,
+        errors: &Errors,
+        pixels: Pixels,
+        host: HostTimes,
+    ) -> Row {
         let Pixels { covered, visited } = pixels;
         Row {
             design: design.to_owned(),

@@ -20,8 +20,16 @@ impl Rgb {
     /// multiply by it once more.
     pub fn on_black(picture: &Picture) -> Rgb {
         let byte = |value: f64| (stored(value) * 255.0).round() as u8;
-        let bytes = picture.pixels.iter().flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2])]).collect();
-        Rgb { width: picture.width, height: picture.height, bytes }
+        let bytes = picture
+            .pixels
+            .iter()
+            .flat_map(|p| [byte(p[0]), byte(p[1]), byte(p[2])])
+            .collect();
+        Rgb {
+            width: picture.width,
+            height: picture.height,
+            bytes,
+        }
     }
 
     /// The bytes of a PNG file.
@@ -31,10 +39,18 @@ impl Rgb {
         let width = u32::try_from(self.width).unwrap_or(u32::MAX);
         let height = u32::try_from(self.height).unwrap_or(u32::MAX);
         if self.bytes.len() as u64 != u64::from(width) * u64::from(height) * 3 {
-            let reason = format!("{} bytes do not make a {width}x{height} RGB picture", self.bytes.len());
+            let reason = format!(
+                "{} bytes do not make a {width}x{height} RGB picture",
+                self.bytes.len()
+            );
             return Err(ImageError::IoError(std::io::Error::other(reason)));
         }
-        PngEncoder::new(&mut file).write_image(&self.bytes, width, height, ExtendedColorType::Rgb8)?;
+        PngEncoder::new(&mut file).write_image(
+            &self.bytes,
+            width,
+            height,
+            ExtendedColorType::Rgb8,
+        )?;
         Ok(file)
     }
 }

@@ -19,7 +19,8 @@ pub fn pictures(width: usize, height: usize) -> (Picture, Picture) {
     }
     let mut fixed = float.clone();
     for (index, pixel) in fixed.pixels.iter_mut().enumerate() {
-        let noise = ((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as f64 / 16_777_216.0 - 0.5;
+        let noise =
+            ((index as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as f64 / 16_777_216.0 - 0.5;
         let ripple = (pixel[3] * 40.0).sin() * 0.5;
         for (channel, value) in pixel.iter_mut().enumerate() {
             *value += (noise + ripple - 0.15 * channel as f64) * 2e-4 * *value;
@@ -49,7 +50,11 @@ pub fn rows() -> Vec<Row> {
             psnr_db: Some(psnr),
             identical: false,
             max_abs: rms * 7.5,
-            max_at: SampleAt { x: 211, y: 87, channel: 1 },
+            max_at: SampleAt {
+                x: 211,
+                y: 87,
+                channel: 1,
+            },
             bias,
             ssim: 1.0 - rms * 3.0,
         };
@@ -99,7 +104,11 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         scene: SceneFacts {
             name: "brainsmall".to_owned(),
             splats: 312_954,
-            skipped: [("non_finite".to_owned(), 2), ("zero_rotation".to_owned(), 0)].into(),
+            skipped: [
+                ("non_finite".to_owned(), 2),
+                ("zero_rotation".to_owned(), 0),
+            ]
+            .into(),
             culled: [("outside".to_owned(), 1204), ("transparent".to_owned(), 87)].into(),
             clamped: 3,
         },
@@ -109,7 +118,10 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         error: compare(fixed, float).ok().as_ref().map(ErrorFacts::from),
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
-        pixels: Some(Pixels { covered: 18_204_331, visited: 18_931_002 }),
+        pixels: Some(Pixels {
+            covered: 18_204_331,
+            visited: 18_931_002,
+        }),
         host: times(0.319),
         table: rows(),
     }

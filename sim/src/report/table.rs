@@ -30,7 +30,8 @@ pub fn cells(row: &Row) -> [String; 11] {
         signed(row.error.bias),
         format!("{:.5}", row.error.ssim),
         count(row.visited),
-        row.visited_per_covered.map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
+        row.visited_per_covered
+            .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
         milliseconds(row.host.setup_s),
         milliseconds(row.host.raster_s),
         milliseconds(row.host.total_s),
@@ -80,12 +81,20 @@ pub fn decibels(error: &ChannelFacts) -> String {
 
 /// `3.1e-3`; plain `0` for zero.
 pub fn scientific(value: f64) -> String {
-    if value == 0.0 { "0".to_owned() } else { format!("{value:.1e}") }
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.1e}")
+    }
 }
 
 /// `+3.1e-3`; plain `0` for zero.
 pub fn signed(value: f64) -> String {
-    if value == 0.0 { "0".to_owned() } else { format!("{value:+.1e}") }
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:+.1e}")
+    }
 }
 
 /// Digits in groups of three, parted by a space.
@@ -106,16 +115,33 @@ fn milliseconds(seconds: f64) -> String {
 }
 
 fn widths(lines: &[[String; 11]]) -> Vec<usize> {
-    let widest = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
-    HEADINGS.iter().enumerate().map(|(column, heading)| widest(column).max(heading.len())).collect()
+    let widest = |column: usize| {
+        lines
+            .iter()
+            .map(|line| line[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    HEADINGS
+        .iter()
+        .enumerate()
+        .map(|(column, heading)| widest(column).max(heading.len()))
+        .collect()
 }
 
 /// Cells padded to their column's width: words to the left, numbers to the right.
-fn padded<'a>(cells: &'a [impl AsRef<str>], widths: &'a [usize]) -> impl Iterator<Item = String> + 'a {
-    cells.iter().zip(widths).enumerate().map(|(column, (cell, &width))| match column < WORD_COLUMNS {
-        true => format!("{:<width$}", cell.as_ref()),
-        false => format!("{:>width$}", cell.as_ref()),
-    })
+fn padded<'a>(
+    cells: &'a [impl AsRef<str>],
+    widths: &'a [usize],
+) -> impl Iterator<Item = String> + 'a {
+    cells
+        .iter()
+        .zip(widths)
+        .enumerate()
+        .map(|(column, (cell, &width))| match column < WORD_COLUMNS {
+            true => format!("{:<width$}", cell.as_ref()),
+            false => format!("{:>width$}", cell.as_ref()),
+        })
 }
 
 fn plain_line(cells: &[impl AsRef<str>], widths: &[usize]) -> String {

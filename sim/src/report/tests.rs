@@ -36,7 +36,10 @@ fn json_has_the_keys_that_scripts_read() {
         "/error/rgb/bias",
         "/error/rgb/ssim",
         "/error/alpha/psnr_db",
-        "/error_map/limit", "/error_map/knee", "/error_map/magnification", "/cycles",
+        "/error_map/limit",
+        "/error_map/knee",
+        "/error_map/magnification",
+        "/cycles",
         "/pixels/covered",
         "/pixels/visited",
         "/host/setup_s",
@@ -73,7 +76,10 @@ fn identical_pictures_are_null_and_identical_in_json() {
 fn medians_are_taken_field_by_field() {
     let runs: Vec<HostTimes> = [3.0, 1.0, 2.0].iter().map(|&t| sample::times(t)).collect();
     let median = HostTimes::median_of(&runs);
-    assert_eq!((median.total_s, median.setup_s, median.repeat), (2.0, 0.4, 3));
+    assert_eq!(
+        (median.total_s, median.setup_s, median.repeat),
+        (2.0, 0.4, 3)
+    );
     assert_eq!(HostTimes::median_of(&runs[..2]).total_s, 2.0);
     assert_eq!(HostTimes::median_of(&[]).total_s, 0.0);
 }
@@ -82,7 +88,13 @@ fn medians_are_taken_field_by_field() {
 fn nothing_covered_gives_no_ratio() {
     let (fixed, float) = sample::pictures(8, 8);
     let errors = crate::metrics::compare(&fixed, &float).unwrap();
-    let row = Row::new("lean18", "box", &errors, Pixels::default(), HostTimes::default());
+    let row = Row::new(
+        "lean18",
+        "box",
+        &errors,
+        Pixels::default(),
+        HostTimes::default(),
+    );
     assert_eq!(row.visited_per_covered, None);
     assert!(table::plain(&[row]).contains(" - "));
 }
@@ -104,7 +116,10 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
     let text = table::markdown(&sample::rows()[..1]);
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), 3);
-    assert!(lines[1].starts_with("| -------- | --------- | ------: |"), "{text}");
+    assert!(
+        lines[1].starts_with("| -------- | --------- | ------: |"),
+        "{text}"
+    );
     assert!(lines.iter().all(|line| line.matches('|').count() == 12));
 }
 
@@ -112,9 +127,14 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
 fn the_page_is_one_file_without_any_address() {
     let (fixed, float) = sample::pictures(64, 48);
     let page = page(&sample::report(&fixed, &float), &fixed, &float);
-    for outside in ["http:", "https:", "//", "url(", "@import", "<script", "<link", "<iframe"] {
+    for outside in [
+        "http:", "https:", "//", "url(", "@import", "<script", "<link", "<iframe",
+    ] {
         // base64 may hold two slashes, so the pictures are left out.
-        let text: String = page.split("src=\"data:").map(|part| part.split_once("\">").map_or(part, |p| p.1)).collect();
+        let text: String = page
+            .split("src=\"data:")
+            .map(|part| part.split_once("\">").map_or(part, |p| p.1))
+            .collect();
         assert!(!text.contains(outside), "the page holds {outside}");
     }
     assert_eq!(page.matches("<img").count(), 3);
@@ -136,7 +156,11 @@ fn the_page_survives_odd_names_and_identical_pictures() {
 
 #[test]
 fn the_error_map_is_signed_and_the_largest_error_fills_the_scale() {
-    let float = Picture { width: 3, height: 1, pixels: vec![[0.5; 4]; 3] };
+    let float = Picture {
+        width: 3,
+        height: 1,
+        pixels: vec![[0.5; 4]; 3],
+    };
     let mut fixed = float.clone();
     fixed.pixels[0] = [0.5, 0.4, 0.55, 0.0];
     fixed.pixels[2][2] = 0.52;
@@ -153,7 +177,11 @@ fn the_error_map_is_signed_and_the_largest_error_fills_the_scale() {
 
 #[test]
 fn stray_pixels_do_not_hide_the_rest_and_the_scale_is_invertible() {
-    let float = Picture { width: 100, height: 10, pixels: vec![[0.5; 4]; 1000] };
+    let float = Picture {
+        width: 100,
+        height: 10,
+        pixels: vec![[0.5; 4]; 1000],
+    };
     let mut fixed = float.clone();
     for (index, pixel) in fixed.pixels.iter_mut().enumerate() {
         pixel[0] += if index == 7 { -0.1 } else { 1e-5 };
@@ -168,7 +196,12 @@ fn stray_pixels_do_not_hide_the_rest_and_the_scale_is_invertible() {
 
 #[test]
 fn the_scale_grows_in_lightness_on_both_sides() {
-    let lightness = |relative: f64| error_map::colour(relative).iter().map(|&c| u32::from(c)).sum::<u32>();
+    let lightness = |relative: f64| {
+        error_map::colour(relative)
+            .iter()
+            .map(|&c| u32::from(c))
+            .sum::<u32>()
+    };
     for step in 0..100 {
         let (nearer, farther) = (f64::from(step) / 100.0, f64::from(step + 1) / 100.0);
         assert!(lightness(nearer) <= lightness(farther));
@@ -211,11 +244,21 @@ proptest! {
 /// Writes the synthetic page for looking at: `SPLATLINE_LOOK=<folder> cargo test -p splatline-sim look`.
 #[test]
 fn look() {
-    let Some(folder) = std::env::var_os("SPLATLINE_LOOK") else { return };
+    let Some(folder) = std::env::var_os("SPLATLINE_LOOK") else {
+        return;
+    };
     let folder = Path::new(&folder);
     let (fixed, float) = sample::pictures(512, 512);
     let report = sample::report(&fixed, &float);
     std::fs::write(folder.join("report.html"), page(&report, &fixed, &float)).unwrap();
-    std::fs::write(folder.join("plot.svg"), plot::svg(&report.table, 760, 440).unwrap()).unwrap();
-    std::fs::write(folder.join("error.png"), ErrorMap::new(&fixed, &float).to_rgb().to_png().unwrap()).unwrap();
+    std::fs::write(
+        folder.join("plot.svg"),
+        plot::svg(&report.table, 760, 440).unwrap(),
+    )
+    .unwrap();
+    std::fs::write(
+        folder.join("error.png"),
+        ErrorMap::new(&fixed, &float).to_rgb().to_png().unwrap(),
+    )
+    .unwrap();
 }

@@ -14,11 +14,20 @@ const HARMONIC_0: f64 = 0.28209479177387814;
 pub fn load(path: &Path) -> Scene {
     let bytes = std::fs::read(path).unwrap();
     let marker = b"end_header\n";
-    let end = bytes.windows(marker.len()).position(|window| window == marker).unwrap() + marker.len();
+    let end = bytes
+        .windows(marker.len())
+        .position(|window| window == marker)
+        .unwrap()
+        + marker.len();
     let header = String::from_utf8(bytes[..end].to_vec()).unwrap();
-    let names: Vec<&str> =
-        header.lines().filter_map(|line| line.strip_prefix("property float ")).collect();
-    let splats = bytes[end..].chunks_exact(4 * names.len()).map(|record| splat(&names, record)).collect();
+    let names: Vec<&str> = header
+        .lines()
+        .filter_map(|line| line.strip_prefix("property float "))
+        .collect();
+    let splats = bytes[end..]
+        .chunks_exact(4 * names.len())
+        .map(|record| splat(&names, record))
+        .collect();
     Scene {
         name: "tiny.ply".to_string(),
         natural_rules: Rules::GAUSSIAN_3D,
@@ -41,6 +50,7 @@ fn splat(names: &[&str], record: &[u8]) -> Splat {
         centre: ["x", "y", "z"].map(field),
         axes: rotated_axes(quaternion, scales),
         weight: 1.0 / (1.0 + (-field("opacity")).exp()),
-        colour: ["f_dc_0", "f_dc_1", "f_dc_2"].map(|name| (0.5 + HARMONIC_0 * field(name)).max(0.0)),
+        colour: ["f_dc_0", "f_dc_1", "f_dc_2"]
+            .map(|name| (0.5 + HARMONIC_0 * field(name)).max(0.0)),
     }
 }

@@ -25,7 +25,10 @@ pub const FINISHED: u32 = 1 << 31;
 impl Pixel {
     /// Transparent black.
     pub const fn clear(widths: &Widths) -> Pixel {
-        Pixel { colour: [0; 3], transmittance: 1 << widths.transmittance }
+        Pixel {
+            colour: [0; 3],
+            transmittance: 1 << widths.transmittance,
+        }
     }
 
     /// Does it take no more splats?
@@ -92,7 +95,10 @@ impl Blend {
     /// "Over", nearest splat first. Alpha in UQ1.alpha, colour in UQ4.colour. A finished pixel must not be passed.
     #[inline(always)]
     pub fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let share = self.shift(u64::from(pixel.transmittance) * u64::from(alpha), self.share_shift) as u32;
+        let share = self.shift(
+            u64::from(pixel.transmittance) * u64::from(alpha),
+            self.share_shift,
+        ) as u32;
         let rest = pixel.transmittance.saturating_sub(share);
         let stop = rest <= self.stop;
         if stop && self.stop_before {
@@ -100,7 +106,9 @@ impl Blend {
             return;
         }
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
-            *sum = sum.saturating_add(self.shift(u64::from(share) * u64::from(*c), self.colour_shift) as u32);
+            *sum = sum.saturating_add(
+                self.shift(u64::from(share) * u64::from(*c), self.colour_shift) as u32,
+            );
         }
         pixel.transmittance = if stop { rest | FINISHED } else { rest };
     }
@@ -108,21 +116,28 @@ impl Blend {
     /// "Over", farthest splat first: C' = C - alpha C + alpha c, T' = T - alpha T.
     #[inline(always)]
     pub fn back_to_front(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let hidden = |value: u32| self.shift(u64::from(value) * u64::from(alpha), self.share_shift) as u32;
+        let hidden =
+            |value: u32| self.shift(u64::from(value) * u64::from(alpha), self.share_shift) as u32;
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
             let layer = self.shift(u64::from(alpha) * u64::from(*c), self.layer_shift) as u32;
             *sum = sum.saturating_sub(hidden(*sum)).saturating_add(layer);
         }
-        pixel.transmittance = pixel.transmittance.saturating_sub(hidden(pixel.transmittance));
+        pixel.transmittance = pixel
+            .transmittance
+            .saturating_sub(hidden(pixel.transmittance));
     }
 
     /// Plain summation ([SWAN] 3.1): C' = C + alpha c; the alpha channel is 1 - T with T' = T - alpha, not below 0.
     #[inline(always)]
     pub fn x_ray(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
-            *sum = sum.saturating_add(self.shift(u64::from(alpha) * u64::from(*c), self.layer_shift) as u32);
+            *sum = sum.saturating_add(
+                self.shift(u64::from(alpha) * u64::from(*c), self.layer_shift) as u32,
+            );
         }
-        pixel.transmittance = pixel.transmittance.saturating_sub(self.in_transmittance(alpha));
+        pixel.transmittance = pixel
+            .transmittance
+            .saturating_sub(self.in_transmittance(alpha));
     }
 
     #[inline(always)]
