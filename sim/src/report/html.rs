@@ -149,7 +149,7 @@ fn pictures(
     let map_note = match map.magnification() {
         Some(factor) => {
             format!(
-                "<b>error</b> fixed minus {}, magnified {} times",
+                "<b>error</b> fixed minus {}, magnified ×{}",
                 escape(reference),
                 magnified(factor)
             )
@@ -197,12 +197,22 @@ fn pictures_text(map: &ErrorMap) -> String {
     }
     format!(
         "{shown} In the map each pixel is its worst colour channel: <b>orange</b> where fixed point is brighter, <b>blue</b> \
-         where it is darker, dark where both agree. The scale ends at the largest error: {limit}, or {steps:.2} \
+         where it is darker, dark where both agree. The scale ends at the largest error: {limit}, or {steps} \
          steps of an 8-bit picture, is magnified to full colour. Towards it the scale is logarithmic, so that a few stray pixels do not hide the rest: \
          read colours by the numbers under the bar.",
         limit = table::scientific(map.limit),
-        steps = map.limit * 255.0,
+        steps = eight_bit_steps(map.limit),
     )
+}
+
+/// An error in steps of an 8-bit picture.
+fn eight_bit_steps(error: f64) -> String {
+    let steps = error * 255.0;
+    if steps < 0.01 {
+        table::scientific(steps)
+    } else {
+        format!("{steps:.2}")
+    }
 }
 
 /// Two significant digits, without an exponent where that is short.
