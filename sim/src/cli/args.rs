@@ -123,7 +123,7 @@ pub struct FootprintsOptions {
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Camera file (JSON); without it and without --eye the whole scene is shown
