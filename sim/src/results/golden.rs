@@ -7,7 +7,7 @@ use crate::fixed::{self, Options, conics};
 use crate::metrics::compare;
 use crate::picture::Picture;
 use crate::reference::float;
-use crate::reference::golden::{GoldenA, conic_difference};
+use crate::reference::golden::{ALL, GoldenA, conic_difference};
 use crate::rules::{Compositing, Rules};
 use crate::scene::{LoadOptions, load};
 use anyhow::{Context, Result};
