@@ -12,7 +12,7 @@ use splatline_sim::reference::compositor::{self, Projected};
 use splatline_sim::reference::golden::rotated_axes;
 use splatline_sim::reference::{Culled, Drawing, exact, float};
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, Splat};
+use splatline_sim::scene::{Scene, Splat, Weight};
 use splatline_sim::vector;
 
 const COMPOSITINGS: [Compositing; 3] = [

@@ -381,4 +381,6 @@ pub enum ResultsPage {
     Accuracy,
     /// Both engines against independent data.
     Golden,
+    /// Bit layout of the footprint packet.
+    Packet,
 }

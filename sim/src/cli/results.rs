@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::setup::write;
 use super::{Failure, say};
 use clap::ValueEnum;
-use splatline_sim::results::{Page, accuracy, golden, views};
+use splatline_sim::results::{Page, accuracy, golden, packet, views};
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
@@ -23,6 +23,7 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
 fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Page, Failure> {
     match page {
         ResultsPage::Accuracy => measure_accuracy(options),
+        ResultsPage::Packet => Ok(packet::page()),
         ResultsPage::Golden => Ok(golden::page(&options.data.join("golden"))?),
     }
 }

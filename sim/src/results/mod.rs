@@ -6,9 +6,11 @@
 //! |---|---|
 //! | [`accuracy`] | How far is each design from the float reference on real scenes and on the deep stack? |
 //! | [`golden`] | How far are both engines from data of independent origin? |
+//! | [`packet`] | Where does every field of the footprint packet lie? |
 
 pub mod accuracy;
 pub mod golden;
+pub mod packet;
 pub mod views;
 
 use std::fmt::Write;
