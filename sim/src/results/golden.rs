@@ -37,6 +37,9 @@ pub struct FixedConics {
 impl FixedConics {
     /// Is the design's bar met? `None` if it has none.
     pub fn meets_bar(&self) -> Option<bool> {
+        if self.category == ALL {
+            return None;
+        }
         let (_, bar) = CONIC_BARS
             .iter()
             .find(|(design, _)| *design == self.design)?;
