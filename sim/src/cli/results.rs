@@ -6,10 +6,14 @@ use super::progress::Progress;
 use super::setup::write;
 use super::{Failure, say};
 use clap::ValueEnum;
-use splatline_sim::results::{Page, accuracy, golden, packet, views};
+use splatline_sim::results::{Page, accuracy, golden, packet, picture, views};
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
+    if options.only.is_empty() {
+        let panels = picture::panels(300)?.to_png()?;
+        write(&options.output.join(picture::FILE), &panels)?;
+    }
     for page in ResultsPage::value_variants() {
         if options.only.is_empty() || options.only.contains(page) {
             let Page { file, text } = measure(*page, options)?;

@@ -11,6 +11,7 @@
 pub mod accuracy;
 pub mod golden;
 pub mod packet;
+pub mod picture;
 pub mod views;
 
 use std::fmt::Write;
