@@ -49,6 +49,11 @@ Examples:
 
 Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
 
+const RESULTS_EXAMPLES: &str = "\
+Examples:
+  splatline results --data ../shared/data -o docs/results
+  splatline results --data ../shared/data --only golden -o /tmp/results";
+
 /// Fixed-point splatting against a float reference.
 ///
 /// Without a command: the demo, which draws an embedded volume with four designs and writes out/report.html.
@@ -70,6 +75,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Measure every figure that the documentation states and write its pages.
+    #[command(after_help = RESULTS_EXAMPLES)]
+    Results(ResultsOptions),
 }
 
 #[derive(Debug, Args)]
@@ -115,7 +123,7 @@ pub struct FootprintsOptions {
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Camera file (JSON); without it and without --eye the whole scene is shown
@@ -351,4 +359,26 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=1024).contains(&count) => Ok(count),
         _ => Err("expected a whole number from 1 to 1024".to_owned()),
     }
+}
+
+#[derive(Debug, Args)]
+pub struct ResultsOptions {
+    /// Folder of the scenes (with gaussians, volumes and golden in it).
+    #[arg(long, value_name = "DIR")]
+    pub data: PathBuf,
+    /// Folder to write the pages to.
+    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
+    pub output: PathBuf,
+    /// Only the pages named.
+    #[arg(long, value_enum, value_name = "PAGE")]
+    pub only: Vec<ResultsPage>,
+}
+
+/// Pages of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ResultsPage {
+    /// Fixed point against float on scenes.
+    Accuracy,
+    /// Both engines against independent data.
+    Golden,
 }

@@ -8,4 +8,4 @@ mod quantise;
 mod render;
 
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
-pub use render::{Drawing, Options, Times, draw, footprints};
+pub use render::{Drawing, Options, Times, conics, draw, footprints};
