@@ -149,9 +149,9 @@ impl<'a, D: Design> Painter<'a, D> {
     }
 }
 
-/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest.
+/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest: what a pixel lane compares its radial index with.
 #[inline(always)]
-fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
+pub fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
     crate::math::shift_unsigned(
         cutoff.into(),
         28 - i32::from(radial),
