@@ -465,7 +465,7 @@ int32_t splatline_pixel_opacity(const SplatlinePainter *painter,
                                 const SplatlineRun *run,
                                 uint32_t *opacity);
 
-// Composites a splat of an opacity (UQ1.alpha) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
+// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
 // Opacity 0 and, front to back, a finished pixel leave the pixel as it is.
 //
 // Memory:

@@ -197,7 +197,7 @@ pub unsafe extern "C" fn splatline_pixel_opacity(
     code(look())
 }
 
-/// Composites a splat of an opacity (UQ1.alpha) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
+/// Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.
 /// Opacity 0 and, front to back, a finished pixel leave the pixel as it is.
 ///
 /// # Safety
@@ -219,7 +219,10 @@ pub unsafe extern "C" fn splatline_pixel_composite(
             )
         };
         // SAFETY: the painter's table is as long as it says.
-        let (_, _, blend) = unsafe { painter.parts() }?;
+        let (widths, _, blend) = unsafe { painter.parts() }?;
+        if opacity > 1 << widths.alpha {
+            return Err(Error::Value);
+        }
         composite(
             &blend,
             crate::types::compositing(painter.compositing)?,
