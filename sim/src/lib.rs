@@ -16,3 +16,4 @@ pub mod report;
 pub mod rules;
 pub mod scene;
 pub mod vector;
+pub mod vectors;

@@ -15,6 +15,7 @@ mod setup;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod vectors;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -60,6 +61,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Vectors { action }) => vectors::run(&action),
     }
 }
 
