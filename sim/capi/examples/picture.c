@@ -138,21 +138,27 @@ static int32_t prepare(SplatlinePainter *painter, Memory *memory, uint32_t desig
     return status;
 }
 
-int32_t draw_picture(Memory *memory, uint32_t design, uint32_t traversal, enum Way way, SplatlinePixel *pixels, size_t stride) {
-    SplatlinePainter painter;
-    SplatlineWindow window = {{0, 0}, {COLUMNS, ROWS}};
+int32_t prepare_picture(Memory *memory, uint32_t design, uint32_t traversal, SplatlinePainter *painter, int *visible) {
     SplatlineView view = make_view();
-    int32_t status = prepare(&painter, memory, design, traversal);
+    int32_t status = prepare(painter, memory, design, traversal);
     if (status < 0) {
         return status;
     }
     make_splats(memory->splats);
-    status = splatline_setup_many(&painter.widths, &view, &painter.rules, memory->splats, sizeof(SplatlineSplat), memory->footprints,
+    status = splatline_setup_many(&painter->widths, &view, &painter->rules, memory->splats, sizeof(SplatlineSplat), memory->footprints,
                                   sizeof(SplatlineFootprint), memory->reasons, SPLATS);
+    *visible = status < 0 ? 0 : sort_by_depth(memory);
+    return status;
+}
+
+int32_t draw_picture(Memory *memory, uint32_t design, uint32_t traversal, enum Way way, SplatlinePixel *pixels, size_t stride) {
+    SplatlinePainter painter;
+    SplatlineWindow window = {{0, 0}, {COLUMNS, ROWS}};
+    int visible;
+    int32_t status = prepare_picture(memory, design, traversal, &painter, &visible);
     if (status < 0) {
         return status;
     }
-    int visible = sort_by_depth(memory);
     size_t count = (ROWS - 1) * stride + COLUMNS;
     status = splatline_clear(&painter.widths, pixels, count);
     for (int i = 0; i < visible && status >= 0; i++) {
