@@ -17,3 +17,4 @@ pub mod results;
 pub mod rules;
 pub mod scene;
 pub mod vector;
+pub mod vectors;

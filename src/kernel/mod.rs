@@ -36,6 +36,8 @@ pub struct FootprintTable<'a> {
     /// Bits of the radial index below the table's index, and those of them that the interpolator sees.
     rest_bits: u32,
     kept: u32,
+    /// The interpolator's product and rounding constant fit 32 bits.
+    narrow: bool,
 }
 
 /// The memory lent for a table has not as many entries as [`entries`] asks for.
@@ -72,6 +74,7 @@ impl<'a> FootprintTable<'a> {
             entries,
             rest_bits,
             kept,
+            narrow: widths.weight as u32 + kept <= 30,
         })
     }
 
@@ -85,6 +88,13 @@ impl<'a> FootprintTable<'a> {
         }
         let high = self.entries.get(index + 1).copied().unwrap_or(0);
         let rest = (radial >> (self.rest_bits - self.kept)) & ((1 << self.kept) - 1);
+        if self.narrow {
+            let step = (high as i32)
+                .wrapping_sub(low as i32)
+                .wrapping_mul(rest as i32);
+            let step = step.wrapping_add(1 << (self.kept - 1)) >> self.kept;
+            return low.wrapping_add(step as u32);
+        }
         let step = (i64::from(high) - i64::from(low)) * rest as i64;
         (i64::from(low) + shift_round(step, self.kept)) as u32
     }
@@ -195,6 +205,34 @@ mod tests {
         let mut memory = [0; 1025];
         fill_gaussian(&mut memory, &Standard24::WIDTHS, 4);
         assert_eq!(TABLE, memory);
+    }
+
+    #[test]
+    fn the_narrow_interpolator_changes_no_bit() {
+        let mut tested = 0;
+        for (weight, interpolation) in [(13, 8), (8, 20), (16, 14), (28, 2)] {
+            let widths = Widths {
+                weight,
+                interpolation,
+                ..Standard24::WIDTHS
+            };
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, 4);
+            let narrow = FootprintTable::new(&memory, &widths, 4).unwrap();
+            let wide = FootprintTable {
+                narrow: false,
+                ..narrow
+            };
+            tested += u32::from(narrow.narrow);
+            for radial in (0..16u64 << 27).step_by(9973) {
+                assert_eq!(
+                    narrow.weight(radial),
+                    wide.weight(radial),
+                    "{weight} {interpolation} {radial}"
+                );
+            }
+        }
+        assert_eq!(tested, 4);
     }
 
     #[test]

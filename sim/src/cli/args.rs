@@ -53,6 +53,11 @@ const RESULTS_EXAMPLES: &str = "\
 Examples:
   splatline results --data ../shared/data -o docs/results
   splatline results --data ../shared/data --only golden -o /tmp/results";
+const VECTORS_EXAMPLES: &str = "\
+Examples:
+  splatline vectors export out/vectors --design lean18
+  splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
+  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -78,6 +83,55 @@ pub enum Command {
     /// Measure every figure that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
+    /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
+    #[command(after_help = VECTORS_EXAMPLES)]
+    Vectors {
+        #[command(subcommand)]
+        action: VectorsAction,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub enum VectorsAction {
+    /// Write one $readmemh file per stage and manifest.json.
+    Export(VectorsExportOptions),
+    /// Compute everything anew from DIR's splats and name the first difference; stages without a file are left out.
+    Verify {
+        /// Folder with manifest.json, splats.hex and the stages to check
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+}
+
+#[derive(Debug, Args)]
+pub struct VectorsExportOptions {
+    /// Folder to write into
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Splats at most
+    #[arg(long, value_name = "N", default_value = "144")]
+    pub splats: usize,
+    /// Seed of the built-in splats
+    #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]
+    pub seed: u32,
+    /// Size of the picture
+    #[arg(long, value_name = "WxH", default_value = "96x64")]
+    pub size: Size,
+    /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
+    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
+    pub rules: Option<Rules>,
+    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
+    pub design: DesignName,
+    /// How a footprint's pixels are walked [default: the design's own]
+    #[arg(long, value_enum)]
+    pub traversal: Option<TraversalChoice>,
+    /// Order and operator of blending
+    #[arg(long, value_enum, default_value = "front-to-back")]
+    pub compositing: CompositingChoice,
 }
 
 #[derive(Debug, Args)]

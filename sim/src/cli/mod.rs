@@ -16,6 +16,7 @@ mod setup;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod vectors;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -62,6 +63,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
         Some(Command::Results(options)) => results::run(&options),
+        Some(Command::Vectors { action }) => vectors::run(&action),
     }
 }
 

@@ -32,7 +32,10 @@ fn only_commands_that_exist_are_listed_and_each_shows_examples() {
         .get_subcommands()
         .map(|sub| sub.get_name())
         .collect();
-    assert_eq!(names, ["render", "compare", "footprints", "results"]);
+    assert_eq!(
+        names,
+        ["render", "compare", "footprints", "results", "vectors"]
+    );
     for sub in command.get_subcommands() {
         assert!(
             sub.get_after_help()
