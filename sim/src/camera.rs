@@ -1,6 +1,6 @@
 //! The camera: x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
 //!
-//! A world point `u` lies at `t = W u + d` in camera space ([EWA] 6.2.1) and at `fx t0 / t2 + cx` in the picture
+//! A world point `u` lies at `t = W u + d` in camera space (EWA 6.2.1) and at `fx t0 / t2 + cx` in the picture
 //! (orthographic: `fx t0 + cx`). A camera comes from a point of view ([`Camera::look_at`]) or from a JSON file
 //! ([`Camera::from_json_file`]); both go through the same checks, so that the engines meet sound cameras only.
 
@@ -105,7 +105,7 @@ impl fmt::Display for CameraError {
 
 impl std::error::Error for CameraError {}
 
-/// The camera file as it stands on disk (DESIGN section 5).
+/// The camera file as it stands on disk: row-major, pixels.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct CameraFile {

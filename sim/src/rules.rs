@@ -11,7 +11,7 @@ use std::str::FromStr;
 pub struct Rules {
     /// Name on the command line.
     pub name: &'static str,
-    /// Kernels are normalised to unit volume ([EWA] eq. 26-31): the peak opacity is
+    /// Kernels are normalised to unit volume (EWA eq. 26-31): the peak opacity is
     /// `mass |J W| / (2 pi sqrt(det(V' + V^h)))`. Otherwise the peak is the opacity itself.
     pub normalised: bool,
     /// Variance of the isotropic low-pass filter, in square pixels.
@@ -70,7 +70,7 @@ impl FromStr for Rules {
     }
 }
 
-/// In which order and by which operator a pixel gathers its splats ([EWA] 4.1, [SWAN] 3.1).
+/// In which order and by which operator a pixel gathers its splats (EWA 4.1, SWAN 3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Compositing {
     /// Nearest splat first, "over", finished pixels skip the rest.

@@ -140,7 +140,7 @@ mod tests {
         fill_gaussian(&mut memory, &widths, range);
         let table = FootprintTable::new(&memory, &widths, range).unwrap();
         let end = 1u64 << (widths.radial + range);
-        let samples = 200_000;
+        let samples = 200_000u64;
         let (mut worst, mut sum) = (0.0f64, 0.0);
         for i in 0..samples {
             let radial = (u128::from(end) * u128::from(i) / u128::from(samples)) as u64;

@@ -1,6 +1,6 @@
 //! Engine `float`: EWA volume splatting in double precision, straight from the papers' formulas.
 //!
-//! System 1 of DESIGN section 2 ([EWA] 6.2 and 7.1): centre t = W u + d, Jacobian of the perspective map at the
+//! EWA 6.2 and 7.1: centre t = W u + d, Jacobian of the perspective map at the
 //! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
 //! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
 
@@ -50,6 +50,21 @@ pub fn project(
     camera: &Camera,
     rules: &Rules,
 ) -> Result<Footprint, Culled> {
+    let footprint = project_beyond_viewport(splat, weight, colour, camera, rules)?;
+    match footprint.bounds.is_empty() {
+        true => Err(Culled::OutsideViewport),
+        false => Ok(footprint),
+    }
+}
+
+/// Like [`project`], but keeps a footprint that touches no pixel: its bounds are empty.
+pub fn project_beyond_viewport(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+) -> Result<Footprint, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
     let depth = position[2];
     let jacobian = Jacobian::at(camera, jacobian_slope(position, camera, rules), depth);
@@ -59,16 +74,13 @@ pub fn project(
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
         return Err(Culled::Degenerate);
     }
-    // [EWA] eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
+    // EWA eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
     let peak = match rules.normalised {
         true => weight * jacobian.determinant() * variance.normalised_peak(),
         false => weight,
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
-    if bounds.is_empty() {
-        return Err(Culled::OutsideViewport);
-    }
     Ok(Footprint {
         centre,
         depth,
@@ -131,7 +143,7 @@ impl Projected for Footprint {
         (self.variance.radial_index(offset), self.peak)
     }
 
-    /// From r < cutoff with the square completed (DESIGN section 4.2): no pixel outside the ellipse is visited.
+    /// From r < cutoff with the square completed : no pixel outside the ellipse is visited.
     fn row_span(&self, y: f64) -> (usize, usize) {
         let dy = y - self.centre[1];
         let ScreenVariance {

@@ -10,7 +10,6 @@ use std::path::Path;
 use anyhow::{Context, Result, ensure};
 
 use super::float;
-use super::{Culled, compositor};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
@@ -58,12 +57,14 @@ pub struct GoldenA {
 pub struct Deviation {
     /// The category.
     pub category: String,
-    /// Splats compared.
+    /// Projections compared: all but those before the near plane.
     pub splats: usize,
     /// Largest difference of an entry of the conic over its largest entry.
     pub conic: f64,
     /// Largest difference of the centre, pixels, over the larger of 1 and the distance from the origin.
     pub centre: f64,
+    /// Largest relative difference of the depth.
+    pub depth: f64,
     /// Largest difference of a channel of the picture, in units of 1.0.
     pub picture: f64,
 }
@@ -129,17 +130,20 @@ impl GoldenA {
     }
 
     fn measure_category(&self, folder: &Path, category: &str) -> Result<Deviation> {
-        let scene = self.scene(category);
-        let projected = float::footprints(&scene, &self.camera, &self.rules);
+        let (camera, rules) = (&self.camera, &self.rules);
         let mut deviation = Deviation {
             category: category.to_string(),
             splats: 0,
             conic: 0.0,
             centre: 0.0,
+            depth: 0.0,
             picture: 0.0,
         };
-        for (golden, outcome) in self.members(category).zip(&projected) {
-            let Ok(footprint) = outcome else { continue };
+        for golden in self.members(category) {
+            // Opaque, so that a projection is compared whether or not it would leave a trace in the picture.
+            let projected =
+                float::project_beyond_viewport(&golden.splat, 1.0, [0.0; 3], camera, rules);
+            let Ok(footprint) = projected else { continue };
             deviation.splats += 1;
             deviation.conic = largest(
                 deviation.conic,
@@ -149,13 +153,16 @@ impl GoldenA {
                 deviation.centre,
                 centre_difference(footprint.centre, golden.centre),
             );
+            deviation.depth = largest(
+                deviation.depth,
+                (footprint.depth / golden.depth - 1.0).abs(),
+            );
         }
-        let drawing = compositor::draw(
-            &projected,
-            &self.camera,
-            &self.rules,
+        let drawing = float::draw(
+            &self.scene(category),
+            camera,
+            rules,
             Compositing::FrontToBack,
-            &|_, _| (),
         );
         let expected = self.picture(folder, category)?;
         let channels = drawing
@@ -168,20 +175,6 @@ impl GoldenA {
             deviation.picture = largest(deviation.picture, (computed - expected).abs());
         }
         Ok(deviation)
-    }
-
-    /// Splats that only one side culls: the source culls by a coarser bound, so it may only cull more.
-    pub fn culled_here_only(&self) -> Vec<(usize, Culled)> {
-        let projected = float::footprints(&self.scene(ALL), &self.camera, &self.rules);
-        let outcomes = self.splats.iter().zip(projected).enumerate();
-        outcomes
-            .filter_map(|(index, (golden, outcome))| {
-                outcome
-                    .err()
-                    .filter(|_| !golden.culled)
-                    .map(|why| (index, why))
-            })
-            .collect()
     }
 }
 
@@ -236,18 +229,14 @@ fn numbers<const N: usize>(line: &str) -> Result<[f64; N]> {
         .with_context(|| format!("expected {N} numbers, found {found}"))
 }
 
-/// The value of `key=value` in the comment lines.
+/// The value of `key=value` in the comment lines; a key may hold spaces, a value may not.
 fn header_value<'a>(text: &'a str, key: &str) -> Result<&'a str> {
-    let words = text
-        .lines()
-        .filter(|line| line.starts_with('#'))
-        .flat_map(str::split_whitespace);
-    let mut values = words
-        .filter_map(|word| word.split_once('='))
-        .filter(|(name, _)| name.starts_with(key));
+    let wanted = format!(" {key}=");
+    let comments = text.lines().filter(|line| line.starts_with('#'));
+    let mut values =
+        comments.filter_map(|line| line.split_once(&wanted)?.1.split_whitespace().next());
     values
         .next()
-        .map(|(_, value)| value)
         .with_context(|| format!("the header does not give '{key}'"))
 }
 
@@ -290,7 +279,7 @@ fn parse(text: &str) -> Result<GoldenA> {
 
 fn parse_camera(text: &str) -> Result<Camera> {
     let [fx, fy, cx, cy] = numbers(header_value(text, "fx,fy,cx,cy")?)?;
-    let view: [f64; 16] = numbers(header_value(text, "viewmat")?)?;
+    let view: [f64; 16] = numbers(header_value(text, "viewmat(row-major world->cam)")?)?;
     let file = serde_json::json!({
         "width": header_value(text, "W")?.parse::<usize>()?,
         "height": header_value(text, "H")?.parse::<usize>()?,

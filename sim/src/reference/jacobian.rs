@@ -1,6 +1,6 @@
 //! The affine map from camera space to pixels at one ray, and the variance it gives a splat on the screen.
 //!
-//! [EWA] eq. 29 replaces the perspective map by its Jacobian. Without the third row, which only matters for the
+//! EWA eq. 29 replaces the perspective map by its Jacobian. Without the third row, which only matters for the
 //! integral along the ray, and in pixels instead of unit focal length it reads
 //!
 //! ```text
@@ -12,7 +12,7 @@
 //! (one standard deviation each) as columns of A, the variance on the screen is V' + V^h with V' = M M^T, M = J A,
 //! and V^h = h I for the low-pass filter.
 //!
-//! Its determinant is a sum of squares (Cauchy-Binet; DESIGN section 4.1), never the difference a c - b^2:
+//! Its determinant is a sum of squares (Cauchy-Binet), never the difference a c - b^2:
 //!
 //! ```text
 //!     det(M M^T + h I) = |m0 x m1|^2 + h (|m0|^2 + |m1|^2) + h^2
@@ -59,7 +59,7 @@ impl Jacobian {
         [[kx, 0.0, -kx * sx], [0.0, ky, -ky * sy]]
     }
 
-    /// The determinant of the full 3x3 Jacobian, whose third row is the direction of the ray ([EWA] eq. 29):
+    /// The determinant of the full 3x3 Jacobian, whose third row is the direction of the ray (EWA eq. 29):
     /// square pixels per square scene unit across the ray.
     pub fn determinant(&self) -> f64 {
         let [kx, ky] = self.scale;

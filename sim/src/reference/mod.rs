@@ -1,6 +1,6 @@
 //! The double-precision reference: two engines that share one compositor and no arithmetic with the kernel.
 //!
-//! - [`float`]: EWA volume splatting as the papers write it (DESIGN section 2, system 1): the perspective map is
+//! - [`float`]: EWA volume splatting as the papers write it (EWA 6.2): the perspective map is
 //!   replaced by its affine approximation at the splat's centre.
 //! - [`exact`]: the integral (or peak) of the Gaussian along each pixel's own ray, without that approximation, so
 //!   that model error (`float` against `exact`) and arithmetic error (fixed against `float`) are told apart.

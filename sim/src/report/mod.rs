@@ -1,1 +1,238 @@
-//! To come.
+//! What a run tells people: report.json for scripts, report.html for eyes, the same table as text.
+//!
+//! [`Report`] is the whole of report.json and the only source of the other forms, so that no number can differ
+//! between them. Errors are in units of 1.0, times in seconds, pixels are counted once per splat that visits them.
+//! JSON knows neither infinity nor NaN: the PSNR of identical pictures is `null` beside `"identical": true`.
+
+pub mod error_map;
+pub mod facts;
+pub mod html;
+mod labels;
+pub mod plot;
+pub mod png;
+pub mod table;
+
+use crate::atomic;
+use crate::metrics::{ChannelError, Errors};
+use facts::{CameraFacts, RulesFacts, SceneFacts};
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::Path;
+
+/// Written into every report.json; the number rises when a field changes its meaning or goes away.
+pub const FORMAT: &str = "splatline-report/1";
+
+/// The contents of report.json.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Report {
+    /// [`FORMAT`].
+    pub format: String,
+    /// What drew the picture: `fixed`, `float` or `exact`.
+    pub engine: String,
+    /// What it was compared with: `float` or `exact`; null if nothing was compared.
+    pub reference: Option<String>,
+    /// The fully resolved design: every width, also those that were left to a default. Null for a float engine.
+    pub design: serde_json::Value,
+    /// `box` or `spans`; null for a float engine.
+    pub traversal: Option<String>,
+    /// What was drawn.
+    pub scene: SceneFacts,
+    /// From where; the form of a camera file.
+    pub camera: CameraFacts,
+    /// Under which rules.
+    pub rules: RulesFacts,
+    /// `front-to-back`, `back-to-front` or `x-ray`.
+    pub compositing: String,
+    /// Null if nothing was compared.
+    pub error: Option<ErrorFacts>,
+    /// Cycles of the hardware model; null until that model exists, and always for a float engine.
+    pub cycles: Option<serde_json::Value>,
+    /// Work of the rasterizer; null for a float engine, which counts no visits.
+    pub pixels: Option<Pixels>,
+    /// Time on this machine.
+    pub host: HostTimes,
+    /// The sweep of designs and traversals; empty if only one was drawn.
+    pub table: Vec<Row>,
+}
+
+/// Errors per channel group.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ErrorFacts {
+    /// Red, green and blue together.
+    pub rgb: ChannelFacts,
+    /// Alpha.
+    pub alpha: ChannelFacts,
+}
+
+/// Errors in one channel group, in units of 1.0.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ChannelFacts {
+    /// Null if the pictures are identical.
+    pub psnr_db: Option<f64>,
+    /// No sample differs; the PSNR would be infinite.
+    pub identical: bool,
+    /// Largest absolute difference.
+    pub max_abs: f64,
+    /// Where it is.
+    pub max_at: SampleAt,
+    /// Mean of fixed minus float.
+    pub bias: f64,
+    /// Mean structural similarity of luminance (`rgb`) or of A (`alpha`).
+    pub ssim: f64,
+}
+
+/// One sample of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SampleAt {
+    /// Column.
+    pub x: usize,
+    /// Row.
+    pub y: usize,
+    /// 0 to 3: R, G, B, A.
+    pub channel: usize,
+}
+
+/// Work of the rasterizer, each pixel counted once per splat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Pixels {
+    /// Inside the footprint.
+    pub covered: u64,
+    /// Stepped over by the traversal.
+    pub visited: u64,
+}
+
+/// Seconds on this machine, medians over `repeat` runs. The medians are taken field by field, so the stages need not
+/// add up to the total exactly.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct HostTimes {
+    /// Projection and footprint set-up.
+    pub setup_s: f64,
+    /// Sorting by depth.
+    pub sort_s: f64,
+    /// Rasterizing and blending.
+    pub raster_s: f64,
+    /// All of it by the wall clock, also bringing the scene into the kernel's formats and the pixels into a picture.
+    pub total_s: f64,
+    /// How many runs the medians are over.
+    pub repeat: usize,
+    /// Threads the engine was given.
+    pub threads: usize,
+}
+
+/// One line of the speed-against-error sweep.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Name of the design.
+    pub design: String,
+    /// `box` or `spans`.
+    pub traversal: String,
+    /// Error of red, green and blue.
+    pub error: ChannelFacts,
+    /// Pixels that the traversal stepped over.
+    pub visited: u64,
+    /// Pixels inside the footprints.
+    pub covered: u64,
+    /// Their ratio, 1 at best; null if nothing was covered.
+    pub visited_per_covered: Option<f64>,
+    /// Time on this machine.
+    pub host: HostTimes,
+}
+
+impl Report {
+    /// The text of report.json.
+    pub fn to_json(&self) -> serde_json::Result<String> {
+        let mut text = serde_json::to_string_pretty(self)?;
+        text.push('\n');
+        Ok(text)
+    }
+
+    /// Writes report.json; an interrupted write leaves the old file.
+    pub fn write_json(&self, path: &Path) -> io::Result<()> {
+        let text = self.to_json().map_err(io::Error::other)?;
+        atomic::write(path, text.as_bytes())
+    }
+
+    /// Name of the design in words.
+    pub fn design_name(&self) -> &str {
+        self.design
+            .get("name")
+            .and_then(|name| name.as_str())
+            .unwrap_or("unnamed")
+    }
+}
+
+impl From<&Errors> for ErrorFacts {
+    fn from(errors: &Errors) -> Self {
+        ErrorFacts {
+            rgb: (&errors.colour).into(),
+            alpha: (&errors.alpha).into(),
+        }
+    }
+}
+
+impl From<&ChannelError> for ChannelFacts {
+    fn from(error: &ChannelError) -> Self {
+        let (x, y, channel) = error.max_at;
+        ChannelFacts {
+            psnr_db: error.psnr_db.is_finite().then_some(error.psnr_db),
+            identical: error.max_abs == 0.0,
+            max_abs: error.max_abs,
+            max_at: SampleAt { x, y, channel },
+            bias: error.bias,
+            ssim: error.ssim,
+        }
+    }
+}
+
+impl HostTimes {
+    /// Medians, field by field, of one entry per run.
+    pub fn median_of(runs: &[HostTimes]) -> HostTimes {
+        let of = |field: fn(&HostTimes) -> f64| median(runs.iter().map(field).collect());
+        HostTimes {
+            setup_s: of(|t| t.setup_s),
+            sort_s: of(|t| t.sort_s),
+            raster_s: of(|t| t.raster_s),
+            total_s: of(|t| t.total_s),
+            repeat: runs.len(),
+            threads: runs.first().map_or(0, |t| t.threads),
+        }
+    }
+}
+
+impl Row {
+    /// A line of the sweep.
+    pub fn new(
+        design: &str,
+        traversal: &str,
+        errors: &Errors,
+        pixels: Pixels,
+        host: HostTimes,
+    ) -> Row {
+        let Pixels { covered, visited } = pixels;
+        Row {
+            design: design.to_owned(),
+            traversal: traversal.to_owned(),
+            error: (&errors.colour).into(),
+            visited,
+            covered,
+            visited_per_covered: (covered > 0).then(|| visited as f64 / covered as f64),
+            host,
+        }
+    }
+}
+
+/// The middle value, or the mean of the two in the middle; 0 of nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let middle = values.len() / 2;
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[middle],
+        _ => (values[middle - 1] + values[middle]) / 2.0,
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod sample;
+#[cfg(test)]
+mod tests;

@@ -204,3 +204,7 @@ pub(super) fn colour(base: [f32; 3], coefficients: &[[f32; 3]], direction: [f64;
     }
     sum.map(|channel| channel.max(0.0))
 }
+
+#[cfg(test)]
+#[path = "gaussian_tests.rs"]
+mod tests;

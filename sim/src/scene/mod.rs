@@ -37,7 +37,7 @@ use load::read_file;
 pub enum Weight {
     /// Peak opacity, 0 to 1 (captured Gaussians).
     Opacity,
-    /// Extinction times volume, in square scene units (voxels; [EWA] 4.1: `g_k` times the voxel's volume).
+    /// Extinction times volume, in square scene units (voxels; \[EWA\] 4.1: `g_k` times the voxel's volume).
     Mass,
 }
 
@@ -103,9 +103,12 @@ impl Scene {
             return self.splats.iter().map(|splat| splat.colour).collect();
         };
         let count = gaussian::coefficient_count(harmonics.degree);
-        let coefficients = harmonics.coefficients.chunks_exact(count);
-        let seen = self.splats.iter().zip(&harmonics.base).zip(coefficients);
-        seen.map(|((splat, &base), coefficients)| {
+        let seen = self.splats.iter().zip(&harmonics.base).enumerate();
+        seen.map(|(index, (splat, &base))| {
+            let coefficients = harmonics
+                .coefficients
+                .get(index * count..(index + 1) * count)
+                .unwrap_or_default();
             gaussian::colour(base, coefficients, direction_of_view(camera, splat.centre))
         })
         .collect()

@@ -55,3 +55,59 @@ fn decode(record: &[u8; RECORD_BYTES]) -> Gaussian<'static> {
         harmonics: &[],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> Vec<u8> {
+        let floats = [1.0f32, -2.0, 3.0, 0.1, 0.2, 0.4]
+            .map(f32::to_le_bytes)
+            .concat();
+        [floats, vec![255, 51, 0, 102, 255, 128, 128, 128]].concat()
+    }
+
+    #[test]
+    fn fields_are_decoded() {
+        let splat = load(&record(), "x").unwrap().splats[0];
+        assert_eq!(splat.centre, [1.0, -2.0, 3.0]);
+        assert_eq!(splat.colour, [1.0, 0.2, 0.0]);
+        assert_eq!(splat.weight, 0.4);
+        let [a, b, c] = [0.1f32, 0.2, 0.4].map(f64::from);
+        assert_eq!(splat.axes, [[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]]);
+    }
+
+    #[test]
+    fn unusable_records_are_skipped_and_counted() {
+        let mut bytes = [record(), record(), record()].concat();
+        bytes[0..4].copy_from_slice(&f32::NAN.to_le_bytes());
+        bytes[32 + 28..64].fill(128);
+        let scene = load(&bytes, "x").unwrap();
+        assert_eq!(
+            (
+                scene.splats.len(),
+                scene.skipped.non_finite,
+                scene.skipped.zero_rotation
+            ),
+            (1, 1, 1)
+        );
+    }
+
+    #[test]
+    fn every_cut_within_a_record_is_an_error() {
+        let whole = [record(), record()].concat();
+        for length in (0..whole.len()).filter(|length| *length != RECORD_BYTES) {
+            assert!(load(&whole[..length], "x").is_err(), "cut at {length}");
+        }
+        let message = load(&whole[..40], "x").unwrap_err().to_string();
+        assert!(
+            message.starts_with("record 1: 32 bytes are needed but 8 are left"),
+            "{message}"
+        );
+        let message = load(&[], "x").unwrap_err().to_string();
+        assert_eq!(
+            message,
+            "records: the file is empty; give a file with at least one splat"
+        );
+    }
+}

@@ -1,1 +1,147 @@
+//! Tests of bounds and default cameras.
 
+use super::super::tests::{load_plain, shared_data};
+use super::super::{demo, synthetic::random_gaussians};
+use super::*;
+
+/// Pixel coordinates of a place, and its depth.
+fn project(camera: &Camera, place: [f64; 3]) -> [f64; 3] {
+    let seen: [f64; 3] = std::array::from_fn(|row| {
+        (0..3)
+            .map(|axis| camera.rotation[row][axis] * place[axis])
+            .sum::<f64>()
+            + camera.translation[row]
+    });
+    [
+        camera.fx * seen[0] / seen[2] + camera.cx,
+        camera.fy * seen[1] / seen[2] + camera.cy,
+        seen[2],
+    ]
+}
+
+/// Part of the splats' centres that lie within the picture.
+fn part_in_view(scene: &Scene, camera: &Camera) -> f64 {
+    let within = |splat: &&super::super::Splat| {
+        let [u, v, depth] = project(camera, splat.centre);
+        depth > camera.near
+            && (0.0..camera.width as f64).contains(&u)
+            && (0.0..camera.height as f64).contains(&v)
+    };
+    scene.splats.iter().filter(within).count() as f64 / scene.splats.len() as f64
+}
+
+#[test]
+fn look_at_shows_the_target_in_the_middle_with_up_upwards() {
+    let camera = look_at(
+        [1.0, 2.0, -9.0],
+        [3.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        60.0,
+        320,
+        240,
+    );
+    let [u, v, depth] = project(&camera, [3.0, 1.0, 0.0]);
+    assert!((u - 160.0).abs() < 1e-9 && (v - 120.0).abs() < 1e-9 && depth > 0.0);
+    let [_, above, _] = project(&camera, [3.0, 0.5, 0.0]);
+    assert!(above < 120.0, "up (-y) is towards row 0");
+    let [right, _, _] = project(&camera, [3.5, 1.0, 0.0]);
+    assert!(
+        right > 160.0,
+        "looking along +z with -y up, +x is on the right"
+    );
+    assert!((camera.fy - 120.0 / 30f64.to_radians().tan()).abs() < 1e-9);
+}
+
+#[test]
+fn bounds_hold_all_centres() {
+    let mut scene = random_gaussians(3, 1, 1.0);
+    for (splat, place) in
+        scene
+            .splats
+            .iter_mut()
+            .zip([[1.0, 5.0, -1.0], [2.0, 4.0, 0.0], [3.0, 3.0, 7.0]])
+    {
+        splat.centre = place;
+    }
+    let bounds = scene.bounds().unwrap();
+    assert_eq!(
+        bounds,
+        Bounds {
+            least: [1.0, 3.0, -1.0],
+            greatest: [3.0, 5.0, 7.0]
+        }
+    );
+    assert_eq!(
+        (bounds.centre(), bounds.extents()),
+        ([2.0, 4.0, 3.0], [2.0, 2.0, 8.0])
+    );
+    scene.splats.clear();
+    assert_eq!(scene.bounds(), None);
+    assert!(
+        scene
+            .default_camera(10, 10)
+            .rotation
+            .iter()
+            .flatten()
+            .all(|entry| entry.is_finite())
+    );
+}
+
+#[test]
+fn stray_splats_do_not_push_the_camera_away() {
+    let mut scene = random_gaussians(1000, 1, 1.0);
+    scene.name = "capture.ply".to_string();
+    let near = scene.default_camera(64, 64);
+    for splat in scene.splats.iter_mut().take(10) {
+        splat.centre = [1e6, -1e6, 1e6];
+    }
+    let far = scene.default_camera(64, 64);
+    let moved = near
+        .translation
+        .iter()
+        .zip(far.translation)
+        .map(|(a, b)| (a - b).abs())
+        .fold(0.0, f64::max);
+    assert!(moved < 0.2, "moved by {moved}");
+}
+
+#[test]
+fn a_single_splat_can_be_looked_at() {
+    let mut scene = random_gaussians(1, 1, 1.0);
+    for name in ["one.ply", "random:1:1"] {
+        scene.name = name.to_string();
+        let camera = scene.default_camera(64, 48);
+        assert!(camera.translation.iter().all(|part| part.is_finite()));
+    }
+}
+
+#[test]
+fn default_cameras_show_the_scenes() {
+    let demo = demo().unwrap();
+    let camera = demo.default_camera(512, 512);
+    assert_eq!(
+        camera.rotation,
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    );
+    assert!(
+        part_in_view(&demo, &camera) > 0.99,
+        "{}",
+        part_in_view(&demo, &camera)
+    );
+    let random = random_gaussians(1000, 1, 1.0);
+    assert!(part_in_view(&random, &random.default_camera(512, 512)) > 0.75);
+    for file in [
+        "gaussians/guitar.ply",
+        "gaussians/playbot_lod4.ply",
+        "golden/tiny.ply",
+        "volumes/headsq.nhdr",
+    ] {
+        let Some(path) = shared_data(file) else {
+            return;
+        };
+        let scene = load_plain(&path);
+        let part = part_in_view(&scene, &scene.default_camera(640, 480));
+        println!("{file}: {part}");
+        assert!(part > 0.85, "{file}: {part} in view");
+    }
+}

@@ -1,6 +1,6 @@
 //! What a splat weighs under each kind of rules.
 //!
-//! Normalised rules ([EWA] eq. 26-31) want a mass, the others a peak opacity. A scene made for one is drawn under the
+//! Normalised rules (\[EWA\] eq. 26-31) want a mass, the others a peak opacity. A scene made for one is drawn under the
 //! other by the peak that its kernel would have if it were a sphere of the same volume, seen one scene unit per pixel
 //! and without a low-pass filter: `opacity = mass / (2 pi det(V)^(1/3))`, clamped to 0..1, and
 //! `mass = opacity 2 pi det(V)^(1/3)`, where V is the splat's variance matrix.

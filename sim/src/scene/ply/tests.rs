@@ -1,1 +1,358 @@
+//! Tests of the PLY reader: layouts, byte orders, damage.
 
+use super::super::Skipped;
+use super::*;
+
+const FIELDS: [&str; 14] = [
+    "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
+    "rot_0", "rot_1", "rot_2", "rot_3",
+];
+
+/// Values of two records, in the order of [`FIELDS`].
+const RECORDS: [[f32; 14]; 2] = [
+    [
+        1.0, 2.0, 3.0, 0.5, -0.5, 0.25, 2.0, -3.0, -4.0, -5.0, 0.5, 0.5, -0.5, 0.5,
+    ],
+    [
+        -1.0,
+        0.5,
+        9.0,
+        1.5,
+        0.0,
+        -4.0,
+        f32::INFINITY,
+        -2.0,
+        -2.5,
+        -1.0,
+        1.0,
+        0.0,
+        0.0,
+        0.25,
+    ],
+];
+
+fn header(format: &str, count: &str, properties: &[String]) -> String {
+    format!(
+        "ply\nformat {format} 1.0\nelement vertex {count}\n{}end_header\n",
+        properties.concat()
+    )
+}
+
+fn properties(names: &[&str]) -> Vec<String> {
+    names
+        .iter()
+        .map(|name| format!("property float {name}\n"))
+        .collect()
+}
+
+fn binary(records: &[&[f32]], big: bool) -> Vec<u8> {
+    let bytes = |value: &f32| {
+        if big {
+            value.to_be_bytes()
+        } else {
+            value.to_le_bytes()
+        }
+    };
+    records
+        .iter()
+        .flat_map(|record| record.iter().flat_map(bytes))
+        .collect()
+}
+
+fn file(format: &str) -> Vec<u8> {
+    let mut bytes = header(format, "2", &properties(&FIELDS)).into_bytes();
+    match format {
+        "ascii" => {
+            for record in RECORDS {
+                let words: Vec<String> = record.iter().map(f32::to_string).collect();
+                bytes.extend(format!("{}\n", words.join(" ")).into_bytes());
+            }
+        }
+        _ => bytes.extend(binary(
+            &[&RECORDS[0], &RECORDS[1]],
+            format == "binary_big_endian",
+        )),
+    }
+    bytes
+}
+
+fn message(bytes: &[u8]) -> String {
+    load(bytes, "x").unwrap_err().to_string()
+}
+
+#[test]
+fn the_three_formats_agree() {
+    let little = load(&file("binary_little_endian"), "x").unwrap();
+    assert_eq!(little, load(&file("binary_big_endian"), "x").unwrap());
+    assert_eq!(little, load(&file("ascii"), "x").unwrap());
+    assert_eq!(little.splats[0].centre, [1.0, 2.0, 3.0]);
+    assert_eq!(little.splats[1].weight, 1.0);
+    assert_eq!(little.splats[1].colour[2], 0.0);
+    assert!((little.splats[0].colour[0] - (0.5 + 0.5 * 0.282_094_79)).abs() < 1e-8);
+}
+
+#[test]
+fn order_and_extra_properties_do_not_matter() {
+    let mut names = FIELDS.to_vec();
+    names.reverse();
+    names.insert(3, "nx");
+    let mut bytes = header("binary_little_endian", "2", &properties(&names)).into_bytes();
+    for record in RECORDS {
+        let mut values = record.to_vec();
+        values.reverse();
+        values.insert(3, 77.0);
+        bytes.extend(binary(&[&values], false));
+    }
+    assert_eq!(
+        load(&bytes, "x").unwrap(),
+        load(&file("binary_little_endian"), "x").unwrap()
+    );
+}
+
+#[test]
+fn other_elements_and_lists_are_walked_over() {
+    let plain = String::from_utf8(file("ascii")).unwrap();
+    let (head, body) = plain.split_once("end_header\n").unwrap();
+    let head = head.replace(
+        "element vertex",
+        "element camera 1\nproperty list uchar float pose\nproperty int id\nelement vertex",
+    );
+    let text = format!(
+        "{head}element face 1\nproperty list uchar int vertices\nend_header\n2 0.5 0.5 7\n{body}3 0 1 2\n"
+    );
+    assert_eq!(
+        load(text.as_bytes(), "x").unwrap(),
+        load(plain.as_bytes(), "x").unwrap()
+    );
+
+    let plain = file("binary_little_endian");
+    let at = plain
+        .windows(11)
+        .position(|window| window == b"end_header\n")
+        .unwrap();
+    let mut bytes = plain[..at].to_vec();
+    bytes.extend(b"element face 1\nproperty list uchar short vertices\nend_header\n");
+    bytes.extend(&plain[at + 11..]);
+    bytes.extend([2, 0, 0, 1, 0]);
+    assert_eq!(load(&bytes, "x").unwrap(), load(&plain, "x").unwrap());
+}
+
+/// The trainers write all red coefficients, then all green, then all blue.
+#[test]
+fn harmonics_are_stored_by_channel() {
+    for (degree, per_channel) in [(1u8, 3usize), (2, 8), (3, 15)] {
+        let mut names: Vec<String> = FIELDS.map(String::from).to_vec();
+        names.extend((0..3 * per_channel).map(|k| format!("f_rest_{k}")));
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut record = RECORDS[0].to_vec();
+        record.extend((0..3 * per_channel).map(|k| k as f32));
+        let mut bytes = header("binary_little_endian", "1", &properties(&names)).into_bytes();
+        bytes.extend(binary(&[&record], false));
+        let harmonics = load(&bytes, "x").unwrap().harmonics.unwrap();
+        assert_eq!(harmonics.degree, degree);
+        let expected: Vec<[f32; 3]> = (0..per_channel)
+            .map(|k| [0, 1, 2].map(|channel| (channel * per_channel + k) as f32))
+            .collect();
+        assert_eq!(harmonics.coefficients, expected);
+    }
+}
+
+#[test]
+fn unusable_records_are_skipped_and_counted() {
+    let mut records = [RECORDS[0]; 6];
+    records[1][0] = f32::NAN;
+    records[2][7] = 500.0;
+    records[3][10..14].fill(0.0);
+    records[4][6] = f32::NEG_INFINITY;
+    records[5][6] = f32::NAN;
+    let mut bytes = header("binary_little_endian", "6", &properties(&FIELDS)).into_bytes();
+    records
+        .iter()
+        .for_each(|record| bytes.extend(binary(&[record], false)));
+    let scene = load(&bytes, "x").unwrap();
+    assert_eq!(
+        scene.skipped,
+        Skipped {
+            non_finite: 3,
+            zero_rotation: 1
+        }
+    );
+    assert_eq!(scene.splats.len(), 2);
+    assert_eq!(scene.splats[1].weight, 0.0);
+}
+
+#[test]
+fn every_truncation_is_an_error() {
+    for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        let whole = file(format);
+        for length in 0..whole.len() {
+            assert!(
+                load(&whole[..length], "x").is_err(),
+                "{format} cut at {length}"
+            );
+        }
+    }
+}
+
+#[test]
+fn no_flipped_byte_panics() {
+    for format in ["ascii", "binary_little_endian"] {
+        let whole = file(format);
+        for place in 0..whole.len() {
+            for flip in [0x01, 0x10, 0x80, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[place] ^= flip;
+                let _ = load(&bytes, "x");
+            }
+        }
+    }
+}
+
+#[test]
+fn absurd_counts_are_refused_at_once() {
+    for format in ["ascii", "binary_little_endian"] {
+        for count in ["1000000000000", "18446744073709551615"] {
+            let found = message(header(format, count, &properties(&FIELDS)).as_bytes());
+            assert!(
+                found.starts_with(&format!("element vertex, {count} records: ")),
+                "{found}"
+            );
+        }
+    }
+    let list =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty list uint double a\n";
+    let text = format!("{list}{}end_header\n", properties(&FIELDS).concat());
+    let mut bytes = text.into_bytes();
+    bytes.extend([0xff; 80]);
+    assert!(
+        message(&bytes)
+            .starts_with("element vertex record 0, property a: 34359738360 bytes are needed")
+    );
+}
+
+#[test]
+fn a_point_cloud_is_told_that_surface_splats_come_later() {
+    let bytes = header(
+        "ascii",
+        "1",
+        &properties(&["x", "y", "z", "nx", "ny", "nz"]),
+    );
+    assert_eq!(
+        message(bytes.as_bytes()),
+        "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud; \
+         surface splats from points come later; give a 3D Gaussian PLY"
+    );
+    let Some(path) = super::super::tests::shared_data("points/lion_takanawa.ply") else {
+        return;
+    };
+    let error = super::super::load(&path, &super::super::LoadOptions::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("lion_takanawa.ply: element vertex: it has none of"),
+        "{error}"
+    );
+}
+
+#[test]
+fn each_message_names_the_field_and_the_fix() {
+    let full = properties(&FIELDS);
+    let with = |extra: &str| [&full[..], &[extra.to_string()]].concat();
+    let cases: Vec<(String, &str)> = vec![
+        (
+            "nonsense\n".into(),
+            "PLY header line 1: it is not 'ply'; check that this is a PLY file",
+        ),
+        (
+            "ply\n".into(),
+            "PLY header line 2: the file ends before end_header; fetch the file again: it is truncated",
+        ),
+        (
+            "ply\nend_header\n".into(),
+            "no format line came before end_header; add 'format binary_little_endian 1.0'",
+        ),
+        (
+            "ply\nformat odd 1.0\n".into(),
+            "PLY header line 2, format: 'odd' is unknown; use ascii",
+        ),
+        (
+            "ply\nwhat\n".into(),
+            "PLY header line 2: 'what' is not understood; expected format, element",
+        ),
+        (
+            "ply\nproperty float x\n".into(),
+            "a property comes before any element; put an element line before it",
+        ),
+        (
+            "ply\nelement vertex -1\n".into(),
+            "element vertex: the count '-1' is no whole number; write the number",
+        ),
+        (
+            "ply\nelement vertex 1\nproperty x\n".into(),
+            "it is neither 'property TYPE NAME' nor",
+        ),
+        (
+            "ply\nelement vertex 1\nproperty half x\n".into(),
+            "line 3, property: the type 'half' is unknown; use one",
+        ),
+        (
+            "ply\nformat ascii 1.0\nend_header\n".into(),
+            "there is no element 'vertex'; export the scene as a 3D",
+        ),
+        (
+            header("ascii", "0", &full),
+            "element vertex: its count is 0; export a scene with splats in it",
+        ),
+        (
+            header("ascii", "1", &with("element vertex 1\n")),
+            "element 'vertex' is declared twice; declare it once",
+        ),
+        (
+            header("ascii", "1", &full[1..]),
+            "property x: the Gaussians' element vertex lacks it; export the scene with",
+        ),
+        (
+            header("ascii", "1", &with("property float f_rest_0\n")),
+            "properties f_rest_*: there are 1; degrees 0 to 3",
+        ),
+        (
+            header("ascii", "1", &with("property uint packed_position\n")),
+            "this is a compressed PLY, which is not read",
+        ),
+        (
+            header("ascii", "1", &full) + &"1 ".repeat(20) + "\n",
+            "line 19: '1' stands after the last property",
+        ),
+        (
+            header("ascii", "1", &full) + &" ".repeat(40) + "1 2\n",
+            "line 19, property z: the line ends before it",
+        ),
+        (
+            header("ascii", "1", &full) + "1 two 3 4 5 6 7 8 9 10 11 12 13 14\n",
+            "property y: 'two' is no number; write",
+        ),
+        (
+            header("ascii", "1", &full) + &"1 ".repeat(14),
+            "the file ends without a newline, so the last number may",
+        ),
+        (
+            header("ascii", "1", &full) + &" \n".repeat(30),
+            "line 49: the file ends before the last record; fetch it",
+        ),
+        (
+            String::from_utf8(file("ascii")).unwrap() + "9\n",
+            "PLY body: 1 bytes are left over after the last record",
+        ),
+        (
+            header("ascii", "1", &with("property list int int odd\n")) + &"1 ".repeat(14) + "-1\n",
+            "line 20, property odd: the list length -1 is no count; correct the list",
+        ),
+    ];
+    for (text, expected) in cases {
+        let found = message(text.as_bytes());
+        assert!(
+            found.contains(expected),
+            "found    {found}\nexpected {expected}"
+        );
+    }
+}

@@ -1,4 +1,4 @@
-//! Transfer functions: from a voxel's value and gradient magnitude to colour and extinction ([EWA] 7.1, [SWAN] 5).
+//! Transfer functions: from a voxel's value and gradient magnitude to colour and extinction (\[EWA\] 7.1, \[SWAN\] 5).
 //!
 //! Both are piecewise linear between control points and constant beyond them:
 //! `extinction = extinction(value) * multiplier(|gradient|)`, with extinction per scene unit and the gradient in data

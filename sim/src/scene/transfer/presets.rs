@@ -1,7 +1,7 @@
 //! Built-in transfer functions of the classic volumes, chosen by file name, and a ramp for all others.
 //!
 //! Extinctions are moderate: the peak opacity of one splat is `extinction * volume / (2 pi sigma^2 area)`, about a
-//! third of the extinction per voxel, so even the densest material lets some ten voxels contribute.
+//! quarter of the extinction per voxel, so even the densest material lets some ten voxels contribute.
 
 use super::{GradientPoint, Shading, Transfer, ValuePoint};
 
@@ -60,15 +60,15 @@ fn gradient(at: f64, multiplier: f64) -> GradientPoint {
 fn brainsmall() -> Transfer {
     Transfer {
         values: vec![
-            value(12.0, [0.80, 0.50, 0.40], 0.0),
-            value(28.0, [0.85, 0.55, 0.45], 0.012),
-            value(48.0, [0.90, 0.62, 0.52], 0.015),
-            value(62.0, [0.95, 0.72, 0.62], 0.10),
-            value(85.0, [1.00, 0.86, 0.76], 0.20),
-            value(120.0, [1.00, 0.95, 0.85], 0.06),
-            value(200.0, [1.00, 0.98, 0.92], 0.04),
+            value(10.0, [0.80, 0.45, 0.35], 0.0),
+            value(26.0, [0.90, 0.52, 0.40], 0.018),
+            value(46.0, [0.95, 0.62, 0.52], 0.020),
+            value(60.0, [0.98, 0.74, 0.64], 0.12),
+            value(85.0, [1.00, 0.88, 0.78], 0.26),
+            value(110.0, [1.00, 0.95, 0.85], 0.08),
+            value(200.0, [1.00, 0.98, 0.92], 0.05),
         ],
-        gradients: vec![gradient(0.0, 1.0)],
+        gradients: Vec::new(),
         shading: Shading {
             surface: 8.0,
             ..Shading::default()
@@ -133,17 +133,17 @@ fn nucleon() -> Transfer {
 fn headsq() -> Transfer {
     Transfer {
         values: vec![
-            value(400.0, [0.85, 0.55, 0.45], 0.0),
-            value(800.0, [0.90, 0.62, 0.50], 0.008),
-            value(1150.0, [0.90, 0.62, 0.50], 0.006),
-            value(1350.0, [1.00, 0.90, 0.80], 0.02),
-            value(1900.0, [1.00, 0.97, 0.90], 0.08),
-            value(3900.0, [1.00, 1.00, 0.97], 0.10),
+            value(400.0, [0.95, 0.50, 0.35], 0.0),
+            value(800.0, [0.95, 0.55, 0.40], 0.006),
+            value(1200.0, [0.95, 0.55, 0.40], 0.004),
+            value(1350.0, [1.00, 0.90, 0.80], 0.015),
+            value(1900.0, [1.00, 0.97, 0.90], 0.10),
+            value(3900.0, [1.00, 1.00, 0.97], 0.12),
         ],
         gradients: vec![
-            gradient(10.0, 0.0),
-            gradient(60.0, 0.5),
-            gradient(150.0, 1.0),
+            gradient(20.0, 0.0),
+            gradient(80.0, 0.5),
+            gradient(160.0, 1.0),
         ],
         shading: Shading {
             surface: 60.0,

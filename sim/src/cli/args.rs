@@ -1,0 +1,354 @@
+//! The options of every command. Names are stable: scripts and notebooks depend on them.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use splatline::format::Traversal;
+use splatline_sim::design;
+use splatline_sim::picture::Depth;
+use splatline_sim::rules::{Compositing, Rules};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Largest width and height of a picture.
+pub const LARGEST_SIDE: usize = 16_384;
+/// Vertical field of view where none is given, degrees.
+pub const USUAL_FOV: f64 = 45.0;
+
+const EXAMPLES: &str = "\
+Examples:
+  splatline
+      the demo: an embedded MR head, four designs against float; writes out/report.html
+  splatline render guitar.ply --eye 5.5,-2.1,0.2 --target 0.1,-2.1,0.1 --up 0,-1,0 -o guitar.png
+      one picture through the fixed-point kernel
+  splatline compare guitar.ply --camera camera.json -o out
+      pictures, error map and a report of speed against error
+  splatline footprints guitar.ply -o footprints.csv
+      where every splat lands, for use elsewhere
+
+Exit codes: 0, 1 for bad input, 2 for bad usage.";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  splatline render guitar.splat -o guitar.png
+  splatline render guitar.ply --camera camera.json --design lean18 --traversal box -o guitar.png
+  splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
+  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png";
+
+const COMPARE_EXAMPLES: &str = "\
+Examples:
+  splatline compare guitar.ply -o out
+  splatline compare guitar.ply --camera camera.json --design lean18 --only -o out
+  splatline compare fuel.nhdr --design my_design.toml --repeat 5 --size 800x600 -o out
+  splatline compare guitar.ply --engine exact -o out      against the ray integral instead of EWA
+
+Writes fixed.png, float.png, error.png, report.json and report.html.";
+
+const FOOTPRINTS_EXAMPLES: &str = "\
+Examples:
+  splatline footprints guitar.ply -o footprints.csv
+  splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
+
+Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
+
+/// Fixed-point splatting against a float reference.
+///
+/// Without a command: the demo, which draws an embedded volume with four designs and writes out/report.html.
+#[derive(Debug, Parser)]
+#[command(name = "splatline", version, after_help = EXAMPLES)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Draw a scene into a PNG file.
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderOptions),
+    /// Draw a scene in fixed point and in floating point and report speed against error.
+    #[command(after_help = COMPARE_EXAMPLES)]
+    Compare(CompareOptions),
+    /// Write where every splat lands as CSV.
+    #[command(after_help = FOOTPRINTS_EXAMPLES)]
+    Footprints(FootprintsOptions),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub drawing: DrawingOptions,
+    /// PNG file to write
+    #[arg(short, long, value_name = "x.png")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub drawing: DrawingOptions,
+    /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+    /// Draw the chosen design only, instead of all named designs by both traversals
+    #[arg(long)]
+    pub only: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct FootprintsOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    /// Who computes the footprints: fixed or float
+    #[arg(long, value_enum, default_value = "fixed")]
+    pub engine: Engine,
+    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
+    pub design: DesignName,
+    /// CSV file to write
+    #[arg(short, long, value_name = "f.csv")]
+    pub output: PathBuf,
+}
+
+/// What is looked at and from where.
+#[derive(Debug, Args)]
+pub struct ViewOptions {
+    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Camera file (JSON); without it and without --eye the whole scene is shown
+    #[arg(long, value_name = "c.json", conflicts_with_all = ["eye", "target", "up", "fov"])]
+    pub camera: Option<PathBuf>,
+    /// Position of the camera
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        allow_hyphen_values = true,
+        requires = "target"
+    )]
+    pub eye: Option<Vector>,
+    /// Point in the middle of the picture
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        allow_hyphen_values = true,
+        requires = "eye"
+    )]
+    pub target: Option<Vector>,
+    /// Direction that is up in the picture [default: the scene's]
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        allow_hyphen_values = true,
+        requires = "eye"
+    )]
+    pub up: Option<Vector>,
+    /// Vertical field of view in degrees [default: 45]
+    #[arg(long, value_name = "deg", value_parser = field_of_view, requires = "eye")]
+    pub fov: Option<f64>,
+    /// Size of the picture [default: the camera file's, or 512x512]
+    #[arg(long, value_name = "WxH")]
+    pub size: Option<Size>,
+    /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
+    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
+    pub rules: Option<Rules>,
+    /// Transfer function of a volume (TOML)
+    #[arg(long, value_name = "file.toml")]
+    pub transfer: Option<PathBuf>,
+    /// Direction towards the light that shades a volume
+    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
+    pub light: Option<Vector>,
+}
+
+/// By what and how often it is drawn.
+#[derive(Debug, Args)]
+pub struct DrawingOptions {
+    /// fixed: the kernel; float: EWA in double precision; exact: the ray integral. `compare` always draws fixed, and
+    /// against float unless this says exact
+    #[arg(long, value_enum, default_value = "fixed")]
+    pub engine: Engine,
+    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
+    pub design: DesignName,
+    /// How a footprint's pixels are walked [default: the design's own]
+    #[arg(long, value_enum)]
+    pub traversal: Option<TraversalChoice>,
+    /// Order and operator of blending
+    #[arg(long, value_enum, default_value = "front-to-back")]
+    pub compositing: CompositingChoice,
+    /// Bits per channel of the PNG files
+    #[arg(long, value_name = "8|16", default_value = "8", value_parser = depth)]
+    pub depth: Depth,
+    /// Threads [default: all processors]
+    #[arg(long, value_name = "N", value_parser = at_least_one)]
+    pub threads: Option<usize>,
+    /// Draw N times and report median times
+    #[arg(long, value_name = "N", default_value = "1", value_parser = at_least_one)]
+    pub repeat: usize,
+    /// Also write the report as JSON to this file
+    #[arg(long, value_name = "r.json")]
+    pub json: Option<PathBuf>,
+}
+
+/// Who draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Engine {
+    /// The fixed-point kernel
+    Fixed,
+    /// EWA in double precision
+    Float,
+    /// The ray integral in double precision, without the affine approximation
+    Exact,
+}
+
+impl Engine {
+    /// Name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Engine::Fixed => "fixed",
+            Engine::Float => "float",
+            Engine::Exact => "exact",
+        }
+    }
+}
+
+/// How the kernel walks a footprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TraversalChoice {
+    /// Every pixel of the bounding box, as in the papers
+    Box,
+    /// Only the pixels of each row inside the ellipse
+    Spans,
+}
+
+impl From<TraversalChoice> for Traversal {
+    fn from(choice: TraversalChoice) -> Self {
+        match choice {
+            TraversalChoice::Box => Traversal::Box,
+            TraversalChoice::Spans => Traversal::Spans,
+        }
+    }
+}
+
+/// Order and operator of blending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompositingChoice {
+    /// Nearest splat first, finished pixels skip the rest
+    FrontToBack,
+    /// Farthest splat first
+    BackToFront,
+    /// Plain summation
+    #[value(name = "x-ray")]
+    XRay,
+}
+
+impl From<CompositingChoice> for Compositing {
+    fn from(choice: CompositingChoice) -> Self {
+        match choice {
+            CompositingChoice::FrontToBack => Compositing::FrontToBack,
+            CompositingChoice::BackToFront => Compositing::BackToFront,
+            CompositingChoice::XRay => Compositing::XRay,
+        }
+    }
+}
+
+/// The name of a design, or of a TOML file that holds one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DesignName(pub String);
+
+impl FromStr for DesignName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if design::NAMES.contains(&text) || text.ends_with(".toml") {
+            return Ok(DesignName(text.to_owned()));
+        }
+        Err(format!(
+            "expected one of {} or a file that ends in .toml",
+            design::NAMES.join(", ")
+        ))
+    }
+}
+
+/// Three finite numbers parted by commas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vector(pub [f64; 3]);
+
+impl FromStr for Vector {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts: Vec<f64> = text
+            .split(',')
+            .map(|part| number(part.trim()))
+            .collect::<Result<_, _>>()?;
+        let count = parts.len();
+        let three = <[f64; 3]>::try_from(parts)
+            .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
+        Ok(Vector(three))
+    }
+}
+
+/// Columns and rows, 1 to [`LARGEST_SIDE`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (width, height) = text
+            .split_once(['x', 'X'])
+            .ok_or("expected WxH, for example 640x480")?;
+        Ok(Size {
+            width: side(width)?,
+            height: side(height)?,
+        })
+    }
+}
+
+fn side(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
+        _ => Err(format!(
+            "width and height must be whole numbers from 1 to {LARGEST_SIDE}, not '{text}'"
+        )),
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if f64::is_finite(value) => Ok(value),
+        _ => Err(format!("'{text}' is not a finite number")),
+    }
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        degrees if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("the field of view must lie between 0 and 180 degrees".to_owned()),
+    }
+}
+
+fn depth(text: &str) -> Result<Depth, String> {
+    match text {
+        "8" => Ok(Depth::Eight),
+        "16" => Ok(Depth::Sixteen),
+        _ => Err("expected 8 or 16".to_owned()),
+    }
+}
+
+/// Counts of threads and runs; the upper bound keeps a slip of the finger from asking for a million threads.
+fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if (1..=1024).contains(&count) => Ok(count),
+        _ => Err("expected a whole number from 1 to 1024".to_owned()),
+    }
+}

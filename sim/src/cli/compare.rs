@@ -1,0 +1,87 @@
+//! `splatline compare`: fixed point against the reference, with pictures and a report.
+
+use super::args::{CompareOptions, Engine};
+use super::setup::{View, check_folder_of, write};
+use super::sweep::{self, Entry, Manner};
+use super::{Failure, say};
+use anyhow::Context;
+use splatline::format::Traversal;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::report::table::{decibels, scientific, signed};
+use splatline_sim::report::{ChannelFacts, Report};
+use std::path::Path;
+
+pub fn run(options: &CompareOptions) -> Result<(), Failure> {
+    let drawing = &options.drawing;
+    create_folder(&options.output)?;
+    drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    let view = View::from_options(&options.view)?;
+    let manner = Manner::from_options(drawing);
+    // The fixed picture is always drawn; the option can only say what it is compared with.
+    let reference = if drawing.engine == Engine::Exact {
+        Engine::Exact
+    } else {
+        Engine::Float
+    };
+    let chosen = Entry::from_options(drawing)?;
+    let others = if options.only {
+        Vec::new()
+    } else {
+        all_entries(&chosen.design)
+    };
+    let comparison = sweep::run(&view, &manner, reference, &chosen, &others)?;
+    comparison.write(&options.output, drawing.depth)?;
+    if let Some(path) = &drawing.json {
+        write(path, comparison.report.to_json()?.as_bytes())?;
+    }
+    say(&summary(&comparison.report, &options.output));
+    Ok(())
+}
+
+/// The folder for results, made if need be.
+pub fn create_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder '{}'", folder.display()))?;
+    Ok(())
+}
+
+/// Every named design by both traversals, and the chosen design by both if it is none of them.
+pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
+    let mut designs = DesignChoice::all();
+    if !designs.contains(chosen) {
+        designs.push(chosen.clone());
+    }
+    let both = |design: &DesignChoice| {
+        [Traversal::Box, Traversal::Spans].map(|traversal| Entry {
+            design: design.clone(),
+            traversal,
+        })
+    };
+    designs.iter().flat_map(both).collect()
+}
+
+/// The chosen design's errors.
+fn summary(report: &Report, folder: &Path) -> String {
+    let line = |name: &str, error: &ChannelFacts| {
+        format!(
+            "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}\n",
+            decibels(error),
+            scientific(error.max_abs),
+            signed(error.bias),
+            error.ssim
+        )
+    };
+    let errors = report
+        .error
+        .iter()
+        .map(|error| line("RGB", &error.rgb) + &line("alpha", &error.alpha));
+    format!(
+        "{}, design {} by {}, against {}\n{}{}\n",
+        report.scene.name,
+        report.design_name(),
+        report.traversal.as_deref().unwrap_or("-"),
+        report.reference.as_deref().unwrap_or("-"),
+        errors.collect::<String>(),
+        folder.join("report.html").display(),
+    )
+}

@@ -1,0 +1,66 @@
+//! `splatline` alone: an embedded real volume by all designs against float, with a report in `out/`.
+
+use super::args::{Engine, Size};
+use super::compare::{all_entries, create_folder};
+use super::setup::{View, threads};
+use super::sweep::{self, Entry, Manner};
+use super::{Failure, say};
+use anyhow::Context;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::picture::Depth;
+use splatline_sim::report::table;
+use splatline_sim::rules::Compositing;
+use splatline_sim::scene;
+use std::path::Path;
+
+const SIZE: Size = Size {
+    width: 512,
+    height: 512,
+};
+const DESIGN: &str = "standard24";
+
+pub fn run() -> Result<(), Failure> {
+    run_into(Path::new("out"), SIZE)
+}
+
+/// The demo with another folder and size, for tests.
+pub fn run_into(folder: &Path, size: Size) -> Result<(), Failure> {
+    create_folder(folder)?;
+    let scene = scene::demo()?;
+    let camera = scene.default_camera(size.width, size.height);
+    let rules = scene.natural_rules;
+    let view = View {
+        scene,
+        camera,
+        rules,
+    };
+    let manner = Manner {
+        compositing: Compositing::FrontToBack,
+        threads: threads(None),
+        repeat: 1,
+    };
+    let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
+    let chosen = Entry {
+        traversal: design.traversal,
+        design,
+    };
+    let comparison = sweep::run(
+        &view,
+        &manner,
+        Engine::Float,
+        &chosen,
+        &all_entries(&chosen.design),
+    )?;
+    comparison.write(folder, Depth::Eight)?;
+    let report = &comparison.report;
+    say(&format!(
+        "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\n",
+        report.scene.name,
+        report.scene.splats,
+        size.width,
+        size.height,
+        table::plain(&report.table),
+        folder.join("report.html").display(),
+    ));
+    Ok(())
+}

@@ -1,0 +1,34 @@
+//! What the engines hand to the commands, the same for all engines.
+
+use splatline_sim::picture::Picture;
+use splatline_sim::report::facts::Counts;
+use splatline_sim::report::{HostTimes, Pixels};
+
+/// One drawn picture and what drawing it took.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// The picture.
+    pub picture: Picture,
+    /// Splats that were not drawn, by reason.
+    pub culled: Counts,
+    /// Splats of which a value was clamped to the kernel's formats; they are drawn.
+    pub clamped: u64,
+    /// Work of the rasterizer; nothing for engines that do not count it.
+    pub pixels: Option<Pixels>,
+    /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
+    /// total is measured around the engine by [`super::sweep::measure`].
+    pub stages: HostTimes,
+}
+
+/// Where one splat lands. Pixels; the conic is that of the radial index `r = a dx^2 + 2 b dx dy + c dy^2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootprintLine {
+    /// Centre.
+    pub centre: [f64; 2],
+    /// Depth along the view.
+    pub depth: f64,
+    /// a, b, c.
+    pub conic: [f64; 3],
+    /// x0, y0, x1, y1: first pixel inside, first pixel beyond.
+    pub bounds: [usize; 4],
+}

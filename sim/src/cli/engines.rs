@@ -1,0 +1,170 @@
+//! The one place where the commands meet the engines: their different results become one [`Drawing`].
+
+use super::args::Engine;
+use super::drawing::{Drawing, FootprintLine};
+use anyhow::{Context, Result, bail};
+use rayon::ThreadPoolBuilder;
+use splatline::footprint::Footprint;
+use splatline::format::{Traversal, Widths};
+use splatline::setup::Cull;
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed;
+use splatline_sim::reference::{self, exact, float};
+use splatline_sim::report::facts::Counts;
+use splatline_sim::report::{HostTimes, Pixels};
+use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::scene::Scene;
+
+/// What to draw, from where and how; the same for every engine.
+#[derive(Clone, Copy)]
+pub struct Task<'a> {
+    pub scene: &'a Scene,
+    pub camera: &'a Camera,
+    pub rules: &'a Rules,
+    pub compositing: Compositing,
+}
+
+/// Runs `work` on so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    Ok(pool
+        .with_context(|| format!("cannot start {threads} threads"))?
+        .install(work))
+}
+
+/// Draws by one of the double-precision engines.
+pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
+    let Task {
+        scene,
+        camera,
+        rules,
+        compositing,
+    } = task;
+    let reference::Drawing { picture, counts } = match engine {
+        Engine::Float => float::draw(scene, camera, rules, compositing),
+        Engine::Exact => exact::draw(scene, camera, rules, compositing),
+        Engine::Fixed => bail!("engine 'fixed' is not a reference"),
+    };
+    Ok(Drawing {
+        picture,
+        culled: reference_culled(&counts),
+        clamped: 0,
+        pixels: None,
+        stages: HostTimes::default(),
+    })
+}
+
+/// Draws through the kernel.
+pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Drawing {
+    let options = fixed::Options {
+        rules: task.rules,
+        compositing: task.compositing,
+        design,
+        traversal,
+    };
+    let drawing = fixed::draw(task.scene, task.camera, &options);
+    let fixed::Times {
+        setup,
+        sort,
+        raster,
+    } = drawing.times;
+    let stages = HostTimes {
+        setup_s: setup,
+        sort_s: sort,
+        raster_s: raster,
+        ..HostTimes::default()
+    };
+    let counts = Cull::ALL.iter().zip(drawing.culled);
+    Drawing {
+        picture: drawing.picture,
+        culled: counts
+            .map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64))
+            .collect(),
+        clamped: drawing.clamped as u64,
+        pixels: Some(Pixels {
+            covered: drawing.coverage.covered,
+            visited: drawing.coverage.visited,
+        }),
+        stages,
+    }
+}
+
+/// Footprints by the kernel's setup, in splat order; nothing for culled splats.
+pub fn fixed_footprints(task: Task, design: &DesignChoice) -> Vec<Option<FootprintLine>> {
+    let traversal = design.traversal;
+    let options = fixed::Options {
+        rules: task.rules,
+        compositing: task.compositing,
+        design,
+        traversal,
+    };
+    let footprints = fixed::footprints(task.scene, task.camera, &options);
+    // The kernel's depths are in its own scene units; quantising once more is the price of not widening its interface.
+    let depth_log2 = -fixed::QuantisedScene::new(task.scene, task.camera, task.rules).scale_log2;
+    let line = |footprint: &Footprint| line_of(footprint, &design.widths, depth_log2);
+    footprints
+        .iter()
+        .map(|result| result.as_ref().ok().map(line))
+        .collect()
+}
+
+/// Footprints in double precision, in splat order; nothing for culled splats.
+pub fn float_footprints(task: Task) -> Vec<Option<FootprintLine>> {
+    let footprints = float::footprints(task.scene, task.camera, task.rules);
+    let line = |footprint: &float::Footprint| {
+        let bounds = &footprint.bounds;
+        FootprintLine {
+            centre: footprint.centre,
+            depth: footprint.depth,
+            conic: footprint.conic,
+            bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
+        }
+    };
+    footprints
+        .iter()
+        .map(|result| result.as_ref().ok().map(line))
+        .collect()
+}
+
+/// A packet's integers as numbers: UQ9.23 depth in units of 2^`depth_log2`, Q27.subpixel centre, conic mantissas with their exponent.
+fn line_of(footprint: &Footprint, widths: &Widths, depth_log2: i32) -> FootprintLine {
+    let power_of_two = |power: i32| f64::from(power).exp2();
+    let step = power_of_two(-i32::from(widths.subpixel));
+    let ([x0, y0], [x1, y1]) = (footprint.first, footprint.last);
+    FootprintLine {
+        centre: footprint.centre.map(|coordinate| coordinate as f64 * step),
+        depth: f64::from(footprint.depth) * power_of_two(depth_log2 - 23),
+        conic: footprint
+            .conic
+            .mantissa
+            .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
+        bounds: [x0, y0, x1, y1].map(usize::from),
+    }
+}
+
+/// The kernel's reasons in the words of the reports.
+fn cull_name(reason: Cull) -> &'static str {
+    match reason {
+        Cull::Near => "near",
+        Cull::Far => "far",
+        Cull::Range => "out_of_range",
+        Cull::Degenerate => "degenerate",
+        Cull::Transparent => "transparent",
+        Cull::Outside => "outside",
+    }
+}
+
+fn reference_culled(counts: &reference::Counts) -> Counts {
+    let reasons = [
+        ("near", counts.near),
+        ("far", counts.far),
+        ("outside", counts.outside),
+        ("transparent", counts.transparent),
+        ("degenerate", counts.degenerate),
+        ("non_finite", counts.non_finite),
+    ];
+    reasons
+        .map(|(reason, count)| (reason.to_owned(), count as u64))
+        .into()
+}

@@ -1,0 +1,71 @@
+//! `splatline footprints`: where every splat lands, as CSV.
+//!
+//! One line per splat in the scene's order; a culled splat has its index and otherwise empty fields, so that lines can
+//! be joined by number. Numbers are written with as many digits as it takes to read back the same double.
+
+use super::args::{Engine, FootprintsOptions};
+use super::drawing::FootprintLine;
+use super::engines::{self, Task};
+use super::setup::{View, check_folder_of, write};
+use super::{Failure, say};
+use splatline_sim::design::DesignChoice;
+use splatline_sim::rules::Compositing;
+use std::fmt::Write;
+
+const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n";
+
+pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
+    check_folder_of(&options.output)?;
+    if options.engine == Engine::Exact {
+        let message =
+            "--engine exact integrates along rays and has no footprints; use fixed or float";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let View {
+        scene,
+        camera,
+        rules,
+    } = View::from_options(&options.view)?;
+    // Footprints do not depend on the order of blending.
+    let compositing = Compositing::FrontToBack;
+    let task = Task {
+        scene: &scene,
+        camera: &camera,
+        rules: &rules,
+        compositing,
+    };
+    let lines = match options.engine {
+        Engine::Fixed => engines::fixed_footprints(task, &DesignChoice::load(&options.design.0)?),
+        _ => engines::float_footprints(task),
+    };
+    write(&options.output, csv(&lines).as_bytes())?;
+    let culled = lines.iter().filter(|line| line.is_none()).count();
+    say(&format!(
+        "{}: {} splats, {culled} culled\n",
+        scene.name,
+        lines.len()
+    ));
+    Ok(())
+}
+
+fn csv(lines: &[Option<FootprintLine>]) -> String {
+    let mut text = String::from(HEADING);
+    for (index, line) in lines.iter().enumerate() {
+        // Writing to a String cannot fail.
+        let _ = match line {
+            None => writeln!(text, "{index},,,,,,,,,,"),
+            Some(FootprintLine {
+                centre: [u, v],
+                depth,
+                conic: [a, b, c],
+                bounds: [x0, y0, x1, y1],
+            }) => {
+                writeln!(
+                    text,
+                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1}"
+                )
+            }
+        };
+    }
+    text
+}

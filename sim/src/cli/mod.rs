@@ -1,0 +1,74 @@
+//! The command line: one file per command, the options in [`args`], the engines behind [`engines`].
+//!
+//! Exit codes: 0, 1 for bad input (a file that cannot be read, drawn or written), 2 for bad usage (an option that is
+//! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
+
+mod args;
+mod compare;
+mod demo;
+mod drawing;
+mod engines;
+mod footprints;
+mod progress;
+mod render;
+mod setup;
+mod sweep;
+#[cfg(test)]
+mod tests;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Why a command failed, which decides the exit code.
+#[derive(Debug)]
+enum Failure {
+    /// The options make no sense together; exit code 2.
+    Usage(String),
+    /// A file or its contents; exit code 1.
+    Input(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure::Input(error.into())
+    }
+}
+
+/// Parses the command line, runs the command and turns failures into messages and exit codes.
+pub fn run() -> ExitCode {
+    let cli = Cli::parse();
+    match dispatch(cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Input(error)) => {
+            complain(&format!("error: {error:#}\n"));
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(message)) => {
+            complain(&format!(
+                "error: {message}\n\nFor more information, try '--help'.\n"
+            ));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn dispatch(command: Option<Command>) -> Result<(), Failure> {
+    match command {
+        None => demo::run(),
+        Some(Command::Render(options)) => render::run(&options),
+        Some(Command::Compare(options)) => compare::run(&options),
+        Some(Command::Footprints(options)) => footprints::run(&options),
+    }
+}
+
+/// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.
+fn say(text: &str) {
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Prints to stderr; if even that fails, nobody is left to tell.
+fn complain(text: &str) {
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}

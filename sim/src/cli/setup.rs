@@ -1,0 +1,91 @@
+//! From options to what the engines need: scene, camera, rules, threads, and a check of the output's folder.
+
+use super::Failure;
+use super::args::{Size, USUAL_FOV, Vector, ViewOptions};
+use anyhow::{Context, anyhow};
+use splatline_sim::camera::Camera;
+use splatline_sim::rules::Rules;
+use splatline_sim::scene::{self, LoadOptions, Scene};
+use std::num::NonZero;
+use std::path::Path;
+
+/// Where neither a camera file nor `--size` says otherwise.
+const USUAL_SIZE: Size = Size {
+    width: 512,
+    height: 512,
+};
+
+/// What is looked at, from where and under which rules.
+pub struct View {
+    pub scene: Scene,
+    pub camera: Camera,
+    pub rules: Rules,
+}
+
+impl View {
+    /// Loads the scene and places the camera.
+    pub fn from_options(options: &ViewOptions) -> Result<View, Failure> {
+        let light = options.light.map(|Vector(direction)| direction);
+        let load_options = LoadOptions {
+            transfer: options.transfer.clone(),
+            light,
+        };
+        let scene = scene::load(&options.scene, &load_options)?;
+        let camera = camera(options, &scene)?;
+        let rules = options.rules.unwrap_or(scene.natural_rules);
+        Ok(View {
+            scene,
+            camera,
+            rules,
+        })
+    }
+}
+
+fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
+    if let Some(path) = &options.camera {
+        let camera = Camera::from_json_file(path)?;
+        return match options.size {
+            Some(size) => Ok(camera.resized(size.width, size.height)?),
+            None => Ok(camera),
+        };
+    }
+    let size = options.size.unwrap_or(USUAL_SIZE);
+    let (Some(Vector(eye)), Some(Vector(target))) = (options.eye, options.target) else {
+        return Ok(scene.default_camera(size.width, size.height));
+    };
+    let up = options.up.map_or(scene.up, |Vector(up)| up);
+    let fov = options.fov.unwrap_or(USUAL_FOV);
+    Camera::look_at(eye, target, up, fov, size.width, size.height).map_err(|error| {
+        Failure::Usage(format!("--eye, --target and --up make no camera: {error}"))
+    })
+}
+
+/// The number of threads asked for, or one per processor.
+pub fn threads(asked: Option<usize>) -> usize {
+    asked.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, NonZero::get))
+}
+
+/// Fails before the work and not after it if the output's folder does not exist.
+pub fn check_folder_of(file: &Path) -> Result<(), Failure> {
+    if file.is_dir() {
+        return Err(anyhow!(
+            "cannot write '{}': it is a folder; name a file in it",
+            file.display()
+        )
+        .into());
+    }
+    match file.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() && !folder.is_dir() => {
+            let (file, folder) = (file.display(), folder.display());
+            Err(anyhow!("cannot write '{file}': the folder '{folder}' does not exist").into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes bytes whole; the error names the file.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    splatline_sim::atomic::write(path, bytes)
+        .with_context(|| format!("cannot write '{}'", path.display()))?;
+    Ok(())
+}

@@ -1,0 +1,264 @@
+//! Draws one view by several designs and traversals and compares each with the reference.
+
+use super::Failure;
+use super::args::{DrawingOptions, Engine};
+use super::drawing::Drawing;
+use super::engines::{self, Task};
+use super::progress::Progress;
+use super::setup::{View, threads, write};
+use anyhow::{Context, Result};
+use splatline::format::Traversal;
+use splatline_sim::design::{DesignChoice, traversal_name};
+use splatline_sim::metrics::{Errors, compare};
+use splatline_sim::picture::{Depth, Picture};
+use splatline_sim::report::error_map::ErrorMap;
+use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
+use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, html};
+use splatline_sim::rules::Compositing;
+use std::path::Path;
+use std::time::Instant;
+
+/// How a view is drawn and measured.
+pub struct Manner {
+    pub compositing: Compositing,
+    pub threads: usize,
+    pub repeat: usize,
+}
+
+/// One design walked by one traversal.
+#[derive(Clone, PartialEq)]
+pub struct Entry {
+    pub design: DesignChoice,
+    pub traversal: Traversal,
+}
+
+impl Manner {
+    /// As the command line says.
+    pub fn from_options(options: &DrawingOptions) -> Manner {
+        Manner {
+            compositing: options.compositing.into(),
+            threads: threads(options.threads),
+            repeat: options.repeat,
+        }
+    }
+}
+
+impl Entry {
+    /// The design and the traversal that the command line says, or else the design's own traversal.
+    pub fn from_options(options: &DrawingOptions) -> Result<Entry> {
+        let design = DesignChoice::load(&options.design.0)?;
+        let traversal = options.traversal.map_or(design.traversal, Traversal::from);
+        Ok(Entry { design, traversal })
+    }
+
+    /// `lean18 by spans`.
+    fn title(&self) -> String {
+        format!("{} by {}", self.design.name, traversal_name(self.traversal))
+    }
+}
+
+/// A drawing and the median times of all its runs.
+pub struct Measured {
+    pub drawing: Drawing,
+    pub host: HostTimes,
+}
+
+/// The chosen design's pictures and the report about all designs.
+pub struct Comparison {
+    pub fixed: Picture,
+    pub float: Picture,
+    pub report: Report,
+}
+
+/// Runs `draw` as often as asked and keeps the last drawing.
+pub fn measure(
+    manner: &Manner,
+    mut draw: impl FnMut() -> Result<Drawing> + Send,
+) -> Result<Measured> {
+    let mut runs = Vec::with_capacity(manner.repeat);
+    engines::on_threads(manner.threads, || {
+        loop {
+            let start = Instant::now();
+            let drawing = draw()?;
+            let total_s = start.elapsed().as_secs_f64();
+            runs.push(HostTimes {
+                total_s,
+                threads: manner.threads,
+                ..drawing.stages
+            });
+            if runs.len() >= manner.repeat {
+                return Ok(Measured {
+                    drawing,
+                    host: HostTimes::median_of(&runs),
+                });
+            }
+        }
+    })?
+}
+
+/// Draws by one of the double-precision engines.
+pub fn draw_reference(view: &View, manner: &Manner, engine: Engine) -> Result<Measured> {
+    measure(manner, || {
+        engines::draw_reference(engine, task(view, manner))
+    })
+}
+
+/// Draws one entry through the kernel.
+pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measured> {
+    measure(manner, || {
+        Ok(engines::draw_fixed(
+            task(view, manner),
+            &entry.design,
+            entry.traversal,
+        ))
+    })
+}
+
+fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
+    let View {
+        scene,
+        camera,
+        rules,
+    } = view;
+    Task {
+        scene,
+        camera,
+        rules,
+        compositing: manner.compositing,
+    }
+}
+
+/// Draws `chosen` and `others`, which may hold `chosen` again, against the reference.
+pub fn run(
+    view: &View,
+    manner: &Manner,
+    reference: Engine,
+    chosen: &Entry,
+    others: &[Entry],
+) -> Result<Comparison, Failure> {
+    let entries = entries(chosen, others);
+    let progress = Progress::new(entries.len() + 1);
+    progress.doing(format!("{} reference", reference.name()));
+    // Once is enough: the reference's time is not reported.
+    let once = Manner {
+        repeat: 1,
+        ..*manner
+    };
+    let float = draw_reference(view, &once, reference)?.drawing.picture;
+    progress.advance();
+
+    let mut table = Vec::with_capacity(entries.len());
+    let mut kept = None;
+    for entry in &entries {
+        progress.doing(entry.title());
+        let measured = draw_entry(view, manner, entry)?;
+        let errors = compare(&measured.drawing.picture, &float)
+            .with_context(|| format!("design {} cannot be compared", entry.title()))?;
+        let pixels = measured.drawing.pixels.unwrap_or_default();
+        let traversal = traversal_name(entry.traversal);
+        table.push(Row::new(
+            &entry.design.name,
+            traversal,
+            &errors,
+            pixels,
+            measured.host,
+        ));
+        if entry == chosen {
+            kept = Some((measured, errors));
+        }
+        progress.advance();
+    }
+    let (measured, errors) = kept.context("the chosen design was not drawn")?;
+    let report = report(view, manner, reference, chosen, (&measured, &errors), table)?;
+    Ok(Comparison {
+        fixed: measured.drawing.picture,
+        float,
+        report,
+    })
+}
+
+/// All entries, the chosen one in its place among the others or else last.
+fn entries(chosen: &Entry, others: &[Entry]) -> Vec<Entry> {
+    let mut entries = others.to_vec();
+    if !entries.contains(chosen) {
+        entries.push(chosen.clone());
+    }
+    entries
+}
+
+fn report(
+    view: &View,
+    manner: &Manner,
+    reference: Engine,
+    chosen: &Entry,
+    (measured, errors): (&Measured, &Errors),
+    table: Vec<Row>,
+) -> Result<Report> {
+    Ok(Report {
+        reference: Some(reference.name().to_owned()),
+        error: Some(ErrorFacts::from(errors)),
+        table,
+        ..report_of_entry(view, manner, chosen, measured)?
+    })
+}
+
+/// The report of one picture through the kernel that was compared with nothing.
+pub fn report_of_entry(
+    view: &View,
+    manner: &Manner,
+    entry: &Entry,
+    measured: &Measured,
+) -> Result<Report> {
+    Ok(Report {
+        design: serde_json::to_value(entry.design.resolved())?,
+        traversal: Some(traversal_name(entry.traversal).to_owned()),
+        ..report_of_drawing(view, manner, Engine::Fixed, measured)
+    })
+}
+
+/// The report of one picture by whatever engine, without design and traversal.
+pub fn report_of_drawing(
+    view: &View,
+    manner: &Manner,
+    engine: Engine,
+    measured: &Measured,
+) -> Report {
+    Report {
+        format: FORMAT.to_owned(),
+        engine: engine.name().to_owned(),
+        reference: None,
+        design: serde_json::Value::Null,
+        traversal: None,
+        scene: SceneFacts::new(
+            &view.scene,
+            measured.drawing.culled.clone(),
+            measured.drawing.clamped,
+        ),
+        camera: CameraFacts::from(&view.camera),
+        rules: RulesFacts::from(&view.rules),
+        compositing: compositing_name(manner.compositing).to_owned(),
+        error: None,
+        cycles: None,
+        pixels: measured.drawing.pixels,
+        host: measured.host,
+        table: Vec::new(),
+    }
+}
+
+impl Comparison {
+    /// Writes fixed.png, float.png, error.png, report.json and report.html.
+    pub fn write(&self, folder: &Path, depth: Depth) -> Result<(), Failure> {
+        self.fixed.write_png(&folder.join("fixed.png"), depth)?;
+        self.float.write_png(&folder.join("float.png"), depth)?;
+        let map = ErrorMap::new(&self.fixed, &self.float).to_rgb().to_png()?;
+        write(&folder.join("error.png"), &map)?;
+        write(
+            &folder.join("report.json"),
+            self.report.to_json()?.as_bytes(),
+        )?;
+        write(
+            &folder.join("report.html"),
+            html::page(&self.report, &self.fixed, &self.float)?.as_bytes(),
+        )
+    }
+}

@@ -1,0 +1,373 @@
+//! Parsing of options, and the commands from options to files on small scenes.
+
+use super::args::*;
+use super::*;
+use clap::CommandFactory;
+use clap::error::ErrorKind;
+use splatline_sim::picture::{Depth, Picture};
+use splatline_sim::report::Report;
+use std::path::Path;
+
+fn parse(line: &str) -> Result<Cli, clap::Error> {
+    Cli::try_parse_from(std::iter::once("splatline").chain(line.split_whitespace()))
+}
+
+fn run_line(line: &str) -> Result<(), Failure> {
+    dispatch(parse(line).unwrap().command)
+}
+
+fn read_report(path: &Path) -> Report {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
+#[test]
+fn the_definition_is_consistent() {
+    Cli::command().debug_assert();
+}
+
+#[test]
+fn only_commands_that_exist_are_listed_and_each_shows_examples() {
+    let command = Cli::command();
+    let names: Vec<&str> = command
+        .get_subcommands()
+        .map(|sub| sub.get_name())
+        .collect();
+    assert_eq!(names, ["render", "compare", "footprints"]);
+    for sub in command.get_subcommands() {
+        assert!(
+            sub.get_after_help()
+                .unwrap()
+                .to_string()
+                .contains("Examples:"),
+            "{}",
+            sub.get_name()
+        );
+    }
+    assert!(
+        command
+            .get_after_help()
+            .unwrap()
+            .to_string()
+            .contains("Examples:")
+    );
+}
+
+#[test]
+fn the_examples_of_the_help_parse() {
+    let command = Cli::command();
+    let texts = command
+        .get_subcommands()
+        .map(|sub| sub.get_after_help().unwrap().to_string());
+    let mut tried = 0;
+    for text in texts.chain([command.get_after_help().unwrap().to_string()]) {
+        for line in text
+            .lines()
+            .filter_map(|line| line.strip_prefix("  splatline"))
+        {
+            let options = line.split("      ").next().unwrap();
+            parse(options).unwrap_or_else(|error| panic!("{options}: {error}"));
+            tried += 1;
+        }
+    }
+    assert_eq!(tried, 14);
+}
+
+#[test]
+fn negative_coordinates_parse() {
+    let cli = parse(
+        "render a.ply -o a.png --eye -1,2,-3.5 --target 0,-0.5,1e1 --up 0,-1,0 --light -1,-1,0",
+    )
+    .unwrap();
+    let Some(Command::Render(options)) = cli.command else {
+        panic!("not render")
+    };
+    assert_eq!(options.view.eye, Some(Vector([-1.0, 2.0, -3.5])));
+    assert_eq!(options.view.target, Some(Vector([0.0, -0.5, 10.0])));
+    assert_eq!(options.view.up, Some(Vector([0.0, -1.0, 0.0])));
+    assert_eq!(options.view.light, Some(Vector([-1.0, -1.0, 0.0])));
+}
+
+#[test]
+fn defaults_are_those_of_the_help() {
+    let Some(Command::Render(options)) = parse("render a.ply -o a.png").unwrap().command else {
+        panic!("not render")
+    };
+    assert_eq!(options.drawing.engine, Engine::Fixed);
+    assert_eq!(options.drawing.design, DesignName("standard24".to_owned()));
+    assert_eq!(
+        (options.drawing.depth, options.drawing.repeat),
+        (Depth::Eight, 1)
+    );
+    assert_eq!(
+        (options.drawing.traversal, options.drawing.compositing),
+        (None, CompositingChoice::FrontToBack)
+    );
+    assert!(options.view.rules.is_none() && options.view.size.is_none());
+}
+
+#[test]
+fn values_that_make_no_sense_are_refused() {
+    for options in [
+        "--size 0x5",
+        "--size 5x0",
+        "--size 16385x1",
+        "--size 5",
+        "--size 5x-1",
+        "--size x",
+        "--size 1e3x2",
+        "--eye 1,2 --target 0,0,0",
+        "--eye 1,2,3,4 --target 0,0,0",
+        "--eye 1,nan,3 --target 0,0,0",
+        "--eye inf,0,0 --target 0,0,0",
+        "--eye a,b,c --target 0,0,0",
+        "--eye 1,2,3",
+        "--target 1,2,3",
+        "--fov 40",
+        "--up 0,1,0",
+        "--fov 0 --eye 1,2,3 --target 0,0,0",
+        "--fov 180 --eye 1,2,3 --target 0,0,0",
+        "--camera c.json --eye 1,2,3 --target 0,0,0",
+        "--camera c.json --fov 40",
+        "--rules gl",
+        "--engine gpu",
+        "--design fancy",
+        "--depth 12",
+        "--threads 0",
+        "--repeat 0",
+        "--threads -1",
+        "--threads 99999",
+        "--traversal zigzag",
+        "--compositing sideways",
+    ] {
+        let error = parse(&format!("render a.ply -o a.png {options}")).expect_err(options);
+        assert_eq!(error.exit_code(), 2, "{options}");
+    }
+    assert_eq!(
+        parse("render a.ply").unwrap_err().kind(),
+        ErrorKind::MissingRequiredArgument
+    );
+    assert_eq!(
+        parse("model a.ply").unwrap_err().kind(),
+        ErrorKind::InvalidSubcommand
+    );
+}
+
+#[test]
+fn compare_writes_all_files_and_all_designs() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("new/out");
+    run_line(&format!(
+        "compare random:300 --size 60x40 --repeat 3 -o {}",
+        out.display()
+    ))
+    .unwrap();
+    for name in [
+        "fixed.png",
+        "float.png",
+        "error.png",
+        "report.json",
+        "report.html",
+    ] {
+        assert!(out.join(name).is_file(), "{name}");
+    }
+    let report = read_report(&out.join("report.json"));
+    assert_eq!(report.table.len(), 8);
+    assert_eq!(
+        (report.engine.as_str(), report.reference.as_deref()),
+        ("fixed", Some("float"))
+    );
+    assert_eq!(
+        (report.design_name(), report.traversal.as_deref()),
+        ("standard24", Some("spans"))
+    );
+    assert_eq!((report.host.repeat, report.scene.splats), (3, 300));
+    assert!(report.host.setup_s > 0.0 && report.host.total_s >= report.host.raster_s);
+    assert!(report.pixels.unwrap().covered > 0);
+    let error = report.error.unwrap();
+    assert!(error.rgb.psnr_db.unwrap() > 60.0, "{error:?}");
+    let row = report
+        .table
+        .iter()
+        .find(|row| row.design == "standard24" && row.traversal == "spans")
+        .unwrap();
+    assert_eq!(row.error, error.rgb);
+}
+
+#[test]
+fn only_restricts_the_table_and_a_file_joins_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display();
+    run_line(&format!(
+        "compare random:300 --size 30x30 --only --design lean18 --traversal box -o {out}"
+    ))
+    .unwrap();
+    let report = read_report(&folder.path().join("report.json"));
+    assert_eq!(report.table.len(), 1);
+    assert_eq!(
+        (report.design_name(), report.traversal.as_deref()),
+        ("lean18", Some("box"))
+    );
+
+    let file = folder.path().join("mine12.toml");
+    std::fs::write(&file, "base = \"lean18\"\nmantissa = 17\n").unwrap();
+    let file = file.display();
+    run_line(&format!(
+        "compare random:300 --size 30x30 --design {file} --engine exact -o {out}"
+    ))
+    .unwrap();
+    let report = read_report(&folder.path().join("report.json"));
+    assert_eq!(report.table.len(), 10);
+    assert_eq!(
+        (report.design_name(), report.reference.as_deref()),
+        ("mine12", Some("exact"))
+    );
+}
+
+#[test]
+fn render_writes_the_picture_and_a_report_without_errors() {
+    let folder = tempfile::tempdir().unwrap();
+    let (png, json) = (folder.path().join("a.png"), folder.path().join("a.json"));
+    let camera = folder.path().join("c.json");
+    for (engine, design, view, depth) in [
+        (
+            "fixed",
+            true,
+            "--eye -1,-2,-6 --target 0,0,0 --size 40x30".to_owned(),
+            8,
+        ),
+        // The camera of the first report, as a camera file.
+        ("float", false, format!("--camera {}", camera.display()), 16),
+        (
+            "exact",
+            false,
+            format!("--camera {} --size 80x60", camera.display()),
+            8,
+        ),
+    ] {
+        let (png, json) = (png.display(), json.display());
+        run_line(&format!(
+            "render random:300 --engine {engine} {view} --depth {depth} -o {png} --json {json}"
+        ))
+        .unwrap();
+        let report = read_report(Path::new(&json.to_string()));
+        let picture = Picture::read_png(Path::new(&png.to_string())).unwrap();
+        assert_eq!(
+            (report.camera.width, report.camera.height),
+            (picture.width, picture.height)
+        );
+        assert_eq!(picture.width, if engine == "exact" { 80 } else { 40 });
+        std::fs::write(&camera, serde_json::to_string(&report.camera).unwrap()).unwrap();
+        assert_eq!((report.error, report.table.len()), (None, 0));
+        assert_eq!(
+            (report.pixels.is_some(), report.design.is_null()),
+            (design, !design)
+        );
+        assert_eq!(report.engine, engine);
+    }
+}
+
+#[test]
+fn footprints_are_csv_with_empty_fields_for_culled_splats() {
+    let folder = tempfile::tempdir().unwrap();
+    let read = |engine: &str| -> Vec<Vec<String>> {
+        let path = folder.path().join("f.csv");
+        let view = "--eye 0,0,-2 --target 0,0,0 --size 40x30";
+        run_line(&format!(
+            "footprints random:300 --engine {engine} {view} -o {}",
+            path.display()
+        ))
+        .unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        assert!(text.starts_with("index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n"));
+        text.lines()
+            .skip(1)
+            .map(|line| line.split(',').map(str::to_owned).collect())
+            .collect()
+    };
+    let (fixed, float) = (read("fixed"), read("float"));
+    assert_eq!((fixed.len(), float.len()), (300, 300));
+    let mut drawn = 0;
+    for (index, (a, b)) in fixed.iter().zip(&float).enumerate() {
+        assert_eq!(
+            (a.len(), b.len(), a[0].parse(), b[0].parse()),
+            (11, 11, Ok(index), Ok(index))
+        );
+        let culled = |fields: &[String]| fields[1..].iter().all(String::is_empty);
+        if culled(a) || culled(b) {
+            continue;
+        }
+        drawn += 1;
+        let value = |fields: &[String], column: usize| fields[column].parse::<f64>().unwrap();
+        for column in 1..=3 {
+            assert!(
+                (value(a, column) - value(b, column)).abs() < 1e-3,
+                "{a:?} {b:?}"
+            );
+        }
+        let largest = (4..=6)
+            .map(|column| value(b, column).abs())
+            .fold(0.0, f64::max);
+        for column in 4..=6 {
+            assert!(
+                (value(a, column) - value(b, column)).abs() < 1e-4 * largest,
+                "{a:?} {b:?}"
+            );
+        }
+        assert!(value(a, 7) < value(a, 9) && value(a, 8) < value(a, 10));
+    }
+    assert!(
+        (20..300).contains(&drawn),
+        "{drawn} drawn: the test needs both kinds"
+    );
+}
+
+#[test]
+fn the_demo_writes_its_report() {
+    let folder = tempfile::tempdir().unwrap();
+    demo::run_into(
+        folder.path(),
+        Size {
+            width: 32,
+            height: 32,
+        },
+    )
+    .unwrap();
+    assert_eq!(
+        read_report(&folder.path().join("report.json")).table.len(),
+        8
+    );
+}
+
+#[test]
+fn usage_and_input_failures_are_told_apart() {
+    let usage = |line: &str| match run_line(line) {
+        Err(Failure::Usage(message)) => message,
+        other => panic!("{line}: {other:?}"),
+    };
+    let input = |line: &str| match run_line(line) {
+        Err(Failure::Input(error)) => format!("{error:#}"),
+        other => panic!("{line}: {other:?}"),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display();
+    assert!(
+        usage(&format!(
+            "render random:9 -o {out}/a.png --eye 0,0,0 --target 0,0,0"
+        ))
+        .contains("--eye")
+    );
+    assert!(
+        usage(&format!("footprints a.ply -o {out}/a.csv --engine exact")).contains("no footprints")
+    );
+    assert!(
+        usage(&format!(
+            "render a.ply -o {out}/a.png --engine float --traversal box"
+        ))
+        .contains("no meaning")
+    );
+    assert!(input(&format!("render missing.ply -o {out}/a.png")).contains("missing.ply"));
+    assert!(input(&format!("render a.ply -o {out}/no/such/a.png")).contains("does not exist"));
+    assert!(input(&format!("render a.ply -o {out}")).contains("is a folder"));
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    assert!(input(&format!("compare a.ply -o {out}/file")).contains("cannot create"));
+}

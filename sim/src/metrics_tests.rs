@@ -1,0 +1,177 @@
+//! Metrics against naive oracles and known values.
+
+use super::*;
+use proptest::prelude::*;
+
+fn picture(width: usize, height: usize, value: impl Fn(usize, usize, usize) -> f64) -> Picture {
+    let mut picture = Picture::new(width, height);
+    for (index, pixel) in picture.pixels.iter_mut().enumerate() {
+        *pixel = std::array::from_fn(|c| value(index % width, index / width, c));
+    }
+    picture
+}
+
+/// SSIM straight from its definition: one two-dimensional window per position, moments about the mean.
+fn naive_ssim(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+    let (rows, columns) = (a.len(), a[0].len());
+    let (high, wide) = (rows.min(11), columns.min(11));
+    let gaussian = |i: usize, n: usize| (-(i as f64 - (n as f64 - 1.0) / 2.0).powi(2) / 4.5).exp();
+    let (mut sum, mut count) = (0.0, 0.0);
+    for top in 0..=rows - high {
+        for left in 0..=columns - wide {
+            let cells: Vec<(f64, f64, f64)> = (0..high * wide)
+                .map(|k| (k / wide, k % wide))
+                .map(|(j, i)| {
+                    let weight = gaussian(i, wide) * gaussian(j, high);
+                    (weight, a[top + j][left + i], b[top + j][left + i])
+                })
+                .collect();
+            let total: f64 = cells.iter().map(|c| c.0).sum();
+            let mean = |f: &dyn Fn(f64, f64) -> f64| {
+                cells.iter().map(|c| c.0 * f(c.1, c.2)).sum::<f64>() / total
+            };
+            let (ma, mb) = (mean(&|x, _| x), mean(&|_, y| y));
+            let va = mean(&|x, _| (x - ma).powi(2));
+            let vb = mean(&|_, y| (y - mb).powi(2));
+            let cov = mean(&|x, y| (x - ma) * (y - mb));
+            sum += (2.0 * ma * mb + 1e-4) * (2.0 * cov + 9e-4)
+                / ((ma * ma + mb * mb + 1e-4) * (va + vb + 9e-4));
+            count += 1.0;
+        }
+    }
+    sum / count
+}
+
+fn plane(picture: &Picture, value: impl Fn(&[f64; 4]) -> f64) -> Vec<Vec<f64>> {
+    picture
+        .pixels
+        .chunks(picture.width)
+        .map(|row| row.iter().map(&value).collect())
+        .collect()
+}
+
+fn close(a: f64, b: f64, tolerance: f64) -> bool {
+    (a - b).abs() <= tolerance
+}
+
+#[test]
+fn a_constant_offset_gives_its_textbook_figures() {
+    let float = picture(20, 15, |_, _, _| 0.5);
+    let fixed = picture(20, 15, |_, _, c| if c == 3 { 0.5 } else { 0.51 });
+    let errors = compare(&fixed, &float).unwrap();
+    assert!(close(errors.colour.psnr_db, 40.0, 1e-9), "{errors:?}");
+    assert!(close(errors.colour.max_abs, 0.01, 1e-12));
+    assert!(close(errors.colour.bias, 0.01, 1e-12));
+    assert_eq!(errors.alpha.psnr_db, f64::INFINITY);
+    assert_eq!((errors.alpha.max_abs, errors.alpha.bias), (0.0, 0.0));
+    assert!(close(errors.alpha.ssim, 1.0, 1e-12));
+}
+
+#[test]
+fn bias_is_signed_and_the_largest_difference_is_located() {
+    let float = picture(9, 7, |_, _, _| 0.5);
+    let mut fixed = float.clone();
+    fixed.pixels[3 * 9 + 4][2] = 0.25;
+    fixed.pixels[5 * 9 + 8][3] = 0.75;
+    let errors = compare(&fixed, &float).unwrap();
+    assert_eq!(errors.colour.max_at, (4, 3, 2));
+    assert_eq!(errors.alpha.max_at, (8, 5, 3));
+    assert!(close(errors.colour.bias, -0.25 / (3.0 * 63.0), 1e-15));
+    assert!(close(errors.alpha.bias, 0.25 / 63.0, 1e-15));
+    assert_eq!(
+        compare(&float, &fixed).unwrap().alpha.bias,
+        -errors.alpha.bias
+    );
+}
+
+#[test]
+fn values_are_clamped_as_stored_but_not_quantised() {
+    let float = picture(3, 3, |_, _, _| 1.0);
+    assert_eq!(
+        compare(&picture(3, 3, |_, _, _| 7.0), &float)
+            .unwrap()
+            .colour
+            .psnr_db,
+        f64::INFINITY
+    );
+    let near = compare(&picture(3, 3, |_, _, _| 1.0 - 1e-7), &float).unwrap();
+    assert!(close(near.colour.psnr_db, 140.0, 1e-6));
+}
+
+#[test]
+fn a_difference_whose_square_vanishes_is_not_called_identical() {
+    let mut fixed = Picture::new(2, 2);
+    fixed.pixels[0][0] = 1e-200;
+    assert!(
+        compare(&fixed, &Picture::new(2, 2))
+            .unwrap()
+            .colour
+            .psnr_db
+            .is_finite()
+    );
+}
+
+#[test]
+fn pictures_that_cannot_be_compared_are_refused_by_name() {
+    let good = Picture::new(4, 3);
+    let message = |fixed: &Picture, float: &Picture| compare(fixed, float).unwrap_err().to_string();
+    assert_eq!(
+        message(&Picture::new(3, 4), &good),
+        "the pictures differ in size: fixed is 3x4, float is 4x3"
+    );
+    assert_eq!(
+        message(&Picture::new(0, 5), &Picture::new(0, 5)),
+        "the pictures have no pixels"
+    );
+    let mut bad = good.clone();
+    bad.pixels[6][1] = f64::NAN;
+    assert_eq!(
+        message(&good, &bad),
+        "the float picture holds NaN in channel 1 of pixel (2, 1)"
+    );
+    let mut short = good.clone();
+    short.pixels.pop();
+    assert_eq!(
+        message(&short, &good),
+        "the fixed picture holds 11 pixels where its size asks for 12"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    #[test]
+    fn figures_equal_the_naive_ones(
+        width in 1usize..16, height in 1usize..16, seed in any::<u64>(), noise in 0.0..0.5f64,
+    ) {
+        let random = |x: usize, y: usize, c: usize, salt: u64| {
+            let mut state = seed ^ salt ^ ((x * 7919 + y * 104_729 + c * 31) as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            state = (state ^ (state >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            ((state ^ (state >> 27)) >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let float = picture(width, height, |x, y, c| random(x, y, c, 0));
+        let fixed = picture(width, height, |x, y, c| random(x, y, c, 0) + noise * (random(x, y, c, 77) - 0.5));
+        let errors = compare(&fixed, &float).unwrap();
+
+        let clamp = |v: f64| v.clamp(0.0, 1.0);
+        let luminance = |p: &[f64; 4]| 0.2126 * clamp(p[0]) + 0.7152 * clamp(p[1]) + 0.0722 * clamp(p[2]);
+        let expected = naive_ssim(&plane(&fixed, luminance), &plane(&float, luminance));
+        prop_assert!(close(errors.colour.ssim, expected, 1e-10), "{} {}", errors.colour.ssim, expected);
+        let expected = naive_ssim(&plane(&fixed, |p| clamp(p[3])), &plane(&float, |p| clamp(p[3])));
+        prop_assert!(close(errors.alpha.ssim, expected, 1e-10));
+
+        let differences: Vec<f64> = fixed.pixels.iter().zip(&float.pixels)
+            .flat_map(|(a, b)| (0..3).map(move |c| clamp(a[c]) - clamp(b[c]))).collect();
+        let count = differences.len() as f64;
+        let mean_square = differences.iter().map(|d| d * d).sum::<f64>() / count;
+        let largest = differences.iter().fold(0.0f64, |m, d| m.max(d.abs()));
+        prop_assert!(close(errors.colour.bias, differences.iter().sum::<f64>() / count, 1e-12));
+        prop_assert_eq!(errors.colour.max_abs, largest);
+        let (x, y, c) = errors.colour.max_at;
+        let at = clamp(fixed.pixels[y * width + x][c]) - clamp(float.pixels[y * width + x][c]);
+        prop_assert_eq!(at.abs(), largest);
+        if mean_square > 0.0 {
+            prop_assert!(close(errors.colour.psnr_db, 10.0 * (1.0 / mean_square).log10(), 1e-9));
+        }
+    }
+}

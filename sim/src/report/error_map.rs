@@ -1,0 +1,110 @@
+//! The signed error map: where fixed point is brighter than the reference (warm) and where it is darker (cool).
+//!
+//! Each pixel shows the one colour channel that differs most, with its sign, so that the largest error of the picture
+//! is on the map. The scale ends at that error. Colours depart from the dark middle with the square root of the error,
+//! because most errors are far smaller than the largest one; the scale bar's numbers are linear and show this.
+
+use super::png::Rgb;
+use crate::metrics::stored;
+use crate::picture::Picture;
+
+/// The dark middle, then towards full error, in sRGB.
+const MIDDLE: [f64; 3] = [17.0, 19.0, 24.0];
+/// Fixed is brighter.
+const WARM: [[f64; 3]; 3] = [
+    [150.0, 45.0, 25.0],
+    [240.0, 120.0, 45.0],
+    [255.0, 226.0, 170.0],
+];
+/// Fixed is darker.
+const COOL: [[f64; 3]; 3] = [
+    [22.0, 70.0, 150.0],
+    [50.0, 145.0, 230.0],
+    [190.0, 232.0, 255.0],
+];
+
+/// Signed differences and where the colour scale ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorMap {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Fixed minus float, of the channel that differs most, in units of 1.0.
+    pub differences: Vec<f64>,
+    /// The largest absolute difference, where the colour scale ends; 0 for identical pictures.
+    pub limit: f64,
+}
+
+impl ErrorMap {
+    /// Compares two pictures of one size (which [`crate::metrics::compare`] checks).
+    pub fn new(fixed: &Picture, float: &Picture) -> ErrorMap {
+        let differences: Vec<f64> = fixed
+            .pixels
+            .iter()
+            .zip(&float.pixels)
+            .map(|(a, b)| largest_difference(a, b))
+            .collect();
+        let limit = differences
+            .iter()
+            .fold(0.0f64, |limit, d| limit.max(d.abs()));
+        ErrorMap {
+            width: fixed.width,
+            height: fixed.height,
+            differences,
+            limit,
+        }
+    }
+
+    /// How many times an error is magnified to reach full colour at an error of 1.0 / magnification.
+    pub fn magnification(&self) -> Option<f64> {
+        (self.limit > 0.0).then(|| 1.0 / self.limit)
+    }
+
+    /// The map in colours.
+    pub fn to_rgb(&self) -> Rgb {
+        let bytes = self
+            .differences
+            .iter()
+            .flat_map(|&d| colour(self.relative(d)))
+            .collect();
+        Rgb {
+            width: self.width,
+            height: self.height,
+            bytes,
+        }
+    }
+
+    /// -1 to 1.
+    fn relative(&self, difference: f64) -> f64 {
+        if self.limit > 0.0 {
+            difference / self.limit
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Colour of an error given as a fraction of the scale, -1 to 1.
+pub fn colour(relative: f64) -> [u8; 3] {
+    let stops = if relative < 0.0 { &COOL } else { &WARM };
+    let along = relative.abs().min(1.0).sqrt() * stops.len() as f64;
+    let index = (along as usize).min(stops.len() - 1);
+    let start = if index == 0 {
+        &MIDDLE
+    } else {
+        &stops[index - 1]
+    };
+    let part = along - index as f64;
+    std::array::from_fn(|c| (start[c] + (stops[index][c] - start[c]) * part).round() as u8)
+}
+
+/// Of red, green and blue, the difference that is largest in size.
+fn largest_difference(fixed: &[f64; 4], float: &[f64; 4]) -> f64 {
+    (0..3)
+        .map(|c| stored(fixed[c]) - stored(float[c]))
+        .fold(
+            0.0,
+            |largest: f64, d| if d.abs() > largest.abs() { d } else { largest },
+        )
+}

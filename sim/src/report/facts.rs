@@ -1,0 +1,137 @@
+//! Scene, camera and rules as report.json states them.
+
+use crate::camera::Camera;
+use crate::rules::{Compositing, Rules};
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Counts by reason, in alphabetical order so that reports can be compared line by line.
+pub type Counts = BTreeMap<String, u64>;
+
+/// What was drawn and what was left out.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneFacts {
+    /// File name without folders.
+    pub name: String,
+    /// Splats in the scene.
+    pub splats: u64,
+    /// Records that the loader left out, by reason.
+    pub skipped: Counts,
+    /// Splats that this camera does not show, by reason.
+    pub culled: Counts,
+    /// Splats of which a coordinate or colour was clamped to the kernel's formats; they are drawn.
+    pub clamped: u64,
+}
+
+impl SceneFacts {
+    /// The scene's own facts and the engine's counts.
+    pub fn new(scene: &Scene, culled: Counts, clamped: u64) -> Self {
+        let skipped = serde_json::to_value(scene.skipped)
+            .and_then(serde_json::from_value)
+            .unwrap_or_default();
+        SceneFacts {
+            name: scene.name.clone(),
+            splats: scene.splats.len() as u64,
+            skipped,
+            culled,
+            clamped,
+        }
+    }
+}
+
+/// The camera in the form of a camera file, so that a report's camera can be used again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraFacts {
+    /// Columns of the picture.
+    pub width: usize,
+    /// Rows of the picture.
+    pub height: usize,
+    /// Horizontal focal length in pixels.
+    pub fx: f64,
+    /// Vertical focal length in pixels.
+    pub fy: f64,
+    /// Principal point, pixels.
+    pub cx: f64,
+    /// Principal point, pixels.
+    pub cy: f64,
+    /// Row-major.
+    pub world_to_camera: [f64; 16],
+    /// Nearest depth drawn.
+    pub near: f64,
+    /// Farthest depth drawn; null if there is no limit.
+    pub far: Option<f64>,
+    /// Parallel projection.
+    pub orthographic: bool,
+}
+
+impl From<&Camera> for CameraFacts {
+    fn from(camera: &Camera) -> Self {
+        let mut world_to_camera = [0.0; 16];
+        for row in 0..3 {
+            world_to_camera[4 * row..4 * row + 3].copy_from_slice(&camera.rotation[row]);
+            world_to_camera[4 * row + 3] = camera.translation[row];
+        }
+        world_to_camera[15] = 1.0;
+        CameraFacts {
+            width: camera.width,
+            height: camera.height,
+            fx: camera.fx,
+            fy: camera.fy,
+            cx: camera.cx,
+            cy: camera.cy,
+            world_to_camera,
+            near: camera.near,
+            far: camera.far.is_finite().then_some(camera.far),
+            orthographic: camera.orthographic,
+        }
+    }
+}
+
+/// The rules of blending, in full.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RulesFacts {
+    /// `ewa` or `3dgs`.
+    pub name: String,
+    /// Kernels have unit volume.
+    pub normalised: bool,
+    /// Variance of the low-pass filter, square pixels.
+    pub low_pass: f64,
+    /// Radial index where the footprint ends; null if only `alpha_min` ends it.
+    pub cutoff: Option<f64>,
+    /// Largest opacity of one splat at one pixel.
+    pub alpha_max: f64,
+    /// Smaller opacities are skipped.
+    pub alpha_min: f64,
+    /// Transmittance at which a pixel is finished.
+    pub stop: f64,
+    /// The splat that would finish the pixel is itself left out.
+    pub stop_before: bool,
+    /// The Jacobian's slopes are clamped to the widened frustum.
+    pub clamp_jacobian: bool,
+}
+
+impl From<&Rules> for RulesFacts {
+    fn from(rules: &Rules) -> Self {
+        RulesFacts {
+            name: rules.name.to_owned(),
+            normalised: rules.normalised,
+            low_pass: rules.low_pass,
+            cutoff: rules.cutoff.is_finite().then_some(rules.cutoff),
+            alpha_max: rules.alpha_max,
+            alpha_min: rules.alpha_min,
+            stop: rules.stop,
+            stop_before: rules.stop_before,
+            clamp_jacobian: rules.clamp_jacobian,
+        }
+    }
+}
+
+/// The compositing's name on the command line and in reports.
+pub fn compositing_name(compositing: Compositing) -> &'static str {
+    match compositing {
+        Compositing::FrontToBack => "front-to-back",
+        Compositing::BackToFront => "back-to-front",
+        Compositing::XRay => "x-ray",
+    }
+}

@@ -1,0 +1,396 @@
+//! report.html: one file that a reader can open anywhere, with nothing fetched from elsewhere.
+//!
+//! The page holds its style, its pictures (PNG as data addresses) and its plot (inline SVG), and needs no script.
+//! Every number is taken from the [`Report`], so the page never says anything that report.json does not.
+
+use super::error_map::{self, ErrorMap};
+use super::plot::{self, PlotError, Tone};
+use super::png::Rgb;
+use super::table::{self, HEADINGS, WORD_COLUMNS};
+use super::{ChannelFacts, ErrorFacts, Report, Row};
+use crate::picture::Picture;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use image::ImageError;
+
+/// Why a page could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PageError {
+    /// A picture could not be encoded.
+    #[error("cannot encode a picture of the report: {0}")]
+    Picture(#[from] ImageError),
+    /// The plot could not be drawn.
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// The report could not be written as JSON.
+    #[error("cannot show the report's details: {0}")]
+    Details(#[from] serde_json::Error),
+}
+
+/// The plot twice, for wide and for narrow screens: shrinking one drawing would make its text unreadable on a phone.
+const WIDE_PLOT: (u32, u32) = (1100, 480);
+const NARROW_PLOT: (u32, u32) = (380, 420);
+/// Pictures up to this width are enlarged pixel by pixel instead of smoothly.
+const SMALL_PICTURE: usize = 256;
+
+/// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked.
+pub fn page(report: &Report, fixed: &Picture, float: &Picture) -> Result<String, PageError> {
+    let map = ErrorMap::new(fixed, float);
+    let sections = [
+        header(report),
+        pictures(report, fixed, float, &map)?,
+        sweep(report)?,
+        details(report)?,
+    ];
+    Ok(format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{title}: splatline report</title>\n<style>\n{style}{dark}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+        title = escape(&report.scene.name),
+        style = include_str!("page.css"),
+        dark = dark_plot(),
+        body = sections.concat(),
+    ))
+}
+
+/// Restyles the plot's few colours on a dark page.
+fn dark_plot() -> String {
+    let rule = |tone: &Tone| {
+        let Tone { light, dark } = tone;
+        format!(
+            ".plot [fill=\"{light}\"]{{fill:{dark}}}.plot [stroke=\"{light}\"]{{stroke:{dark}}}\n"
+        )
+    };
+    let tones = [plot::INK, plot::GRID, plot::LEADER];
+    let rules: String = tones.iter().chain(&plot::DESIGNS).map(rule).collect();
+    format!("@media(prefers-color-scheme:dark){{\n{rules}}}\n")
+}
+
+fn header(report: &Report) -> String {
+    let camera = &report.camera;
+    let facts = format!(
+        "{splats} splats at {width} × {height}, rules {rules}, {compositing}. {subject} compared with the {reference} engine.",
+        splats = table::count(report.scene.splats),
+        width = camera.width,
+        height = camera.height,
+        rules = escape(&report.rules.name),
+        compositing = escape(&report.compositing),
+        subject = escape(&subject(report)),
+        reference = escape(report.reference.as_deref().unwrap_or("no")),
+    );
+    format!(
+        "<header>\n<p class=\"product\">splatline: fixed point against float</p>\n<h1>{name}</h1>\n\
+         <p class=\"facts\">{facts}</p>\n{headline}</header>\n<main>\n",
+        name = escape(&report.scene.name),
+        headline = headline(report),
+    )
+}
+
+/// What drew the picture, in words.
+fn subject(report: &Report) -> String {
+    match &report.traversal {
+        Some(traversal) => format!("Design {} by {traversal}", report.design_name()),
+        None => format!("Engine {}", report.engine),
+    }
+}
+
+/// The few figures that a reader looks for first.
+fn headline(report: &Report) -> String {
+    let mut figures: Vec<(&str, String)> = Vec::new();
+    if let Some(error) = &report.error {
+        figures.push((
+            "PSNR of RGB",
+            with_unit(table::decibels(&error.rgb), error.rgb.psnr_db.map(|_| "dB")),
+        ));
+        figures.push(("largest error", table::scientific(error.rgb.max_abs)));
+        figures.push(("bias", table::signed(error.rgb.bias)));
+        figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
+    }
+    if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
+        figures.push((
+            "visited / covered",
+            format!("{:.2}", pixels.visited as f64 / pixels.covered as f64),
+        ));
+    }
+    figures.push((
+        "host time",
+        with_unit(format!("{:.1}", report.host.total_s * 1e3), Some("ms")),
+    ));
+    let items: String = figures
+        .iter()
+        .map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"))
+        .collect();
+    format!("<dl class=\"headline\">\n{items}</dl>\n")
+}
+
+fn with_unit(value: String, unit: Option<&str>) -> String {
+    unit.map_or(value.clone(), |unit| {
+        format!("{value} <small>{unit}</small>")
+    })
+}
+
+fn pictures(
+    report: &Report,
+    fixed: &Picture,
+    float: &Picture,
+    map: &ErrorMap,
+) -> Result<String, PageError> {
+    let reference = report.reference.as_deref().unwrap_or("float");
+    let fixed_note = format!(
+        "<b>{}</b> {}",
+        escape(&report.engine),
+        escape(&fixed_caption(report))
+    );
+    let float_note = format!("<b>{}</b> double precision", escape(reference));
+    let map_note = match map.magnification() {
+        Some(factor) => {
+            format!(
+                "<b>error</b> fixed minus {}, magnified {} times",
+                escape(reference),
+                magnified(factor)
+            )
+        }
+        None => "<b>error</b> none: the pictures are identical".to_owned(),
+    };
+    let figures = [
+        figure(
+            &fixed_note,
+            &Rgb::on_black(fixed),
+            "the fixed-point picture",
+            "",
+        )?,
+        figure(
+            &float_note,
+            &Rgb::on_black(float),
+            "the reference picture",
+            "",
+        )?,
+        figure(
+            &map_note,
+            &map.to_rgb(),
+            "map of signed errors",
+            &scale_bar(map),
+        )?,
+    ];
+    Ok(format!(
+        "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n<div class=\"pictures\">\n{figures}</div>\n</section>\n",
+        text = pictures_text(map),
+        figures = figures.concat(),
+    ))
+}
+
+fn fixed_caption(report: &Report) -> String {
+    match &report.traversal {
+        Some(traversal) => format!("{}, {traversal}", report.design_name()),
+        None => "double precision".to_owned(),
+    }
+}
+
+fn pictures_text(map: &ErrorMap) -> String {
+    let shown = "The pictures show linear values on black, as stored, without gamma.";
+    if map.limit == 0.0 {
+        return shown.to_owned();
+    }
+    format!(
+        "{shown} In the map each pixel is its worst colour channel: <b>orange</b> where fixed point is brighter, <b>blue</b> \
+         where it is darker, dark where both agree. The scale ends at the largest error, {limit}, which is {steps:.2} \
+         steps of an 8-bit picture. Colour grows with the square root of the error so that faint patterns show; the \
+         numbers under the bar are linear.",
+        limit = table::scientific(map.limit),
+        steps = map.limit * 255.0,
+    )
+}
+
+/// Two significant digits, without an exponent where that is short.
+fn magnified(factor: f64) -> String {
+    if factor < 10.0 {
+        return format!("{factor:.1}");
+    }
+    if factor >= 1e7 {
+        return format!("{factor:.1e}");
+    }
+    let unit = 10f64.powi(factor.log10().floor() as i32 - 1);
+    table::count(((factor / unit).round() * unit) as u64)
+}
+
+fn figure(note: &str, picture: &Rgb, alternative: &str, below: &str) -> Result<String, PageError> {
+    let class = if picture.width <= SMALL_PICTURE {
+        " class=\"small\""
+    } else {
+        ""
+    };
+    Ok(format!(
+        "<figure>\n<figcaption>{note}</figcaption>\n<img{class} width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" \
+         src=\"data:image/png;base64,{data}\">\n{below}</figure>\n",
+        width = picture.width,
+        height = picture.height,
+        data = STANDARD.encode(picture.to_png()?),
+    ))
+}
+
+/// The colour scale with numbers; nothing if there is no error.
+fn scale_bar(map: &ErrorMap) -> String {
+    if map.limit == 0.0 {
+        return String::new();
+    }
+    let stops: Vec<String> = (0..=40)
+        .map(|step| error_map::colour(f64::from(step) / 20.0 - 1.0))
+        .map(|[red, green, blue]| format!("rgb({red},{green},{blue})"))
+        .collect();
+    format!(
+        "<div class=\"bar\" role=\"img\" aria-label=\"colour scale\" style=\"background:linear-gradient(to right,{})\"></div>\n\
+         <div class=\"ticks\"><span>{low} darker</span><span>0</span><span>brighter {high}</span></div>\n",
+        stops.join(","),
+        low = table::signed(-map.limit),
+        high = table::signed(map.limit),
+    )
+}
+
+fn sweep(report: &Report) -> Result<String, PageError> {
+    let errors = report.error.as_ref().map(error_table).unwrap_or_default();
+    if report.table.is_empty() {
+        return Ok(errors);
+    }
+    let (wide, narrow) = (WIDE_PLOT, NARROW_PLOT);
+    Ok(format!(
+        "{errors}<section>\n<h2>Speed against error</h2>\n<p class=\"read\">Up is nearer to the reference, left is faster: the \
+         best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
+         of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
+         work, it is not the time of a chip.</p>\n<div class=\"plot\">\n<div class=\"wide\">{wide}</div>\n\
+         <div class=\"narrow\">{narrow}</div>\n</div>\n</section>\n\
+         <section>\n<h2>All designs</h2>\n<p class=\"read\">Errors are those of red, green and blue in units of 1.0 (one step of \
+         an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. Visited counts each \
+         pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
+         is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n",
+        repeat = plural(report.host.repeat, "run", "median of "),
+        threads = plural(report.host.threads, "thread", ""),
+        wide = inline_svg(&plot::svg(&report.table, wide.0, wide.1)?),
+        narrow = inline_svg(&plot::svg(&report.table, narrow.0, narrow.1)?),
+        table = sweep_table(report),
+    ))
+}
+
+/// `1 run`, `median of 5 runs`.
+fn plural(count: usize, noun: &str, many: &str) -> String {
+    if count == 1 {
+        format!("1 {noun}")
+    } else {
+        format!("{many}{count} {noun}s")
+    }
+}
+
+/// Errors of the chosen design per channel group.
+fn error_table(error: &ErrorFacts) -> String {
+    let line = |name: &str, facts: &ChannelFacts| {
+        format!(
+            "<tr><td class=\"word\">{name}</td><td>{}</td><td>{}</td><td>({}, {}) {}</td><td>{}</td><td>{:.6}</td></tr>\n",
+            table::decibels(facts),
+            table::scientific(facts.max_abs),
+            facts.max_at.x,
+            facts.max_at.y,
+            ["R", "G", "B", "A"]
+                .get(facts.max_at.channel)
+                .unwrap_or(&"?"),
+            table::signed(facts.bias),
+            facts.ssim,
+        )
+    };
+    format!(
+        "<section>\n<h2>Errors of the picture</h2>\n<div class=\"scroll\"><table class=\"short\">\n<tr><th class=\"word\">channels</th>\
+         <th>PSNR dB</th><th>max error</th><th>at pixel</th><th>bias</th><th>SSIM</th></tr>\n{}{}</table></div>\n</section>\n",
+        line("RGB", &error.rgb),
+        line("alpha", &error.alpha),
+    )
+}
+
+fn sweep_table(report: &Report) -> String {
+    let class = |column: usize| {
+        if column < WORD_COLUMNS {
+            " class=\"word\""
+        } else {
+            ""
+        }
+    };
+    let headings: String = HEADINGS
+        .iter()
+        .enumerate()
+        .map(|(column, text)| format!("<th{}>{text}</th>", class(column)))
+        .collect();
+    let line = |row: &Row| {
+        let cells: String = table::cells(row)
+            .iter()
+            .enumerate()
+            .map(|(column, text)| format!("<td{}>{}</td>", class(column), escape(text)))
+            .collect();
+        let mark = if is_chosen(report, row) {
+            " class=\"chosen\""
+        } else {
+            ""
+        };
+        format!("<tr{mark}>{cells}</tr>\n")
+    };
+    let lines: String = report.table.iter().map(line).collect();
+    format!("<table>\n<tr>{headings}</tr>\n{lines}</table>")
+}
+
+fn is_chosen(report: &Report, row: &Row) -> bool {
+    row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref()
+}
+
+/// Inline SVG needs no namespace; without it the page holds no address at all.
+fn inline_svg(svg: &str) -> String {
+    svg.replacen(
+        " xmlns=\"http://www.w3.org/2000/svg\"",
+        " role=\"img\" aria-label=\"speed against error\"",
+        1,
+    )
+}
+
+fn details(report: &Report) -> Result<String, PageError> {
+    let left_out = serde_json::to_string_pretty(&serde_json::json!({
+        "skipped when loading": report.scene.skipped,
+        "culled by this camera": report.scene.culled,
+        "clamped to the kernel's formats, but drawn": report.scene.clamped,
+    }))?;
+    let folds = [
+        fold("Splats left out or clamped", &left_out),
+        fold(
+            "The design, fully resolved",
+            &serde_json::to_string_pretty(&report.design)?,
+        ),
+        fold("Camera", &serde_json::to_string_pretty(&report.camera)?),
+        fold(
+            "Rules of blending",
+            &serde_json::to_string_pretty(&report.rules)?,
+        ),
+    ];
+    Ok(format!(
+        "<section>\n<h2>Details</h2>\n{}</section>\n</main>\n<footer>The same numbers for scripts: report.json \
+         ({}).</footer>\n",
+        folds.concat(),
+        escape(&report.format),
+    ))
+}
+
+fn fold(title: &str, text: &str) -> String {
+    format!(
+        "<details><summary>{title}</summary><pre>{}</pre></details>\n",
+        escape(text)
+    )
+}
+
+/// Text as HTML; names come from files of strangers.
+fn escape(text: &str) -> String {
+    text.chars()
+        .fold(String::with_capacity(text.len()), |mut escaped, letter| {
+            match letter {
+                '&' => escaped.push_str("&amp;"),
+                '<' => escaped.push_str("&lt;"),
+                '>' => escaped.push_str("&gt;"),
+                '"' => escaped.push_str("&quot;"),
+                '\'' => escaped.push_str("&#39;"),
+                other => escaped.push(other),
+            }
+            escaped
+        })
+}

@@ -1,0 +1,155 @@
+//! The sweep's table: one set of cells for the terminal, for Markdown and for the page.
+
+use super::{ChannelFacts, Row};
+
+/// Headings, in the order of [`cells`].
+pub const HEADINGS: [&str; 11] = [
+    "design",
+    "traversal",
+    "PSNR dB",
+    "max error",
+    "bias",
+    "SSIM",
+    "visited",
+    "vis/cov",
+    "setup ms",
+    "raster ms",
+    "total ms",
+];
+
+/// How many columns at the left are words; the others are numbers and align to the right.
+pub const WORD_COLUMNS: usize = 2;
+
+/// One line as text.
+pub fn cells(row: &Row) -> [String; 11] {
+    [
+        row.design.clone(),
+        row.traversal.clone(),
+        decibels(&row.error),
+        scientific(row.error.max_abs),
+        signed(row.error.bias),
+        format!("{:.5}", row.error.ssim),
+        count(row.visited),
+        row.visited_per_covered
+            .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
+        milliseconds(row.host.setup_s),
+        milliseconds(row.host.raster_s),
+        milliseconds(row.host.total_s),
+    ]
+}
+
+/// Aligned plain text for a terminal.
+pub fn plain(rows: &[Row]) -> String {
+    let lines: Vec<[String; 11]> = rows.iter().map(cells).collect();
+    let widths = widths(&lines);
+    let mut text = plain_line(&HEADINGS, &widths);
+    let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
+    text.push_str(&plain_line(&rule, &widths));
+    for line in &lines {
+        text.push_str(&plain_line(line, &widths));
+    }
+    text
+}
+
+/// A Markdown table, aligned in the source as well.
+pub fn markdown(rows: &[Row]) -> String {
+    let lines: Vec<[String; 11]> = rows.iter().map(cells).collect();
+    let widths = widths(&lines);
+    let mut text = markdown_line(&HEADINGS, &widths);
+    let rule: Vec<String> = widths
+        .iter()
+        .enumerate()
+        .map(|(column, &width)| match column < WORD_COLUMNS {
+            true => "-".repeat(width),
+            false => "-".repeat(width - 1) + ":",
+        })
+        .collect();
+    text.push_str(&markdown_line(&rule, &widths));
+    for line in &lines {
+        text.push_str(&markdown_line(line, &widths));
+    }
+    text
+}
+
+/// `57.31`, or `identical` where the PSNR would be infinite.
+pub fn decibels(error: &ChannelFacts) -> String {
+    match error.psnr_db {
+        Some(psnr) => format!("{psnr:.2}"),
+        None => "identical".to_owned(),
+    }
+}
+
+/// `3.1e-3`; plain `0` for zero.
+pub fn scientific(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:.1e}")
+    }
+}
+
+/// `+3.1e-3`; plain `0` for zero.
+pub fn signed(value: f64) -> String {
+    if value == 0.0 {
+        "0".to_owned()
+    } else {
+        format!("{value:+.1e}")
+    }
+}
+
+/// Digits in groups of three, parted by a space.
+pub fn count(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(' ');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn milliseconds(seconds: f64) -> String {
+    format!("{:.1}", seconds * 1e3)
+}
+
+fn widths(lines: &[[String; 11]]) -> Vec<usize> {
+    let widest = |column: usize| {
+        lines
+            .iter()
+            .map(|line| line[column].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    HEADINGS
+        .iter()
+        .enumerate()
+        .map(|(column, heading)| widest(column).max(heading.len()))
+        .collect()
+}
+
+/// Cells padded to their column's width: words to the left, numbers to the right.
+fn padded<'a>(
+    cells: &'a [impl AsRef<str>],
+    widths: &'a [usize],
+) -> impl Iterator<Item = String> + 'a {
+    cells
+        .iter()
+        .zip(widths)
+        .enumerate()
+        .map(|(column, (cell, &width))| match column < WORD_COLUMNS {
+            true => format!("{:<width$}", cell.as_ref()),
+            false => format!("{:>width$}", cell.as_ref()),
+        })
+}
+
+fn plain_line(cells: &[impl AsRef<str>], widths: &[usize]) -> String {
+    let line: Vec<String> = padded(cells, widths).collect();
+    line.join("  ").trim_end().to_owned() + "\n"
+}
+
+fn markdown_line(cells: &[impl AsRef<str>], widths: &[usize]) -> String {
+    let line: Vec<String> = padded(cells, widths).collect();
+    format!("| {} |\n", line.join(" | "))
+}

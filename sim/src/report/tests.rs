@@ -1,0 +1,242 @@
+//! The report's forms: round trip, no infinity in JSON, nothing external in the page, the text table as a snapshot.
+
+use super::error_map::ErrorMap;
+use super::*;
+use crate::picture::Picture;
+use proptest::prelude::*;
+
+#[test]
+fn json_round_trips_and_is_written_whole() {
+    let (fixed, float) = sample::pictures(40, 30);
+    let report = sample::report(&fixed, &float);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("report.json");
+    report.write_json(&path).unwrap();
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(serde_json::from_str::<Report>(&text).unwrap(), report);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn json_has_the_keys_that_scripts_read() {
+    let (fixed, float) = sample::pictures(40, 30);
+    let value = serde_json::to_value(sample::report(&fixed, &float)).unwrap();
+    for pointer in [
+        "/design/name",
+        "/scene/name",
+        "/scene/splats",
+        "/scene/skipped/non_finite",
+        "/scene/culled/outside",
+        "/error/rgb/psnr_db",
+        "/error/rgb/max_abs",
+        "/error/rgb/bias",
+        "/error/rgb/ssim",
+        "/error/alpha/psnr_db",
+        "/cycles",
+        "/pixels/covered",
+        "/pixels/visited",
+        "/host/setup_s",
+        "/host/sort_s",
+        "/host/raster_s",
+        "/host/total_s",
+        "/host/repeat",
+        "/table/0/design",
+        "/table/0/traversal",
+        "/table/0/error/psnr_db",
+        "/table/0/visited",
+        "/table/0/covered",
+        "/table/0/visited_per_covered",
+        "/table/0/host/total_s",
+        "/camera/world_to_camera/15",
+        "/rules/name",
+    ] {
+        assert!(value.pointer(pointer).is_some(), "{pointer} is missing");
+    }
+    assert!(value["cycles"].is_null());
+}
+
+#[test]
+fn identical_pictures_are_null_and_identical_in_json() {
+    let (_, float) = sample::pictures(20, 20);
+    let report = sample::report(&float, &float);
+    let value: serde_json::Value = serde_json::from_str(&report.to_json().unwrap()).unwrap();
+    assert!(value["error"]["rgb"]["psnr_db"].is_null());
+    assert_eq!(value["error"]["rgb"]["identical"], true);
+    assert_eq!(serde_json::from_value::<Report>(value).unwrap(), report);
+}
+
+#[test]
+fn medians_are_taken_field_by_field() {
+    let runs: Vec<HostTimes> = [3.0, 1.0, 2.0].iter().map(|&t| sample::times(t)).collect();
+    let median = HostTimes::median_of(&runs);
+    assert_eq!(
+        (median.total_s, median.setup_s, median.repeat),
+        (2.0, 0.4, 3)
+    );
+    assert_eq!(HostTimes::median_of(&runs[..2]).total_s, 2.0);
+    assert_eq!(HostTimes::median_of(&[]).total_s, 0.0);
+}
+
+#[test]
+fn nothing_covered_gives_no_ratio() {
+    let (fixed, float) = sample::pictures(8, 8);
+    let errors = crate::metrics::compare(&fixed, &float).unwrap();
+    let row = Row::new(
+        "lean18",
+        "box",
+        &errors,
+        Pixels::default(),
+        HostTimes::default(),
+    );
+    assert_eq!(row.visited_per_covered, None);
+    assert!(table::plain(&[row]).contains(" - "));
+}
+
+#[test]
+fn the_text_table_is_aligned() {
+    let expected = "\
+design    traversal  PSNR dB  max error     bias     SSIM     visited  vis/cov  setup ms  raster ms  total ms
+--------  ---------  -------  ---------  -------  -------  ----------  -------  --------  ---------  --------
+classic8  box          32.41     1.8e-1  -1.9e-2  0.92812  46 677 771     2.56      82.4      309.0     412.0
+classic8  spans        32.52     1.8e-1  -1.9e-2  0.92902  18 931 002     1.04      61.0      228.8     305.0
+lean18    box          55.13     1.3e-2  -4.1e-5  0.99474  46 677 771     2.56      86.2      323.2     431.0
+";
+    assert_eq!(table::plain(&sample::rows()[..3]), expected);
+}
+
+#[test]
+fn the_markdown_table_marks_numbers_as_right_aligned() {
+    let text = table::markdown(&sample::rows()[..1]);
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 3);
+    assert!(
+        lines[1].starts_with("| -------- | --------- | ------: |"),
+        "{text}"
+    );
+    assert!(lines.iter().all(|line| line.matches('|').count() == 12));
+}
+
+#[test]
+fn the_page_is_one_file_without_any_address() {
+    let (fixed, float) = sample::pictures(64, 48);
+    let page = html::page(&sample::report(&fixed, &float), &fixed, &float).unwrap();
+    for outside in [
+        "http:", "https:", "//", "url(", "@import", "<script", "<link", "<iframe",
+    ] {
+        // base64 may hold two slashes, so the pictures are left out.
+        let text: String = page
+            .split("src=\"data:")
+            .map(|part| part.split_once("\">").map_or(part, |p| p.1))
+            .collect();
+        assert!(!text.contains(outside), "the page holds {outside}");
+    }
+    assert_eq!(page.matches("<img").count(), 3);
+    assert_eq!(page.matches("src=\"data:image/png;base64,iVBOR").count(), 3);
+    assert_eq!(page.matches("<tr").count(), 3 + 9);
+}
+
+#[test]
+fn the_page_survives_odd_names_and_identical_pictures() {
+    let (_, float) = sample::pictures(5, 3);
+    let mut report = sample::report(&float, &float);
+    report.scene.name = "<script>alert('x')</script> & \"co\"".to_owned();
+    report.table.clear();
+    let page = html::page(&report, &float, &float).unwrap();
+    assert!(!page.contains("<script"));
+    assert!(page.contains("&lt;script&gt;"));
+    assert!(page.contains("the pictures are identical"));
+}
+
+#[test]
+fn the_error_map_is_signed_and_the_largest_error_fills_the_scale() {
+    let float = Picture {
+        width: 3,
+        height: 1,
+        pixels: vec![[0.5; 4]; 3],
+    };
+    let mut fixed = float.clone();
+    fixed.pixels[0] = [0.5, 0.4, 0.55, 0.0];
+    fixed.pixels[2][2] = 0.52;
+    let map = ErrorMap::new(&fixed, &float);
+    assert!((map.limit - 0.1).abs() < 1e-12);
+    assert!((map.differences[0] + 0.1).abs() < 1e-12);
+    assert!((map.differences[2] - 0.02).abs() < 1e-12);
+    let rgb = map.to_rgb();
+    assert_eq!(rgb.bytes[0..3], error_map::colour(-1.0));
+    assert_eq!(rgb.bytes[3..6], error_map::colour(0.0));
+    assert!(rgb.bytes[6] > rgb.bytes[8], "brighter is warm");
+    assert_eq!(rgb.to_png().unwrap()[1..4], *b"PNG");
+}
+
+#[test]
+fn the_scale_grows_in_lightness_on_both_sides() {
+    let lightness = |relative: f64| {
+        error_map::colour(relative)
+            .iter()
+            .map(|&c| u32::from(c))
+            .sum::<u32>()
+    };
+    for step in 0..100 {
+        let (nearer, farther) = (f64::from(step) / 100.0, f64::from(step + 1) / 100.0);
+        assert!(lightness(nearer) <= lightness(farther));
+        assert!(lightness(-nearer) <= lightness(-farther));
+    }
+}
+
+#[test]
+fn the_plot_names_every_design_once_and_both_traversals() {
+    let svg = plot::svg(&sample::rows(), 760, 440).unwrap();
+    for name in ["classic8", "lean18", "standard24", "deep32", "box", "spans"] {
+        let labels = svg.lines().filter(|line| line.trim() == name).count();
+        assert_eq!(labels, 1, "{name}\n{svg}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    #[test]
+    fn no_figures_break_plot_or_table(
+        figures in proptest::collection::vec(
+            (proptest::option::of(-50.0..400.0f64), 0.0..1e5f64, any::<u64>(), any::<u64>()), 0..12),
+        width in 1u32..900, height in 1u32..700,
+    ) {
+        let rows: Vec<Row> = figures.iter().enumerate().map(|(index, &(psnr_db, total_s, visited, covered))| {
+            let mut row = sample::rows()[index % 8].clone();
+            row.error.psnr_db = psnr_db;
+            row.error.identical = psnr_db.is_none();
+            row.host.total_s = total_s;
+            row.visited = visited;
+            row.covered = covered;
+            row
+        }).collect();
+        prop_assert!(plot::svg(&rows, width, height).unwrap().contains("</svg>"));
+        prop_assert_eq!(table::plain(&rows).lines().count(), rows.len() + 2);
+    }
+}
+
+/// Writes the synthetic page for looking at: `SPLATLINE_LOOK=<folder> cargo test -p splatline-sim look`.
+#[test]
+fn look() {
+    let Some(folder) = std::env::var_os("SPLATLINE_LOOK") else {
+        return;
+    };
+    let folder = Path::new(&folder);
+    let (fixed, float) = sample::pictures(512, 512);
+    let report = sample::report(&fixed, &float);
+    std::fs::write(
+        folder.join("report.html"),
+        html::page(&report, &fixed, &float).unwrap(),
+    )
+    .unwrap();
+    std::fs::write(
+        folder.join("plot.svg"),
+        plot::svg(&report.table, 760, 440).unwrap(),
+    )
+    .unwrap();
+    std::fs::write(
+        folder.join("error.png"),
+        ErrorMap::new(&fixed, &float).to_rgb().to_png().unwrap(),
+    )
+    .unwrap();
+}
