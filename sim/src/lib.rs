@@ -15,4 +15,5 @@ pub mod reference;
 pub mod report;
 pub mod rules;
 pub mod scene;
+pub mod surface;
 pub mod vector;
