@@ -6,7 +6,8 @@
 //!
 //! with c premultiplied, so that the highlight is weighted by the opacity a. All vectors are unit vectors in camera space in
 //! Q1.30; n and v are normalised by the root and the reciprocal unit. The light is directional, the viewer is at
-//! the eye: v is the pixel's own ray. Surfaces are two-sided: a normal that points away from the eye is turned.
+//! the eye: v is the pixel's own ray. Surfaces are two-sided: setup turns
+//! every splat's normal towards the eye before they are averaged.
 
 use super::surface::Filtered;
 use crate::format::Widths;
@@ -102,8 +103,6 @@ impl<'a> Shading<'a> {
         }
         let ray = self.ray(x, y);
         let towards_eye = ray.map(|r| -r);
-        let facing = if dot(normal, towards_eye) < 0 { -1 } else { 1 };
-        let normal = normal.map(|n| n * facing);
         let cosine = dot(normal, self.light);
         if cosine <= 0 {
             return (0, 0);

@@ -36,7 +36,7 @@ pub struct Attributes {
     pub colour: [u32; 3],
     /// Opacity, UQ1.colour, at most 1.
     pub opacity: u32,
-    /// Normal in camera space, Q1.colour, each component within [-1, 1].
+    /// Normal in camera space towards the eye, Q1.colour, each component within [-1, 1].
     pub normal: [i32; 3],
     /// Row of the material table.
     pub material: u8,

@@ -72,7 +72,7 @@ pub fn setup_surface<D: Design>(
         &variance,
         cutoff,
     )?;
-    let attributes = attributes(&widths, view, splat);
+    let attributes = attributes(&widths, view, &projected, splat);
     let along_ray = splat.frame.map(|axis| turn(&widths, view, axis)[2]);
     let gradient = depth_gradient(
         &widths,
@@ -176,8 +176,13 @@ fn plane(widths: &Widths, projected: &Projected, first: [u16; 2], gradient: [Sca
     }
 }
 
-/// Colour and opacity clamped to 1, the normal turned into camera space.
-fn attributes(widths: &Widths, view: &View, splat: &SurfaceSplat) -> Attributes {
+/// Colour and opacity clamped to 1, the normal turned into camera space and towards the eye.
+fn attributes(
+    widths: &Widths,
+    view: &View,
+    projected: &Projected,
+    splat: &SurfaceSplat,
+) -> Attributes {
     let colour = i32::from(widths.colour);
     let one = 1u64 << colour;
     let unit = |value: u32| shift_unsigned(value.into(), 28 - colour, widths.rounding).min(one);
@@ -185,12 +190,31 @@ fn attributes(widths: &Widths, view: &View, splat: &SurfaceSplat) -> Attributes 
     let premultiplied = |channel: fixed::types::U4F28| {
         shift_unsigned(unit(channel.to_bits()) * opacity, colour, widths.rounding) as u32
     };
-    let limit = one as i64;
     Attributes {
         colour: splat.colour.map(premultiplied),
         opacity: opacity as u32,
-        normal: turn(widths, view, splat.normal)
-            .map(|n| n.to_fixed(widths.colour.into()).clamp(-limit, limit) as i32),
+        normal: facing_normal(widths, view, projected, splat.normal),
         material: splat.material,
     }
+}
+
+/// The normal in camera space, Q1.colour, turned so that it does not point away from the eye.
+///
+/// Surfaces are two-sided and normals of scans often are not oriented; averaged as they are, opposite ones would cancel. The turn
+/// leaves no seam: where n . t changes its sign the plane is seen edge-on and the splat's weight is 0.
+fn facing_normal(widths: &Widths, view: &View, projected: &Projected, normal: Axis) -> [i32; 3] {
+    let normal = turn(widths, view, normal);
+    let [ratio_x, ratio_y] = projected.ratio;
+    let [x, y, z] = normal;
+    let depth = Product {
+        value: z.mantissa.into(),
+        exponent: z.exponent,
+    };
+    let bits = widths.mantissa.into();
+    let away = sum_of_products([x.times(ratio_x), y.times(ratio_y), depth], bits).mantissa > 0;
+    let limit = 1i64 << widths.colour;
+    normal.map(|n| {
+        let fixed = n.to_fixed(widths.colour.into()).clamp(-limit, limit) as i32;
+        if away { -fixed } else { fixed }
+    })
 }

@@ -118,11 +118,23 @@ pub fn project(
         conic,
         peak,
         bounds,
-        normal: vector::transform(&camera.rotation, point.normal),
+        normal: facing_normal(point, position, camera),
         colour: point.colour.map(|c| c * point.opacity),
         opacity: point.opacity,
         material: point.material,
     })
+}
+
+/// The normal in camera space, turned towards the eye: surfaces are two-sided.
+fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> Vector {
+    let normal = vector::transform(&camera.rotation, point.normal);
+    let ray = if camera.orthographic {
+        [0.0, 0.0, 1.0]
+    } else {
+        position
+    };
+    let away = vector::dot(normal, ray) > 0.0;
+    vector::scale(if away { -1.0 } else { 1.0 }, normal)
 }
 
 /// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the tangent
@@ -414,7 +426,7 @@ fn towards_eye([u, v]: [f64; 2], camera: &Camera) -> Vector {
     }
 }
 
-/// Two-sided Phong: I = (ka + kd max(0, n.l)) c + ks max(0, r.v)^s a.
+/// Phong: I = (ka + kd max(0, n.l)) c + ks max(0, r.v)^s a.
 fn phong(
     material: Option<&Material>,
     colour: [f64; 3],
@@ -425,11 +437,6 @@ fn phong(
 ) -> [f64; 3] {
     let Some(material) = material else {
         return colour;
-    };
-    let normal = if vector::dot(normal, view) < 0.0 {
-        vector::scale(-1.0, normal)
-    } else {
-        normal
     };
     let diffuse = vector::dot(normal, light).max(0.0);
     let reflected = vector::subtract(vector::scale(2.0 * diffuse, normal), light);

@@ -24,6 +24,8 @@ use std::path::Path;
 const HEXAGONAL_CELL: f64 = 0.866_025_403_784_438_6;
 /// Part of a Gaussian's integral inside the cut-off r < 2: 1 - exp(-1).
 const INSIDE_CUTOFF: f64 = 0.632_120_558_828_557_7;
+/// Radius of a stray point at most, in medians of all radii.
+const LARGEST_RADIUS: f64 = 4.0;
 /// Colour of points that have none.
 const WITHOUT_COLOUR: [f64; 3] = [0.75, 0.75, 0.75];
 
@@ -90,7 +92,7 @@ pub struct SurfaceScene {
     /// Points left out because a number was NaN or infinite, or the normal had no direction.
     pub skipped: usize,
     /// What the loader had to make up.
-    pub notes: Vec<&'static str>,
+    pub notes: Vec<String>,
     /// Default camera's up direction.
     pub up: Vector,
 }
@@ -144,15 +146,17 @@ fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem>
     let neighbours = (no_radius || no_normal).then(|| neighbours::Neighbours::new(&places));
     let found = neighbours.as_ref();
     if no_radius {
-        notes.push("radii: mean distance to the six nearest neighbours");
+        notes.push("radii: mean distance to the six nearest neighbours".to_owned());
     }
     if no_normal {
-        notes.push("normals: planes through the neighbours, not oriented");
+        notes.push("normals: planes through the neighbours, not oriented".to_owned());
     }
     if any(|r| r.colour.is_none()) {
-        notes.push("colours: grey where the file has none");
+        notes.push("colours: grey where the file has none".to_owned());
     }
-    let radii = found.filter(|_| no_radius).map(|n| n.radii());
+    let radii = found
+        .filter(|_| no_radius)
+        .map(|n| limited(n.radii(), &mut notes));
     let normals = found.filter(|_| no_normal).map(|n| n.normals());
     let complete = |(index, record): (usize, &Record)| {
         let radius = record.radius.or(radii.as_ref().map(|r| r[index]))?;
@@ -179,6 +183,21 @@ fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem>
         notes,
         up: [0.0, 0.0, 1.0],
     })
+}
+
+/// Radii cut to [`LARGEST_RADIUS`] medians: a stray point far from all others would become a disc as large as its distance.
+fn limited(radii: Vec<f64>, notes: &mut Vec<String>) -> Vec<f64> {
+    let mut sorted = radii.clone();
+    sorted.sort_by(f64::total_cmp);
+    let largest = LARGEST_RADIUS * sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let stray = radii.iter().filter(|radius| **radius > largest).count();
+    if stray > 0 && largest > 0.0 {
+        notes.push(format!(
+            "radii: {stray} of stray points cut to {LARGEST_RADIUS} times the median"
+        ));
+        return radii.iter().map(|radius| radius.min(largest)).collect();
+    }
+    radii
 }
 
 fn is_sound(record: &Record) -> bool {
