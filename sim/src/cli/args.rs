@@ -5,6 +5,7 @@ use splatline::format::Traversal;
 use splatline_sim::design;
 use splatline_sim::picture::Depth;
 use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::surface::LAYERS;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -32,6 +33,13 @@ Examples:
   splatline render guitar.ply --camera camera.json --design lean18 --traversal box -o guitar.png
   splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png";
+
+const GALLERY_EXAMPLES: &str = "\
+Examples:
+  splatline gallery surface -o out
+      the surface splats' exhibits: pictures, numbers and out/surface.md
+  splatline gallery surface --data data/points -o out
+      with the scanned clouds of that folder (lion_takanawa.ply)";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -70,12 +78,17 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Draw the exhibits that show each system, with their numbers beside the pictures.
+    #[command(after_help = GALLERY_EXAMPLES)]
+    Gallery(GalleryOptions),
 }
 
 #[derive(Debug, Args)]
 pub struct RenderOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
     /// PNG file to write
@@ -87,6 +100,8 @@ pub struct RenderOptions {
 pub struct CompareOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
     /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
@@ -110,6 +125,26 @@ pub struct FootprintsOptions {
     /// CSV file to write
     #[arg(short, long, value_name = "f.csv")]
     pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct GalleryOptions {
+    /// Which exhibits
+    #[arg(value_enum)]
+    pub room: Room,
+    /// Folder of inputs that are not part of the project; exhibits that need them are left out without it
+    #[arg(long, value_name = "dir")]
+    pub data: Option<PathBuf>,
+    /// Folder to write pictures and a page in Markdown into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// A part of the gallery.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Room {
+    /// Surface splats ([SURF])
+    Surface,
 }
 
 /// What is looked at and from where.
@@ -160,6 +195,30 @@ pub struct ViewOptions {
     /// Direction towards the light that shades a volume
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
     pub light: Option<Vector>,
+}
+
+/// How a point cloud is drawn as a surface.
+#[derive(Debug, Args)]
+pub struct SurfaceOptions {
+    /// What the scene's points are: `surface` draws a .ply or .xyz cloud as surface splats
+    #[arg(long = "as", value_name = "surface", value_enum)]
+    pub kind: Option<SceneKind>,
+    /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
+    #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
+    pub layers: Option<usize>,
+    /// Depths closer than this are one surface, scene units [default: three radii]
+    #[arg(long, value_name = "Z", value_parser = positive, requires = "kind")]
+    pub z_threshold: Option<f64>,
+    /// Antialias edges by the weight sum
+    #[arg(long, requires = "kind")]
+    pub edges: bool,
+}
+
+/// What the points of a scene are taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SceneKind {
+    /// Points of a surface
+    Surface,
 }
 
 /// By what and how often it is drawn.
@@ -334,6 +393,23 @@ fn field_of_view(text: &str) -> Result<f64, String> {
     match number(text)? {
         degrees if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
         _ => Err("the field of view must lie between 0 and 180 degrees".to_owned()),
+    }
+}
+
+fn layers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if LAYERS.contains(&count) => Ok(count),
+        _ => Err(format!(
+            "expected one of {}",
+            LAYERS.map(|count| count.to_string()).join(", ")
+        )),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 => Ok(value),
+        _ => Err("must be larger than 0".to_owned()),
     }
 }
 

@@ -9,9 +9,11 @@ mod demo;
 mod drawing;
 mod engines;
 mod footprints;
+mod gallery;
 mod progress;
 mod render;
 mod setup;
+mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -60,6 +62,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Gallery(options)) => gallery::run(&options),
     }
 }
 

@@ -9,6 +9,7 @@
 //! planes through each point's neighbours. What was made up that way is told in [`SurfaceScene::notes`].
 
 mod neighbours;
+pub mod synthetic;
 #[cfg(test)]
 mod tests;
 mod xyz;
@@ -91,6 +92,8 @@ pub struct SurfaceScene {
     pub radius: f64,
     /// Points left out because a number was NaN or infinite, or the normal had no direction.
     pub skipped: usize,
+    /// Have the points colours of their own?
+    pub coloured: bool,
     /// What the loader had to make up.
     pub notes: Vec<String>,
     /// Default camera's up direction.
@@ -151,6 +154,7 @@ fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem>
     if no_normal {
         notes.push("normals: planes through the neighbours, not oriented".to_owned());
     }
+    let coloured = any(|r| r.colour.is_some());
     if any(|r| r.colour.is_none()) {
         notes.push("colours: grey where the file has none".to_owned());
     }
@@ -180,6 +184,7 @@ fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem>
         materials: vec![Material::MATT],
         radius,
         skipped,
+        coloured,
         notes,
         up: [0.0, 0.0, 1.0],
     })
