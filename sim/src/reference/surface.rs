@@ -353,26 +353,66 @@ fn gather(
     rows: std::ops::Range<usize>,
     style: &Style,
 ) -> u64 {
-    let [a, b, c] = splat.conic;
     let mut covered = 0;
+    let first = rows.start;
+    visit(splat, rows, style.cutoff, |x, y, weight, depth| {
+        covered += 1;
+        let sample = Fragment::of(weight, depth, splat);
+        let pixel = &mut pixels[(y - first) * width + x];
+        match style.buffer {
+            Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
+            Buffer::Layers(count) => layer(pixel, sample, style.threshold, count),
+        }
+    });
+    covered
+}
+
+/// Calls `see` with column, row, weight and depth of every pixel of the rows that lies inside the splat's cut-off.
+fn visit(
+    splat: &SurfaceFootprint,
+    rows: std::ops::Range<usize>,
+    cutoff: f64,
+    mut see: impl FnMut(usize, usize, f64, f64),
+) {
+    let [a, b, c] = splat.conic;
     for y in rows.start.max(splat.bounds.y0)..rows.end.min(splat.bounds.y1) {
         for x in splat.bounds.x0..splat.bounds.x1 {
             let dx = x as f64 + 0.5 - splat.centre[0];
             let dy = y as f64 + 0.5 - splat.centre[1];
             let r = a * dx * dx + 2.0 * b * dx * dy + c * dy * dy;
-            if r < style.cutoff {
-                covered += 1;
+            if r < cutoff {
                 let depth = splat.depth + splat.gradient[0] * dx + splat.gradient[1] * dy;
-                let sample = Fragment::of(splat.peak * (-0.5 * r).exp(), depth, splat);
-                let pixel = &mut pixels[(y - rows.start) * width + x];
-                match style.buffer {
-                    Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
-                    Buffer::Layers(count) => layer(pixel, sample, style.threshold, count),
-                }
+                see(x, y, splat.peak * (-0.5 * r).exp(), depth);
             }
         }
     }
-    covered
+}
+
+/// Per pixel how many layers overlap: the largest number of its samples that are pairwise farther apart than the threshold.
+///
+/// No order of drawing can have more fragments open than that, because open fragments are that far apart.
+pub fn overlapping_layers(scene: &SurfaceScene, camera: &Camera, style: &Style) -> Vec<usize> {
+    let mut depths = vec![Vec::new(); camera.width * camera.height];
+    for splat in scene
+        .points
+        .iter()
+        .flat_map(|point| project(point, camera, style))
+    {
+        visit(&splat, 0..camera.height, style.cutoff, |x, y, _, depth| {
+            depths[y * camera.width + x].push(depth);
+        });
+    }
+    let count = |mut depths: Vec<f64>| {
+        depths.sort_by(f64::total_cmp);
+        let mut last = f64::NEG_INFINITY;
+        let apart = |depth: &f64| {
+            let apart = *depth - last > style.threshold;
+            last = if apart { *depth } else { last };
+            apart
+        };
+        depths.iter().copied().filter(apart).count()
+    };
+    depths.into_iter().map(count).collect()
 }
 
 /// Divides, shades, covers and composites a pixel's fragments.

@@ -7,8 +7,8 @@ use crate::fixed::{self, Options, kernel_rules};
 use crate::gallery::Exhibit;
 use crate::reference::{float, surface};
 use crate::rules::{Compositing, Rules};
-use crate::scene::points::SurfacePoint;
 use crate::scene::points::synthetic::{Paint, scene, sphere};
+use crate::scene::points::{SurfacePoint, share_of_area};
 use crate::scene::{Scene, Skipped, Splat, Weight};
 use crate::surface::Style;
 use crate::vector;
@@ -24,7 +24,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// Largest relative deviation of the conic, measured by its trace, and of the peak.
+    /// Largest deviation of the conic, relative to its trace, and of the peak, relative to a kernel seen head-on.
     fn deviation(&self, from: &Shape) -> [f64; 2] {
         let size = from.conic[0] + from.conic[2];
         let conic = self
@@ -34,7 +34,7 @@ impl Shape {
             .map(|(a, b)| (a - b).abs() / size);
         [
             conic.fold(0.0, f64::max),
-            (self.peak / from.peak - 1.0).abs(),
+            (self.peak - from.peak).abs() / share_of_area(),
         ]
     }
 }
@@ -48,7 +48,7 @@ pub fn flattening() -> Result<Exhibit, GalleryError> {
         "Flattening a volume kernel into a surface kernel",
         "[EWA] section 6.4 (system 3)",
         "2,000 kernels on a sphere, their third axis (along the normal) divided by s, against the surface kernels of the same points: largest \
-         deviation of the conic, relative to its trace, and of the peak. Masses are w 2 pi r^2 cos(normal, ray): a sheet's integral along a ray grows \
+         deviation of the conic, relative to its trace, and of the peak, relative to a kernel seen head-on. Masses are w 2 pi r^2 cos(normal, ray): a sheet's integral along a ray grows \
          with its obliquity, a surface's weight does not. The deviation falls as 1/s^2 in double precision down to rounding, and in fixed point \
          down to the mantissa.",
     );
@@ -167,16 +167,24 @@ pub fn plane_depth() -> Result<Exhibit, GalleryError> {
         "Depth of the tangent plane",
         "[SURF] section 4 (system 9)",
         "Depth lane of the rasterizer on a sphere of 40,000 points, in radii of the splats. The affine depth against the plane cut by the pixel's ray \
-         (perspective), for splats that are no more than 60 degrees oblique; the fixed lane against the affine depth in double precision, for all; and the largest excursion from \
+         (perspective), for splats that are no more than 60 degrees oblique, without and with the low-pass filter's share in the slope; the fixed lane against the affine depth in double precision, for all; and the largest excursion from \
          the centre's depth, which the regression keeps below sqrt(2) radii where the plane's own slope grows without bound.",
     );
     let style = Style::opaque(cloud.usual_threshold());
     let quantised = QuantisedPoints::new(&cloud, &camera);
     let unit = f64::from(quantised.scale_log2).exp2() * 2f64.powi(32);
     let fixed = surface_footprints(&quantised, &style, &standard());
+    let sharp = Style {
+        low_pass: 1e-9,
+        ..style
+    };
+    let mut filtered = 0.0f64;
     let (mut affine, mut lane, mut excursion, mut steep) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
     for (point, fixed) in cloud.points.iter().zip(&fixed) {
         let (Ok(splat), Ok(fixed)) = (surface::project(point, &camera, &style), fixed) else {
+            continue;
+        };
+        let Ok(unfiltered) = surface::project(point, &camera, &sharp) else {
             continue;
         };
         let cosine = vector::dot(splat.normal, camera.to_camera(point.centre)).abs()
@@ -191,14 +199,21 @@ pub fn plane_depth() -> Result<Exhibit, GalleryError> {
             excursion = excursion.max(slope.abs());
             steep = steep.max((exact - splat.depth).abs());
             if cosine > 0.5 {
-                affine = affine.max((splat.depth + slope - exact).abs());
+                let [across, down] = unfiltered.gradient;
+                let plane = splat.depth + across * offset[0] + down * offset[1];
+                affine = affine.max((plane - exact).abs());
+                filtered = filtered.max((splat.depth + slope - exact).abs());
             }
         }
     }
     for (name, value) in [
         (
-            "affine and filtered against exact, up to 60 degrees",
+            "affine plane against exact plane, up to 60 degrees oblique",
             affine,
+        ),
+        (
+            "filtered affine plane against exact plane, up to 60 degrees oblique",
+            filtered,
         ),
         ("fixed lane against affine", lane),
         ("largest excursion, filtered", excursion),

@@ -3,6 +3,7 @@
 use super::{GalleryError, draw_both, draw_fixed, exhibit};
 use crate::camera::Camera;
 use crate::gallery::Exhibit;
+use crate::metrics::compare;
 use crate::reference;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::synthetic::{Paint, scene, sheet, sphere};
@@ -17,12 +18,14 @@ const ORDERS: u64 = 4;
 pub fn transparent() -> Result<Exhibit, GalleryError> {
     let crossing = crossing_surfaces();
     let camera = Camera::look_at([0.6, -5.0, 1.4], [0.0; 3], crossing.up, 32.0, 384, 384)?;
-    let style = Style::layered(2.0 * crossing.radius, 8);
+    let style = Style::layered(crossing.usual_threshold(), 8);
     let mut exhibit = exhibit(
         "Semi-transparent surfaces in any order",
         "[SURF] section 6, eq. 12 (system 11)",
-        "Three crossing sheets of opacity 0.5 in a sphere of opacity 0.25. Splats sorted by depth, against splats shuffled: pixels that differ in any \
-         bit, all of them and those where no more layers overlap than the buffer holds (counted by the reference with unlimited layers).",
+        "Three crossing sheets of opacity 0.5 in a sphere of opacity 0.25. Splats sorted by depth, against splats shuffled (4 orders): pixels that \
+         differ in any bit. So many layers overlap at a pixel as it has samples that are pairwise farther apart than the threshold, by the \
+         reference: no order of drawing ever has more fragments open. Where surfaces are steep, samples of one layer can open several \
+         fragments before others join them; so fewer layers may be left at the end than overlap.",
     );
     let (drawing, _) = draw_both(
         &mut exhibit,
@@ -39,54 +42,65 @@ pub fn transparent() -> Result<Exhibit, GalleryError> {
         ..style
     };
     let truth = reference::surface::draw(&crossing, &camera, &unlimited);
-    let most = truth.fragments.iter().map(Vec::len).max().unwrap_or(0);
-    exhibit.number("layers at the deepest pixel", most as f64, "");
+    let deepest = truth.fragments.iter().map(Vec::len).max().unwrap_or(0);
+    exhibit.number("most layers of a pixel", deepest as f64, "");
+    let overlapping = reference::surface::overlapping_layers(&crossing, &camera, &style);
     for layers in LAYERS {
-        let style = Style {
-            buffer: Buffer::Layers(layers),
-            ..style
-        };
+        let buffer = Buffer::Layers(layers);
+        let style = Style { buffer, ..style };
         let in_order = draw_fixed(&sorted(&crossing, &camera), &camera, &style);
-        let (mut all, mut within) = (0, 0);
+        let errors = compare(&in_order.picture, &truth.picture)?;
+        let psnr = errors.colour.psnr_db;
+        exhibit.number(
+            format!("{layers} layers: PSNR against unlimited layers"),
+            psnr,
+            "dB",
+        );
+        let mut differing = Differing::default();
         for order in 0..ORDERS {
             let random = draw_fixed(&shuffled(&crossing, order), &camera, &style);
-            let pixels = in_order
-                .pixels
-                .iter()
-                .zip(&random.pixels)
-                .zip(&truth.fragments);
-            for ((sorted, shuffled), fragments) in pixels {
-                all += usize::from(sorted != shuffled);
-                within += usize::from(sorted != shuffled && fragments.len() <= layers);
+            for (index, pixel) in random.pixels.iter().enumerate() {
+                if *pixel != in_order.pixels[index] {
+                    differing.all += 1;
+                    differing.overlapping += usize::from(overlapping[index] <= layers);
+                    differing.clusters += usize::from(truth.fragments[index].len() <= layers);
+                }
             }
             if layers == 2 && order == 0 {
-                exhibit
-                    .pictures
-                    .push(("transparent_2_layers_shuffled".to_owned(), random.picture));
+                let name = "transparent_2_layers_shuffled".to_owned();
+                exhibit.pictures.push((name, random.picture));
             }
         }
-        let deep = truth
-            .fragments
-            .iter()
-            .filter(|fragments| fragments.len() > layers)
-            .count();
+        let within = overlapping.iter().filter(|count| **count <= layers).count();
+        let title = |what: &str| format!("{layers} layers: {what}");
+        exhibit.number(title("pixels where no more overlap"), within as f64, "");
         exhibit.number(
-            format!("{layers} layers: pixels with more layers"),
-            deep as f64,
+            title("of these, different after shuffling"),
+            differing.overlapping as f64,
             "",
         );
         exhibit.number(
-            format!("{layers} layers: pixels that differ in {ORDERS} random orders"),
-            all as f64,
+            title("all pixels different after shuffling"),
+            differing.all as f64,
             "",
         );
         exhibit.number(
-            format!("{layers} layers: of these, with at most {layers} layers"),
-            within as f64,
+            title("of these, with no more layers at the end"),
+            differing.clusters as f64,
             "",
         );
     }
     Ok(exhibit)
+}
+
+/// Pixels, over all random orders, that are not the sorted drawing's in every bit.
+#[derive(Default)]
+struct Differing {
+    all: usize,
+    /// Where no more layers overlap than the buffer holds.
+    overlapping: usize,
+    /// Where no more layers than that are left when everything is drawn.
+    clusters: usize,
 }
 
 fn crossing_surfaces() -> SurfaceScene {

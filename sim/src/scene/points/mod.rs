@@ -5,7 +5,7 @@
 //! | `.ply` | `x y z`, `nx ny nz`, `red green blue` (also with `alpha`), `radius` |
 //! | `.xyz`, `.pts`, `.txt`, `.asc` | lines of 3, 6 or 9 numbers: place, normal, colour |
 //!
-//! A point without a radius gets the mean distance to its six nearest neighbours; a cloud without normals gets those of the
+//! A point without a radius gets the distance to the farthest of its six nearest neighbours; a cloud without normals gets those of the
 //! planes through each point's neighbours. What was made up that way is told in [`SurfaceScene::notes`].
 
 mod neighbours;
@@ -149,7 +149,7 @@ fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem>
     let neighbours = (no_radius || no_normal).then(|| neighbours::Neighbours::new(&places));
     let found = neighbours.as_ref();
     if no_radius {
-        notes.push("radii: mean distance to the six nearest neighbours".to_owned());
+        notes.push("radii: distance to the sixth nearest neighbour".to_owned());
     }
     if no_normal {
         notes.push("normals: planes through the neighbours, not oriented".to_owned());

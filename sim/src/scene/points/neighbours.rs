@@ -4,7 +4,8 @@ use crate::vector::{self, Vector};
 use kd_tree::KdIndexTree;
 use rayon::prelude::*;
 
-/// Neighbours that a radius is the mean distance of.
+/// Neighbours that a basis function reaches with its standard deviation. The farthest of them counts, not their mean: where the density of a
+/// scan jumps, the mean follows the dense side and leaves holes on the sparse one (docs/surface-splats.md).
 const RADIUS_NEIGHBOURS: usize = 6;
 /// Neighbours that a plane is laid through.
 const PLANE_NEIGHBOURS: usize = 12;
@@ -26,17 +27,13 @@ impl<'a> Neighbours<'a> {
         }
     }
 
-    /// Per place the mean distance to its six nearest neighbours; 0 where all of them lie on the same spot.
+    /// Per place the distance to the farthest of its six nearest neighbours; 0 where all of them lie on the same spot.
     pub(super) fn radii(&self) -> Vec<f64> {
         let radius = |place: &Vector| {
             let found = self.tree.nearests(place, RADIUS_NEIGHBOURS + 1);
-            // The nearest one is the place itself.
-            let others = found.iter().skip(1);
-            let count = others.len().max(1);
-            others
-                .map(|other| other.squared_distance.sqrt())
-                .sum::<f64>()
-                / count as f64
+            // The nearest of these is the place itself.
+            let squares = found.iter().map(|other| other.squared_distance);
+            squares.fold(0.0, f64::max).sqrt()
         };
         self.places.par_iter().map(radius).collect()
     }
@@ -111,9 +108,8 @@ mod tests {
         let normal = neighbours.normals()[middle];
         let cosine = vector::dot(normal, [-0.8, 0.0, 0.6]).abs();
         assert!((cosine - 1.0).abs() < 1e-12, "{normal:?}");
-        // Four neighbours at 1 and two at sqrt(2).
-        let expected = (4.0 + 2.0 * 2f64.sqrt()) / 6.0;
-        assert!((neighbours.radii()[middle] - expected).abs() < 1e-12);
+        // Four neighbours at 1 and two of four at sqrt(2).
+        assert!((neighbours.radii()[middle] - 2f64.sqrt()).abs() < 1e-12);
     }
 
     #[test]
