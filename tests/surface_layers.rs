@@ -9,10 +9,11 @@ use splatline::format::{Custom, Design, Standard24};
 const THRESHOLD: u32 = 100;
 
 fn attributes(number: u32) -> Attributes {
+    let number = number % 1_000_003;
     Attributes {
         colour: [number * 997 % (1 << 18), number * 331 % (1 << 18), 1 << 17],
         opacity: 1 << 17,
-        normal: [0, (number * 77 % (1 << 18)) as i32, -(1 << 18)],
+        normal: [0, (number * 771 % (1 << 18)) as i32, -(1 << 18)],
         material: (number % 5) as u8,
     }
 }

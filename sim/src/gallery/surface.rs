@@ -83,3 +83,13 @@ fn exhibit(name: &str, equation: &'static str, caption: &str) -> Exhibit {
         numbers: Vec::new(),
     }
 }
+
+/// A premultiplied picture over white paper, as a page shows it.
+fn on_paper(picture: &Picture) -> Picture {
+    let mut shown = picture.clone();
+    for [r, g, b, a] in &mut shown.pixels {
+        let paper = 1.0 - *a;
+        (*r, *g, *b, *a) = (*r + paper, *g + paper, *b + paper, 1.0);
+    }
+    shown
+}

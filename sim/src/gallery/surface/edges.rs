@@ -1,6 +1,6 @@
 //! A silhouette with and without edge antialiasing, against the sphere that the points sample.
 
-use super::{GalleryError, draw_both, exhibit};
+use super::{GalleryError, draw_both, exhibit, on_paper};
 use crate::camera::Camera;
 use crate::gallery::Exhibit;
 use crate::picture::Picture;
@@ -66,9 +66,10 @@ pub fn edges() -> Result<Exhibit, GalleryError> {
             steps(&alpha, camera.width) as f64,
             "",
         );
-        exhibit
-            .pictures
-            .push((format!("edge_{name}"), enlarged(&drawing.picture, 4)));
+        exhibit.pictures.push((
+            format!("edge_{name}"),
+            enlarged(&on_paper(&drawing.picture), 4),
+        ));
     }
     exhibit.number("truth: steps", steps(&truth, camera.width) as f64, "");
     Ok(exhibit)

@@ -1,6 +1,6 @@
 //! A scanned cloud without holes.
 
-use super::{GalleryError, draw_both, draw_fixed, exhibit};
+use super::{GalleryError, draw_both, draw_fixed, exhibit, on_paper};
 use crate::camera::Camera;
 use crate::gallery::Exhibit;
 use crate::gallery::holes::{Mask, holes};
@@ -81,10 +81,10 @@ pub fn lion(folder: &Path) -> Result<Exhibit, GalleryError> {
         );
         exhibit
             .pictures
-            .push((format!("lion_{size}"), plain.picture));
+            .push((format!("lion_{size}"), on_paper(&plain.picture)));
         exhibit
             .pictures
-            .push((format!("lion_{size}_shaded"), shaded.picture));
+            .push((format!("lion_{size}_shaded"), on_paper(&shaded.picture)));
     }
     Ok(exhibit)
 }

@@ -1,6 +1,6 @@
 //! Deferred Phong shading with two materials.
 
-use super::{GalleryError, draw_both, exhibit};
+use super::{GalleryError, draw_both, exhibit, on_paper};
 use crate::camera::Camera;
 use crate::gallery::Exhibit;
 use crate::scene::points::synthetic::{Paint, scene, sheet, sphere};
@@ -38,6 +38,6 @@ pub fn shading() -> Result<Exhibit, GalleryError> {
     let (drawing, _) = draw_both(&mut exhibit, "shaded", &balls, &camera, &style)?;
     exhibit
         .pictures
-        .push(("shading".to_owned(), drawing.picture));
+        .push(("shading".to_owned(), on_paper(&drawing.picture)));
     Ok(exhibit)
 }

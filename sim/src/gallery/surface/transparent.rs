@@ -1,6 +1,6 @@
 //! Order-independent transparency: random order against sorted order, for different numbers of layers.
 
-use super::{GalleryError, draw_both, draw_fixed, exhibit};
+use super::{GalleryError, draw_both, draw_fixed, exhibit, on_paper};
 use crate::camera::Camera;
 use crate::gallery::Exhibit;
 use crate::metrics::compare;
@@ -34,9 +34,10 @@ pub fn transparent() -> Result<Exhibit, GalleryError> {
         &camera,
         &style,
     )?;
-    exhibit
-        .pictures
-        .push(("transparent_8_layers".to_owned(), drawing.picture));
+    exhibit.pictures.push((
+        "transparent_8_layers".to_owned(),
+        on_paper(&drawing.picture),
+    ));
     let unlimited = Style {
         buffer: Buffer::Layers(usize::MAX),
         ..style
@@ -68,7 +69,7 @@ pub fn transparent() -> Result<Exhibit, GalleryError> {
             }
             if layers == 2 && order == 0 {
                 let name = "transparent_2_layers_shuffled".to_owned();
-                exhibit.pictures.push((name, random.picture));
+                exhibit.pictures.push((name, on_paper(&random.picture)));
             }
         }
         let within = overlapping.iter().filter(|count| **count <= layers).count();
