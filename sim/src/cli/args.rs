@@ -32,7 +32,8 @@ Examples:
   splatline render guitar.splat -o guitar.png
   splatline render guitar.ply --camera camera.json --design lean18 --traversal box -o guitar.png
   splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
-  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png";
+  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
+  splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud";
 
 const GALLERY_EXAMPLES: &str = "\
 Examples:
@@ -47,6 +48,7 @@ Examples:
   splatline compare guitar.ply --camera camera.json --design lean18 --only -o out
   splatline compare fuel.nhdr --design my_design.toml --repeat 5 --size 800x600 -o out
   splatline compare guitar.ply --engine exact -o out      against the ray integral instead of EWA
+  splatline compare lion.ply --as surface -o out          a point cloud as surface splats
 
 Writes fixed.png, float.png, error.png, report.json and report.html.";
 

@@ -79,6 +79,9 @@ fn refuse_volume_options(view: &ViewOptions) -> Result<(), Failure> {
 /// `render --as surface`.
 pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
+    if drawing.engine == Engine::Exact {
+        return Err(no_exact());
+    }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
     let manner = Manner::from_options(drawing);
     let progress = Progress::new(1);
@@ -90,12 +93,11 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
             let report = report_of_entry(&view, &entry, &measured)?;
             (measured, report)
         }
-        Engine::Float => {
+        Engine::Float | Engine::Exact => {
             let measured = draw_float(&view, &manner)?;
             let report = report(&view, Engine::Float, &measured);
             (measured, report)
         }
-        Engine::Exact => return Err(no_exact()),
     };
     measured
         .drawing
