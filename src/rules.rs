@@ -57,7 +57,7 @@ impl Rules {
         table_range: 2,
     };
 
-    /// Surface splatting: identity low-pass, cut-off 1 on r/2 ([SURF] 4). The weights of a pixel are divided by their sum, so
+    /// Surface splatting: identity low-pass, cut-off 1 on r/2 (SURF 4). The weights of a pixel are divided by their sum, so
     /// nothing is clamped, skipped or finished.
     pub const SURFACE: Rules = Rules {
         normalised: false,

@@ -105,7 +105,7 @@ fn conic_by_rays(centre: [f64; 3], [s1, s2]: [[f64; 3]; 2]) -> [f64; 3] {
 }
 
 proptest! {
-    /// [SURF] 4: with a vanishing low-pass the ellipse is that of the rays cut with the tangent plane.
+    /// SURF 4: with a vanishing low-pass the ellipse is that of the rays cut with the tangent plane.
     #[test]
     fn the_ellipse_is_that_of_the_inverse_jacobian(
         x in -1.5f64..1.5, y in -1.5f64..1.5, z in 4.0f64..40.0,

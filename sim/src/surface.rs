@@ -2,7 +2,7 @@
 
 use crate::vector::Vector;
 
-/// tau of [SURF] 7.
+/// tau of SURF 7.
 pub const USUAL_EDGE: f64 = 0.4;
 
 /// Numbers of layers that the fixed engine is compiled for.
@@ -11,9 +11,9 @@ pub const LAYERS: [usize; 5] = [1, 2, 3, 4, 8];
 /// What a pixel keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Buffer {
-    /// One surface: accumulate, replace or discard by depth ([SURF] 4).
+    /// One surface: accumulate, replace or discard by depth (SURF 4).
     Accumulation,
-    /// At most so many surfaces: the layered A-buffer ([SURF] 6).
+    /// At most so many surfaces: the layered A-buffer (SURF 6).
     Layers(usize),
 }
 
@@ -26,7 +26,7 @@ pub struct Style {
     pub threshold: f64,
     /// Variance of the low-pass filter, square pixels.
     pub low_pass: f64,
-    /// A footprint ends at this radial index; 2 is [SURF]'s 1 on r/2.
+    /// A footprint ends at this radial index; 2 is SURF's 1 on r/2.
     pub cutoff: f64,
     /// Weight sum at which a pixel counts as covered; none switches edge antialiasing off.
     pub edge: Option<f64>,
@@ -35,7 +35,7 @@ pub struct Style {
 }
 
 impl Style {
-    /// Opaque surfaces as [SURF] draws them, unlit, without edge antialiasing.
+    /// Opaque surfaces as SURF draws them, unlit, without edge antialiasing.
     pub fn opaque(threshold: f64) -> Style {
         Style {
             buffer: Buffer::Accumulation,

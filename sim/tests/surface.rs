@@ -127,7 +127,7 @@ fn constants_and_fields_give_the_same_bits() {
     }
 }
 
-/// [SURF] 4: V' from M = J W S, and from the rays through neighbouring pixels, are inverse to each other.
+/// SURF 4: V' from M = J W S, and from the rays through neighbouring pixels, are inverse to each other.
 #[test]
 fn both_ways_to_the_ellipse_agree() {
     let scene = ball_and_sheet();

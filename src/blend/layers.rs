@@ -1,11 +1,11 @@
-//! The layered A-buffer ([SURF] 6): L fragments per pixel, transparency in one pass and any order of drawing.
+//! The layered A-buffer (SURF 6): L fragments per pixel, transparency in one pass and any order of drawing.
 //!
 //! A sample whose depth lies within the threshold of a fragment's depth range is accumulated into it, otherwise it opens a
 //! fragment of its own; fragments whose ranges have grown together are added up. That is single-linkage
 //! clustering of the depths: its clusters do not depend on the order of the samples, and neither do integer sums. As long as no more than L
 //! clusters are open at a time the picture is therefore the same, bit for bit, for every order of drawing.
 //!
-//! The L+1st fragment makes the nearest pair merge ([SURF] eq. 12), in premultiplied form
+//! The L+1st fragment makes the nearest pair merge (SURF eq. 12), in premultiplied form
 //!
 //! ```text
 //! c = c_f + (1 - a_f) c_b,   a = a_f + (1 - a_f) a_b
@@ -161,7 +161,7 @@ fn add(front: &Fragment, back: &Fragment) -> Fragment {
     }
 }
 
-/// [SURF] eq. 12 on the divided fragments; weight sum of the heavier, depth range of both, material of the front one.
+/// SURF eq. 12 on the divided fragments; weight sum of the heavier, depth range of both, material of the front one.
 fn merge(gather: &Gather, front: &Fragment, back: &Fragment) -> Fragment {
     let merged = over(gather, &gather.normalise(front), &gather.normalise(back));
     Fragment {

@@ -1,4 +1,4 @@
-//! Deferred shading ([SURF] 4): Phong once per pixel, with the filtered normal and a material table.
+//! Deferred shading (SURF 4): Phong once per pixel, with the filtered normal and a material table.
 //!
 //! ```text
 //! I = (ka + kd max(0, n.l)) c + ks max(0, r.v)^s a,   r = 2 (n.l) n - l

@@ -1,8 +1,8 @@
-//! The accumulation buffer with normalisation ([SURF] 4, eq. 9): weighted sums per pixel, divided by the weight sum at the end.
+//! The accumulation buffer with normalisation (SURF 4, eq. 9): weighted sums per pixel, divided by the weight sum at the end.
 //!
 //! A pixel of a surface is sum w_k a_k / sum w_k for every attribute a (premultiplied colour, opacity, normal). Sums are integers, so
 //! they are the same in any order of drawing, to the last bit. Whether a splat belongs to the same surface as the
-//! pixel's sums is decided by the depth of its tangent plane and a threshold ([SURF] 4): near enough, it is
+//! pixel's sums is decided by the depth of its tangent plane and a threshold (SURF 4): near enough, it is
 //! accumulated; nearer than that, it replaces them; farther, it is discarded.
 //!
 //! Formats: the weight sum is UQ7.f and the normal sum Q7.f with f = min(accumulator, 24), colour and opacity sums UQ7.f.
@@ -133,7 +133,7 @@ impl Gather {
         shift_unsigned(product, self.colour, self.rounding).min(i32::MAX as u64) as u32
     }
 
-    /// Division by the weight sum ([SURF] eq. 9) through the reciprocal unit; an empty fragment is transparent.
+    /// Division by the weight sum (SURF eq. 9) through the reciprocal unit; an empty fragment is transparent.
     ///
     /// Relative error 2^-mantissa of the reciprocal, rounded to nearest to the result's format.
     pub fn normalise(&self, fragment: &Fragment) -> Filtered {
@@ -195,7 +195,7 @@ pub trait Cell: Copy {
     fn fragments(&self) -> &[Fragment];
 }
 
-/// One surface per pixel: the accumulation buffer of [SURF] 4, for opaque scenes.
+/// One surface per pixel: the accumulation buffer of SURF 4, for opaque scenes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Accumulation {
     fragment: [Fragment; 1],

@@ -1,10 +1,10 @@
-//! Setup of surface splats ([SURF] 3.3 and 4, [EWA] 6.3): M = J W S, V' = M M^T, and the tangent plane's depth.
+//! Setup of surface splats (SURF 3.3 and 4, EWA 6.3): M = J W S, V' = M M^T, and the tangent plane's depth.
 //!
-//! A surface splat is a volume splat whose third axis has length 0 ([EWA] 6.4), so the units of volume setup serve as they
+//! A surface splat is a volume splat whose third axis has length 0 (EWA 6.4), so the units of volume setup serve as they
 //! are: `columns` with a zero third column, `variance` whose Cauchy-Binet sum then is (m1 x m2)^2 + h trace + h^2. Two
 //! things are new.
 //!
-//! **Weight.** [SURF] eq. 8 normalises by |J| = |m1 x m2|: the screen-space basis function at its centre is
+//! **Weight.** SURF eq. 8 normalises by |J| = |m1 x m2|: the screen-space basis function at its centre is
 //!
 //! ```text
 //! p = w |m1 x m2| / sqrt(det(V' + V^h)),   0 <= p <= w
@@ -13,7 +13,7 @@
 //! w when magnified, falling with the projected area when minified. It is the flattened volume kernel's peak (`peak`)
 //! times the cosine between normal and ray: a thin sheet gets denser along an oblique ray, a surface does not.
 //!
-//! **Depth.** The plane's depth is affine in the pixel, z = z0 + g . (x - u). [SURF] takes g from the tangent plane, which
+//! **Depth.** The plane's depth is affine in the pixel, z = z0 + g . (x - u). SURF takes g from the tangent plane, which
 //! is infinitely steep when seen edge-on, while the low-pass filter keeps the footprint at least a pixel wide. Here
 //! g is the depth that the *filtered* kernel has at a pixel, the regression of z on the screen position:
 //!
@@ -100,7 +100,7 @@ pub fn setup_surface<D: Design>(
     })
 }
 
-/// p = w |D| / sqrt(det), [SURF] eq. 8; 0 for weights that are not positive and for planes seen edge-on.
+/// p = w |D| / sqrt(det), SURF eq. 8; 0 for weights that are not positive and for planes seen edge-on.
 ///
 /// Rounded to the mantissa four times: relative error below 2^-(bits - 2).
 pub fn surface_peak(widths: &Widths, weight: Scaled, area: Scaled, variance: &Variance) -> Scaled {

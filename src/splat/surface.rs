@@ -1,4 +1,4 @@
-//! The surface splat: a point of a surface with its tangent frame, normal, colour and material ([SURF] 3.3, [EWA] 6.3).
+//! The surface splat: a point of a surface with its tangent frame, normal, colour and material (SURF 3.3, EWA 6.3).
 
 use super::Axis;
 use crate::math::Scaled;
@@ -14,7 +14,7 @@ pub struct SurfaceSplat {
     /// Unit normal in the scene's axes; its length is not used, shading normalises the filtered one.
     pub normal: Axis,
     /// Height of the basis function at its centre, in the surface's own plane. Where neighbours' functions sum to
-    /// about 1, the weight sum of a pixel is its coverage ([SURF] 7). Negative counts as 0.
+    /// about 1, the weight sum of a pixel is its coverage (SURF 7). Negative counts as 0.
     pub weight: Scaled,
     /// Linear red, green, blue, not premultiplied; clamped to 1.
     pub colour: [U4F28; 3],

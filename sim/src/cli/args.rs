@@ -145,7 +145,7 @@ pub struct GalleryOptions {
 /// A part of the gallery.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Room {
-    /// Surface splats ([SURF])
+    /// Surface splats (SURF)
     Surface,
 }
 

@@ -391,7 +391,7 @@ fn a_cloud_is_drawn_as_a_surface() {
     );
     write_cloud(&cloud);
     let scene = format!(
-        "{} --as surface --size 40x30 --eye 2.5,2.5,9 --target 2.5,2.5,0 --up 0,1,0",
+        "{} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0",
         cloud.display()
     );
     for options in [

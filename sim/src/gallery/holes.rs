@@ -1,7 +1,7 @@
 //! Holes of a drawn surface: what must be covered and is not.
 //!
 //! A **hole** is a region of uncovered pixels, connected through 8 neighbours, that does not touch the picture's edge and that a
-//! morphological closing with a disc of [`CLOSING`] pixels covers entirely. The first condition leaves the background out, the second one
+//! morphological closing with a disc covers entirely. The first condition leaves the background out, the second one
 //! openings of the object itself that are wider than the disc, such as the room between a statue's legs.
 
 /// A mask of pixels, row-major.

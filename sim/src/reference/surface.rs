@@ -1,6 +1,6 @@
-//! Surface splatting in double precision, from the formulas of [SURF]: the counterpart of the kernel's systems 2 and 9 to 12.
+//! Surface splatting in double precision, from the formulas of SURF: the counterpart of the kernel's systems 2 and 9 to 12.
 //!
-//! Screen-space basis function ([SURF] eq. 8), attributes filtered and divided by the weight sum (eq. 9), depth of the tangent
+//! Screen-space basis function (SURF eq. 8), attributes filtered and divided by the weight sum (eq. 9), depth of the tangent
 //! plane, accumulation by a depth threshold (section 4) or in layers (section 6, eq. 12), Phong shading per pixel and
 //! coverage from the weight sum (section 7). [`inverse_jacobian`] is the other way to the same ellipse, by intersecting
 //! pixel rays with the tangent plane (section 4); the tests hold both against each other.
@@ -138,7 +138,7 @@ fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> Vec
 }
 
 /// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the tangent
-/// plane ([SURF] 4). Columns are the change per column and per row, in standard deviations; none for a plane seen edge-on.
+/// plane (SURF 4). Columns are the change per column and per row, in standard deviations; none for a plane seen edge-on.
 pub fn inverse_jacobian(point: &SurfacePoint, camera: &Camera) -> Option<[[f64; 2]; 2]> {
     let centre = camera.to_camera(point.centre);
     let [s1, s2] = point
@@ -232,7 +232,7 @@ impl Fragment {
         }
     }
 
-    /// [SURF] eq. 12 in premultiplied form, `self` in front.
+    /// SURF eq. 12 in premultiplied form, `self` in front.
     fn over(&self, back: &Fragment) -> Fragment {
         let weight = self.weight.max(back.weight);
         let (front_alpha, back_alpha) = (self.opacity / self.weight, back.opacity / back.weight);
@@ -261,7 +261,7 @@ impl Fragment {
 /// What a pixel has gathered, nearest first.
 pub type Pixel = Vec<Fragment>;
 
-/// Accumulate, replace or discard ([SURF] 4).
+/// Accumulate, replace or discard (SURF 4).
 fn accumulate(pixel: &mut Pixel, sample: Fragment, threshold: f64) {
     let Some(kept) = pixel.first_mut() else {
         pixel.push(sample);
@@ -274,7 +274,7 @@ fn accumulate(pixel: &mut Pixel, sample: Fragment, threshold: f64) {
     }
 }
 
-/// Accumulate or separate, insert, merge the nearest pair ([SURF] 6).
+/// Accumulate or separate, insert, merge the nearest pair (SURF 6).
 fn layer(pixel: &mut Pixel, sample: Fragment, threshold: f64, count: usize) {
     let gap = |a: &Fragment, b: &Fragment| (b.range[0] - a.range[1]).max(a.range[0] - b.range[1]);
     // A sample may bridge fragments that were apart: everything within reach becomes one.

@@ -1,4 +1,4 @@
-//! Point clouds as surfaces: points with normals and colours become surface splats ([SURF] 3).
+//! Point clouds as surfaces: points with normals and colours become surface splats (SURF 3).
 //!
 //! | file | read |
 //! |---|---|
@@ -49,7 +49,7 @@ pub struct SurfacePoint {
     pub material: u8,
 }
 
-/// How a surface answers to light ([SURF] 4: a table row).
+/// How a surface answers to light (SURF 4: a table row).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Share of the colour that is there without light.

@@ -85,11 +85,9 @@ fn rotate(matrix: &mut [[f64; 3]; 3], vectors: &mut [[f64; 3]; 3], p: usize, q: 
         row[p] = cosine * a - sine * b;
         row[q] = sine * a + cosine * b;
     }
-    for column in 0..3 {
-        let (a, b) = (matrix[p][column], matrix[q][column]);
-        matrix[p][column] = cosine * a - sine * b;
-        matrix[q][column] = sine * a + cosine * b;
-    }
+    let (upper, lower) = (matrix[p], matrix[q]);
+    matrix[p] = [0, 1, 2].map(|c: usize| cosine * upper[c] - sine * lower[c]);
+    matrix[q] = [0, 1, 2].map(|c: usize| sine * upper[c] + cosine * lower[c]);
 }
 
 #[cfg(test)]
