@@ -14,6 +14,7 @@ pub mod metrics;
 pub mod picture;
 pub mod reference;
 pub mod report;
+pub mod results;
 pub mod rules;
 pub mod scene;
 pub mod surface;

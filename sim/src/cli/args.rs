@@ -37,10 +37,10 @@ Examples:
 
 const GALLERY_EXAMPLES: &str = "\
 Examples:
-  splatline gallery surface -o out
-      the surface splats' exhibits: pictures, numbers and out/surface.md
-  splatline gallery surface --data data/points -o out
-      with the scanned clouds of that folder (lion_takanawa.ply)";
+  splatline gallery surface -o docs/gallery/surface
+      the surface splats: pictures, and their numbers in README.md
+  splatline gallery surface --data data -o out
+      with the data sets of another folder";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -58,6 +58,11 @@ Examples:
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
 Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
+
+const RESULTS_EXAMPLES: &str = "\
+Examples:
+  splatline results --data ../shared/data -o docs/results
+  splatline results --data ../shared/data --only golden -o /tmp/results";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -83,6 +88,9 @@ pub enum Command {
     /// Draw the exhibits that show each system, with their numbers beside the pictures.
     #[command(after_help = GALLERY_EXAMPLES)]
     Gallery(GalleryOptions),
+    /// Measure every figure that the documentation states and write its pages.
+    #[command(after_help = RESULTS_EXAMPLES)]
+    Results(ResultsOptions),
 }
 
 #[derive(Debug, Args)]
@@ -131,28 +139,28 @@ pub struct FootprintsOptions {
 
 #[derive(Debug, Args)]
 pub struct GalleryOptions {
-    /// Which exhibits
+    /// Which collection
     #[arg(value_enum)]
-    pub room: Room,
-    /// Folder of inputs that are not part of the project; exhibits that need them are left out without it
-    #[arg(long, value_name = "dir")]
-    pub data: Option<PathBuf>,
-    /// Folder to write pictures and a page in Markdown into
+    pub collection: Collection,
+    /// Folder that holds the data sets, such as points/lion_takanawa.ply; exhibits without their data are left out
+    #[arg(long, value_name = "dir", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder to write README.md and the pictures into
     #[arg(short, long, value_name = "dir")]
     pub output: PathBuf,
 }
 
-/// A part of the gallery.
+/// A collection of exhibits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Room {
-    /// Surface splats (SURF)
+pub enum Collection {
+    /// Surface splats, layers, edges, deferred shading
     Surface,
 }
 
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Camera file (JSON); without it and without --eye the whole scene is shown
@@ -429,4 +437,26 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=1024).contains(&count) => Ok(count),
         _ => Err("expected a whole number from 1 to 1024".to_owned()),
     }
+}
+
+#[derive(Debug, Args)]
+pub struct ResultsOptions {
+    /// Folder of the scenes (with gaussians, volumes and golden in it).
+    #[arg(long, value_name = "DIR")]
+    pub data: PathBuf,
+    /// Folder to write the pages to.
+    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
+    pub output: PathBuf,
+    /// Only the pages named.
+    #[arg(long, value_enum, value_name = "PAGE")]
+    pub only: Vec<ResultsPage>,
+}
+
+/// Pages of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ResultsPage {
+    /// Fixed point against float on scenes.
+    Accuracy,
+    /// Both engines against independent data.
+    Golden,
 }

@@ -1,47 +1,55 @@
-//! `splatline gallery`: the exhibits of one room as pictures and a page in Markdown.
+//! `splatline gallery`: exhibits of the papers' systems as pictures and numbers on one page.
 
-use super::args::{GalleryOptions, Room};
+use super::args::{Collection, GalleryOptions};
 use super::compare::create_folder;
+use super::progress::Progress;
 use super::setup::write;
 use super::{Failure, say};
-use splatline_sim::gallery::{self, Exhibit};
+use splatline_sim::gallery::{Exhibit, surface};
 use splatline_sim::picture::Depth;
 use std::fmt::Write;
 
 pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
-    let (stem, title, exhibits) = match options.room {
-        Room::Surface => (
-            "surface",
-            "Surface splats",
-            gallery::surface::surface(options.data.as_deref())?,
-        ),
+    let progress = Progress::new(1);
+    let (name, title, exhibits) = match options.collection {
+        Collection::Surface => {
+            progress.doing("surface exhibits".to_owned());
+            (
+                "surface",
+                "Gallery: surface splats",
+                surface::surface(&options.data)?,
+            )
+        }
     };
+    drop(progress);
     for (file, picture) in exhibits.iter().flat_map(|exhibit| &exhibit.pictures) {
         picture.write_png(&options.output.join(format!("{file}.png")), Depth::Eight)?;
     }
-    let page = page(stem, title, &exhibits);
-    write(&options.output.join(format!("{stem}.md")), page.as_bytes())?;
+    let page = page(name, title, &exhibits);
+    write(&options.output.join("README.md"), page.as_bytes())?;
     say(&exhibits.iter().map(numbers_as_text).collect::<String>());
     Ok(())
 }
 
-/// The whole page; pictures are named relative to it.
-fn page(stem: &str, title: &str, exhibits: &[Exhibit]) -> String {
+/// The whole page; pictures lie beside it.
+fn page(name: &str, title: &str, exhibits: &[Exhibit]) -> String {
     let mut page = format!(
-        "# {title}\n\nPrinted by `cargo run --release -- gallery {stem} --data DIR -o docs/gallery`, where DIR holds the scanned clouds. \
-         Errors are fixed point (`standard24`, `spans`) minus float in units of 1.0.\n"
+        "# {title}\n\nPrinted by `cargo run --release -- gallery {name} -o docs/gallery/{name}`. Errors are fixed point (`standard24`, `spans`) minus \
+         the double-precision reference, in units of 1.0. Pictures are shown over white.\n"
     );
     for exhibit in exhibits {
-        let _ = write!(
-            page,
-            "\n## {}\n\nSource: {}.\n\n{}\n\n",
-            exhibit.name, exhibit.equation, exhibit.caption
-        );
+        let Exhibit {
+            name,
+            equation,
+            caption,
+            ..
+        } = exhibit;
+        let _ = write!(page, "\n## {name}\n\nSource: {equation}.\n\n{caption}\n\n");
         for (file, _) in &exhibit.pictures {
-            let _ = write!(page, "![{file}]({file}.png) ");
+            let _ = writeln!(page, "![{file}]({file}.png)");
         }
-        page.push_str("\n\n| number | value |\n|---|---|\n");
+        page.push_str("\n| number | value |\n|---|---|\n");
         for (name, value, unit) in &exhibit.numbers {
             let _ = writeln!(page, "| {name} | {} |", quantity(*value, unit));
         }
@@ -57,7 +65,7 @@ fn numbers_as_text(exhibit: &Exhibit) -> String {
     text
 }
 
-/// Whole numbers as they are, decibels with two places, anything else with four significant digits.
+/// Whole numbers as they are, decibels with two places, anything else with about four significant digits.
 fn quantity(value: f64, unit: &str) -> String {
     let number = match unit {
         "dB" if value.is_infinite() => "identical".to_owned(),

@@ -15,8 +15,9 @@ use anyhow::Context;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::traversal_name;
 use splatline_sim::metrics::compare;
+use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts};
-use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Pixels, Report, Row};
+use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Pixels, Report, Row, ScaleFacts};
 use splatline_sim::scene::points::{self, SurfaceScene};
 use splatline_sim::surface::{Buffer, Style, USUAL_EDGE};
 use splatline_sim::{fixed, reference};
@@ -160,7 +161,9 @@ fn sweep(
         progress.advance();
     }
     let (measured, errors) = kept.context("the chosen design was not drawn")?;
+    let map = ErrorMap::new(&measured.drawing.picture, &float);
     let report = Report {
+        error_map: Some(ScaleFacts::from(&map)),
         reference: Some(Engine::Float.name().to_owned()),
         error: Some(ErrorFacts::from(&errors)),
         table,
@@ -169,6 +172,7 @@ fn sweep(
     Ok(Comparison {
         fixed: measured.drawing.picture,
         float,
+        map,
         report,
     })
 }
@@ -267,6 +271,7 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
             Buffer::Layers(count) => format!("{count} layers"),
         },
         error: None,
+        error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,
         host: measured.host,

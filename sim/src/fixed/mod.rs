@@ -9,4 +9,4 @@ mod render;
 pub mod surface;
 
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
-pub use render::{Drawing, Options, Times, draw, footprints};
+pub use render::{Drawing, Options, Times, conics, draw, footprints};

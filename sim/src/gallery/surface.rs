@@ -33,11 +33,12 @@ pub enum GalleryError {
     Compare(#[from] CompareError),
 }
 
-/// All exhibits; those of scanned clouds need the folder that holds them.
-pub fn surface(data: Option<&Path>) -> Result<Vec<Exhibit>, GalleryError> {
+/// All exhibits; that of the scanned cloud only where `data` holds it.
+pub fn surface(data: &Path) -> Result<Vec<Exhibit>, GalleryError> {
     let mut exhibits = Vec::new();
-    if let Some(folder) = data {
-        exhibits.push(lion::lion(folder)?);
+    let cloud = data.join("points/lion_takanawa.ply");
+    if cloud.is_file() {
+        exhibits.push(lion::lion(&cloud)?);
     }
     exhibits.push(transparent::transparent()?);
     exhibits.push(edges::edges()?);

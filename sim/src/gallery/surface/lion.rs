@@ -46,8 +46,8 @@ const OUTLINE: [[f64; 2]; 22] = [
 const BETWEEN_LEGS: [[f64; 2]; 2] = [[480.0, 490.0], [640.0, 625.0]];
 
 /// The stone lion at two sizes, with its colours and shaded.
-pub fn lion(folder: &Path) -> Result<Exhibit, GalleryError> {
-    let scene = points::load(&folder.join("lion_takanawa.ply"))?;
+pub fn lion(cloud: &Path) -> Result<Exhibit, GalleryError> {
+    let scene = points::load(cloud)?;
     let mut exhibit = exhibit(
         "A scanned surface without holes",
         "[SURF] eq. 8 and 9, section 4 (systems 2, 9 and 10)",
