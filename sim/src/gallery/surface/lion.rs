@@ -79,12 +79,11 @@ pub fn lion(cloud: &Path) -> Result<Exhibit, GalleryError> {
             statue(&back),
             "",
         );
-        exhibit
-            .pictures
-            .push((format!("lion_{size}"), on_paper(&plain.picture)));
-        exhibit
-            .pictures
-            .push((format!("lion_{size}_shaded"), on_paper(&shaded.picture)));
+        let (name, shown) = match size {
+            512 => ("lion_512", &plain.picture),
+            _ => ("lion_1024_shaded", &shaded.picture),
+        };
+        exhibit.pictures.push((name.to_owned(), on_paper(shown)));
     }
     Ok(exhibit)
 }
