@@ -11,6 +11,8 @@ use crate::surface::{Buffer, Style};
 
 /// Layers that are tried; the scene has at most six.
 const LAYERS: [usize; 5] = [1, 2, 3, 4, 8];
+/// Depth threshold in radii: sheets closer than this are one surface, so it is the width of the band along a crossing.
+const THRESHOLD: f64 = 2.0;
 /// Random orders that are tried for each.
 const ORDERS: u64 = 4;
 
@@ -18,7 +20,7 @@ const ORDERS: u64 = 4;
 pub fn transparent() -> Result<Exhibit, GalleryError> {
     let crossing = crossing_surfaces();
     let camera = Camera::look_at([0.6, -5.0, 1.4], [0.0; 3], crossing.up, 32.0, 384, 384)?;
-    let style = Style::layered(crossing.usual_threshold(), 8);
+    let style = Style::layered(THRESHOLD * crossing.radius, 8);
     let mut exhibit = exhibit(
         "Semi-transparent surfaces in any order",
         "[SURF] section 6, eq. 12 (system 11)",
