@@ -9,10 +9,12 @@ mod demo;
 mod drawing;
 mod engines;
 mod footprints;
+mod gallery;
 mod progress;
 mod render;
 mod results;
 mod setup;
+mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -62,6 +64,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Results(options)) => results::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
     }

@@ -18,6 +18,9 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             "--traversal has no meaning for --engine {engine}"
         )));
     }
+    if options.surface.kind.is_some() {
+        return super::surface::render(options);
+    }
     let view = View::from_options(&options.view)?;
     let manner = Manner::from_options(drawing);
     let progress = Progress::new(1);
@@ -48,7 +51,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 }
 
 /// What was drawn, what was left out and how long it took.
-fn summary(report: &Report) -> String {
+pub fn summary(report: &Report) -> String {
     let scene = &report.scene;
     let clamped = if scene.clamped > 0 {
         format!(", {} clamped", scene.clamped)
