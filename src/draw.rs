@@ -1,5 +1,11 @@
 //! The splat primitive: the units chained, from a footprint to the pixels of a target.
 
+mod hybrid;
+mod sphere;
+mod stamp;
+
+pub use hybrid::Gathering;
+
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Traversal};
@@ -77,18 +83,37 @@ impl<'a, D: Design> Painter<'a, D> {
 
     #[inline(always)]
     fn paint<R: Rows>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
+        let weight = |radial| self.table.weight(radial);
+        self.paint_weighted(footprint, rows, target, weight)
+    }
+
+    /// By the compositing's operator, with the kernel's value at a radial index (UQ4.radial) from `weight`.
+    #[inline(always)]
+    fn paint_weighted<R: Rows>(
+        &self,
+        footprint: &Footprint,
+        rows: R,
+        target: &mut Target,
+        weight: impl Fn(u64) -> u32,
+    ) -> Coverage {
         let blend = &self.blend;
         let colour = &footprint.colour;
         match self.compositing {
-            Compositing::FrontToBack => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.front_to_back(pixel, alpha, colour)
-            }),
-            Compositing::BackToFront => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.back_to_front(pixel, alpha, colour)
-            }),
-            Compositing::XRay => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.x_ray(pixel, alpha, colour)
-            }),
+            Compositing::FrontToBack => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.front_to_back(pixel, alpha, colour)
+                })
+            }
+            Compositing::BackToFront => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.back_to_front(pixel, alpha, colour)
+                })
+            }
+            Compositing::XRay => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.x_ray(pixel, alpha, colour)
+                })
+            }
         }
     }
 
@@ -98,12 +123,13 @@ impl<'a, D: Design> Painter<'a, D> {
         footprint: &Footprint,
         mut rows: R,
         target: &mut Target,
-        composite: impl Fn(&mut Pixel, u32),
+        weight: impl Fn(u64) -> u32,
+        mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         let mut coverage = Coverage::default();
         let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
         while let Some(run) = rows.next_run() {
-            coverage += self.paint_run(footprint, run, drop, target, &composite);
+            coverage += self.paint_run(footprint, run, drop, target, &weight, &mut composite);
         }
         coverage
     }
@@ -116,7 +142,8 @@ impl<'a, D: Design> Painter<'a, D> {
         run: Run<L>,
         drop: i32,
         target: &mut Target,
-        composite: impl Fn(&mut Pixel, u32),
+        weight: impl Fn(u64) -> u32,
+        mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         let mut coverage = Coverage {
             visited: run.length.into(),
@@ -124,10 +151,11 @@ impl<'a, D: Design> Painter<'a, D> {
             finished: 0,
         };
         let end = cutoff_in_lane(footprint.cutoff, self.design.widths().radial);
-        for (pixel, lane) in target
+        for ((pixel, lane), x) in target
             .row(run.y, run.x, run.length)
             .iter_mut()
             .zip(run.radials())
+            .zip(run.x..)
         {
             let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
             if radial >= end {
@@ -138,11 +166,9 @@ impl<'a, D: Design> Painter<'a, D> {
                 coverage.finished += 1;
                 continue;
             }
-            let alpha = self
-                .blend
-                .opacity(footprint.peak, self.table.weight(radial));
+            let alpha = self.blend.opacity(footprint.peak, weight(radial));
             if alpha > 0 {
-                composite(pixel, alpha);
+                composite([x, run.y], pixel, alpha);
             }
         }
         coverage

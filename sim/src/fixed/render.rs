@@ -1,6 +1,6 @@
 //! Drawing a quantised scene: setup of every splat, depth order, tiles on all cores.
 
-use super::quantise::{QuantisedScene, kernel_compositing, kernel_rules};
+use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 use crate::picture::Picture;
@@ -11,7 +11,7 @@ use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{Cull, setup};
@@ -83,7 +83,7 @@ pub fn footprints(
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     options
         .design
-        .dispatch(Job(&quantised, &kernel_rules(options.rules)))
+        .dispatch(Job(&quantised, &quantised.rules(options.rules)))
 }
 
 fn set_up<D: Design + Send + Sync>(
@@ -117,7 +117,7 @@ fn draw_with<D: Design + Send + Sync>(
     camera: &Camera,
     options: &Options,
 ) -> Drawing {
-    let rules = kernel_rules(options.rules);
+    let rules = quantised.rules(options.rules);
     let started = Instant::now();
     let results = set_up(design, quantised, &rules);
     let mut culled = [0; Cull::ALL.len()];
@@ -207,7 +207,7 @@ fn raster<D: Design + Send + Sync>(
 ) -> (Vec<Pixel>, Coverage) {
     let widths = design.widths();
     let mut memory = vec![0; entries(&widths)];
-    fill_gaussian(&mut memory, &widths, rules.table_range);
+    fill(&mut memory, &widths, rules.table_range, rules.kernel);
     let Ok(table) = FootprintTable::new(&memory, &widths, rules.table_range) else {
         unreachable!("the table has just been made for these widths")
     };
