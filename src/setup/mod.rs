@@ -21,7 +21,7 @@ pub use peak::{cutoff, peak, peak_fixed};
 pub use point::{PointFilter, is_minified, setup_point};
 pub use project::{Projected, project};
 pub use shape::{conic, scan};
-pub use sphere::{Ellipse, SphereFootprint, setup_sphere};
+pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
 pub use variance::{Variance, variance};
 
 use crate::footprint::Footprint;

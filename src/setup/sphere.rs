@@ -42,6 +42,15 @@ pub enum Ellipse {
     Approximate,
 }
 
+/// How a pixel's place within the ellipse becomes a radial index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Index {
+    /// In proportion to the ellipse's radius, as every affine footprint does.
+    Affine,
+    /// By the distance of the ray from the centre ([HYBRID] 4.2).
+    Perspective,
+}
+
 /// A footprint with the spread that its index is to be corrected by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SphereFootprint {
@@ -62,14 +71,15 @@ pub fn setup_sphere<D: Design>(
     view: &View,
     rules: &Rules,
     splat: &SphereSplat,
-    ellipse: Ellipse,
+    (ellipse, index): (Ellipse, Index),
 ) -> Result<SphereFootprint, Cull> {
     let widths = design.widths();
     let bits = u32::from(widths.mantissa);
     let projected = project(&widths, view, rules, splat.centre)?;
     let peak = ball_peak(&widths, rules, splat);
     let end = cutoff(rules, peak).ok_or(Cull::Transparent)?;
-    let cone = Cone::new(&widths, view, &projected, splat, end, ellipse).ok_or(Cull::Near)?;
+    let cone =
+        Cone::new(&widths, view, &projected, splat, end, (ellipse, index)).ok_or(Cull::Near)?;
     let variance = cone.variance(bits, projected.gain, splat.deviation, rules.low_pass);
     let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
     let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
@@ -116,7 +126,7 @@ fn ball_peak(widths: &Widths, rules: &Rules, splat: &SphereSplat) -> Scaled {
 struct Cone {
     /// (u, v).
     ratio: [Scaled; 2],
-    /// 1/g, and (1 - e/L) / g.
+    /// 1/g, and (1 - e/L) / g; without the correction 1/g, so that r = c lies on the outline.
     inverse: Scaled,
     shrink: Scaled,
     /// c / (1 - e/L), UQ4.28.
@@ -138,7 +148,7 @@ impl Cone {
         projected: &Projected,
         splat: &SphereSplat,
         end: u32,
-        ellipse: Ellipse,
+        (ellipse, index): (Ellipse, Index),
     ) -> Option<Cone> {
         let bits = u32::from(widths.view);
         let flat = Cone {
@@ -172,20 +182,27 @@ impl Cone {
             .multiply(inverse_slant, bits)
             .to_fixed(32)
             .clamp(0, u32::MAX.into()) as u32;
-        let cone = Cone {
-            cutoff,
-            spread,
-            ..flat
+        let rim = match index {
+            Index::Affine => flat,
+            Index::Perspective => Cone {
+                cutoff,
+                spread,
+                shrink: cosine,
+                ..flat
+            },
         };
-        if ellipse == Ellipse::Approximate {
-            return Some(cone);
+        match ellipse {
+            Ellipse::Approximate => Some(Cone { shrink: ONE, ..rim }),
+            Ellipse::Exact => {
+                let inverse = reciprocal(rest, bits)?;
+                let shrink = rim.shrink.multiply(inverse, bits);
+                Some(Cone {
+                    inverse,
+                    shrink,
+                    ..rim
+                })
+            }
         }
-        let inverse = reciprocal(rest, bits)?;
-        Some(Cone {
-            inverse,
-            shrink: cosine.multiply(inverse, bits),
-            ..cone
-        })
     }
 
     /// V in square pixels with its determinant k^2 (1 + |(u, v)|^2 / g) and the low-pass added by Cauchy-Binet.
