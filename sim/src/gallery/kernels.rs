@@ -1,1 +1,94 @@
-//! stub
+//! Exhibits of systems 6, 7, 14, 15 and 16: antialiasing, kernels, hybrid points, spheres and stamps.
+
+mod hybrid;
+mod plane;
+mod shapes;
+mod sphere;
+mod stamp;
+
+use super::Exhibit;
+use crate::design::DesignChoice;
+use crate::metrics::compare;
+use crate::picture::Picture;
+use crate::scene::{self, LoadOptions, Scene};
+use std::path::{Path, PathBuf};
+
+pub use plane::{Plane, plane};
+
+/// All exhibits; those that need a data set that is missing say so in their caption and have no pictures.
+///
+/// `data` is the folder that holds `volumes/aneurism.nhdr`. Takes about a minute.
+pub fn kernels(data: &Path) -> Vec<Exhibit> {
+    let aneurism = aneurism(data);
+    vec![
+        shapes::exhibit(),
+        plane::isotropic(),
+        plane::anisotropic(),
+        sphere::exhibit(),
+        hybrid::distances(aneurism.as_ref()),
+        hybrid::zoom(aneurism.as_ref()),
+        stamp::phases(aneurism.as_ref()),
+        stamp::on_the_plane(),
+    ]
+}
+
+/// The volume that shows many small splats: arteries in a 256^3 grid.
+fn aneurism(data: &Path) -> Result<Scene, PathBuf> {
+    let path = data.join("volumes/aneurism.nhdr");
+    scene::load(&path, &LoadOptions::default()).map_err(|_| path)
+}
+
+/// The exhibit of a scene whose file is missing.
+fn without(name: &str, equation: &'static str, missing: &Path) -> Exhibit {
+    Exhibit {
+        name: name.to_owned(),
+        equation,
+        caption: format!(
+            "Not drawn: '{}' cannot be read. Name the folder that holds it with --data.",
+            missing.display()
+        ),
+        pictures: Vec::new(),
+        numbers: Vec::new(),
+    }
+}
+
+fn standard24() -> DesignChoice {
+    match DesignChoice::named("standard24") {
+        Some(design) => design,
+        None => unreachable!("standard24 is a named design"),
+    }
+}
+
+/// PSNR, largest difference and bias of a fixed-point picture against its float counterpart, the worse channel group.
+fn errors(what: &str, fixed: &Picture, float: &Picture) -> Vec<(String, f64, String)> {
+    let Ok(errors) = compare(fixed, float) else {
+        return vec![(
+            format!("{what}: pictures cannot be compared"),
+            f64::NAN,
+            String::new(),
+        )];
+    };
+    let (colour, alpha) = (errors.colour, errors.alpha);
+    let bias = if colour.bias.abs() > alpha.bias.abs() {
+        colour.bias
+    } else {
+        alpha.bias
+    };
+    vec![
+        number(
+            format!("{what}: PSNR"),
+            colour.psnr_db.min(alpha.psnr_db),
+            "dB",
+        ),
+        number(
+            format!("{what}: largest difference"),
+            colour.max_abs.max(alpha.max_abs),
+            "",
+        ),
+        number(format!("{what}: bias"), bias, ""),
+    ]
+}
+
+fn number(what: impl Into<String>, value: f64, unit: &str) -> (String, f64, String) {
+    (what.into(), value, unit.to_owned())
+}

@@ -1,0 +1,250 @@
+//! A checkerboard plane to the horizon: aliasing and blur of no filter, [SWAN] and EWA.
+//!
+//! One layer of voxels, 1 apart, as volume splats. The truth is the unfiltered drawing at 64 samples per pixel (8 by 8,
+//! averaged). Beyond the distance k samples lie closer together than pixels; the error there is what a filter must remove.
+
+use super::{errors, number, standard24};
+use crate::camera::Camera;
+use crate::fixed;
+use crate::gallery::Exhibit;
+use crate::picture::Picture;
+use crate::reference::float;
+use crate::rules::{Antialias, Compositing, Rules};
+use crate::scene::{Scene, Skipped, Splat, Weight};
+
+/// Samples per pixel and axis of the truth.
+const SUPERSAMPLING: usize = 8;
+
+/// Standard deviation of a voxel's kernel, voxels, as for volumes.
+const DEVIATION: f64 = 0.82;
+
+/// Optical depth of the plane seen face on.
+const OPTICAL_DEPTH: f64 = 1.5;
+
+/// A checkerboard plane and the camera above it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    /// Columns and rows of the picture; the horizon lies at the row `horizon`.
+    pub size: [usize; 2],
+    /// Row of the horizon.
+    pub horizon: f64,
+    /// Focal length in pixels; also the distance k for a spacing of 1.
+    pub focal: f64,
+    /// Height of the eye over the plane.
+    pub height: f64,
+    /// The plane ends at this many k.
+    pub reach: f64,
+    /// Spacing of the samples across (x) and into the picture (z).
+    pub spacing: [f64; 2],
+    /// Side of a field of the checkerboard across and into the picture.
+    pub field: [f64; 2],
+}
+
+impl Plane {
+    /// Samples one apart in both directions.
+    pub const ISOTROPIC: Plane = Plane {
+        size: [192, 96],
+        horizon: 8.0,
+        focal: 128.0,
+        height: 40.0,
+        reach: 12.0,
+        spacing: [1.0, 1.0],
+        field: [8.0, 8.0],
+    };
+
+    /// Kernels four times as wide across the picture as into it.
+    pub const ANISOTROPIC: Plane = Plane {
+        spacing: [4.0, 1.0],
+        field: [16.0, 16.0],
+        ..Plane::ISOTROPIC
+    };
+
+    /// The camera.
+    pub fn camera(&self) -> Camera {
+        Camera {
+            width: self.size[0],
+            height: self.size[1],
+            fx: self.focal,
+            fy: self.focal,
+            cx: 0.5 * self.size[0] as f64,
+            cy: self.horizon,
+            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            translation: [0.0; 3],
+            near: 0.01,
+            far: 1e10,
+            orthographic: false,
+        }
+    }
+
+    /// First and last row that show the plane beyond k (of a spacing of 1), with a pixel to spare at the horizon.
+    pub fn rows_beyond_k(&self) -> [usize; 2] {
+        let row = |depth: f64| self.horizon + self.focal * self.height / depth;
+        [
+            row(self.reach * self.focal).ceil() as usize + 1,
+            row(self.focal) as usize,
+        ]
+    }
+}
+
+/// The samples of a plane that its camera sees.
+pub fn plane(plane: &Plane) -> Scene {
+    let [across, into] = plane.spacing;
+    let last = plane.reach * plane.focal;
+    let nearest = plane.focal * plane.height / (plane.size[1] as f64 - plane.horizon) - 8.0;
+    let half_width = |z: f64| 0.5 * plane.size[0] as f64 * z / plane.focal + 4.0 * across;
+    let mut splats = Vec::new();
+    let mut z = nearest;
+    while z < last {
+        let columns = (half_width(z) / across) as i64;
+        for column in -columns..=columns {
+            let x = column as f64 * across;
+            let field = [x, z].into_iter().zip(plane.field);
+            let parity: i64 = field.map(|(at, side)| (at / side).floor() as i64).sum();
+            let shade = if parity.rem_euclid(2) == 0 {
+                0.95
+            } else {
+                0.05
+            };
+            splats.push(Splat {
+                centre: [x, plane.height, z],
+                axes: [
+                    [DEVIATION * across, 0.0, 0.0],
+                    [0.0, DEVIATION, 0.0],
+                    [0.0, 0.0, DEVIATION * into],
+                ],
+                weight: OPTICAL_DEPTH * across * into,
+                colour: [shade; 3],
+            });
+        }
+        z += into;
+    }
+    Scene {
+        name: "checkerboard".to_owned(),
+        natural_rules: Rules::EWA,
+        weight: Weight::Mass,
+        splats,
+        harmonics: None,
+        skipped: Skipped::default(),
+        up: [0.0, -1.0, 0.0],
+    }
+}
+
+/// The filters that are compared.
+const FILTERS: [(&str, Antialias); 3] = [
+    ("none", Antialias::None),
+    ("swan", Antialias::Swan(1.0)),
+    ("ewa", Antialias::Ewa(1.0)),
+];
+
+pub fn isotropic() -> Exhibit {
+    exhibit(
+        "antialias",
+        "A checkerboard plane to the horizon, samples 1 apart, without filter, with distance scaling and with the EWA \
+         low-pass, beside the truth of 64 samples per pixel. Errors are those of the rows beyond the distance k.",
+        &Plane::ISOTROPIC,
+    )
+}
+
+pub fn anisotropic() -> Exhibit {
+    exhibit(
+        "antialias-4-to-1",
+        "The same with kernels and samples four times as wide across the picture. Distance scaling goes by the smaller \
+         spacing and widens kernels in all directions; EWA widens them only where they are thin.",
+        &Plane::ANISOTROPIC,
+    )
+}
+
+fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
+    let (scene, camera, design) = (plane(shape), shape.camera(), standard24());
+    let truth = truth(&scene, shape);
+    let rows = shape.rows_beyond_k();
+    let mut exhibit = Exhibit {
+        name: name.to_owned(),
+        equation: "[SWAN] 4.3; [EWA] 5.2, 6.2.2",
+        caption: caption.to_owned(),
+        pictures: vec![("truth".to_owned(), truth.clone())],
+        numbers: vec![number("samples", scene.splats.len() as f64, "")],
+    };
+    let mut unfiltered = 0.0;
+    for (filter, antialias) in FILTERS {
+        let rules = Rules::EWA.with_antialias(antialias);
+        let options = fixed::Options {
+            rules: &rules,
+            compositing: Compositing::FrontToBack,
+            design: &design,
+            traversal: design.traversal,
+        };
+        let drawing = fixed::draw(&scene, &camera, &options).picture;
+        let reference = float::draw(&scene, &camera, &rules, Compositing::FrontToBack).picture;
+        let error = mean_square(&drawing, &truth, rows);
+        if antialias == Antialias::None {
+            unfiltered = error;
+        }
+        let numbers = &mut exhibit.numbers;
+        numbers.push(number(
+            format!("{filter}: root mean square error beyond k"),
+            error.sqrt(),
+            "",
+        ));
+        numbers.push(number(
+            format!("{filter}: part of the unfiltered error energy removed"),
+            1.0 - error / unfiltered,
+            "",
+        ));
+        numbers.push(number(
+            format!("{filter}: contrast across, relative to the truth"),
+            (contrast(&drawing, rows) / contrast(&truth, rows)).sqrt(),
+            "",
+        ));
+        numbers.extend(errors(
+            &format!("{filter} fixed against float"),
+            &drawing,
+            &reference,
+        ));
+        exhibit.pictures.push((filter.to_owned(), drawing));
+    }
+    exhibit
+}
+
+/// The unfiltered drawing at 8 by 8 samples per pixel, averaged.
+fn truth(scene: &Scene, shape: &Plane) -> Picture {
+    let [width, height] = shape.size;
+    let mut fine = shape.camera();
+    fine.width *= SUPERSAMPLING;
+    fine.height *= SUPERSAMPLING;
+    for length in [&mut fine.fx, &mut fine.fy, &mut fine.cx, &mut fine.cy] {
+        *length *= SUPERSAMPLING as f64;
+    }
+    let rules = Rules::EWA.with_antialias(Antialias::None);
+    let drawing = float::draw(scene, &fine, &rules, Compositing::FrontToBack).picture;
+    let mut truth = Picture::new(width, height);
+    let share = 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f64;
+    for (index, sample) in drawing.pixels.iter().enumerate() {
+        let (x, y) = (
+            index % fine.width / SUPERSAMPLING,
+            index / fine.width / SUPERSAMPLING,
+        );
+        for (sum, channel) in truth.pixels[y * width + x].iter_mut().zip(sample) {
+            *sum += share * channel;
+        }
+    }
+    truth
+}
+
+/// Mean squared difference of luminance over some rows.
+fn mean_square(picture: &Picture, truth: &Picture, [first, last]: [usize; 2]) -> f64 {
+    let range = first * picture.width..last * picture.width;
+    let count = range.len() as f64;
+    let pairs = picture.pixels[range.clone()]
+        .iter()
+        .zip(&truth.pixels[range]);
+    pairs.map(|(a, b)| (a[0] - b[0]).powi(2)).sum::<f64>() / count
+}
+
+/// Mean squared difference of neighbours along the rows: what blur takes away and aliasing adds.
+fn contrast(picture: &Picture, [first, last]: [usize; 2]) -> f64 {
+    let rows = picture.pixels[first * picture.width..last * picture.width].chunks(picture.width);
+    rows.flat_map(|row| row.windows(2))
+        .map(|pair| (pair[1][0] - pair[0][0]).powi(2))
+        .sum()
+}
