@@ -19,17 +19,24 @@ pub use plane::{Plane, plane};
 ///
 /// `data` is the folder that holds `volumes/aneurism.nhdr`. Takes about a minute.
 pub fn kernels(data: &Path) -> Vec<Exhibit> {
-    let aneurism = aneurism(data);
-    vec![
-        shapes::exhibit(),
-        plane::isotropic(),
-        plane::anisotropic(),
-        sphere::exhibit(),
-        hybrid::distances(aneurism.as_ref()),
-        hybrid::zoom(aneurism.as_ref()),
-        stamp::phases(aneurism.as_ref()),
-        stamp::on_the_plane(),
-    ]
+    NAMES.iter().flat_map(|name| some(data, name)).collect()
+}
+
+/// Names of the groups of exhibits, in the order in which they are shown.
+pub const NAMES: [&str; 5] = ["shapes", "antialias", "spheres", "hybrid", "stamps"];
+
+/// One group of exhibits by its name of [`NAMES`]; none for another name.
+pub fn some(data: &Path, name: &str) -> Vec<Exhibit> {
+    let with_aneurism =
+        |exhibits: fn(Result<&Scene, &PathBuf>) -> Vec<Exhibit>| exhibits(aneurism(data).as_ref());
+    match name {
+        "shapes" => vec![shapes::exhibit()],
+        "antialias" => vec![plane::isotropic(), plane::anisotropic()],
+        "spheres" => vec![sphere::exhibit()],
+        "hybrid" => with_aneurism(|scene| vec![hybrid::distances(scene), hybrid::zoom(scene)]),
+        "stamps" => with_aneurism(|scene| vec![stamp::phases(scene), stamp::on_the_plane()]),
+        _ => Vec::new(),
+    }
 }
 
 /// The volume that shows many small splats: arteries in a 256^3 grid.

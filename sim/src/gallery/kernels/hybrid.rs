@@ -20,7 +20,7 @@ const FIELD: f64 = 30.0;
 const DEPTH_RANGE: f64 = 1.5;
 
 /// Distances of the eye from the volume's centre, in k.
-const DISTANCES: [(&str, f64); 3] = [("near", 0.7), ("middle", 1.0), ("far", 2.0)];
+const DISTANCES: [(&str, f64); 3] = [("near", 0.7), ("middle", 1.0), ("far", 1.937)];
 
 /// How everything is drawn, and its name.
 const MODES: [(&str, Points); 3] = [
@@ -30,7 +30,7 @@ const MODES: [(&str, Points); 3] = [
 ];
 
 /// Frames of the zoom and the part of the distance that each moves.
-const FRAMES: i32 = 24;
+const FRAMES: i32 = 90;
 const STEP: f64 = 0.01;
 
 pub fn distances(scene: Result<&Scene, &PathBuf>) -> Exhibit {
@@ -42,7 +42,7 @@ pub fn distances(scene: Result<&Scene, &PathBuf>) -> Exhibit {
         name: "hybrid".to_owned(),
         equation: EQUATION,
         caption: format!(
-            "Aneurism ({} samples, 256x256 pixels) from 0.7, 1 and 2 times the distance k, where samples lie a pixel apart: \
+            "Aneurism ({} samples, 256x256 pixels) from 0.7, 1 and 1.94 times the distance k, where samples lie a pixel apart: \
              share of points, pixels visited and time. All points leave holes before k, all splats and mixed are one picture.",
             scene.splats.len()
         ),
@@ -78,7 +78,7 @@ pub fn zoom(scene: Result<&Scene, &PathBuf>) -> Exhibit {
         name: "hybrid-zoom".to_owned(),
         equation: EQUATION,
         caption: format!(
-            "A zoom in {FRAMES} steps of 1 % from 1.13 to 0.89 k, while all samples turn from points into splats. The \
+            "A zoom in {FRAMES} steps of 1 % from 1.57 to 0.64 k, while all samples turn from points into splats. The \
              largest change of a pixel from frame to frame is the motion's, not the choice's: all splats change as much."
         ),
         pictures: Vec::new(),

@@ -1,7 +1,10 @@
 //! A checkerboard plane to the horizon: aliasing and blur of no filter, [SWAN] and EWA.
 //!
-//! One layer of voxels, 1 apart, as volume splats. The truth is the unfiltered drawing at 64 samples per pixel (8 by 8,
-//! averaged). Beyond the distance k samples lie closer together than pixels; the error there is what a filter must remove.
+//! One layer of voxels, 1 apart, as volume splats. The truth is the unfiltered drawing at 64 samples per pixel (8 by 8),
+//! averaged by a Gaussian pixel filter of unit variance, the low-pass of [EWA] 7.1; averaged over the pixel's square it keeps
+//! details below two pixels that any Gaussian blurs, and the error is blur more than aliasing. Everything is summed (X-ray), as in [SWAN] 3.1, each sample with the mass that makes the plane equally bright from
+//! everywhere, so that the error is the filter's alone: composited by "over" at a grazing angle, the nearer half of every
+//! widened footprint hides the farther half, which moves the picture by a pixel whatever the filter. Beyond the distance k samples lie closer together than pixels; the error there is what a filter must remove.
 
 use super::{errors, number, standard24};
 use crate::camera::Camera;
@@ -18,8 +21,8 @@ const SUPERSAMPLING: usize = 8;
 /// Standard deviation of a voxel's kernel, voxels, as for volumes.
 const DEVIATION: f64 = 0.82;
 
-/// Optical depth of the plane seen face on.
-const OPTICAL_DEPTH: f64 = 1.5;
+/// Brightness of the plane's light fields, from everywhere.
+const BRIGHTNESS: f64 = 0.9;
 
 /// A checkerboard plane and the camera above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,11 +46,11 @@ pub struct Plane {
 impl Plane {
     /// Samples one apart in both directions.
     pub const ISOTROPIC: Plane = Plane {
-        size: [192, 96],
-        horizon: 8.0,
-        focal: 128.0,
-        height: 40.0,
-        reach: 12.0,
+        size: [96, 96],
+        horizon: 8.41,
+        focal: 64.0,
+        height: 256.0,
+        reach: 30.0,
         spacing: [1.0, 1.0],
         field: [8.0, 8.0],
     };
@@ -55,7 +58,7 @@ impl Plane {
     /// Kernels four times as wide across the picture as into it.
     pub const ANISOTROPIC: Plane = Plane {
         spacing: [4.0, 1.0],
-        field: [16.0, 16.0],
+        field: [16.0, 64.0],
         ..Plane::ISOTROPIC
     };
 
@@ -66,7 +69,8 @@ impl Plane {
             height: self.size[1],
             fx: self.focal,
             fy: self.focal,
-            cx: 0.5 * self.size[0] as f64,
+            // Off the grid's symmetry, where centres would fall between two phases of a stamp.
+            cx: 0.5 * self.size[0] as f64 + 0.137,
             cy: self.horizon,
             rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
             translation: [0.0; 3],
@@ -81,7 +85,7 @@ impl Plane {
         let row = |depth: f64| self.horizon + self.focal * self.height / depth;
         [
             row(self.reach * self.focal).ceil() as usize + 1,
-            row(self.focal) as usize,
+            (row(self.focal) as usize).min(self.size[1]),
         ]
     }
 }
@@ -100,11 +104,7 @@ pub fn plane(plane: &Plane) -> Scene {
             let x = column as f64 * across;
             let field = [x, z].into_iter().zip(plane.field);
             let parity: i64 = field.map(|(at, side)| (at / side).floor() as i64).sum();
-            let shade = if parity.rem_euclid(2) == 0 {
-                0.95
-            } else {
-                0.05
-            };
+            let shade = if parity.rem_euclid(2) == 0 { 1.0 } else { 0.05 };
             splats.push(Splat {
                 centre: [x, plane.height, z],
                 axes: [
@@ -112,7 +112,7 @@ pub fn plane(plane: &Plane) -> Scene {
                     [0.0, DEVIATION, 0.0],
                     [0.0, 0.0, DEVIATION * into],
                 ],
-                weight: OPTICAL_DEPTH * across * into,
+                weight: BRIGHTNESS * across * into * slant(plane, x, z),
                 colour: [shade; 3],
             });
         }
@@ -127,6 +127,11 @@ pub fn plane(plane: &Plane) -> Scene {
         skipped: Skipped::default(),
         up: [0.0, -1.0, 0.0],
     }
+}
+
+/// Sine of the angle at which the plane is seen: a sample's share of the picture shrinks by it, and so must its mass.
+fn slant(plane: &Plane, x: f64, z: f64) -> f64 {
+    plane.height / (x * x + plane.height * plane.height + z * z).sqrt()
 }
 
 /// The filters that are compared.
@@ -156,13 +161,18 @@ pub fn anisotropic() -> Exhibit {
 
 fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
     let (scene, camera, design) = (plane(shape), shape.camera(), standard24());
-    let truth = truth(&scene, shape);
+    let samples = supersampled(&scene, shape);
+    let truth = averaged(&samples, PixelFilter::Gaussian);
+    let square = averaged(&samples, PixelFilter::Square);
     let rows = shape.rows_beyond_k();
     let mut exhibit = Exhibit {
         name: name.to_owned(),
         equation: "[SWAN] 4.3; [EWA] 5.2, 6.2.2",
         caption: caption.to_owned(),
-        pictures: vec![("truth".to_owned(), truth.clone())],
+        pictures: vec![
+            ("truth".to_owned(), truth.clone()),
+            ("truth, square pixels".to_owned(), square.clone()),
+        ],
         numbers: vec![number("samples", scene.splats.len() as f64, "")],
     };
     let mut unfiltered = 0.0;
@@ -170,12 +180,12 @@ fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
         let rules = Rules::EWA.with_antialias(antialias);
         let options = fixed::Options {
             rules: &rules,
-            compositing: Compositing::FrontToBack,
+            compositing: Compositing::XRay,
             design: &design,
             traversal: design.traversal,
         };
         let drawing = fixed::draw(&scene, &camera, &options).picture;
-        let reference = float::draw(&scene, &camera, &rules, Compositing::FrontToBack).picture;
+        let reference = float::draw(&scene, &camera, &rules, Compositing::XRay).picture;
         let error = mean_square(&drawing, &truth, rows);
         if antialias == Antialias::None {
             unfiltered = error;
@@ -189,6 +199,11 @@ fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
         numbers.push(number(
             format!("{filter}: part of the unfiltered error energy removed"),
             1.0 - error / unfiltered,
+            "",
+        ));
+        numbers.push(number(
+            format!("{filter}: the same against square pixels, root mean square"),
+            mean_square(&drawing, &square, rows).sqrt(),
             "",
         ));
         numbers.push(number(
@@ -206,9 +221,8 @@ fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
     exhibit
 }
 
-/// The unfiltered drawing at 8 by 8 samples per pixel, averaged.
-fn truth(scene: &Scene, shape: &Plane) -> Picture {
-    let [width, height] = shape.size;
+/// The unfiltered drawing at 8 by 8 samples per pixel.
+fn supersampled(scene: &Scene, shape: &Plane) -> Picture {
     let mut fine = shape.camera();
     fine.width *= SUPERSAMPLING;
     fine.height *= SUPERSAMPLING;
@@ -216,19 +230,65 @@ fn truth(scene: &Scene, shape: &Plane) -> Picture {
         *length *= SUPERSAMPLING as f64;
     }
     let rules = Rules::EWA.with_antialias(Antialias::None);
-    let drawing = float::draw(scene, &fine, &rules, Compositing::FrontToBack).picture;
-    let mut truth = Picture::new(width, height);
-    let share = 1.0 / (SUPERSAMPLING * SUPERSAMPLING) as f64;
-    for (index, sample) in drawing.pixels.iter().enumerate() {
-        let (x, y) = (
-            index % fine.width / SUPERSAMPLING,
-            index / fine.width / SUPERSAMPLING,
-        );
-        for (sum, channel) in truth.pixels[y * width + x].iter_mut().zip(sample) {
-            *sum += share * channel;
+    float::draw(scene, &fine, &rules, Compositing::XRay).picture
+}
+
+/// The weights by which a pixel averages samples at a distance, in pixels.
+#[derive(Clone, Copy)]
+enum PixelFilter {
+    /// The pixel's own square.
+    Square,
+    /// A Gaussian of unit variance, the low-pass filter of [EWA] 7.1.
+    Gaussian,
+}
+
+impl PixelFilter {
+    fn weight(self, distance: f64) -> f64 {
+        match self {
+            PixelFilter::Square => f64::from(distance.abs() < 0.5),
+            PixelFilter::Gaussian => (-0.5 * distance * distance).exp(),
         }
     }
-    truth
+
+    /// Distance beyond which no sample counts.
+    fn reach(self) -> f64 {
+        match self {
+            PixelFilter::Square => 0.5,
+            PixelFilter::Gaussian => 4.0,
+        }
+    }
+}
+
+/// A supersampled picture brought to pixels: one pass along each axis, each transposing.
+fn averaged(samples: &Picture, filter: PixelFilter) -> Picture {
+    along_rows(&along_rows(samples, filter), filter)
+}
+
+/// Every row reduced to pixels and stored as a column.
+fn along_rows(samples: &Picture, filter: PixelFilter) -> Picture {
+    let (width, height) = (samples.width / SUPERSAMPLING, samples.height);
+    let mut reduced = Picture::new(height, width);
+    let position = |sample: usize| (sample as f64 + 0.5) / SUPERSAMPLING as f64;
+    let reach = (filter.reach() * SUPERSAMPLING as f64) as usize;
+    for x in 0..width {
+        let middle = x * SUPERSAMPLING + SUPERSAMPLING / 2;
+        let range = middle.saturating_sub(reach)..(middle + reach).min(samples.width);
+        let weights: Vec<f64> = range
+            .clone()
+            .map(|sample| filter.weight(position(sample) - (x as f64 + 0.5)))
+            .collect();
+        let total: f64 = weights.iter().sum();
+        for y in 0..height {
+            let row = &samples.pixels[y * samples.width..][range.clone()];
+            let out = &mut reduced.pixels[x * height + y];
+            for (sample, weight) in row.iter().zip(&weights) {
+                for (sum, channel) in out.iter_mut().zip(sample) {
+                    *sum += weight / total * channel;
+                }
+            }
+        }
+    }
+    reduced
 }
 
 /// Mean squared difference of luminance over some rows.

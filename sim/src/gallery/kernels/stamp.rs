@@ -26,8 +26,8 @@ pub fn phases(scene: Result<&Scene, &PathBuf>) -> Exhibit {
         Ok(scene) => scene,
         Err(missing) => return without("stamp", EQUATION, missing),
     };
-    let camera = hybrid::camera(scene, 2.0, 256);
-    let caption = "Aneurism from 2 k, where every footprint is the same circle: drawn by stamps at 2^n x 2^n phases, against \
+    let camera = hybrid::camera(scene, 1.937, 256);
+    let caption = "Aneurism from 1.94 k, where every footprint is the same circle: drawn by stamps at 2^n x 2^n phases, against \
                    continuous centres in float, and against spans of the same footprints in time.";
     measured("stamp", caption, scene, &camera, Points::All)
 }
