@@ -5,6 +5,7 @@ mod sphere;
 mod stamp;
 
 pub use hybrid::Gathering;
+pub use sphere::Perspective;
 
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
@@ -83,7 +84,7 @@ impl<'a, D: Design> Painter<'a, D> {
 
     #[inline(always)]
     fn paint<R: Rows>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
-        let weight = |radial| self.table.weight(radial);
+        let weight = |_, radial| self.table.weight(radial);
         self.paint_weighted(footprint, rows, target, weight)
     }
 
@@ -94,7 +95,7 @@ impl<'a, D: Design> Painter<'a, D> {
         footprint: &Footprint,
         rows: R,
         target: &mut Target,
-        weight: impl Fn(u64) -> u32,
+        weight: impl Fn([u16; 2], u64) -> u32,
     ) -> Coverage {
         let blend = &self.blend;
         let colour = &footprint.colour;
@@ -123,7 +124,7 @@ impl<'a, D: Design> Painter<'a, D> {
         footprint: &Footprint,
         mut rows: R,
         target: &mut Target,
-        weight: impl Fn(u64) -> u32,
+        weight: impl Fn([u16; 2], u64) -> u32,
         mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         let mut coverage = Coverage::default();
@@ -142,7 +143,7 @@ impl<'a, D: Design> Painter<'a, D> {
         run: Run<L>,
         drop: i32,
         target: &mut Target,
-        weight: impl Fn(u64) -> u32,
+        weight: impl Fn([u16; 2], u64) -> u32,
         mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         let mut coverage = Coverage {
@@ -166,7 +167,9 @@ impl<'a, D: Design> Painter<'a, D> {
                 coverage.finished += 1;
                 continue;
             }
-            let alpha = self.blend.opacity(footprint.peak, weight(radial));
+            let alpha = self
+                .blend
+                .opacity(footprint.peak, weight([x, run.y], radial));
             if alpha > 0 {
                 composite([x, run.y], pixel, alpha);
             }

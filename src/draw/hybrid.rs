@@ -46,7 +46,7 @@ impl<D: Design> Painter<'_, D> {
                     point,
                     rows,
                     target,
-                    |radial| self.table.weight(radial),
+                    |_, radial| self.table.weight(radial),
                     gather,
                 )
             }
@@ -66,7 +66,7 @@ impl<D: Design> Painter<'_, D> {
             splat,
             rows,
             target,
-            |radial| self.table.weight(radial),
+            |_, radial| self.table.weight(radial),
             |at, pixel, alpha| {
                 if let Some(slab) = slabs.at(at) {
                     blend.close(pixel, slab);

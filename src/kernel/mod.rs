@@ -8,9 +8,11 @@
 //! interpolation an entry is the kernel at the middle of its interval.
 
 mod perspective;
+mod ray;
 mod shape;
 
 pub use perspective::{PERSPECTIVE_ENTRIES, PerspectiveIndex, PerspectiveTable, fill_perspective};
+pub use ray::{Rays, covering_cutoff};
 pub use shape::{Kernel, fill};
 
 use crate::format::Widths;

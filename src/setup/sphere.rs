@@ -28,6 +28,7 @@ use super::variance::Variance;
 use super::{Cull, bounding_box, conic, cutoff, peak_fixed, project, scan};
 use crate::footprint::Footprint;
 use crate::format::{Design, Widths};
+use crate::kernel::covering_cutoff;
 use crate::math::{Product, Scaled, reciprocal, shift_unsigned, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::SphereSplat;
@@ -47,8 +48,10 @@ pub enum Ellipse {
 pub enum Index {
     /// In proportion to the ellipse's radius, as every affine footprint does.
     Affine,
-    /// By the distance of the ray from the centre ([HYBRID] 4.2).
+    /// By the distance of the ray from the centre, as in the middle of the picture ([HYBRID] 4.2).
     Perspective,
+    /// By the distance of the pixel's own ray from the centre: exact anywhere, whatever the ellipse ([`Rays`](crate::kernel::Rays)).
+    Ray,
 }
 
 /// A footprint with the spread that its index is to be corrected by.
@@ -58,6 +61,10 @@ pub struct SphereFootprint {
     pub footprint: Footprint,
     /// s^2 / |C|^2, UQ0.32; 0 asks for no correction (orthographic views).
     pub spread: u32,
+    /// L = |C|^2/z^2 where the index follows each pixel's ray.
+    pub slant: Option<Scaled>,
+    /// Corrected radial index at which the footprint ends, UQ4.28.
+    pub end: u32,
 }
 
 /// Largest cut-off of the uncorrected index, UQ4.28. A sphere seen under more than 118 degrees ends early there.
@@ -102,6 +109,8 @@ pub fn setup_sphere<D: Design>(
     Ok(SphereFootprint {
         footprint,
         spread: cone.spread,
+        slant: cone.slant,
+        end,
     })
 }
 
@@ -133,6 +142,8 @@ struct Cone {
     cutoff: u32,
     /// (s/z)^2 / L, UQ0.32.
     spread: u32,
+    /// L, where the index follows each pixel's ray.
+    slant: Option<Scaled>,
 }
 
 const ONE: Scaled = Scaled {
@@ -157,6 +168,7 @@ impl Cone {
             shrink: ONE,
             cutoff: end,
             spread: 0,
+            slant: None,
         };
         if view.projection == Projection::Orthographic {
             return Some(flat);
@@ -182,8 +194,16 @@ impl Cone {
             .multiply(inverse_slant, bits)
             .to_fixed(32)
             .clamp(0, u32::MAX.into()) as u32;
+        if index == Index::Ray {
+            let aside = sum_of_products([u.times(u), v.times(v)], bits);
+            return Some(Cone {
+                cutoff: covering_cutoff(end, aside, limit, rest, bits),
+                slant: Some(slant),
+                ..flat
+            });
+        }
         let rim = match index {
-            Index::Affine => flat,
+            Index::Affine | Index::Ray => flat,
             Index::Perspective => Cone {
                 cutoff,
                 spread,

@@ -8,9 +8,9 @@ use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::scene::Scene;
 use crate::vector;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::{Coverage, Painter, Perspective};
 use splatline::format::{Design, Traversal};
-use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, fill_perspective};
+use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
 use splatline::setup::{Cull, Ellipse, Index, SphereFootprint, setup_sphere};
 use splatline::splat::SphereSplat;
 
@@ -61,7 +61,10 @@ fn draw_with<D: Design + Send + Sync>(
     let memory = table_entries(&widths, &rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);
-    let index = PerspectiveTable::new(&perspective);
+    let perspective = Perspective {
+        table: PerspectiveTable::new(&perspective),
+        rays: Rays::new(&quantised.view),
+    };
     let painter = Painter::new(
         design,
         &rules,
@@ -72,7 +75,7 @@ fn draw_with<D: Design + Send + Sync>(
     let (pixels, coverage) = paint_tiles(&widths, &tiles, |list, target| {
         let mut coverage = Coverage::default();
         for number in list {
-            coverage += painter.draw_sphere(&spheres[*number as usize], &index, target);
+            coverage += painter.draw_sphere(&spheres[*number as usize], &perspective, target);
         }
         coverage
     });

@@ -18,8 +18,19 @@ use crate::vector;
 pub struct Shape {
     /// The tangent cone's ellipse instead of the affine one.
     pub exact_ellipse: bool,
-    /// The perspective-correct index instead of the affine one.
-    pub corrected_index: bool,
+    /// How a pixel's place becomes a radial index.
+    pub index: Index,
+}
+
+/// How a pixel's place becomes a radial index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Index {
+    /// In proportion to the ellipse's radius.
+    Affine,
+    /// The paper's correction, exact in the middle of the picture.
+    Perspective,
+    /// The distance of the pixel's own ray from the centre.
+    Ray,
 }
 
 /// A sphere on the screen.
@@ -31,11 +42,24 @@ pub struct SphereFootprint {
     outline: ScreenVariance,
     /// Radial index on the outline.
     cutoff: f64,
-    /// tan a and sin a of the outline's cone, if the index is corrected.
-    angle: Option<Angle>,
+    index: PixelIndex,
     peak: f64,
     bounds: PixelBox,
     colour: [f64; 3],
+}
+
+/// What a pixel's index is computed from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum PixelIndex {
+    Affine,
+    Perspective(Angle),
+    /// Centre in camera space, deviation, and focal lengths and principal point.
+    Ray {
+        position: [f64; 3],
+        deviation: f64,
+        focal: [f64; 2],
+        principal: [f64; 2],
+    },
 }
 
 /// The half-angle of the cone, in the two measures that the index needs.
@@ -93,13 +117,15 @@ fn project(
     let aside = x.hypot(y);
     let axis_angle = aside.atan2(z);
     let cone = sine.asin();
-    let (middle, major, minor) = if shape.exact_ellipse {
+    // The ray's own index needs no ellipse but to bound the pixels, for which the exact one serves.
+    let exact = shape.exact_ellipse || shape.index == Index::Ray;
+    let (middle, major, minor) = if exact {
         let (near, far) = ((axis_angle - cone).tan(), (axis_angle + cone).tan());
         let minor = sine / (axis_angle.cos().powi(2) - sine * sine).sqrt();
         (0.5 * (near + far), 0.5 * (far - near), minor)
     } else {
         // First order in R/z. Under the corrected index the outline lies where the affine radius is R / cos a.
-        let stretch = if shape.corrected_index {
+        let stretch = if shape.index == Index::Perspective {
             1.0 / cone.cos()
         } else {
             1.0
@@ -127,10 +153,19 @@ fn project(
     if !outline.is_regular() {
         return Err(Culled::Degenerate);
     }
-    let angle = shape.corrected_index.then_some(Angle {
-        tangent,
-        scale: tangent / sine,
-    });
+    let index = match shape.index {
+        Index::Affine => PixelIndex::Affine,
+        Index::Perspective => PixelIndex::Perspective(Angle {
+            tangent,
+            scale: tangent / sine,
+        }),
+        Index::Ray => PixelIndex::Ray {
+            position,
+            deviation,
+            focal: [camera.fx, camera.fy],
+            principal: [camera.cx, camera.cy],
+        },
+    };
     let range = |centre: f64, half: f64, size| {
         pixel_range(centre - half, centre + half, centre.abs() + half, size)
     };
@@ -145,7 +180,7 @@ fn project(
         depth: z,
         outline,
         cutoff,
-        angle,
+        index,
         peak,
         bounds,
         colour,
@@ -168,9 +203,22 @@ impl Projected for SphereFootprint {
     fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {
         let offset = [point[0] - self.centre[0], point[1] - self.centre[1]];
         let index = self.outline.radial_index(offset).sqrt();
-        let distance = match self.angle {
-            Some(Angle { tangent, scale }) => (index * tangent).atan().sin() / tangent * scale,
-            None => index,
+        let distance = match self.index {
+            PixelIndex::Affine => index,
+            PixelIndex::Perspective(Angle { tangent, scale }) => {
+                (index * tangent).atan().sin() / tangent * scale
+            }
+            PixelIndex::Ray {
+                position,
+                deviation,
+                focal,
+                principal,
+            } => {
+                let slope = |axis: usize| (point[axis] - principal[axis]) / focal[axis];
+                let ray = [slope(0), slope(1), 1.0];
+                let apart = vector::length(vector::cross(position, ray)) / vector::length(ray);
+                return ((apart / deviation).powi(2), self.peak);
+            }
         };
         (distance * distance * self.cutoff, self.peak)
     }

@@ -62,6 +62,13 @@ impl Plane {
         ..Plane::ISOTROPIC
     };
 
+    /// The isotropic plane with an earlier end, for what is drawn many times.
+    pub const SHORT: Plane = Plane {
+        size: [192, 192],
+        reach: 10.0,
+        ..Plane::ISOTROPIC
+    };
+
     /// The camera.
     pub fn camera(&self) -> Camera {
         Camera {
@@ -197,8 +204,8 @@ fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
             "",
         ));
         numbers.push(number(
-            format!("{filter}: part of the unfiltered error energy removed"),
-            1.0 - error / unfiltered,
+            format!("{filter}: part of the unfiltered error removed"),
+            1.0 - (error / unfiltered).sqrt(),
             "",
         ));
         numbers.push(number(

@@ -6,17 +6,18 @@ use crate::fixed;
 use crate::gallery::Exhibit;
 use crate::metrics::compare;
 use crate::reference::exact;
-use crate::reference::sphere::{self, Shape};
+use crate::reference::sphere::{self, Index, Shape};
 use crate::rules::{Antialias, Compositing, Rules};
 use crate::scene::{Scene, Skipped, Splat, Weight, synthetic};
-use splatline::setup::{Ellipse, Index};
+use splatline::setup as kernel;
 
-/// The four combinations of systems 15 and 16.
-const SHAPES: [(&str, bool, bool); 4] = [
-    ("affine", false, false),
-    ("exact ellipse", true, false),
-    ("corrected index", false, true),
-    ("exact ellipse, corrected index", true, true),
+/// The four combinations of systems 15 and 16, and the index of each pixel's own ray.
+const SHAPES: [(&str, bool, Index); 5] = [
+    ("affine", false, Index::Affine),
+    ("exact ellipse", true, Index::Affine),
+    ("corrected index", false, Index::Perspective),
+    ("exact ellipse, corrected index", true, Index::Perspective),
+    ("index of the ray", true, Index::Ray),
 ];
 
 /// Where the sphere is, in units of its distance along the view: in the middle, and aside.
@@ -46,10 +47,10 @@ pub fn exhibit() -> Exhibit {
         exhibit
             .pictures
             .push((format!("ray integral {place}"), truth.clone()));
-        for (name, exact_ellipse, corrected_index) in SHAPES {
+        for (name, exact_ellipse, index) in SHAPES {
             let shape = Shape {
                 exact_ellipse,
-                corrected_index,
+                index,
             };
             let float =
                 sphere::draw(&scene, &camera, &rules, Compositing::FrontToBack, shape).picture;
@@ -79,14 +80,15 @@ pub fn exhibit() -> Exhibit {
 }
 
 /// The kernel's names for a shape.
-fn in_kernel(shape: Shape) -> (Ellipse, Index) {
+fn in_kernel(shape: Shape) -> (kernel::Ellipse, kernel::Index) {
     let ellipse = match shape.exact_ellipse {
-        true => Ellipse::Exact,
-        false => Ellipse::Approximate,
+        true => kernel::Ellipse::Exact,
+        false => kernel::Ellipse::Approximate,
     };
-    let index = match shape.corrected_index {
-        true => Index::Perspective,
-        false => Index::Affine,
+    let index = match shape.index {
+        Index::Affine => kernel::Index::Affine,
+        Index::Perspective => kernel::Index::Perspective,
+        Index::Ray => kernel::Index::Ray,
     };
     (ellipse, index)
 }

@@ -33,13 +33,13 @@ pub fn phases(scene: Result<&Scene, &PathBuf>) -> Exhibit {
 }
 
 pub fn on_the_plane() -> Exhibit {
-    let scene = plane(&Plane::ISOTROPIC);
+    let scene = plane(&Plane::SHORT);
     let caption = "The checkerboard plane to the horizon: stamps beyond k, spans before it.";
     measured(
         "stamp-plane",
         caption,
         &scene,
-        &Plane::ISOTROPIC.camera(),
+        &Plane::SHORT.camera(),
         Points::Auto,
     )
 }
