@@ -124,6 +124,26 @@ impl StampShape {
     }
 }
 
+impl StampShape {
+    /// First and one past the last column and row of a placed stamp within the viewport; empty where `first >= last`.
+    ///
+    /// Rounding to a phase moves a footprint by up to half a phase, so that its own box may not hold its stamp.
+    pub fn bounds(&self, placement: &Placement, viewport: [u16; 2]) -> Window {
+        let mut bounds = Window {
+            first: [0; 2],
+            last: [0; 2],
+        };
+        for axis in 0..2 {
+            let first = placement.first[axis];
+            let limit = i64::from(viewport[axis]);
+            let last = first.saturating_add(self.side[axis].into());
+            bounds.first[axis] = first.clamp(0, limit) as u16;
+            bounds.last[axis] = last.clamp(0, limit) as u16;
+        }
+        bounds
+    }
+}
+
 const ONE: Scaled = Scaled {
     mantissa: 1 << 30,
     exponent: -30,

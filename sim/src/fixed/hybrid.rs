@@ -103,14 +103,17 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
                 }
             }
         }
-        let set_up_at = started.elapsed().as_secs_f64();
-        let order = depth_order(&footprints, options.compositing);
-        let tiles = TileLists::new(&footprints, &order, self.quantised.view.viewport);
-        let sorted_at = started.elapsed().as_secs_f64();
         let memory = table_entries(&widths, &self.rules);
         let table = table(&memory, &widths, &self.rules);
         let first_point = is_point.iter().position(|point| *point);
         let stamps = self.stamps(&table, first_point.map(|index| &footprints[index]))?;
+        if let Some((_, shape)) = &stamps {
+            self.move_to_phases(shape, &mut footprints, &mut is_point);
+        }
+        let set_up_at = started.elapsed().as_secs_f64();
+        let order = depth_order(&footprints, options.compositing);
+        let tiles = TileLists::new(&footprints, &order, self.quantised.view.viewport);
+        let sorted_at = started.elapsed().as_secs_f64();
         let painter = Painter::new(
             self.design,
             &self.rules,
@@ -184,6 +187,28 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
             setup(self.design, view, &self.rules, splat)
         };
         footprint.map(|footprint| (footprint, as_point))
+    }
+
+    /// Boxes of points become those of their stamps; a stamp that leaves the viewport is dropped.
+    fn move_to_phases(
+        &self,
+        shape: &StampShape,
+        footprints: &mut Vec<Footprint>,
+        is_point: &mut Vec<bool>,
+    ) {
+        let subpixel = self.design.widths().subpixel;
+        let viewport = self.quantised.view.viewport;
+        for (footprint, _) in footprints.iter_mut().zip(&*is_point).filter(|(_, p)| **p) {
+            let placement = shape.place(footprint.centre, subpixel);
+            let bounds = shape.bounds(&placement, viewport);
+            (footprint.first, footprint.last) = (bounds.first, bounds.last);
+        }
+        let visible = |f: &Footprint| f.first[0] < f.last[0] && f.first[1] < f.last[1];
+        let kept: Vec<bool> = footprints.iter().map(visible).collect();
+        let mut at = kept.iter();
+        footprints.retain(|_| at.next().copied().unwrap_or(false));
+        let mut at = kept.iter();
+        is_point.retain(|_| at.next().copied().unwrap_or(false));
     }
 
     /// The depth range in the footprints' UQ9.23.
