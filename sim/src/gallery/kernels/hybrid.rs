@@ -17,7 +17,7 @@ const EQUATION: &str = "[HYBRID] 2, 4; [SWAN] 4.3";
 const FIELD: f64 = 30.0;
 
 /// Points within this many sample spacings are summed.
-const DEPTH_RANGE: f64 = 1.5;
+const DEPTH_RANGE: f64 = 0.5;
 
 /// Distances of the eye from the volume's centre, in k.
 const DISTANCES: [(&str, f64); 3] = [("near", 0.7), ("middle", 1.0), ("far", 1.937)];
