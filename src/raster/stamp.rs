@@ -109,8 +109,8 @@ impl StampShape {
             first: [0; 2],
             phase: [0; 2],
         };
-        for axis in 0..2 {
-            let nearest = shift_signed(centre[axis], i32::from(subpixel) - bits as i32);
+        for (axis, coordinate) in centre.into_iter().enumerate() {
+            let nearest = shift_signed(coordinate, i32::from(subpixel) - bits as i32);
             placement.phase[axis] = (nearest & ((1 << bits) - 1)) as usize;
             let at = shift_signed(nearest, bits as i32 - 16);
             // The first sample point (j + 1/2) at or after the footprint's left end.
@@ -133,9 +133,9 @@ impl StampShape {
             first: [0; 2],
             last: [0; 2],
         };
-        for axis in 0..2 {
+        for (axis, size) in viewport.into_iter().enumerate() {
             let first = placement.first[axis];
-            let limit = i64::from(viewport[axis]);
+            let limit = i64::from(size);
             let last = first.saturating_add(self.side[axis].into());
             bounds.first[axis] = first.clamp(0, limit) as u16;
             bounds.last[axis] = last.clamp(0, limit) as u16;

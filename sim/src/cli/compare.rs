@@ -16,7 +16,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
     drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
     let view = View::from_options(&options.view)?;
-    let manner = Manner::from_options(drawing);
+    let manner = Manner::from_options(drawing, &view)?;
     // The fixed picture is always drawn; the option can only say what it is compared with.
     let reference = if drawing.engine == Engine::Exact {
         Engine::Exact
@@ -24,7 +24,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         Engine::Float
     };
     let chosen = Entry::from_options(drawing)?;
-    let others = if options.only {
+    // Points and stamps have one traversal only.
+    let others = if options.only || manner.hybrid.is_some() {
         Vec::new()
     } else {
         all_entries(&chosen.design)

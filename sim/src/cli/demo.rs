@@ -38,6 +38,7 @@ pub fn run_into(folder: &Path, size: Size) -> Result<(), Failure> {
         compositing: Compositing::FrontToBack,
         threads: threads(None),
         repeat: 1,
+        hybrid: None,
     };
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
     let chosen = Entry {

@@ -9,6 +9,7 @@ mod demo;
 mod drawing;
 mod engines;
 mod footprints;
+mod gallery;
 mod progress;
 mod render;
 mod setup;
@@ -59,6 +60,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         None => demo::run(),
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
+        Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
     }
 }

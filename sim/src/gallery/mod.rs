@@ -1,6 +1,7 @@
 //! The gallery: every splat of the papers in a scene that shows it, with its error in numbers.
 
 pub mod kernels;
+pub mod page;
 
 use crate::picture::Picture;
 
