@@ -50,6 +50,13 @@ Examples:
 
 Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
 
+const GALLERY_EXAMPLES: &str = "\
+Examples:
+  splatline gallery kernels -o docs/gallery/kernels
+  splatline gallery kernels --only antialias -o out
+
+Groups of kernels: shapes, antialias, spheres, hybrid, stamps.";
+
 /// Fixed-point splatting against a float reference.
 ///
 /// Without a command: the demo, which draws an embedded volume with four designs and writes out/report.html.
@@ -72,6 +79,7 @@ pub enum Command {
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
     /// Draw exhibits of the papers' systems with their measured errors
+    #[command(after_help = GALLERY_EXAMPLES)]
     Gallery(GalleryOptions),
 }
 

@@ -32,7 +32,7 @@ fn only_commands_that_exist_are_listed_and_each_shows_examples() {
         .get_subcommands()
         .map(|sub| sub.get_name())
         .collect();
-    assert_eq!(names, ["render", "compare", "footprints"]);
+    assert_eq!(names, ["render", "compare", "footprints", "gallery"]);
     for sub in command.get_subcommands() {
         assert!(
             sub.get_after_help()
@@ -370,4 +370,35 @@ fn usage_and_input_failures_are_told_apart() {
     assert!(input(&format!("render a.ply -o {out}")).contains("is a folder"));
     std::fs::write(folder.path().join("file"), "").unwrap();
     assert!(input(&format!("compare a.ply -o {out}/file")).contains("cannot create"));
+}
+
+#[test]
+fn points_and_stamps_ask_for_distance_scaling() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("x.png");
+    let line = |options: &str| {
+        let output = output.display();
+        run_line(&format!(
+            "render random:50 {options} -o {output} --size 32x32"
+        ))
+    };
+    for options in [
+        "--points all",
+        "--traversal stamp",
+        "--antialias swan --points auto",
+    ] {
+        let Err(Failure::Usage(message)) = line(options) else {
+            panic!("{options} was accepted");
+        };
+        assert!(message.contains("--rules ewa and --antialias swan"));
+    }
+    let sound = "--rules ewa --antialias swan";
+    let backwards = format!("{sound} --points auto --compositing back-to-front");
+    assert!(matches!(line(&backwards), Err(Failure::Usage(_))));
+    for options in ["--points auto", "--traversal stamp --phase-bits 2"] {
+        line(&format!("{sound} {options}")).unwrap();
+    }
+    for kernel in ["cubic", "quadratic", "disc"] {
+        line(&format!("--kernel {kernel} --antialias none")).unwrap();
+    }
 }

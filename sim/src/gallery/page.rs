@@ -4,8 +4,14 @@ use super::Exhibit;
 use crate::picture::Picture;
 use std::fmt::Write;
 
-/// Pictures in a row of a contact sheet.
-const COLUMNS: usize = 4;
+/// Pictures in a row of a contact sheet of so many: few in one row, the others so that the last row is full if it can be.
+fn columns(pictures: usize) -> usize {
+    match pictures {
+        0..=5 => pictures.max(1),
+        _ if pictures.is_multiple_of(3) => 3,
+        _ => 4,
+    }
+}
 
 /// Pixels between pictures.
 const GAP: usize = 4;
@@ -18,12 +24,12 @@ pub fn sheet(exhibit: &Exhibit) -> Option<Picture> {
         .map(|(_, picture)| (picture.width, picture.height));
     let cell = sizes.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))?;
     let (width, height) = (cell.0 + GAP, cell.1 + GAP);
-    let rows = exhibit.pictures.len().div_ceil(COLUMNS);
-    let columns = exhibit.pictures.len().min(COLUMNS);
+    let columns = columns(exhibit.pictures.len());
+    let rows = exhibit.pictures.len().div_ceil(columns);
     let mut sheet = Picture::new(columns * width - GAP, rows * height - GAP);
     sheet.pixels.fill([0.0, 0.0, 0.0, 1.0]);
     for (index, (_, picture)) in exhibit.pictures.iter().enumerate() {
-        let (x0, y0) = (index % COLUMNS * width, index / COLUMNS * height);
+        let (x0, y0) = (index % columns * width, index / columns * height);
         for (y, row) in picture.pixels.chunks_exact(picture.width).enumerate() {
             let start = (y0 + y) * sheet.width + x0;
             for (out, [r, g, b, _]) in sheet.pixels[start..].iter_mut().zip(row) {
@@ -55,7 +61,11 @@ pub fn markdown(title: &str, command: &str, exhibits: &[Exhibit]) -> String {
             page.push_str("\n| measurement | value |\n|---|---|\n");
         }
         for (what, value, unit) in &exhibit.numbers {
-            let _ = writeln!(page, "| {what} | {} {unit} |", shown(*value));
+            let _ = writeln!(
+                page,
+                "| {what} | {} |",
+                format!("{} {unit}", shown(*value)).trim_end()
+            );
         }
     }
     page
@@ -68,7 +78,10 @@ fn legend(exhibit: &Exhibit) -> String {
         .iter()
         .map(|(name, _)| name.as_str())
         .collect();
-    let rows: Vec<String> = names.chunks(COLUMNS).map(|row| row.join(" | ")).collect();
+    let rows: Vec<String> = names
+        .chunks(columns(names.len()))
+        .map(|row| row.join(" | "))
+        .collect();
     format!("From the left, row by row: {}.", rows.join("; "))
 }
 
@@ -108,7 +121,7 @@ mod tests {
             markdown("Kernels", "splatline gallery kernels", &[exhibit]),
             "# Kernels\n\nPrinted by `splatline gallery kernels`.\n\n## plane\n\n[SWAN] 4.3. A plane.\n\n\
              ![plane](plane.png)\n\nFrom the left, row by row: none | swan.\n\n| measurement | value |\n|---|---|\n\
-             | error | 0.5000 dB |\n| bias | -2.0e-6  |\n"
+             | error | 0.5000 dB |\n| bias | -2.0e-6 |\n"
         );
     }
 }

@@ -93,7 +93,7 @@ fn in_kernel(shape: Shape) -> (kernel::Ellipse, kernel::Index) {
     (ellipse, index)
 }
 
-/// A ball of deviation 0.25 (end 0.5) at distance 1 along the view, seen with a field of 100 degrees.
+/// A ball of deviation 0.25 (end 0.5) at distance 1 along the view, seen with a field of 113 degrees.
 fn ball(aside: f64) -> (Scene, Camera) {
     let scene = Scene {
         name: "ball".to_owned(),
@@ -112,6 +112,6 @@ fn ball(aside: f64) -> (Scene, Camera) {
     let mut camera = synthetic::camera(192, 192);
     camera.translation = [0.0; 3];
     camera.rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    (camera.fx, camera.fy) = (80.0, 80.0);
+    (camera.fx, camera.fy) = (64.0, 64.0);
     (scene, camera)
 }
