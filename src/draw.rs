@@ -1,6 +1,12 @@
 //! The splat primitive: the units chained, from a footprint to the pixels of a target.
 
+mod hybrid;
+mod sphere;
+mod stamp;
 pub mod surface;
+
+pub use hybrid::Gathering;
+pub use sphere::Perspective;
 
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
@@ -79,18 +85,37 @@ impl<'a, D: Design> Painter<'a, D> {
 
     #[inline(always)]
     fn paint<R: Rows>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
+        let weight = |_, radial| self.table.weight(radial);
+        self.paint_weighted(footprint, rows, target, weight)
+    }
+
+    /// By the compositing's operator, with the kernel's value at a radial index (UQ4.radial) from `weight`.
+    #[inline(always)]
+    fn paint_weighted<R: Rows>(
+        &self,
+        footprint: &Footprint,
+        rows: R,
+        target: &mut Target,
+        weight: impl Fn([u16; 2], u64) -> u32,
+    ) -> Coverage {
         let blend = &self.blend;
         let colour = &footprint.colour;
         match self.compositing {
-            Compositing::FrontToBack => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.front_to_back(pixel, alpha, colour)
-            }),
-            Compositing::BackToFront => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.back_to_front(pixel, alpha, colour)
-            }),
-            Compositing::XRay => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.x_ray(pixel, alpha, colour)
-            }),
+            Compositing::FrontToBack => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.front_to_back(pixel, alpha, colour)
+                })
+            }
+            Compositing::BackToFront => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.back_to_front(pixel, alpha, colour)
+                })
+            }
+            Compositing::XRay => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.x_ray(pixel, alpha, colour)
+                })
+            }
         }
     }
 
@@ -100,12 +125,13 @@ impl<'a, D: Design> Painter<'a, D> {
         footprint: &Footprint,
         mut rows: R,
         target: &mut Target,
-        composite: impl Fn(&mut Pixel, u32),
+        weight: impl Fn([u16; 2], u64) -> u32,
+        mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         let mut coverage = Coverage::default();
         let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
         while let Some(run) = rows.next_run() {
-            coverage += self.paint_run(footprint, run, drop, target, &composite);
+            coverage += self.paint_run(footprint, run, drop, target, &weight, &mut composite);
         }
         coverage
     }
@@ -118,16 +144,18 @@ impl<'a, D: Design> Painter<'a, D> {
         run: Run<L>,
         drop: i32,
         target: &mut Target,
-        composite: impl Fn(&mut Pixel, u32),
+        weight: impl Fn([u16; 2], u64) -> u32,
+        mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         // Narrow counters: a run is short, and 64-bit additions per pixel cost a small processor.
         let (mut covered, mut finished) = (0u32, 0u32);
         let visited = run.length.into();
         let end = cutoff_in_lane(footprint.cutoff, self.design.widths().radial);
-        for (pixel, lane) in target
+        for ((pixel, lane), x) in target
             .row(run.y, run.x, run.length)
             .iter_mut()
             .zip(run.sequence())
+            .zip(run.x..)
         {
             let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
             if radial >= end {
@@ -140,9 +168,9 @@ impl<'a, D: Design> Painter<'a, D> {
             }
             let alpha = self
                 .blend
-                .opacity(footprint.peak, self.table.weight(radial));
+                .opacity(footprint.peak, weight([x, run.y], radial));
             if alpha > 0 {
-                composite(pixel, alpha);
+                composite([x, run.y], pixel, alpha);
             }
         }
         Coverage {

@@ -19,6 +19,19 @@ pub struct VolumeSplat {
     pub colour: [U4F28; 3],
 }
 
+/// A spherical kernel: a volume splat of variance s^2 I, for which perspective can be exact ([HYBRID] 4.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereSplat {
+    /// Centre in scene units, Q7.24.
+    pub centre: [I8F24; 3],
+    /// Standard deviation s in scene units, positive.
+    pub deviation: Scaled,
+    /// Peak opacity or extinction times volume, as for [`VolumeSplat`].
+    pub weight: Scaled,
+    /// Linear red, green, blue, UQ4.28.
+    pub colour: [U4F28; 3],
+}
+
 /// A vector `mantissa * 2^exponent` in scene units: one exponent for the three components.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Axis {

@@ -10,6 +10,7 @@ pub mod camera;
 pub mod design;
 pub mod fixed;
 pub mod gallery;
+pub mod hybrid;
 pub mod metrics;
 pub mod picture;
 pub mod reference;

@@ -7,6 +7,7 @@
 
 pub mod edge;
 pub mod layers;
+pub mod points;
 pub mod resolve;
 pub mod shading;
 pub mod surface;

@@ -7,6 +7,14 @@
 //! `f'' = f/4`, so entries are lowered by the factor `1 - h^2/48` and the mean error is 0. Without
 //! interpolation an entry is the kernel at the middle of its interval.
 
+mod perspective;
+mod ray;
+mod shape;
+
+pub use perspective::{PERSPECTIVE_ENTRIES, PerspectiveIndex, PerspectiveTable, fill_perspective};
+pub use ray::{Rays, covering_cutoff};
+pub use shape::{Kernel, fill};
+
 use crate::format::Widths;
 use crate::math::shift_round;
 
@@ -120,6 +128,17 @@ pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
         table[i] = ((value + (1 << (drop - 1))) >> drop) as u32;
         value = ((value as u128 * factor as u128 + (1 << 59)) >> 60) as u64;
         i += 1;
+    }
+}
+
+/// Fills a table with any profile (Q.40 in and out); entry positions as for the Gaussian, without its centring of the mean.
+fn shape_entries(table: &mut [u32], widths: &Widths, range: u8, profile: impl Fn(i64) -> i64) {
+    let half = u32::from(widths.interpolation == 0);
+    let half_step = 1i64 << (39 + u32::from(range.min(4)) - u32::from(widths.table));
+    let drop = 40 - u32::from(widths.weight);
+    for (entry, index) in table.iter_mut().zip(0i64..) {
+        let radial = half_step * (2 * index + i64::from(half));
+        *entry = shift_round(profile(radial), drop) as u32;
     }
 }
 

@@ -6,9 +6,13 @@
 
 mod conic;
 mod spans;
+mod stamp;
 
 pub use conic::ConicRows;
 pub use spans::{BLOCK, SpanRows};
+pub use stamp::{
+    MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
+};
 
 use crate::format::Lane;
 

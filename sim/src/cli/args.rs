@@ -3,8 +3,9 @@
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
+use splatline_sim::hybrid::Points;
 use splatline_sim::picture::Depth;
-use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::rules::{Compositing, Kernel, Rules};
 use splatline_sim::surface::LAYERS;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -35,13 +36,6 @@ Examples:
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud";
 
-const GALLERY_EXAMPLES: &str = "\
-Examples:
-  splatline gallery surface -o docs/gallery/surface
-      the surface splats: pictures, and their numbers in README.md
-  splatline gallery surface --data data -o out
-      with the data sets of another folder";
-
 const COMPARE_EXAMPLES: &str = "\
 Examples:
   splatline compare guitar.ply -o out
@@ -68,6 +62,13 @@ Examples:
   splatline vectors export out/vectors --design lean18
   splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
   splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
+const GALLERY_EXAMPLES: &str = "\
+Examples:
+  splatline gallery surface -o docs/gallery/surface
+  splatline gallery kernels -o docs/gallery/kernels
+  splatline gallery kernels --only antialias -o out
+
+Groups of kernels: shapes, antialias, spheres, hybrid, stamps.";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -148,6 +149,31 @@ pub struct VectorsExportOptions {
 }
 
 #[derive(Debug, Args)]
+pub struct GalleryOptions {
+    /// Which collection
+    #[arg(value_enum)]
+    pub collection: Collection,
+    /// One group of the collection only
+    #[arg(long, value_name = "GROUP")]
+    pub only: Option<String>,
+    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
+    #[arg(long, value_name = "dir", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder to write README.md and the pictures into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// A collection of exhibits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Collection {
+    /// Surface splats, layers, edges, deferred shading
+    Surface,
+    /// Kernels, antialiasing, spheres, hybrid points, stamps
+    Kernels,
+}
+
+#[derive(Debug, Args)]
 pub struct RenderOptions {
     #[command(flatten)]
     pub view: ViewOptions,
@@ -189,26 +215,6 @@ pub struct FootprintsOptions {
     /// CSV file to write
     #[arg(short, long, value_name = "f.csv")]
     pub output: PathBuf,
-}
-
-#[derive(Debug, Args)]
-pub struct GalleryOptions {
-    /// Which collection
-    #[arg(value_enum)]
-    pub collection: Collection,
-    /// Folder that holds the data sets, such as points/lion_takanawa.ply; exhibits without their data are left out
-    #[arg(long, value_name = "dir", default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// Folder to write README.md and the pictures into
-    #[arg(short, long, value_name = "dir")]
-    pub output: PathBuf,
-}
-
-/// A collection of exhibits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Collection {
-    /// Surface splats, layers, edges, deferred shading
-    Surface,
 }
 
 /// What is looked at and from where.
@@ -253,6 +259,12 @@ pub struct ViewOptions {
     /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
+    /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
+    #[arg(long, value_enum)]
+    pub antialias: Option<AntialiasChoice>,
+    /// Shape of footprints
+    #[arg(long, value_enum, default_value = "gaussian")]
+    pub kernel: KernelChoice,
     /// Transfer function of a volume (TOML)
     #[arg(long, value_name = "file.toml")]
     pub transfer: Option<PathBuf>,
@@ -298,6 +310,12 @@ pub struct DrawingOptions {
     /// How a footprint's pixels are walked [default: the design's own]
     #[arg(long, value_enum)]
     pub traversal: Option<TraversalChoice>,
+    /// Which samples of a volume become points, gathered in depth ranges; needs --antialias swan
+    #[arg(long, value_enum)]
+    pub points: Option<PointsChoice>,
+    /// Phases per pixel and axis of --traversal stamp, as a power of two
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u8).range(0..=6))]
+    pub phase_bits: u8,
     /// Order and operator of blending
     #[arg(long, value_enum, default_value = "front-to-back")]
     pub compositing: CompositingChoice,
@@ -344,13 +362,72 @@ pub enum TraversalChoice {
     Box,
     /// Only the pixels of each row inside the ellipse
     Spans,
+    /// Samples closer together than pixels by copying a precomputed footprint, others by spans; needs --antialias swan
+    Stamp,
+}
+
+/// Protection against aliasing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AntialiasChoice {
+    /// No low-pass filter
+    None,
+    /// The low-pass filter of the rules
+    Ewa,
+    /// Distance scaling by the volume's sample spacing, without a low-pass filter
+    Swan,
+}
+
+/// Shape of footprints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum KernelChoice {
+    /// exp(-r/2)
+    Gaussian,
+    /// Footprint of the cubic spline of Crawfis and Max
+    Cubic,
+    /// 1 - r/6 (Epanechnikov)
+    Quadratic,
+    /// Constant
+    Disc,
+}
+
+impl From<KernelChoice> for Kernel {
+    fn from(choice: KernelChoice) -> Self {
+        match choice {
+            KernelChoice::Gaussian => Kernel::Gaussian,
+            KernelChoice::Cubic => Kernel::Cubic,
+            KernelChoice::Quadratic => Kernel::Quadratic,
+            KernelChoice::Disc => Kernel::Disc,
+        }
+    }
+}
+
+/// Which samples become points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PointsChoice {
+    /// Those closer together than pixels
+    Auto,
+    /// All
+    All,
+    /// None
+    None,
+}
+
+impl From<PointsChoice> for Points {
+    fn from(choice: PointsChoice) -> Self {
+        match choice {
+            PointsChoice::Auto => Points::Auto,
+            PointsChoice::All => Points::All,
+            PointsChoice::None => Points::None,
+        }
+    }
 }
 
 impl From<TraversalChoice> for Traversal {
     fn from(choice: TraversalChoice) -> Self {
         match choice {
             TraversalChoice::Box => Traversal::Box,
-            TraversalChoice::Spans => Traversal::Spans,
+            // Beyond the points, stamped drawings walk spans.
+            TraversalChoice::Spans | TraversalChoice::Stamp => Traversal::Spans,
         }
     }
 }

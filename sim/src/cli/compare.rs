@@ -19,7 +19,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         return super::surface::compare_with_float(options);
     }
     let view = View::from_options(&options.view)?;
-    let manner = Manner::from_options(drawing);
+    let manner = Manner::from_options(drawing, &view)?;
     // The fixed picture is always drawn; the option can only say what it is compared with.
     let reference = if drawing.engine == Engine::Exact {
         Engine::Exact
@@ -27,7 +27,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         Engine::Float
     };
     let chosen = Entry::from_options(drawing)?;
-    let others = if options.only {
+    // Points and stamps have one traversal only.
+    let others = if options.only || manner.hybrid.is_some() {
         Vec::new()
     } else {
         all_entries(&chosen.design)

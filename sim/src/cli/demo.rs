@@ -40,6 +40,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         compositing: Compositing::FrontToBack,
         threads: threads(None),
         repeat,
+        hybrid: None,
     };
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
     let chosen = Entry {

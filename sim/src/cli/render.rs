@@ -22,7 +22,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return super::surface::render(options);
     }
     let view = View::from_options(&options.view)?;
-    let manner = Manner::from_options(drawing);
+    let manner = Manner::from_options(drawing, &view)?;
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
     let (measured, report) = match drawing.engine {

@@ -1,10 +1,11 @@
 //! From options to what the engines need: scene, camera, rules, threads, and a check of the output's folder.
 
 use super::Failure;
-use super::args::{Size, USUAL_FOV, Vector, ViewOptions};
+use super::args::{AntialiasChoice, Size, USUAL_FOV, Vector, ViewOptions};
 use anyhow::{Context, anyhow};
 use splatline_sim::camera::Camera;
-use splatline_sim::rules::Rules;
+use splatline_sim::hybrid::spacing;
+use splatline_sim::rules::{Antialias, Rules};
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::num::NonZero;
 use std::path::Path;
@@ -34,12 +35,23 @@ impl View {
         let camera = camera_or(options, scene.up, |size| {
             scene.default_camera(size.width, size.height)
         })?;
-        let rules = options.rules.unwrap_or(scene.natural_rules);
+        let rules = rules(options, &scene);
         Ok(View {
             scene,
             camera,
             rules,
         })
+    }
+}
+
+/// The rules asked for, with the kernel and the protection against aliasing asked for.
+fn rules(options: &ViewOptions, scene: &Scene) -> Rules {
+    let rules = options.rules.unwrap_or(scene.natural_rules);
+    let rules = rules.with_kernel(options.kernel.into());
+    match options.antialias {
+        None | Some(AntialiasChoice::Ewa) => rules,
+        Some(AntialiasChoice::None) => rules.with_antialias(Antialias::None),
+        Some(AntialiasChoice::Swan) => rules.with_antialias(Antialias::Swan(spacing(scene))),
     }
 }
 

@@ -1,7 +1,8 @@
 //! `render` and `compare` with `--as surface`: a point cloud drawn as surface splats, in fixed point and in double precision.
 
 use super::args::{
-    CompareOptions, DrawingOptions, Engine, RenderOptions, SurfaceOptions, Vector, ViewOptions,
+    CompareOptions, DrawingOptions, Engine, KernelChoice, RenderOptions, SurfaceOptions, Vector,
+    ViewOptions,
 };
 use super::compare::{all_entries, summary as comparison_summary};
 use super::drawing::Drawing;
@@ -68,6 +69,8 @@ fn refuse_volume_options(view: &ViewOptions) -> Result<(), Failure> {
     let refused = [
         (view.rules.is_some(), "--rules"),
         (view.transfer.is_some(), "--transfer"),
+        (view.antialias.is_some(), "--antialias"),
+        (view.kernel != KernelChoice::Gaussian, "--kernel"),
     ];
     match refused.iter().find(|(given, _)| *given) {
         Some((_, option)) => Err(Failure::Usage(format!(
@@ -84,7 +87,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
-    let manner = Manner::from_options(drawing);
+    let manner = Manner::without_points(drawing);
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
     let (measured, report) = match drawing.engine {
@@ -117,7 +120,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
-    let manner = Manner::from_options(drawing);
+    let manner = Manner::without_points(drawing);
     let chosen = Entry::from_options(drawing)?;
     let mut entries = if options.only {
         Vec::new()
@@ -259,6 +262,8 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
             name: "surf".to_owned(),
             normalised: false,
             low_pass: style.low_pass,
+            spacing: 0.0,
+            kernel: "gaussian".to_owned(),
             cutoff: Some(style.cutoff),
             alpha_max: 1.0,
             alpha_min: 0.0,

@@ -1,7 +1,7 @@
 //! Draws one view by several designs and traversals and compares each with the reference.
 
 use super::Failure;
-use super::args::{DrawingOptions, Engine};
+use super::args::{DrawingOptions, Engine, TraversalChoice};
 use super::drawing::Drawing;
 use super::engines::{self, Task};
 use super::progress::Progress;
@@ -9,12 +9,14 @@ use super::setup::{View, threads, write};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
+use splatline_sim::hybrid::{Hybrid, Points, spacing};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
 use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
 use splatline_sim::rules::Compositing;
+use splatline_sim::scene::Scene;
 use std::path::Path;
 use std::time::Instant;
 
@@ -23,6 +25,8 @@ pub struct Manner {
     pub compositing: Compositing,
     pub threads: usize,
     pub repeat: usize,
+    /// Points and stamps instead of splats alone.
+    pub hybrid: Option<Hybrid>,
 }
 
 /// One design walked by one traversal.
@@ -34,11 +38,62 @@ pub struct Entry {
 
 impl Manner {
     /// As the command line says.
-    pub fn from_options(options: &DrawingOptions) -> Manner {
+    ///
+    /// Points and stamps need distance scaling, which tells which samples are closer together than pixels.
+    pub fn from_options(options: &DrawingOptions, view: &View) -> Result<Manner, Failure> {
+        let hybrid = hybrid(options, &view.scene);
+        let compositing: Compositing = options.compositing.into();
+        if hybrid.is_some() && (view.rules.spacing <= 0.0 || !view.rules.cutoff.is_finite()) {
+            let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if hybrid.is_some() && compositing != Compositing::FrontToBack {
+            let message = "--points and --traversal stamp composite front to back only";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        Ok(Manner {
+            hybrid,
+            ..Manner::without_points(options)
+        })
+    }
+
+    /// As the command line says, for scenes that know neither points nor stamps.
+    pub fn without_points(options: &DrawingOptions) -> Manner {
         Manner {
+            hybrid: None,
             compositing: options.compositing.into(),
             threads: threads(options.threads),
             repeat: options.repeat,
+        }
+    }
+}
+
+/// Depth range of gathered points, in sample spacings.
+const DEPTH_RANGE: f64 = 0.5;
+
+/// Points and stamps, if the options ask for them.
+fn hybrid(options: &DrawingOptions, scene: &Scene) -> Option<Hybrid> {
+    let stamped = options.traversal == Some(TraversalChoice::Stamp);
+    if options.points.is_none() && !stamped {
+        return None;
+    }
+    Some(Hybrid {
+        points: options.points.map_or(Points::Auto, Points::from),
+        depth_range: options.points.map(|_| DEPTH_RANGE * spacing(scene)),
+        phase_bits: stamped.then_some(options.phase_bits),
+    })
+}
+
+impl Manner {
+    /// Name of the traversal in reports.
+    fn traversal_name(&self, entry: &Entry) -> &'static str {
+        match self.hybrid {
+            Some(Hybrid {
+                phase_bits: Some(_),
+                ..
+            }) => "stamp",
+            Some(_) => "spans",
+            None => traversal_name(entry.traversal),
         }
     }
 }
@@ -100,18 +155,22 @@ pub fn measure(
 /// Draws by one of the double-precision engines.
 pub fn draw_reference(view: &View, manner: &Manner, engine: Engine) -> Result<Measured> {
     measure(manner, || {
-        engines::draw_reference(engine, task(view, manner))
+        let task = task(view, manner);
+        match &manner.hybrid {
+            Some(hybrid) => engines::draw_hybrid_reference(engine, task, hybrid),
+            None => engines::draw_reference(engine, task),
+        }
     })
 }
 
 /// Draws one entry through the kernel.
 pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measured> {
     measure(manner, || {
-        Ok(engines::draw_fixed(
-            task(view, manner),
-            &entry.design,
-            entry.traversal,
-        ))
+        let task = task(view, manner);
+        match &manner.hybrid {
+            Some(hybrid) => engines::draw_hybrid(task, &entry.design, hybrid),
+            None => Ok(engines::draw_fixed(task, &entry.design, entry.traversal)),
+        }
     })
 }
 
@@ -156,7 +215,7 @@ pub fn run(
         let errors = compare(&measured.drawing.picture, &float)
             .with_context(|| format!("design {} cannot be compared", entry.title()))?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
-        let traversal = traversal_name(entry.traversal);
+        let traversal = manner.traversal_name(entry);
         table.push(Row::new(
             &entry.design.name,
             traversal,
@@ -204,7 +263,7 @@ pub fn report_of_entry(
 ) -> Result<Report> {
     Ok(Report {
         design: serde_json::to_value(entry.design.resolved())?,
-        traversal: Some(traversal_name(entry.traversal).to_owned()),
+        traversal: Some(manner.traversal_name(entry).to_owned()),
         ..report_of_drawing(view, manner, Engine::Fixed, measured)
     })
 }

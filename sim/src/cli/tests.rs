@@ -459,3 +459,34 @@ fn surface_options_that_make_no_sense_are_refused() {
         );
     }
 }
+
+#[test]
+fn points_and_stamps_ask_for_distance_scaling() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = folder.path().join("x.png");
+    let line = |options: &str| {
+        let output = output.display();
+        run_line(&format!(
+            "render random:50 {options} -o {output} --size 32x32"
+        ))
+    };
+    for options in [
+        "--points all",
+        "--traversal stamp",
+        "--antialias swan --points auto",
+    ] {
+        let Err(Failure::Usage(message)) = line(options) else {
+            panic!("{options} was accepted");
+        };
+        assert!(message.contains("--rules ewa and --antialias swan"));
+    }
+    let sound = "--rules ewa --antialias swan";
+    let backwards = format!("{sound} --points auto --compositing back-to-front");
+    assert!(matches!(line(&backwards), Err(Failure::Usage(_))));
+    for options in ["--points auto", "--traversal stamp --phase-bits 2"] {
+        line(&format!("{sound} {options}")).unwrap();
+    }
+    for kernel in ["cubic", "quadratic", "disc"] {
+        line(&format!("--kernel {kernel} --antialias none")).unwrap();
+    }
+}

@@ -4,9 +4,13 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
+mod hybrid;
 mod quantise;
 mod render;
+mod sphere;
 pub mod surface;
 
+pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{Drawing, Options, Times, conics, draw, footprints};
+pub use sphere::draw_spheres;

@@ -4,9 +4,10 @@
 //! range; a power of two moves no bit of any result. Axes and weights carry their own exponents and lose nothing below 31 bits.
 
 use crate::camera::Camera;
-use crate::rules::{Compositing, Rules};
+use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::Scene;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use splatline::kernel as shapes;
 use splatline::math::Scaled;
 use splatline::rules as kernel;
 use splatline::splat::{Axis, VolumeSplat};
@@ -54,6 +55,15 @@ impl QuantisedScene {
             splats,
             scale_log2,
             clamped,
+        }
+    }
+
+    /// The kernel's statement of the rules, lengths in the kernel's scene units.
+    pub fn rules(&self, rules: &Rules) -> kernel::Rules {
+        let stated = kernel_rules(rules);
+        kernel::Rules {
+            spacing: stated.spacing.scaled_by(self.scale_log2),
+            ..stated
         }
     }
 }
@@ -147,13 +157,21 @@ pub(super) fn view(camera: &Camera, scale_log2: i32) -> View {
     }
 }
 
-/// The kernel's statement of the same rules.
+/// The kernel's statement of the same rules, lengths in the scene's own units.
 pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
     let unit = |value: f64| (value * 2f64.powi(31)).round().clamp(0.0, 2f64.powi(31)) as u32;
     let radial = rules.cutoff.is_finite();
-    kernel::Rules {
+    let shape = match rules.kernel {
+        Kernel::Gaussian => shapes::Kernel::Gaussian,
+        Kernel::Cubic => shapes::Kernel::Cubic,
+        Kernel::Quadratic => shapes::Kernel::Quadratic,
+        Kernel::Disc => shapes::Kernel::Disc,
+    };
+    let stated = kernel::Rules {
         normalised: rules.normalised,
         low_pass: scaled(rules.low_pass),
+        spacing: scaled(rules.spacing),
+        kernel: shape,
         cutoff: if radial {
             kernel::Cutoff::Radial(
                 (rules.cutoff * 2f64.powi(28))
@@ -169,7 +187,8 @@ pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
         stop_before: rules.stop_before,
         clamp_jacobian: rules.clamp_jacobian,
         table_range: if radial && rules.cutoff <= 4.0 { 2 } else { 4 },
-    }
+    };
+    stated.with_kernel(shape)
 }
 
 /// The kernel's name for the same compositing.

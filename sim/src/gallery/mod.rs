@@ -1,13 +1,15 @@
 //! The gallery: scenes that show each system, with its error in numbers beside the pictures.
 
 pub mod holes;
+pub mod kernels;
+pub mod page;
 pub mod surface;
 
 use crate::metrics::ChannelError;
 use crate::picture::Picture;
 
 /// One system on show.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Exhibit {
     /// What is shown.
     pub name: String,
