@@ -16,4 +16,5 @@ pub mod report;
 pub mod results;
 pub mod rules;
 pub mod scene;
+pub mod stability;
 pub mod vector;

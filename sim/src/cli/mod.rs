@@ -13,6 +13,7 @@ mod progress;
 mod render;
 mod results;
 mod setup;
+mod stability;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -62,6 +63,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
         Some(Command::Results(options)) => results::run(&options),
+        Some(Command::Stability(options)) => stability::run(&options),
     }
 }
 
