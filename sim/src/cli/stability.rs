@@ -17,7 +17,10 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     }
     match &options.markdown {
         Some(path) => {
-            write(path, (HEADING.to_owned() + &table::markdown(&lines)).as_bytes())?;
+            write(
+                path,
+                (HEADING.to_owned() + &table::markdown(&lines)).as_bytes(),
+            )?;
             say(&table::summary(&lines));
         }
         None => say(&table::markdown(&lines)),

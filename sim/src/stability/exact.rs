@@ -39,30 +39,56 @@ impl ExactFootprint {
 }
 
 /// Projects one splat; `None` if it is culled by depth, singular or transparent.
-pub fn project(splat: &Splat, weight: f64, camera: &Camera, rules: &Rules) -> Option<ExactFootprint> {
+pub fn project(
+    splat: &Splat,
+    weight: f64,
+    camera: &Camera,
+    rules: &Rules,
+) -> Option<ExactFootprint> {
     let rotation = camera.rotation.map(|row| row.map(exact));
     let turn = |v: &[BigRational; 3]| -> [BigRational; 3] {
         std::array::from_fn(|row| (0..3).map(|k| &rotation[row][k] * &v[k]).sum())
     };
     let turned = turn(&splat.centre.map(exact));
-    let t: [BigRational; 3] = std::array::from_fn(|row| &turned[row] + exact(camera.translation[row]));
+    let t: [BigRational; 3] =
+        std::array::from_fn(|row| &turned[row] + exact(camera.translation[row]));
     let z = &t[2];
-    if *z <= exact(camera.near) || *z >= exact(camera.far) || (!camera.orthographic && !z.is_positive()) {
+    if *z <= exact(camera.near)
+        || *z >= exact(camera.far)
+        || (!camera.orthographic && !z.is_positive())
+    {
         return None;
     }
     let focal = [camera.fx, camera.fy].map(exact);
-    let on_plane = [0, 1].map(|i| if camera.orthographic { t[i].clone() } else { &t[i] / z });
+    let on_plane = [0, 1].map(|i| {
+        if camera.orthographic {
+            t[i].clone()
+        } else {
+            &t[i] / z
+        }
+    });
     let centre = [camera.cx, camera.cy].map(exact);
     let centre = [0, 1].map(|i| &focal[i] * &on_plane[i] + &centre[i]);
-    let gain = [0, 1].map(|i| if camera.orthographic { focal[i].clone() } else { &focal[i] / z });
+    let gain = [0, 1].map(|i| {
+        if camera.orthographic {
+            focal[i].clone()
+        } else {
+            &focal[i] / z
+        }
+    });
     let slope = slopes(&on_plane, camera, rules);
     let columns = splat.axes.map(|axis| {
         let turned = turn(&axis.map(exact));
         [0, 1].map(|i| &gain[i] * (&turned[i] - &slope[i] * &turned[2]))
     });
-    let product = |i: usize, j: usize| -> BigRational { columns.iter().map(|m| &m[i] * &m[j]).sum() };
+    let product =
+        |i: usize, j: usize| -> BigRational { columns.iter().map(|m| &m[i] * &m[j]).sum() };
     let low_pass = exact(rules.low_pass);
-    let (xx, xy, yy) = (product(0, 0) + &low_pass, product(0, 1), product(1, 1) + &low_pass);
+    let (xx, xy, yy) = (
+        product(0, 0) + &low_pass,
+        product(0, 1),
+        product(1, 1) + &low_pass,
+    );
     let determinant = &xx * &yy - &xy * &xy;
     if determinant.is_zero() || yy.is_zero() {
         return None;

@@ -34,6 +34,8 @@ pub struct StageErrors {
     pub centre: f64,
     /// Quadratic form, relative, in its worst direction.
     pub form: f64,
+    /// Quadratic form in units of its bound's shape: form / (u (1 + G)), see `docs/error-analysis.md`.
+    pub form_units: f64,
     /// Radial index, absolute.
     pub radial: f64,
     /// Picture, largest absolute difference.
@@ -76,7 +78,10 @@ fn measure_case(case: &Case) -> Vec<Line> {
     };
     let mut lines = vec![line("f32", single_errors(case, &weights, &truth, &picture))];
     for design in DesignChoice::all() {
-        lines.push(line(&design.name, fixed_errors(case, &design, &truth, &picture)));
+        lines.push(line(
+            &design.name,
+            fixed_errors(case, &design, &truth, &picture),
+        ));
     }
     lines
 }
@@ -85,7 +90,12 @@ fn measure_case(case: &Case) -> Vec<Line> {
 fn project_all<F: Copy>(
     case: &Case,
     weights: &[f64],
-    project: impl Fn(&crate::scene::Splat, f64, &crate::camera::Camera, &crate::rules::Rules) -> Option<F>,
+    project: impl Fn(
+        &crate::scene::Splat,
+        f64,
+        &crate::camera::Camera,
+        &crate::rules::Rules,
+    ) -> Option<F>,
 ) -> Vec<Option<F>> {
     let mut projected: Vec<Option<F>> = Vec::with_capacity(weights.len());
     for (index, splat) in case.scene.splats.iter().enumerate() {
@@ -98,16 +108,26 @@ fn project_all<F: Copy>(
     projected
 }
 
-fn single_errors(case: &Case, weights: &[f64], truth: &[Option<ExactFootprint>], exact: &Picture) -> StageErrors {
+fn single_errors(
+    case: &Case,
+    weights: &[f64],
+    truth: &[Option<ExactFootprint>],
+    exact: &Picture,
+) -> StageErrors {
     let projected = project_all(case, weights, single::project);
     let mut errors = picture_errors(&single_picture(case, &projected), exact);
     for (single, truth) in projected.iter().zip(truth) {
         let (Some(single), Some(truth)) = (single, truth) else {
-            errors.culled_wrongly += usize::from(single.is_some() != (truth.is_some_and(|t| on_screen(case, &t))));
+            errors.culled_wrongly +=
+                usize::from(single.is_some() != (truth.is_some_and(|t| on_screen(case, &t))));
             continue;
         };
         errors.worsen_centre(single.centre.map(f64::from), truth);
-        errors.form = errors.form.max(form_error_of_conic(single.conic.map(f64::from), truth));
+        errors.worsen_form(
+            form_error_of_conic(single.conic.map(f64::from), truth),
+            24,
+            truth,
+        );
         for (x, y) in pixels(case) {
             let r = truth.radial(x, y);
             if r < truth.cutoff {
@@ -119,15 +139,28 @@ fn single_errors(case: &Case, weights: &[f64], truth: &[Option<ExactFootprint>],
     errors
 }
 
-fn fixed_errors(case: &Case, design: &DesignChoice, truth: &[Option<ExactFootprint>], exact: &Picture) -> StageErrors {
-    let options =
-        fixed::Options { rules: &case.rules, compositing: Compositing::FrontToBack, design, traversal: design.traversal };
+fn fixed_errors(
+    case: &Case,
+    design: &DesignChoice,
+    truth: &[Option<ExactFootprint>],
+    exact: &Picture,
+) -> StageErrors {
+    let options = fixed::Options {
+        rules: &case.rules,
+        compositing: Compositing::FrontToBack,
+        design,
+        traversal: design.traversal,
+    };
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
     let mut errors = picture_errors(&drawing.picture, exact);
     let mut last = None;
-    for (fixed, truth) in fixed::footprints(&case.scene, &case.camera, &options).iter().zip(truth) {
+    for (fixed, truth) in fixed::footprints(&case.scene, &case.camera, &options)
+        .iter()
+        .zip(truth)
+    {
         let (Ok(fixed), Some(truth)) = (fixed, truth) else {
-            errors.culled_wrongly += usize::from(fixed.is_ok() != truth.is_some_and(|t| on_screen(case, &t)));
+            errors.culled_wrongly +=
+                usize::from(fixed.is_ok() != truth.is_some_and(|t| on_screen(case, &t)));
             continue;
         };
         if last == Some(*fixed) {
@@ -136,14 +169,23 @@ fn fixed_errors(case: &Case, design: &DesignChoice, truth: &[Option<ExactFootpri
         last = Some(*fixed);
         let unit = f64::from(design.widths.subpixel).exp2();
         errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
-        errors.form = errors.form.max(match design.traversal {
+        let form = match design.traversal {
             Traversal::Spans => form_error_of_scan(fixed, truth),
-            Traversal::Box => {
-                form_error_of_conic(fixed.conic.mantissa.map(|m| value(m, fixed.conic.exponent)), truth)
-            }
+            Traversal::Box => form_error_of_conic(
+                fixed.conic.mantissa.map(|m| value(m, fixed.conic.exponent)),
+                truth,
+            ),
+        };
+        errors.worsen_form(form, design.widths.mantissa, truth);
+        let window = Window {
+            first: [0, 0],
+            last: [case.camera.width as u16, case.camera.height as u16],
+        };
+        let lanes = design.dispatch(Lanes {
+            footprint: fixed,
+            window,
+            traversal: design.traversal,
         });
-        let window = Window { first: [0, 0], last: [case.camera.width as u16, case.camera.height as u16] };
-        let lanes = design.dispatch(Lanes { footprint: fixed, window, traversal: design.traversal });
         for ((x, y), lane) in pixels(case).zip(lanes) {
             let r = truth.radial(x, y);
             if r < truth.cutoff {
@@ -201,6 +243,15 @@ impl StageErrors {
     }
 }
 
+impl StageErrors {
+    /// u = 2^-mantissa; G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
+    fn worsen_form(&mut self, form: f64, mantissa: u8, truth: &ExactFootprint) {
+        let gain = (1.0 + truth.slope * truth.slope * truth.curvature / truth.stretch).sqrt();
+        let units = form * f64::from(mantissa).exp2() / (1.0 + gain);
+        (self.form, self.form_units) = (worse(self.form, form), worse(self.form_units, units));
+    }
+}
+
 /// The larger one, where NaN is larger than anything.
 fn worse(a: f64, b: f64) -> f64 {
     if b.is_nan() { f64::INFINITY } else { a.max(b) }
@@ -213,7 +264,12 @@ fn spectral([a, b, c]: [f64; 3]) -> f64 {
 
 /// Q' - Q in the coordinates in which Q is the identity, from a conic.
 fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -> f64 {
-    let ExactFootprint { curvature, slope, stretch, .. } = *truth;
+    let ExactFootprint {
+        curvature,
+        slope,
+        stretch,
+        ..
+    } = *truth;
     let mixed = (a * slope + b) / (curvature * stretch).sqrt();
     let down = (a * slope * slope + 2.0 * b * slope + c) / stretch;
     spectral([a / curvature - 1.0, mixed, down - 1.0])
@@ -222,10 +278,19 @@ fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -> f64 {
 /// The same from LDL coefficients.
 fn form_error_of_scan(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
     let number = |x: Scaled| value(x.mantissa, x.exponent);
-    let [a, s, c] = [footprint.scan.curvature, footprint.scan.slope, footprint.scan.stretch].map(number);
+    let [a, s, c] = [
+        footprint.scan.curvature,
+        footprint.scan.slope,
+        footprint.scan.stretch,
+    ]
+    .map(number);
     let lean = truth.slope - s;
     let mixed = a * lean / (truth.curvature * truth.stretch).sqrt();
-    spectral([a / truth.curvature - 1.0, mixed, (a * lean * lean + c) / truth.stretch - 1.0])
+    spectral([
+        a / truth.curvature - 1.0,
+        mixed,
+        (a * lean * lean + c) / truth.stretch - 1.0,
+    ])
 }
 
 fn pixels(case: &Case) -> impl Iterator<Item = (f64, f64)> {
@@ -252,8 +317,11 @@ fn picture_errors(picture: &Picture, exact: &Picture) -> StageErrors {
 
 /// Nearest first, ties by index.
 fn by_depth<F>(projected: &[Option<F>], depth: impl Fn(&F) -> f64) -> Vec<(usize, &F)> {
-    let mut order: Vec<(usize, &F)> =
-        projected.iter().enumerate().filter_map(|(i, f)| Some((i, f.as_ref()?))).collect();
+    let mut order: Vec<(usize, &F)> = projected
+        .iter()
+        .enumerate()
+        .filter_map(|(i, f)| Some((i, f.as_ref()?)))
+        .collect();
     order.sort_by(|a, b| depth(a.1).total_cmp(&depth(b.1)));
     order
 }

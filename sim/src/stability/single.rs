@@ -36,12 +36,21 @@ impl SingleFootprint {
             return 0.0;
         }
         let alpha = (self.peak * (-0.5 * r).exp()).min(rules.alpha_max as f32);
-        if alpha < rules.alpha_min as f32 { 0.0 } else { alpha }
+        if alpha < rules.alpha_min as f32 {
+            0.0
+        } else {
+            alpha
+        }
     }
 }
 
 /// Projects one splat; `None` if it is culled by depth, its determinant is not positive, or it is transparent.
-pub fn project(splat: &Splat, weight: f64, camera: &Camera, rules: &Rules) -> Option<SingleFootprint> {
+pub fn project(
+    splat: &Splat,
+    weight: f64,
+    camera: &Camera,
+    rules: &Rules,
+) -> Option<SingleFootprint> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);
     let rotation = camera.rotation.map(single);
     let centre = single(splat.centre);
@@ -55,12 +64,17 @@ pub fn project(splat: &Splat, weight: f64, camera: &Camera, rules: &Rules) -> Op
     let distance = if camera.orthographic { 1.0 } else { z };
     let slope = slopes(t, camera, rules);
     let gain = focal.map(|f| f / distance);
-    let rows: [[f32; 3]; 2] =
-        [0, 1].map(|i| std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k]));
+    let rows: [[f32; 3]; 2] = [0, 1].map(|i| {
+        std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k])
+    });
     let variance = covariance(splat);
     let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
     let low_pass = rules.low_pass as f32;
-    let (a, b, c) = (spread(0, 0) + low_pass, spread(0, 1), spread(1, 1) + low_pass);
+    let (a, b, c) = (
+        spread(0, 0) + low_pass,
+        spread(0, 1),
+        spread(1, 1) + low_pass,
+    );
     let determinant = a * c - b * b;
     if determinant.is_nan() || determinant <= 0.0 {
         return None;
@@ -100,7 +114,9 @@ fn slopes(t: [f32; 3], camera: &Camera, rules: &Rules) -> [f32; 2] {
             (false, false) => slope,
             (false, true) => {
                 let margin = 0.15 * size / focal;
-                slope.min((size - centre) / focal + margin).max(-(centre / focal + margin))
+                slope
+                    .min((size - centre) / focal + margin)
+                    .max(-(centre / focal + margin))
             }
         }
     })
