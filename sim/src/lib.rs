@@ -18,6 +18,7 @@ pub mod report;
 pub mod results;
 pub mod rules;
 pub mod scene;
+pub mod stability;
 pub mod surface;
 pub mod vector;
 pub mod vectors;

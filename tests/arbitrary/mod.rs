@@ -10,6 +10,7 @@ use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
 use splatline::footprint::packet::{Packet, VERSION};
 use splatline::footprint::{Conic, Footprint, Scan};
 use splatline::format::{Custom, Rounding, WIDTH_RANGES, Widths};
+use splatline::kernel::Kernel;
 use splatline::math::Scaled;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Cutoff, Rules};
@@ -215,8 +216,19 @@ impl<'a> Source<'a> {
                 stop_before: self.bool(),
                 clamp_jacobian: self.bool(),
                 table_range: self.bits(8) as u8,
+                kernel: self.kernel(),
+                spacing: self.scaled(),
             },
         }
+    }
+
+    fn kernel(&mut self) -> Kernel {
+        [
+            Kernel::Gaussian,
+            Kernel::Cubic,
+            Kernel::Quadratic,
+            Kernel::Disc,
+        ][usize::from(self.byte() % 4)]
     }
 
     /// Any order of compositing.

@@ -97,6 +97,9 @@ pub enum Command {
     /// Measure every figure that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
+    /// Measure every stage on hard cases, against exact arithmetic and single precision.
+    #[command(after_help = STABILITY_EXAMPLES)]
+    Stability(StabilityOptions),
     /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
     #[command(after_help = VECTORS_EXAMPLES)]
     Vectors {
@@ -171,6 +174,25 @@ pub enum Collection {
     Surface,
     /// Kernels, antialiasing, spheres, hybrid points, stamps
     Kernels,
+}
+
+const STABILITY_EXAMPLES: &str = "\
+Examples:
+  splatline stability
+  splatline stability --markdown docs/stability.md
+  splatline stability --quick --json stability.json";
+
+#[derive(Debug, Args)]
+pub struct StabilityOptions {
+    /// A short stack of splats instead of 100,000
+    #[arg(long)]
+    pub quick: bool,
+    /// JSON file to write as well
+    #[arg(long, value_name = "s.json")]
+    pub json: Option<PathBuf>,
+    /// Markdown page to write; the summary alone is then printed
+    #[arg(long, value_name = "s.md")]
+    pub markdown: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

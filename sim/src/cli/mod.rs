@@ -14,6 +14,7 @@ mod progress;
 mod render;
 mod results;
 mod setup;
+mod stability;
 mod surface;
 mod sweep;
 #[cfg(test)]
@@ -67,6 +68,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Results(options)) => results::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
+        Some(Command::Stability(options)) => stability::run(&options),
     }
 }
 
