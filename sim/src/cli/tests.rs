@@ -32,7 +32,7 @@ fn only_commands_that_exist_are_listed_and_each_shows_examples() {
         .get_subcommands()
         .map(|sub| sub.get_name())
         .collect();
-    assert_eq!(names, ["render", "compare", "footprints"]);
+    assert_eq!(names, ["render", "compare", "footprints", "vectors"]);
     for sub in command.get_subcommands() {
         assert!(
             sub.get_after_help()
@@ -69,7 +69,7 @@ fn the_examples_of_the_help_parse() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 14);
+    assert_eq!(tried, 17);
 }
 
 #[test]
