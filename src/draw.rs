@@ -1,5 +1,7 @@
 //! The splat primitive: the units chained, from a footprint to the pixels of a target.
 
+pub mod surface;
+
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Traversal};

@@ -57,6 +57,15 @@ impl Rules {
         table_range: 2,
     };
 
+    /// Surface splatting: identity low-pass, cut-off 1 on r/2 (SURF 4). The weights of a pixel are divided by their sum, so
+    /// nothing is clamped, skipped or finished.
+    pub const SURFACE: Rules = Rules {
+        normalised: false,
+        cutoff: Cutoff::Radial(2 << 28),
+        stop: 0,
+        ..Rules::EWA
+    };
+
     /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,

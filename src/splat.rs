@@ -1,5 +1,7 @@
 //! Input primitives.
 
+pub mod surface;
+
 use crate::math::{Scaled, square_root, sum_of_products};
 use fixed::types::{I8F24, U4F28};
 

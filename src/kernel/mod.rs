@@ -13,6 +13,17 @@ use crate::math::shift_round;
 /// Largest number of entries of a table: `2^14` intervals and the end point.
 pub const MAX_ENTRIES: usize = (1 << 14) + 1;
 
+/// Base-2 logarithm of the largest radial index that a table can cover; a larger range counts as this one.
+pub const MAX_RANGE: u8 = 4;
+
+const fn covered(range: u8) -> u32 {
+    if range < MAX_RANGE {
+        range as u32
+    } else {
+        MAX_RANGE as u32
+    }
+}
+
 /// Entries that a design's table has.
 pub const fn entries(widths: &Widths) -> usize {
     (1 << widths.table) + 1
@@ -52,7 +63,7 @@ impl<'a> FootprintTable<'a> {
                 found: entries.len(),
             });
         }
-        let rest_bits = (widths.radial as u32 + range as u32).saturating_sub(widths.table as u32);
+        let rest_bits = (widths.radial as u32 + covered(range)).saturating_sub(widths.table as u32);
         let interpolation = widths.interpolation as u32;
         let kept = if interpolation < rest_bits {
             interpolation
@@ -94,11 +105,12 @@ impl<'a> FootprintTable<'a> {
 /// Each entry is rounded to nearest from 60 fraction bits.
 pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
     // One interval is h = 2^(range - table), so an entry's factor to the next is exp(-h/2).
-    let half_step = (1u64 << 60) >> (widths.table as u32 + 1 - range as u32);
+    let step = (1u128 << (60 + covered(range))) >> widths.table;
+    let half_step = (step / 2) as u64;
     let factor = exp_negative(half_step);
     let mut value = if widths.interpolation > 0 {
-        // 1 - h^2/48 with h^2 = 2^(2 (range - table)).
-        (1u64 << 60) - ((1u64 << 60) >> (2 * (widths.table - range))) / 48
+        // 1 - h^2/48.
+        (1u64 << 60) - ((step * step >> 60) / 48) as u64
     } else {
         exp_negative(half_step / 2)
     };

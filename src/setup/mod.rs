@@ -11,12 +11,14 @@ mod jacobian;
 mod peak;
 mod project;
 mod shape;
+mod surface;
 mod variance;
 
 pub use jacobian::{Column, columns};
 pub use peak::{cutoff, peak, peak_fixed};
 pub use project::{Projected, project};
 pub use shape::{conic, scan};
+pub use surface::{depth_gradient, setup_surface, surface_peak};
 pub use variance::{Variance, variance};
 
 use crate::footprint::Footprint;

@@ -5,6 +5,7 @@ use splatline::format::Traversal;
 use splatline_sim::design;
 use splatline_sim::picture::Depth;
 use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::surface::LAYERS;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -31,7 +32,15 @@ Examples:
   splatline render guitar.splat -o guitar.png
   splatline render guitar.ply --camera camera.json --design lean18 --traversal box -o guitar.png
   splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
-  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png";
+  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
+  splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud";
+
+const GALLERY_EXAMPLES: &str = "\
+Examples:
+  splatline gallery surface -o docs/gallery/surface
+      the surface splats: pictures, and their numbers in README.md
+  splatline gallery surface --data data -o out
+      with the data sets of another folder";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -39,6 +48,7 @@ Examples:
   splatline compare guitar.ply --camera camera.json --design lean18 --only -o out
   splatline compare fuel.nhdr --design my_design.toml --repeat 5 --size 800x600 -o out
   splatline compare guitar.ply --engine exact -o out      against the ray integral instead of EWA
+  splatline compare lion.ply --as surface -o out          a point cloud as surface splats
 
 Writes fixed.png, float.png, error.png, report.json and report.html.";
 
@@ -49,6 +59,10 @@ Examples:
 
 Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
 
+const RESULTS_EXAMPLES: &str = "\
+Examples:
+  splatline results --data ../shared/data -o docs/results
+  splatline results --data ../shared/data --only golden -o /tmp/results";
 const VECTORS_EXAMPLES: &str = "\
 Examples:
   splatline vectors export out/vectors --design lean18
@@ -76,6 +90,12 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Draw the exhibits that show each system, with their numbers beside the pictures.
+    #[command(after_help = GALLERY_EXAMPLES)]
+    Gallery(GalleryOptions),
+    /// Measure every figure that the documentation states and write its pages.
+    #[command(after_help = RESULTS_EXAMPLES)]
+    Results(ResultsOptions),
     /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
     #[command(after_help = VECTORS_EXAMPLES)]
     Vectors {
@@ -132,6 +152,8 @@ pub struct RenderOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     #[command(flatten)]
+    pub surface: SurfaceOptions,
+    #[command(flatten)]
     pub drawing: DrawingOptions,
     /// PNG file to write
     #[arg(short, long, value_name = "x.png")]
@@ -142,6 +164,8 @@ pub struct RenderOptions {
 pub struct CompareOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
     /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
@@ -167,10 +191,30 @@ pub struct FootprintsOptions {
     pub output: PathBuf,
 }
 
+#[derive(Debug, Args)]
+pub struct GalleryOptions {
+    /// Which collection
+    #[arg(value_enum)]
+    pub collection: Collection,
+    /// Folder that holds the data sets, such as points/lion_takanawa.ply; exhibits without their data are left out
+    #[arg(long, value_name = "dir", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder to write README.md and the pictures into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// A collection of exhibits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Collection {
+    /// Surface splats, layers, edges, deferred shading
+    Surface,
+}
+
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Camera file (JSON); without it and without --eye the whole scene is shown
@@ -215,6 +259,30 @@ pub struct ViewOptions {
     /// Direction towards the light that shades a volume
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
     pub light: Option<Vector>,
+}
+
+/// How a point cloud is drawn as a surface.
+#[derive(Debug, Args)]
+pub struct SurfaceOptions {
+    /// What the scene's points are: `surface` draws a .ply or .xyz cloud as surface splats
+    #[arg(long = "as", value_name = "surface", value_enum)]
+    pub kind: Option<SceneKind>,
+    /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
+    #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
+    pub layers: Option<usize>,
+    /// Depths closer than this are one surface, scene units [default: three radii]
+    #[arg(long, value_name = "Z", value_parser = positive, requires = "kind")]
+    pub z_threshold: Option<f64>,
+    /// Antialias edges by the weight sum
+    #[arg(long, requires = "kind")]
+    pub edges: bool,
+}
+
+/// What the points of a scene are taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SceneKind {
+    /// Points of a surface
+    Surface,
 }
 
 /// By what and how often it is drawn.
@@ -392,6 +460,23 @@ fn field_of_view(text: &str) -> Result<f64, String> {
     }
 }
 
+fn layers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if LAYERS.contains(&count) => Ok(count),
+        _ => Err(format!(
+            "expected one of {}",
+            LAYERS.map(|count| count.to_string()).join(", ")
+        )),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 => Ok(value),
+        _ => Err("must be larger than 0".to_owned()),
+    }
+}
+
 fn depth(text: &str) -> Result<Depth, String> {
     match text {
         "8" => Ok(Depth::Eight),
@@ -406,4 +491,28 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=1024).contains(&count) => Ok(count),
         _ => Err("expected a whole number from 1 to 1024".to_owned()),
     }
+}
+
+#[derive(Debug, Args)]
+pub struct ResultsOptions {
+    /// Folder of the scenes (with gaussians, volumes and golden in it).
+    #[arg(long, value_name = "DIR")]
+    pub data: PathBuf,
+    /// Folder to write the pages to.
+    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
+    pub output: PathBuf,
+    /// Only the pages named.
+    #[arg(long, value_enum, value_name = "PAGE")]
+    pub only: Vec<ResultsPage>,
+}
+
+/// Pages of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ResultsPage {
+    /// Fixed point against float on scenes.
+    Accuracy,
+    /// Both engines against independent data.
+    Golden,
+    /// Bit layout of the footprint packet.
+    Packet,
 }

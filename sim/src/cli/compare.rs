@@ -15,6 +15,9 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
     create_folder(&options.output)?;
     drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    if options.surface.kind.is_some() {
+        return super::surface::compare_with_float(options);
+    }
     let view = View::from_options(&options.view)?;
     let manner = Manner::from_options(drawing);
     // The fixed picture is always drawn; the option can only say what it is compared with.
@@ -61,7 +64,7 @@ pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
 }
 
 /// The chosen design's errors.
-fn summary(report: &Report, folder: &Path) -> String {
+pub fn summary(report: &Report, folder: &Path) -> String {
     let line = |name: &str, error: &ChannelFacts| {
         format!(
             "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}\n",

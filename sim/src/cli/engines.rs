@@ -75,12 +75,9 @@ pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Dr
         raster_s: raster,
         ..HostTimes::default()
     };
-    let counts = Cull::ALL.iter().zip(drawing.culled);
     Drawing {
         picture: drawing.picture,
-        culled: counts
-            .map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64))
-            .collect(),
+        culled: cull_counts(drawing.culled),
         clamped: drawing.clamped as u64,
         pixels: Some(Pixels {
             covered: drawing.coverage.covered,
@@ -143,6 +140,14 @@ fn line_of(footprint: &Footprint, widths: &Widths, depth_log2: i32) -> Footprint
     }
 }
 
+/// The kernel's counts under the reports' names, in the order of [`Cull::ALL`].
+pub fn cull_counts(culled: [usize; Cull::ALL.len()]) -> Counts {
+    let counts = Cull::ALL.iter().zip(culled);
+    counts
+        .map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64))
+        .collect()
+}
+
 /// The kernel's reasons in the words of the reports.
 fn cull_name(reason: Cull) -> &'static str {
     match reason {
@@ -155,7 +160,7 @@ fn cull_name(reason: Cull) -> &'static str {
     }
 }
 
-fn reference_culled(counts: &reference::Counts) -> Counts {
+pub fn reference_culled(counts: &reference::Counts) -> Counts {
     let reasons = [
         ("near", counts.near),
         ("far", counts.far),

@@ -9,9 +9,12 @@ mod demo;
 mod drawing;
 mod engines;
 mod footprints;
+mod gallery;
 mod progress;
 mod render;
+mod results;
 mod setup;
+mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
@@ -43,7 +46,7 @@ pub fn run() -> ExitCode {
     match dispatch(cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            complain(&format!("error: {error:#}\n"));
+            complain(&format!("error: {}\n", explain(&error)));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
@@ -61,8 +64,26 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Gallery(options)) => gallery::run(&options),
+        Some(Command::Results(options)) => results::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
     }
+}
+
+/// The error and its causes, each said once: some errors already quote their cause.
+fn explain(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .map(ToString::to_string)
+        .fold(String::new(), |said, cause| {
+            if said.is_empty() {
+                cause
+            } else if said.contains(&cause) {
+                said
+            } else {
+                format!("{said}: {cause}")
+            }
+        })
 }
 
 /// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.

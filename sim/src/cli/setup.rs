@@ -31,7 +31,9 @@ impl View {
             light,
         };
         let scene = scene::load(&options.scene, &load_options)?;
-        let camera = camera(options, &scene)?;
+        let camera = camera_or(options, scene.up, |size| {
+            scene.default_camera(size.width, size.height)
+        })?;
         let rules = options.rules.unwrap_or(scene.natural_rules);
         Ok(View {
             scene,
@@ -41,7 +43,12 @@ impl View {
     }
 }
 
-fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
+/// The camera of the options, or the scene's own. `up` is used where the options do not say.
+pub fn camera_or(
+    options: &ViewOptions,
+    up: [f64; 3],
+    default: impl FnOnce(Size) -> Camera,
+) -> Result<Camera, Failure> {
     if let Some(path) = &options.camera {
         let camera = Camera::from_json_file(path)?;
         return match options.size {
@@ -51,9 +58,9 @@ fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
     }
     let size = options.size.unwrap_or(USUAL_SIZE);
     let (Some(Vector(eye)), Some(Vector(target))) = (options.eye, options.target) else {
-        return Ok(scene.default_camera(size.width, size.height));
+        return Ok(default(size));
     };
-    let up = options.up.map_or(scene.up, |Vector(up)| up);
+    let up = options.up.map_or(up, |Vector(up)| up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     Camera::look_at(eye, target, up, fov, size.width, size.height).map_err(|error| {
         Failure::Usage(format!("--eye, --target and --up make no camera: {error}"))

@@ -28,7 +28,7 @@ pub struct QuantisedScene {
 impl QuantisedScene {
     /// Quantises what both engines draw: the scene as `rules` weigh it, seen by `camera`.
     pub fn new(scene: &Scene, camera: &Camera, rules: &Rules) -> Self {
-        let scale_log2 = scale_log2(scene, camera);
+        let scale_log2 = scale_log2(scene.splats.iter().map(|s| s.centre), camera);
         let weight_log2 = if rules.normalised { 2 * scale_log2 } else { 0 };
         let (colours, weights) = (scene.colours(camera), scene.weights_for(rules));
         let mut clamped = 0;
@@ -62,11 +62,9 @@ impl QuantisedScene {
 ///
 /// Positions of a few stray splats far outside would cost all others their precision; they are clamped, counted and reported
 /// instead once they are 2^10 times farther out than half of the splats.
-fn scale_log2(scene: &Scene, camera: &Camera) -> i32 {
-    let mut reach: Vec<f64> = scene
-        .splats
-        .iter()
-        .map(|s| s.centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
+pub(super) fn scale_log2(centres: impl Iterator<Item = [f64; 3]>, camera: &Camera) -> i32 {
+    let mut reach: Vec<f64> = centres
+        .map(|centre| centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
         .collect();
     reach.sort_by(f64::total_cmp);
     let median = reach.get(reach.len() / 2).copied().unwrap_or(1.0);
@@ -83,7 +81,7 @@ fn scale_log2(scene: &Scene, camera: &Camera) -> i32 {
     6 - largest.log2().floor() as i32
 }
 
-fn exp2(power: i32) -> f64 {
+pub(super) fn exp2(power: i32) -> f64 {
     f64::from(power).exp2()
 }
 
@@ -96,7 +94,7 @@ pub fn scaled(value: f64) -> Scaled {
     Scaled::from_wide((value * exp2(-exponent)) as i64, exponent, 31)
 }
 
-fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
+pub(super) fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
     let axis = Axis::from_components(axis.map(scaled));
     Axis {
         exponent: axis.exponent + scale_log2,
@@ -104,7 +102,7 @@ fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
     }
 }
 
-fn view(camera: &Camera, scale_log2: i32) -> View {
+pub(super) fn view(camera: &Camera, scale_log2: i32) -> View {
     let unit = exp2(scale_log2);
     let focal_unit = if camera.orthographic { -scale_log2 } else { 0 };
     let half_width = [
