@@ -154,7 +154,7 @@ fn project(splat: &FloatSplat) -> Option<FloatFootprint> {
         FOCAL * on_x + f32::from(COLUMNS / 2),
         FOCAL * on_y + f32::from(ROWS / 2),
     ];
-    let ratio = [on_x, on_y].map(|r| r.max(-RATIO_LIMIT).min(RATIO_LIMIT));
+    let ratio = [on_x, on_y].map(|r| r.clamp(-RATIO_LIMIT, RATIO_LIMIT));
     let gain = FOCAL * inverse;
     let (mut xx, mut xy, mut yy) = (LOW_PASS, 0.0, LOW_PASS);
     for axis in &splat.axes {
