@@ -146,25 +146,23 @@ impl<'a, D: Design> Painter<'a, D> {
         weight: impl Fn([u16; 2], u64) -> u32,
         mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
-        let mut coverage = Coverage {
-            visited: run.length.into(),
-            covered: 0,
-            finished: 0,
-        };
+        // Narrow counters: a run is short, and 64-bit additions per pixel cost a small processor.
+        let (mut covered, mut finished) = (0u32, 0u32);
+        let visited = run.length.into();
         let end = cutoff_in_lane(footprint.cutoff, self.design.widths().radial);
         for ((pixel, lane), x) in target
             .row(run.y, run.x, run.length)
             .iter_mut()
-            .zip(run.radials())
+            .zip(run.sequence())
             .zip(run.x..)
         {
             let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
             if radial >= end {
                 continue;
             }
-            coverage.covered += 1;
+            covered += 1;
             if pixel.is_finished() {
-                coverage.finished += 1;
+                finished += 1;
                 continue;
             }
             let alpha = self
@@ -174,13 +172,17 @@ impl<'a, D: Design> Painter<'a, D> {
                 composite([x, run.y], pixel, alpha);
             }
         }
-        coverage
+        Coverage {
+            visited,
+            covered: covered.into(),
+            finished: finished.into(),
+        }
     }
 }
 
-/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest.
+/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest: what a pixel lane compares its radial index with.
 #[inline(always)]
-fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
+pub fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
     crate::math::shift_unsigned(
         cutoff.into(),
         28 - i32::from(radial),

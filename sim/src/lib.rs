@@ -15,6 +15,8 @@ pub mod metrics;
 pub mod picture;
 pub mod reference;
 pub mod report;
+pub mod results;
 pub mod rules;
 pub mod scene;
 pub mod vector;
+pub mod vectors;

@@ -56,6 +56,15 @@ Examples:
   splatline gallery kernels --only antialias -o out
 
 Groups of kernels: shapes, antialias, spheres, hybrid, stamps.";
+const RESULTS_EXAMPLES: &str = "\
+Examples:
+  splatline results --data ../shared/data -o docs/results
+  splatline results --data ../shared/data --only golden -o /tmp/results";
+const VECTORS_EXAMPLES: &str = "\
+Examples:
+  splatline vectors export out/vectors --design lean18
+  splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
+  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -81,6 +90,15 @@ pub enum Command {
     /// Draw exhibits of the papers' systems with their measured errors
     #[command(after_help = GALLERY_EXAMPLES)]
     Gallery(GalleryOptions),
+    /// Measure every figure that the documentation states and write its pages.
+    #[command(after_help = RESULTS_EXAMPLES)]
+    Results(ResultsOptions),
+    /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
+    #[command(after_help = VECTORS_EXAMPLES)]
+    Vectors {
+        #[command(subcommand)]
+        action: VectorsAction,
+    },
 }
 
 #[derive(Debug, Args)]
@@ -104,6 +122,49 @@ pub struct GalleryOptions {
 pub enum Collection {
     /// Kernels, antialiasing, spheres, hybrid points, stamps
     Kernels,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum VectorsAction {
+    /// Write one $readmemh file per stage and manifest.json.
+    Export(VectorsExportOptions),
+    /// Compute everything anew from DIR's splats and name the first difference; stages without a file are left out.
+    Verify {
+        /// Folder with manifest.json, splats.hex and the stages to check
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+}
+
+#[derive(Debug, Args)]
+pub struct VectorsExportOptions {
+    /// Folder to write into
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Splats at most
+    #[arg(long, value_name = "N", default_value = "144")]
+    pub splats: usize,
+    /// Seed of the built-in splats
+    #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]
+    pub seed: u32,
+    /// Size of the picture
+    #[arg(long, value_name = "WxH", default_value = "96x64")]
+    pub size: Size,
+    /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
+    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
+    pub rules: Option<Rules>,
+    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
+    pub design: DesignName,
+    /// How a footprint's pixels are walked [default: the design's own]
+    #[arg(long, value_enum)]
+    pub traversal: Option<TraversalChoice>,
+    /// Order and operator of blending
+    #[arg(long, value_enum, default_value = "front-to-back")]
+    pub compositing: CompositingChoice,
 }
 
 #[derive(Debug, Args)]
@@ -149,7 +210,7 @@ pub struct FootprintsOptions {
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Camera file (JSON); without it and without --eye the whole scene is shown
@@ -456,4 +517,28 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=1024).contains(&count) => Ok(count),
         _ => Err("expected a whole number from 1 to 1024".to_owned()),
     }
+}
+
+#[derive(Debug, Args)]
+pub struct ResultsOptions {
+    /// Folder of the scenes (with gaussians, volumes and golden in it).
+    #[arg(long, value_name = "DIR")]
+    pub data: PathBuf,
+    /// Folder to write the pages to.
+    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
+    pub output: PathBuf,
+    /// Only the pages named.
+    #[arg(long, value_enum, value_name = "PAGE")]
+    pub only: Vec<ResultsPage>,
+}
+
+/// Pages of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ResultsPage {
+    /// Fixed point against float on scenes.
+    Accuracy,
+    /// Both engines against independent data.
+    Golden,
+    /// Bit layout of the footprint packet.
+    Packet,
 }

@@ -12,10 +12,12 @@ mod footprints;
 mod gallery;
 mod progress;
 mod render;
+mod results;
 mod setup;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod vectors;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -43,7 +45,7 @@ pub fn run() -> ExitCode {
     match dispatch(cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            complain(&format!("error: {error:#}\n"));
+            complain(&format!("error: {}\n", explain(&error)));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
@@ -62,7 +64,25 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Results(options)) => results::run(&options),
+        Some(Command::Vectors { action }) => vectors::run(&action),
     }
+}
+
+/// The error and its causes, each said once: some errors already quote their cause.
+fn explain(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .map(ToString::to_string)
+        .fold(String::new(), |said, cause| {
+            if said.is_empty() {
+                cause
+            } else if said.contains(&cause) {
+                said
+            } else {
+                format!("{said}: {cause}")
+            }
+        })
 }
 
 /// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.

@@ -10,11 +10,11 @@ use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::hybrid::{Hybrid, Points, spacing};
-use splatline_sim::metrics::{Errors, compare};
+use splatline_sim::metrics::compare;
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
-use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, html};
+use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
 use splatline_sim::rules::Compositing;
 use splatline_sim::scene::Scene;
 use std::path::Path;
@@ -114,6 +114,7 @@ pub struct Measured {
 pub struct Comparison {
     pub fixed: Picture,
     pub float: Picture,
+    pub map: ErrorMap,
     pub report: Report,
 }
 
@@ -220,10 +221,18 @@ pub fn run(
         progress.advance();
     }
     let (measured, errors) = kept.context("the chosen design was not drawn")?;
-    let report = report(view, manner, reference, chosen, (&measured, &errors), table)?;
+    let map = ErrorMap::new(&measured.drawing.picture, &float);
+    let report = Report {
+        reference: Some(reference.name().to_owned()),
+        error: Some(ErrorFacts::from(&errors)),
+        error_map: Some(ScaleFacts::from(&map)),
+        table,
+        ..report_of_entry(view, manner, chosen, &measured)?
+    };
     Ok(Comparison {
         fixed: measured.drawing.picture,
         float,
+        map,
         report,
     })
 }
@@ -235,22 +244,6 @@ fn entries(chosen: &Entry, others: &[Entry]) -> Vec<Entry> {
         entries.push(chosen.clone());
     }
     entries
-}
-
-fn report(
-    view: &View,
-    manner: &Manner,
-    reference: Engine,
-    chosen: &Entry,
-    (measured, errors): (&Measured, &Errors),
-    table: Vec<Row>,
-) -> Result<Report> {
-    Ok(Report {
-        reference: Some(reference.name().to_owned()),
-        error: Some(ErrorFacts::from(errors)),
-        table,
-        ..report_of_entry(view, manner, chosen, measured)?
-    })
 }
 
 /// The report of one picture through the kernel that was compared with nothing.
@@ -289,6 +282,7 @@ pub fn report_of_drawing(
         rules: RulesFacts::from(&view.rules),
         compositing: compositing_name(manner.compositing).to_owned(),
         error: None,
+        error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,
         host: measured.host,
@@ -301,15 +295,14 @@ impl Comparison {
     pub fn write(&self, folder: &Path, depth: Depth) -> Result<(), Failure> {
         self.fixed.write_png(&folder.join("fixed.png"), depth)?;
         self.float.write_png(&folder.join("float.png"), depth)?;
-        let map = ErrorMap::new(&self.fixed, &self.float).to_rgb().to_png()?;
-        write(&folder.join("error.png"), &map)?;
+        write(&folder.join("error.png"), &self.map.to_rgb().to_png()?)?;
         write(
             &folder.join("report.json"),
             self.report.to_json()?.as_bytes(),
         )?;
         write(
             &folder.join("report.html"),
-            html::page(&self.report, &self.fixed, &self.float)?.as_bytes(),
+            html::page(&self.report, &self.fixed, &self.float, &self.map)?.as_bytes(),
         )
     }
 }

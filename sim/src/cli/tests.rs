@@ -32,7 +32,17 @@ fn only_commands_that_exist_are_listed_and_each_shows_examples() {
         .get_subcommands()
         .map(|sub| sub.get_name())
         .collect();
-    assert_eq!(names, ["render", "compare", "footprints", "gallery"]);
+    assert_eq!(
+        names,
+        [
+            "render",
+            "compare",
+            "footprints",
+            "gallery",
+            "results",
+            "vectors"
+        ]
+    );
     for sub in command.get_subcommands() {
         assert!(
             sub.get_after_help()
@@ -69,7 +79,7 @@ fn the_examples_of_the_help_parse() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 14);
+    assert_eq!(tried, 18);
 }
 
 #[test]
@@ -330,6 +340,7 @@ fn the_demo_writes_its_report() {
             width: 32,
             height: 32,
         },
+        1,
     )
     .unwrap();
     assert_eq!(
@@ -339,13 +350,27 @@ fn the_demo_writes_its_report() {
 }
 
 #[test]
+fn every_cause_is_named_once() {
+    let cause = std::io::Error::other("disk full");
+    let quoting = anyhow::Error::new(cause)
+        .context("cannot write 'a': disk full")
+        .context("render failed");
+    assert_eq!(
+        explain(&quoting),
+        "render failed: cannot write 'a': disk full"
+    );
+    let plain = anyhow::anyhow!("disk full").context("cannot write 'a'");
+    assert_eq!(explain(&plain), "cannot write 'a': disk full");
+}
+
+#[test]
 fn usage_and_input_failures_are_told_apart() {
     let usage = |line: &str| match run_line(line) {
         Err(Failure::Usage(message)) => message,
         other => panic!("{line}: {other:?}"),
     };
     let input = |line: &str| match run_line(line) {
-        Err(Failure::Input(error)) => format!("{error:#}"),
+        Err(Failure::Input(error)) => explain(&error),
         other => panic!("{line}: {other:?}"),
     };
     let folder = tempfile::tempdir().unwrap();

@@ -11,5 +11,5 @@ mod sphere;
 
 pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
-pub use render::{Drawing, Options, Times, draw, footprints};
+pub use render::{Drawing, Options, Times, conics, draw, footprints};
 pub use sphere::draw_spheres;

@@ -14,7 +14,8 @@ use splatline::format::{Design, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::{Cull, setup};
+use splatline::setup::{Cull, columns, conic, distance, project, scan, setup, variance};
+use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use std::time::Instant;
 
@@ -84,6 +85,42 @@ pub fn footprints(
     options
         .design
         .dispatch(Job(&quantised, &quantised.rules(options.rules)))
+}
+
+/// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape
+/// culls.
+pub fn conics(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    design: &DesignChoice,
+) -> Vec<Option<[f64; 3]>> {
+    struct Job<'a>(&'a QuantisedScene, kernel::Rules);
+    impl DesignJob for Job<'_> {
+        type Output = Vec<Option<[f64; 3]>>;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+            let Job(QuantisedScene { view, splats, .. }, rules) = self;
+            let widths = design.widths();
+            let conic_of = |splat: &VolumeSplat| {
+                let projected = project(&widths, view, &rules, splat.centre).ok()?;
+                let mut columns = columns(&widths, view, &projected, &splat.axes);
+                if let Some(factor) = distance::enlargement(&widths, &rules, &projected) {
+                    columns = distance::enlarge(&widths, columns, factor);
+                }
+                let variance = variance(&widths, rules.low_pass, &columns);
+                let conic = conic(&widths, &variance, scan(&widths, &variance)?.curvature)?;
+                Some(
+                    conic
+                        .mantissa
+                        .map(|m| f64::from(m) * f64::from(conic.exponent).exp2()),
+                )
+            };
+            splats.iter().map(conic_of).collect()
+        }
+    }
+    let quantised = QuantisedScene::new(scene, camera, rules);
+    let rules = quantised.rules(rules);
+    design.dispatch(Job(&quantised, rules))
 }
 
 fn set_up<D: Design + Send + Sync>(

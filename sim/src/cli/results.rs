@@ -1,0 +1,45 @@
+//! `splatline results`: the pages of docs/results, measured afresh.
+
+use super::args::{ResultsOptions, ResultsPage};
+use super::compare::create_folder;
+use super::progress::Progress;
+use super::setup::write;
+use super::{Failure, say};
+use clap::ValueEnum;
+use splatline_sim::results::{Page, accuracy, golden, packet, picture, views};
+
+pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
+    create_folder(&options.output)?;
+    if options.only.is_empty() {
+        let panels = picture::panels(300)?.to_png()?;
+        write(&options.output.join(picture::FILE), &panels)?;
+    }
+    for page in ResultsPage::value_variants() {
+        if options.only.is_empty() || options.only.contains(page) {
+            let Page { file, text } = measure(*page, options)?;
+            write(&options.output.join(file), text.as_bytes())?;
+            say(&format!("{text}\n"));
+        }
+    }
+    Ok(())
+}
+
+fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Page, Failure> {
+    match page {
+        ResultsPage::Accuracy => measure_accuracy(options),
+        ResultsPage::Packet => Ok(packet::page()),
+        ResultsPage::Golden => Ok(golden::page(&options.data.join("golden"))?),
+    }
+}
+
+fn measure_accuracy(options: &ResultsOptions) -> Result<Page, Failure> {
+    let views = views::load_all(&options.data, 512)?;
+    let progress = Progress::new(views.len());
+    let mut measurements = Vec::new();
+    for view in &views {
+        progress.doing(view.name.to_owned());
+        measurements.extend(accuracy::measure(view)?);
+        progress.advance();
+    }
+    Ok(accuracy::page(&measurements))
+}
