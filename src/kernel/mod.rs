@@ -118,7 +118,7 @@ pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
     let factor = exp_negative(half_step);
     let mut value = if widths.interpolation > 0 {
         // 1 - h^2/48.
-        (1u64 << 60) - ((step * step >> 60) / 48) as u64
+        (1u64 << 60) - (((step * step) >> 60) / 48) as u64
     } else {
         exp_negative(half_step / 2)
     };

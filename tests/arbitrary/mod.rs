@@ -205,6 +205,8 @@ impl<'a> Source<'a> {
             _ => Rules {
                 normalised: self.bool(),
                 low_pass: self.scaled(),
+                spacing: self.scaled(),
+                kernel: Kernel::ALL[usize::from(self.byte() % 4)],
                 cutoff: if self.bool() {
                     Cutoff::Radial(self.u32())
                 } else {

@@ -4,6 +4,7 @@ use crate::status::Error;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
 use splatline::footprint::{Conic, Footprint, Scan};
 use splatline::format::{Custom, Rounding, Traversal, Widths};
+use splatline::kernel::Kernel;
 use splatline::math::Scaled;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Cutoff, Rules};
@@ -336,6 +337,9 @@ impl SplatlineRules {
         Ok(Rules {
             normalised: flag(self.normalised)?,
             low_pass: self.low_pass.into(),
+            // The C interface draws Gaussians with a low-pass filter only.
+            spacing: Scaled::ZERO,
+            kernel: Kernel::Gaussian,
             cutoff: if flag(self.cutoff_by_opacity)? {
                 Cutoff::Opacity
             } else {

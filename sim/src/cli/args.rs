@@ -108,6 +108,29 @@ pub enum Command {
     },
 }
 
+#[derive(Debug, Args)]
+pub struct GalleryOptions {
+    /// Which collection
+    #[arg(value_enum)]
+    pub collection: Collection,
+    /// One group of the collection only
+    #[arg(long, value_name = "GROUP")]
+    pub only: Option<String>,
+    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
+    #[arg(long, value_name = "dir", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder to write README.md and the pictures into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// A collection of exhibits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Collection {
+    /// Kernels, antialiasing, spheres, hybrid points, stamps
+    Kernels,
+}
+
 #[derive(Debug, Subcommand)]
 pub enum VectorsAction {
     /// Write one $readmemh file per stage and manifest.json.

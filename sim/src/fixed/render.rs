@@ -14,7 +14,7 @@ use splatline::format::{Design, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::{Cull, columns, conic, project, scan, setup, variance};
+use splatline::setup::{Cull, columns, conic, distance, project, scan, setup, variance};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use std::time::Instant;
@@ -103,7 +103,10 @@ pub fn conics(
             let widths = design.widths();
             let conic_of = |splat: &VolumeSplat| {
                 let projected = project(&widths, view, &rules, splat.centre).ok()?;
-                let columns = columns(&widths, view, &projected, &splat.axes);
+                let mut columns = columns(&widths, view, &projected, &splat.axes);
+                if let Some(factor) = distance::enlargement(&widths, &rules, &projected) {
+                    columns = distance::enlarge(&widths, columns, factor);
+                }
                 let variance = variance(&widths, rules.low_pass, &columns);
                 let conic = conic(&widths, &variance, scan(&widths, &variance)?.curvature)?;
                 Some(
