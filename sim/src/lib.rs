@@ -9,6 +9,7 @@ pub mod atomic;
 pub mod camera;
 pub mod design;
 pub mod fixed;
+pub mod machine;
 pub mod metrics;
 pub mod picture;
 pub mod reference;

@@ -1,5 +1,6 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::machine_args;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
@@ -70,6 +71,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Cycles of a scene on a machine.
+    #[command(after_help = machine_args::MODEL_EXAMPLES)]
+    Model(machine_args::ModelOptions),
 }
 
 #[derive(Debug, Args)]

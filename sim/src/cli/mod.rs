@@ -9,6 +9,8 @@ mod demo;
 mod drawing;
 mod engines;
 mod footprints;
+mod machine_args;
+mod model;
 mod progress;
 mod render;
 mod setup;
@@ -60,6 +62,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Model(options)) => model::run(&options),
     }
 }
 
