@@ -1,6 +1,6 @@
 //! Options of the commands about the machine: model, explore, merge, fit, needs, trace.
 
-use super::args::{CompositingChoice, DesignName, TraversalChoice, ViewOptions};
+use super::args::{CompositingChoice, DesignName, Size, TraversalChoice, ViewOptions};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ pub const MODEL_EXAMPLES: &str = "\
 Examples:
   splatline model guitar.ply
   splatline model guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
-  splatline model --footprints f.csv --size 512x512 --cutoff 4
+  splatline model --footprints f.csv --screen 512x512 --cutoff 4
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally cutoff and tiles
 
 With -o: timing.json and machine.toml, the resolved configuration.";
@@ -45,6 +45,9 @@ pub struct ModelOptions {
     /// Footprints of another rasterizer (CSV) instead of a scene
     #[arg(long, value_name = "f.csv", conflicts_with = "scene")]
     pub footprints: Option<PathBuf>,
+    /// With --footprints: size of the screen [default: up to the largest x1 and y1]
+    #[arg(long, value_name = "WxH", requires = "footprints")]
+    pub screen: Option<Size>,
     /// With --footprints: radial index at which a footprint without a cut-off of its own ends
     #[arg(long, value_name = "r", default_value_t = 4.0)]
     pub cutoff: f64,

@@ -78,7 +78,7 @@ fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Wo
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read '{shown}'"))?;
     let design = DesignChoice::load(&options.work.design.0)?;
     let traversal = options.work.traversal.map_or(design.traversal, Traversal::from);
-    let size = options.view.as_ref().and_then(|view| view.size).map_or([0, 0], |size| [size.width as u16, size.height as u16]);
+    let size = options.screen.map_or([0, 0], |size| [size.width as u16, size.height as u16]);
     let layout = splatline::footprint::packet::Layout::new(&design.widths);
     let table = TableOptions {
         viewport: size,

@@ -13,6 +13,7 @@
 //! [`LaneWork`](lanes::LaneWork) once per lane layout; every further machine configuration reuses both.
 
 pub mod accounts;
+pub mod area;
 pub mod config;
 mod geometry;
 pub mod histogram;
@@ -25,3 +26,6 @@ pub mod workload;
 
 pub use config::Config;
 pub use timing::{Timing, simulate, simulate_alone, simulate_observed};
+
+#[cfg(test)]
+mod tests;

@@ -179,7 +179,7 @@ impl RasterUnit {
         self.splat.wait(Cause::FifoFull, self.splats.free_at());
         let handed_on = self.splat.at();
 
-        self.rows.wait(Cause::Memory, arrival.min(handed_on));
+        self.rows.wait(Cause::Memory, arrival);
         self.rows.wait(Cause::SplatSetup, handed_on);
         self.splats.pass(handed_on, self.rows.at());
         let mut row = 0;
@@ -190,21 +190,21 @@ impl RasterUnit {
             self.rows.work(u64::from(steps) * self.costs.row);
             at.event(Stage::Rows, 0, band.y, began, self.rows.at());
             if band.groups > 0 {
-                self.hand_over(band, began, arrival, buffer, at);
+                self.hand_over(band, [arrival, handed_on], buffer, at);
             }
         }
     }
 
-    /// From the row generator through the FIFO into the lanes. `began` is when the generator began this band.
+    /// From the row generator through the FIFO into the lanes; the splat's packet arrived and was set up at these times.
     #[inline(always)]
-    fn hand_over<O: Observer>(&mut self, band: &Band, began: u64, arrival: u64, buffer: u64, at: &mut Place<O>) {
+    fn hand_over<O: Observer>(&mut self, band: &Band, [arrived, set_up]: [u64; 2], buffer: u64, at: &mut Place<O>) {
         let lane = self.lane_of(band);
         let sequencer = &mut self.sequencers[lane];
         self.rows.wait(Cause::FifoFull, sequencer.fifo.free_at());
         let entered = self.rows.at();
         let lanes = &mut sequencer.account;
-        lanes.wait(Cause::Memory, arrival.min(began));
-        lanes.wait(Cause::SplatSetup, began);
+        lanes.wait(Cause::Memory, arrived);
+        lanes.wait(Cause::SplatSetup, set_up);
         lanes.wait(Cause::RowGenerator, entered);
         let start = sequencer.visit(band, buffer, &self.costs);
         sequencer.fifo.pass(entered, start);

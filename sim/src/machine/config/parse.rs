@@ -194,7 +194,8 @@ fn unknown(place: &str, key: &str) -> ConfigError {
     let hint = match field(name) {
         Some(field) => format!(": '{name}' belongs into [{}]", field.section),
         None => {
-            let near = FIELDS.iter().filter(|field| name.len() >= 3 && field.key.contains(&name[..name.floor_char_boundary(3)]));
+            let start: String = name.chars().take(3).collect();
+            let near = FIELDS.iter().filter(|field| field.key.starts_with(&start));
             let keys: Vec<&str> = near.map(|field| field.key).collect();
             if keys.is_empty() { String::new() } else { format!(": did you mean {}?", keys.join(" or ")) }
         }
