@@ -8,6 +8,7 @@
 pub mod atomic;
 pub mod camera;
 pub mod design;
+pub mod explore;
 pub mod fixed;
 pub mod machine;
 pub mod metrics;
@@ -16,4 +17,5 @@ pub mod reference;
 pub mod report;
 pub mod rules;
 pub mod scene;
+pub mod trace;
 pub mod vector;

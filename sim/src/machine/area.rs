@@ -306,7 +306,8 @@ mod tests {
     #[test]
     fn products_are_tiled_the_better_way_round() {
         assert_eq!(tiles([17, 24], [24, 17]), 1);
-        assert_eq!(tiles([18, 25], [24, 17]), 4);
+        assert_eq!(tiles([18, 25], [24, 17]), 2);
+        assert_eq!(tiles([25, 25], [24, 17]), 4);
         assert_eq!(tiles([34, 20], [24, 17]), 2);
         assert!(Calibration::from_toml("c.toml", "lut_overhed = 1.0").unwrap_err().contains("c.toml"));
     }
