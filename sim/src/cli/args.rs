@@ -74,6 +74,19 @@ pub enum Command {
     /// Cycles of a scene on a machine.
     #[command(after_help = machine_args::MODEL_EXAMPLES)]
     Model(machine_args::ModelOptions),
+    /// Sweep designs and machines; Pareto front of error, cycles and area.
+    #[command(after_help = machine_args::EXPLORE_EXAMPLES)]
+    Explore(machine_args::ExploreOptions),
+    /// Put the shards of a sweep together.
+    Merge(machine_args::MergeOptions),
+    /// Find the smallest design within an error budget.
+    #[command(after_help = machine_args::FIT_EXAMPLES)]
+    Fit(machine_args::FitOptions),
+    /// Report which units, ranges, widths and FIFO depths a scene exercises.
+    Needs(machine_args::NeedsOptions),
+    /// Write the raster phase cycle by cycle for a trace viewer.
+    #[command(after_help = machine_args::TRACE_EXAMPLES)]
+    Trace(machine_args::TraceOptions),
 }
 
 #[derive(Debug, Args)]

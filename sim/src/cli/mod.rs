@@ -8,13 +8,17 @@ mod compare;
 mod demo;
 mod drawing;
 mod engines;
+mod explore;
+mod fit;
 mod footprints;
 mod machine_args;
 mod model;
+mod needs;
 mod progress;
 mod render;
 mod setup;
 mod sweep;
+mod trace;
 #[cfg(test)]
 mod tests;
 
@@ -63,6 +67,11 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
         Some(Command::Model(options)) => model::run(&options),
+        Some(Command::Explore(options)) => explore::run(&options),
+        Some(Command::Merge(options)) => explore::merge(&options),
+        Some(Command::Fit(options)) => fit::run(&options),
+        Some(Command::Needs(options)) => needs::run(&options),
+        Some(Command::Trace(options)) => trace::run(&options),
     }
 }
 
