@@ -52,7 +52,10 @@ pub fn peak(
         .multiply(INVERSE_TWO_PI, bits)
 }
 
-/// The peak in UQ4.peak, saturated to the word; `None` if it rounds to 0.
+/// The peak in UQ4.peak, saturated; `None` if it rounds to 0.
+///
+/// Saturation below 16 changes no pixel of a footprint with cut-off 4: the kernel there is at least exp(-2) > 1/16, so the
+/// opacity is clamped to 1 either way.
 pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
     match peak
         .to_fixed(fraction)

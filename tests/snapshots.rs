@@ -1,0 +1,238 @@
+//! Bit-exact snapshots that a reviewer can read: a packet field by field, small pictures as characters.
+//!
+//! They pin the arithmetic: a change of any bit shows here, and must be meant.
+
+mod common;
+
+use common::{scaled, view};
+use fixed::types::{I8F24, U4F28};
+use proptest::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::Painter;
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::{Layout, VersionError};
+use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::setup;
+use splatline::splat::{Axis, VolumeSplat};
+use splatline::target::Target;
+use splatline::view::{Projection, View};
+use std::fmt::Write;
+
+/// A tilted ellipse a little right of the middle.
+fn leaf() -> VolumeSplat {
+    let axis = |v: [f64; 3]| Axis::from_components(v.map(scaled));
+    VolumeSplat {
+        centre: [0.0625, 0.125, 0.0].map(I8F24::from_num),
+        axes: [
+            axis([0.125, 0.0625, 0.0]),
+            axis([-0.015625, 0.03125, 0.0]),
+            axis([0.0, 0.0, 0.0625]),
+        ],
+        weight: scaled(0.75),
+        colour: [1.0, 0.5, 0.25].map(U4F28::from_num),
+    }
+}
+
+fn small_view() -> View {
+    View {
+        principal: [12, 9].map(fixed::types::I32F32::from_num),
+        viewport: [28, 20],
+        ..view(0.0, 0.0, Projection::Perspective)
+    }
+}
+
+fn field_table<D: Design>(design: D) -> String {
+    let footprint = setup(design, &small_view(), &Rules::GAUSSIAN_3D, &leaf()).unwrap();
+    let layout = Layout::new(&design.widths());
+    let packet = layout.encode(&footprint);
+    let mut text = String::new();
+    for field in layout.fields() {
+        let value: u64 = (0..field.width)
+            .map(|bit| {
+                let at = usize::from(field.offset) + usize::from(bit);
+                u64::from(packet[at / 32] >> (at % 32) & 1) << bit
+            })
+            .sum();
+        writeln!(
+            text,
+            "{:20} bit {:3}, {:2} wide: {value:x}",
+            field.name, field.offset, field.width
+        )
+        .unwrap();
+    }
+    text
+}
+
+/// Transmittance of each pixel in eighths: '.' is untouched, '1' to '8' the share of light taken away.
+fn picture<D: Design>(design: D, traversal: Traversal, compositing: Compositing) -> String {
+    let widths = design.widths();
+    let rules = Rules::GAUSSIAN_3D;
+    let footprint = setup(design, &small_view(), &rules, &leaf()).unwrap();
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, rules.table_range);
+    let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+    let mut pixels = [Pixel::clear(&widths); 28 * 20];
+    let window = Window {
+        first: [0; 2],
+        last: [28, 20],
+    };
+    let mut target = Target::new(&mut pixels, window, 28).unwrap();
+    Painter::new(design, &rules, table, compositing, traversal).draw(&footprint, &mut target);
+    let shade = |pixel: &Pixel| {
+        let opaque = 1u64 << widths.transmittance;
+        let taken = opaque - u64::from(pixel.clear_share());
+        if taken == 0 {
+            '.'
+        } else {
+            char::from(b'1' + (taken * 8 / opaque) as u8)
+        }
+    };
+    pixels
+        .chunks(28)
+        .map(|row| row.iter().map(shade).collect::<String>() + "\n")
+        .collect()
+}
+
+const PICTURE: &str = "\
+............................
+............................
+......1111111...............
+......111111111.............
+.......1112222111...........
+........11134442111.........
+.........112356642111.......
+..........111356653111......
+............11235543111.....
+.............11123332111....
+...............1111211111...
+.................11111111...
+....................11111...
+............................
+............................
+............................
+............................
+............................
+............................
+............................
+";
+
+#[test]
+fn the_leaf_looks_like_this() {
+    for traversal in [Traversal::Spans, Traversal::Box] {
+        for compositing in [
+            Compositing::FrontToBack,
+            Compositing::BackToFront,
+            Compositing::XRay,
+        ] {
+            let got = picture(Standard24, traversal, compositing);
+            assert!(got == PICTURE, "{traversal:?} {compositing:?}\n{got}");
+        }
+    }
+    assert_eq!(
+        picture(Lean18, Traversal::Spans, Compositing::FrontToBack),
+        PICTURE
+    );
+    assert_eq!(
+        picture(Deep32, Traversal::Spans, Compositing::FrontToBack),
+        PICTURE
+    );
+}
+
+const STANDARD24: &str = "\
+version              bit   0,  4 wide: 1
+depth                bit   4, 32 wide: 2000000
+centre_u             bit  36, 48 wide: fa8000
+centre_v             bit  84, 48 wide: 738000
+first_column         bit 132, 16 wide: 6
+first_row            bit 148, 16 wide: 2
+last_column          bit 164, 16 wide: 19
+last_row             bit 180, 16 wide: d
+curvature_mantissa   bit 196, 24 wide: 99e64f
+curvature_exponent   bit 220, 10 wide: 3e7
+spread_mantissa      bit 230, 24 wide: d4eb01
+spread_exponent      bit 254, 10 wide: 3ea
+slope_mantissa       bit 264, 25 wide: a3eb80
+slope_exponent       bit 289, 10 wide: 3e9
+stretch_mantissa     bit 299, 24 wide: a7984a
+stretch_exponent     bit 323, 10 wide: 3e7
+conic_a              bit 333, 24 wide: 4cf328
+conic_b              bit 357, 25 wide: 19d74c9
+conic_c              bit 382, 24 wide: d1febb
+conic_exponent       bit 406, 10 wide: 3e8
+cutoff               bit 416, 32 wide: a82073c6
+peak                 bit 448, 32 wide: c000000
+red                  bit 480, 22 wide: 40000
+green                bit 502, 22 wide: 20000
+blue                 bit 524, 22 wide: 10000
+";
+
+const LEAN18: &str = "\
+version              bit   0,  4 wide: 1
+depth                bit   4, 32 wide: 2000000
+centre_u             bit  36, 40 wide: fa80
+centre_v             bit  76, 40 wide: 7380
+first_column         bit 116, 16 wide: 6
+first_row            bit 132, 16 wide: 2
+last_column          bit 148, 16 wide: 19
+last_row             bit 164, 16 wide: d
+curvature_mantissa   bit 180, 18 wide: 26799
+curvature_exponent   bit 198, 10 wide: 3ed
+spread_mantissa      bit 208, 18 wide: 353ac
+spread_exponent      bit 226, 10 wide: 3f0
+slope_mantissa       bit 236, 19 wide: 28fae
+slope_exponent       bit 255, 10 wide: 3ef
+stretch_mantissa     bit 265, 18 wide: 29e61
+stretch_exponent     bit 283, 10 wide: 3ed
+conic_a              bit 293, 18 wide: 133cd
+conic_b              bit 311, 19 wide: 675d3
+conic_c              bit 330, 18 wide: 347fb
+conic_exponent       bit 348, 10 wide: 3ee
+cutoff               bit 358, 32 wide: a82073c6
+peak                 bit 390, 28 wide: c00000
+red                  bit 418, 18 wide: 4000
+green                bit 436, 18 wide: 2000
+blue                 bit 454, 18 wide: 1000
+";
+
+#[test]
+fn the_packet_holds_these_bits() {
+    let (standard, lean) = (field_table(Standard24), field_table(Lean18));
+    assert!(standard == STANDARD24, "standard24\n{standard}");
+    assert!(lean == LEAN18, "lean18\n{lean}");
+}
+
+fn round_trip<D: Design>(design: D, splat: &VolumeSplat) -> Result<(), TestCaseError> {
+    let layout = Layout::new(&design.widths());
+    if let Ok(footprint) = setup(
+        design,
+        &view(0.1, 0.2, Projection::Perspective),
+        &Rules::EWA,
+        splat,
+    ) {
+        prop_assert_eq!(layout.decode(&layout.encode(&footprint)), Ok(footprint));
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn packets_lose_nothing(splat in common::splats()) {
+        round_trip(Classic8, &splat)?;
+        round_trip(Lean18, &splat)?;
+        round_trip(Standard24, &splat)?;
+        round_trip(Deep32, &splat)?;
+    }
+}
+
+#[test]
+fn another_version_is_refused() {
+    let layout = Layout::new(&Standard24::WIDTHS);
+    let footprint: Footprint = setup(Standard24, &small_view(), &Rules::EWA, &leaf()).unwrap();
+    let mut packet = layout.encode(&footprint);
+    packet[0] ^= 3;
+    assert_eq!(layout.decode(&packet), Err(VersionError { found: 2 }));
+}

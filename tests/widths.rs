@@ -1,0 +1,80 @@
+//! Widths in constants and widths in fields are the same arithmetic: every packet and every pixel, bit for bit.
+
+mod common;
+
+use common::{SIZE, splats, view};
+use proptest::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::Footprint;
+use splatline::format::{Classic8, Custom, Deep32, Design, Lean18, Standard24, Traversal};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::{Cull, setup};
+use splatline::splat::VolumeSplat;
+use splatline::target::Target;
+use splatline::view::Projection;
+
+type Outcome = (Vec<Result<Footprint, Cull>>, Vec<Pixel>, Coverage);
+
+fn run<D: Design>(
+    design: D,
+    list: &[VolumeSplat],
+    rules: &Rules,
+    compositing: Compositing,
+    traversal: Traversal,
+) -> Outcome {
+    let widths = design.widths();
+    let camera = view(0.2, -0.1, Projection::Perspective);
+    let footprints: Vec<_> = list
+        .iter()
+        .map(|splat| setup(design, &camera, rules, splat))
+        .collect();
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, rules.table_range);
+    let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+    let painter = Painter::new(design, rules, table, compositing, traversal);
+    let mut pixels = vec![Pixel::clear(&widths); usize::from(SIZE) * usize::from(SIZE)];
+    let window = Window {
+        first: [0; 2],
+        last: [SIZE; 2],
+    };
+    let mut target = Target::new(&mut pixels, window, SIZE.into()).unwrap();
+    let mut coverage = Coverage::default();
+    for footprint in footprints.iter().flatten() {
+        coverage += painter.draw(footprint, &mut target);
+    }
+    (footprints, pixels, coverage)
+}
+
+fn check<D: Design>(
+    design: D,
+    list: &[VolumeSplat],
+    rules: &Rules,
+    compositing: Compositing,
+) -> Result<(), TestCaseError> {
+    let custom = Custom::new(design.widths()).unwrap();
+    for traversal in [Traversal::Box, Traversal::Spans] {
+        let expected = run(design, list, rules, compositing, traversal);
+        prop_assert!(
+            expected == run(custom, list, rules, compositing, traversal),
+            "{:?}",
+            design.widths()
+        );
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn constants_and_fields_agree(list in prop::collection::vec(splats(), 1..8), ewa: bool, order in 0usize..3) {
+        let rules = if ewa { Rules::EWA } else { Rules::GAUSSIAN_3D };
+        let compositing = [Compositing::FrontToBack, Compositing::BackToFront, Compositing::XRay][order];
+        check(Classic8, &list, &rules, compositing)?;
+        check(Lean18, &list, &rules, compositing)?;
+        check(Standard24, &list, &rules, compositing)?;
+        check(Deep32, &list, &rules, compositing)?;
+    }
+}
