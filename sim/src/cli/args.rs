@@ -106,6 +106,8 @@ pub struct CompareOptions {
     pub view: ViewOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
+    #[command(flatten)]
+    pub machine: machine_args::MachineOptions,
     /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
     #[arg(short, long, value_name = "dir")]
     pub output: PathBuf,

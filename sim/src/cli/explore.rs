@@ -39,18 +39,32 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     };
     keep_identity(&options.output, &sweep::identity(&subject, &text)?)?;
     let path = options.output.join(table_name(options.shard));
-    let done = if path.exists() { table(&path)? } else { Table::default() };
-    let out = Appender::open(&path, &heading(&space)).with_context(|| format!("cannot write '{}'", path.display()))?;
+    let done = if path.exists() {
+        table(&path)?
+    } else {
+        Table::default()
+    };
+    let out = Appender::open(&path, &heading(&space))
+        .with_context(|| format!("cannot write '{}'", path.display()))?;
 
-    let mine = (0..space.points.len()).filter(|point| options.shard.holds(*point, space.points.len())).count();
+    let mine = (0..space.points.len())
+        .filter(|point| options.shard.holds(*point, space.points.len()))
+        .count();
     let before = done.lines.len();
     let progress = Progress::new(mine.saturating_sub(before));
     progress.doing(format!("{} points", mine));
     let started = Instant::now();
-    sweep::run(&subject, &space, options.shard, &done, &out, &|| progress.advance())?;
+    sweep::run(&subject, &space, options.shard, &done, &out, &|| {
+        progress.advance()
+    })?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-    say(&format!("{}: {} points, {} of them new, in {seconds:.1} s\n", path.display(), mine, mine - before.min(mine)));
+    say(&format!(
+        "{}: {} points, {} of them new, in {seconds:.1} s\n",
+        path.display(),
+        mine,
+        mine - before.min(mine)
+    ));
     if options.shard.count == 1 {
         finish(&view.scene.name, &table(&path)?, &options.output)?;
     }
@@ -67,16 +81,25 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
             match &mut merged {
                 None => merged = Some((next, identity.clone())),
                 Some((_, known)) if *known != identity => {
-                    return Err(anyhow!("{}: another sweep than the folders before it (sweep.json differs)", folder.display()).into());
+                    return Err(anyhow!(
+                        "{}: another sweep than the folders before it (sweep.json differs)",
+                        folder.display()
+                    )
+                    .into());
                 }
-                Some((all, _)) => all.merge(next).map_err(|problem| anyhow!("{}: {problem}", path.display()))?,
+                Some((all, _)) => all
+                    .merge(next)
+                    .map_err(|problem| anyhow!("{}: {problem}", path.display()))?,
             }
         }
     }
     let Some((merged, identity)) = merged else {
         return Err(anyhow!("no points.csv or points-i-of-n.csv in these folders").into());
     };
-    write(&options.output.join("points.csv"), merged.to_csv().as_bytes())?;
+    write(
+        &options.output.join("points.csv"),
+        merged.to_csv().as_bytes(),
+    )?;
     write(&options.output.join("sweep.json"), identity.as_bytes())?;
     say(&format!("{} points\n", merged.lines.len()));
     finish("merged sweep", &merged, &options.output)
@@ -86,14 +109,27 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
 fn finish(name: &str, table: &Table, folder: &Path) -> Result<(), Failure> {
     let all = candidates(table);
     let kept = front(&all);
-    write(&folder.join("front.csv"), front_table(table, &kept).to_csv().as_bytes())?;
-    write(&folder.join("front.html"), plot::page(&format!("Speed, error and area: {name}"), &all).as_bytes())?;
-    say(&format!("front of error, cycles and area: {} of {} points\n", kept.len(), all.len()));
+    write(
+        &folder.join("front.csv"),
+        front_table(table, &kept).to_csv().as_bytes(),
+    )?;
+    write(
+        &folder.join("front.html"),
+        plot::page(&format!("Speed, error and area: {name}"), &all).as_bytes(),
+    )?;
+    say(&format!(
+        "front of error, cycles and area: {} of {} points\n",
+        kept.len(),
+        all.len()
+    ));
     for candidate in kept.iter().take(12) {
         say(&format!("  {}\n", candidate.label));
     }
     if kept.len() > 12 {
-        say(&format!("  ... all of them in {}\n", folder.join("front.csv").display()));
+        say(&format!(
+            "  ... all of them in {}\n",
+            folder.join("front.csv").display()
+        ));
     }
     Ok(())
 }
@@ -130,22 +166,30 @@ fn calibration(path: Option<&Path>) -> Result<Calibration, Failure> {
         None => Ok(Calibration::default()),
         Some(path) => {
             let text = read(path)?;
-            Ok(Calibration::from_toml(&path.display().to_string(), &text).map_err(|problem| anyhow!(problem))?)
+            Ok(Calibration::from_toml(&path.display().to_string(), &text)
+                .map_err(|problem| anyhow!(problem))?)
         }
     }
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    Ok(std::fs::read_to_string(path).with_context(|| format!("cannot read '{}'", path.display()))?)
+    Ok(std::fs::read_to_string(path)
+        .with_context(|| format!("cannot read '{}'", path.display()))?)
 }
 
 fn table(path: &Path) -> Result<Table, Failure> {
-    Ok(Table::from_csv(&read(path)?).map_err(|problem| anyhow!("{}: {problem}", path.display()))?)
+    Ok(
+        Table::from_csv(&read(path)?)
+            .map_err(|problem| anyhow!("{}: {problem}", path.display()))?,
+    )
 }
 
 fn tables_in(folder: &Path) -> Result<Vec<std::path::PathBuf>, Failure> {
-    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot read '{}'", folder.display()))?;
-    let mut paths: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    let entries =
+        std::fs::read_dir(folder).with_context(|| format!("cannot read '{}'", folder.display()))?;
+    let mut paths: Vec<_> = entries
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .collect();
     paths.retain(|path| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         name.starts_with("points") && name.ends_with(".csv")

@@ -22,15 +22,27 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     let fitted = fitted(&view, &options.work, metric, options.max_error)?;
     say(&text(&start, &fitted));
     if let Some(path) = &options.output {
-        let traversal = options.work.traversal.map_or(start.traversal, Traversal::from);
-        let design = design_toml(&fitted.widths, start.resolved().rounding, traversal_name(traversal));
+        let traversal = options
+            .work
+            .traversal
+            .map_or(start.traversal, Traversal::from);
+        let design = design_toml(
+            &fitted.widths,
+            start.resolved().rounding,
+            traversal_name(traversal),
+        );
         write(path, design.as_bytes())?;
     }
     Ok(())
 }
 
 /// Fits a view, starting from the design of the options.
-pub fn fitted(view: &View, work: &WorkOptions, metric: Metric, budget: f64) -> Result<Fit, Failure> {
+pub fn fitted(
+    view: &View,
+    work: &WorkOptions,
+    metric: Metric,
+    budget: f64,
+) -> Result<Fit, Failure> {
     let start = DesignChoice::load(&work.design.0)?;
     let traversal = work.traversal.map_or(start.traversal, Traversal::from);
     let reference = reference(view, work);
@@ -67,13 +79,26 @@ pub fn text(start: &DesignChoice, fit: &Fit) -> String {
         fit.binding.unwrap_or("none")
     );
     // Writing to a String cannot fail.
-    let _ = writeln!(text, "{:<14} {:>5} {:>5}   with one bit less: largest, rms, bias", "width", "start", "fit");
+    let _ = writeln!(
+        text,
+        "{:<14} {:>5} {:>5}   with one bit less: largest, rms, bias",
+        "width", "start", "fit"
+    );
     for ((name, ..), before) in WIDTH_RANGES.iter().zip(start.widths.numbers()) {
         let less = fit.one_bit_less.get(name).map_or_else(
             || "at its limit".to_owned(),
-            |error| format!("{:.3e}, {:.3e}, {:+.2e}", error.max_abs, error.rms, error.bias),
+            |error| {
+                format!(
+                    "{:.3e}, {:.3e}, {:+.2e}",
+                    error.max_abs, error.rms, error.bias
+                )
+            },
         );
-        let _ = writeln!(text, "{name:<14} {before:>5} {:>5}   {less}", fit.widths[name]);
+        let _ = writeln!(
+            text,
+            "{name:<14} {before:>5} {:>5}   {less}",
+            fit.widths[name]
+        );
     }
     text
 }

@@ -204,9 +204,13 @@ pub enum TraceFormat {
 }
 
 fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text.split_once('/').and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
+    let numbers = text
+        .split_once('/')
+        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
     match numbers {
-        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => Ok(Shard { index, count }),
+        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => {
+            Ok(Shard { index, count })
+        }
         _ => Err("expected i/n with i from 1 to n".to_owned()),
     }
 }

@@ -18,9 +18,9 @@ mod progress;
 mod render;
 mod setup;
 mod sweep;
-mod trace;
 #[cfg(test)]
 mod tests;
+mod trace;
 
 use args::{Cli, Command};
 use clap::Parser;

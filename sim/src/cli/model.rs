@@ -24,19 +24,30 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     }
     let config = machine(&options.machine)?;
     let (name, workload) = match (&options.view, &options.footprints) {
-        (_, Some(table)) => (table.display().to_string(), from_table(table, options, &config)?),
+        (_, Some(table)) => (
+            table.display().to_string(),
+            from_table(table, options, &config)?,
+        ),
         (Some(view), None) => {
             let view_of = View::from_options(view)?;
             let workload = from_scene(&view_of, &options.work, &config)?;
             (view_of.scene.name, workload)
         }
-        (None, None) => return Err(Failure::Usage("name a scene, or a table with --footprints".to_owned())),
+        (None, None) => {
+            return Err(Failure::Usage(
+                "name a scene, or a table with --footprints".to_owned(),
+            ));
+        }
     };
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
     let speed = timing.total as f64 / seconds / 1e6;
     say(&summary::text(&name, &timing));
-    say(&format!("host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n", seconds * 1e3, timing.total));
+    say(&format!(
+        "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
+        seconds * 1e3,
+        timing.total
+    ));
     if let Some(folder) = &options.output {
         let histograms = Histograms::new(&work, &config, workload.splats.len());
         let result = json!({
@@ -48,8 +59,14 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
             "histograms": histograms,
             "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
         });
-        write(&folder.join("timing.json"), format!("{result:#}\n").as_bytes())?;
-        write(&folder.join("machine.toml"), config::to_toml(&config).as_bytes())?;
+        write(
+            &folder.join("timing.json"),
+            format!("{result:#}\n").as_bytes(),
+        )?;
+        write(
+            &folder.join("machine.toml"),
+            config::to_toml(&config).as_bytes(),
+        )?;
     }
     Ok(())
 }
@@ -60,7 +77,9 @@ pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
         Some(path) => config::from_file(path)?,
         None => Config::default(),
     };
-    config.set_words(&options.set).map_err(|error| Failure::Usage(error.to_string()))?;
+    config
+        .set_words(&options.set)
+        .map_err(|error| Failure::Usage(error.to_string()))?;
     Ok(config)
 }
 
@@ -68,17 +87,31 @@ pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
 pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Workload, Failure> {
     let design = DesignChoice::load(&work.design.0)?;
     let traversal = work.traversal.map_or(design.traversal, Traversal::from);
-    let options =
-        fixed::Options { rules: &view.rules, compositing: work.compositing.into(), design: &design, traversal };
-    Ok(extract(&view.scene, &view.camera, &options, [config.tile_width, config.tile_height]))
+    let options = fixed::Options {
+        rules: &view.rules,
+        compositing: work.compositing.into(),
+        design: &design,
+        traversal,
+    };
+    Ok(extract(
+        &view.scene,
+        &view.camera,
+        &options,
+        [config.tile_width, config.tile_height],
+    ))
 }
 
 fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
     let shown = path.display();
     let text = std::fs::read_to_string(path).with_context(|| format!("cannot read '{shown}'"))?;
     let design = DesignChoice::load(&options.work.design.0)?;
-    let traversal = options.work.traversal.map_or(design.traversal, Traversal::from);
-    let size = options.screen.map_or([0, 0], |size| [size.width as u16, size.height as u16]);
+    let traversal = options
+        .work
+        .traversal
+        .map_or(design.traversal, Traversal::from);
+    let size = options
+        .screen
+        .map_or([0, 0], |size| [size.width as u16, size.height as u16]);
     let layout = splatline::footprint::packet::Layout::new(&design.widths);
     let table = TableOptions {
         viewport: size,

@@ -18,11 +18,20 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     let config = machine(&options.machine)?;
     let view = View::from_options(&options.view)?;
     let design = DesignChoice::load(&options.work.design.0)?;
-    let traversal = options.work.traversal.map_or(design.traversal, Traversal::from);
-    let drawing =
-        fixed::Options { rules: &view.rules, compositing: options.work.compositing.into(), design: &design, traversal };
-    let footprints: Vec<_> =
-        fixed::footprints(&view.scene, &view.camera, &drawing).into_iter().filter_map(Result::ok).collect();
+    let traversal = options
+        .work
+        .traversal
+        .map_or(design.traversal, Traversal::from);
+    let drawing = fixed::Options {
+        rules: &view.rules,
+        compositing: options.work.compositing.into(),
+        design: &design,
+        traversal,
+    };
+    let footprints: Vec<_> = fixed::footprints(&view.scene, &view.camera, &drawing)
+        .into_iter()
+        .filter_map(Result::ok)
+        .collect();
     let workload = from_scene(&view, &options.work, &config)?;
     let found = needs(&workload, &footprints, design.widths.peak, &config);
     say(&text(&view.scene.name, &found));
@@ -47,7 +56,11 @@ fn text(name: &str, needs: &Needs) -> String {
     for (unit, verdict) in &needs.units {
         let _ = writeln!(text, "  {unit:<18} {verdict}");
     }
-    let _ = writeln!(text, "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):", SLACK * 100.0);
+    let _ = writeln!(
+        text,
+        "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):",
+        SLACK * 100.0
+    );
     for ((name, depth), high) in needs.fifo_depths.iter().zip(needs.fifo_high_water.values()) {
         let _ = writeln!(text, "  {name:<18} {depth:>5} {high:>6}");
     }
@@ -58,7 +71,10 @@ fn text(name: &str, needs: &Needs) -> String {
         needs.deepest_pixel, needs.longest_tile_list, needs.longest_run
     );
     if let (Some([low, high]), Some([most, least])) = (needs.curvature_log2, needs.peaks) {
-        let _ = writeln!(text, "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}");
+        let _ = writeln!(
+            text,
+            "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}"
+        );
     }
     text
 }

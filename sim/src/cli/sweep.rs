@@ -9,6 +9,7 @@ use super::setup::{View, threads, write};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
+use splatline_sim::machine::{Config, Timing};
 use splatline_sim::metrics::{Errors, compare};
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
@@ -23,6 +24,7 @@ pub struct Manner {
     pub compositing: Compositing,
     pub threads: usize,
     pub repeat: usize,
+    pub machine: Config,
 }
 
 /// One design walked by one traversal.
@@ -39,6 +41,7 @@ impl Manner {
             compositing: options.compositing.into(),
             threads: threads(options.threads),
             repeat: options.repeat,
+            machine: Config::default(),
         }
     }
 }
@@ -114,6 +117,18 @@ pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measure
     })
 }
 
+/// Cycles of one entry on the manner's machine.
+fn cycles(view: &View, manner: &Manner, entry: &Entry) -> Result<Timing> {
+    engines::on_threads(manner.threads, || {
+        engines::cycles(
+            task(view, manner),
+            &entry.design,
+            entry.traversal,
+            &manner.machine,
+        )
+    })
+}
+
 fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
     let View {
         scene,
@@ -156,20 +171,28 @@ pub fn run(
             .with_context(|| format!("design {} cannot be compared", entry.title()))?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = traversal_name(entry.traversal);
-        table.push(Row::new(
+        let cycles = cycles(view, manner, entry)?;
+        let row = Row::new(
             &entry.design.name,
             traversal,
             &errors,
             pixels,
             measured.host,
-        ));
+        );
+        table.push(Row {
+            cycles: Some(cycles.total),
+            ..row
+        });
         if entry == chosen {
-            kept = Some((measured, errors));
+            kept = Some((measured, errors, cycles));
         }
         progress.advance();
     }
-    let (measured, errors) = kept.context("the chosen design was not drawn")?;
-    let report = report(view, manner, reference, chosen, (&measured, &errors), table)?;
+    let (measured, errors, cycles) = kept.context("the chosen design was not drawn")?;
+    let report = Report {
+        cycles: Some(serde_json::to_value(&cycles).context("cycles have no JSON form")?),
+        ..report(view, manner, reference, chosen, (&measured, &errors), table)?
+    };
     Ok(Comparison {
         fixed: measured.drawing.picture,
         float,

@@ -13,9 +13,14 @@ const USUAL_COUNT: u32 = 256;
 
 pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     check_folder_of(&options.output)?;
-    let last = options.last.unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
+    let last = options
+        .last
+        .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
     if last < options.first {
-        return Err(Failure::Usage(format!("--last {last} is smaller than --first {}", options.first)));
+        return Err(Failure::Usage(format!(
+            "--last {last} is smaller than --first {}",
+            options.first
+        )));
     }
     let config = machine(&options.machine)?;
     let view = View::from_options(&options.view)?;
@@ -31,6 +36,9 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     };
     write(&options.output, text.as_bytes())?;
     let (first, count, path) = (options.first, events.len(), options.output.display());
-    say(&format!("{path}: splats {first} to {last}, {count} events in {} raster cycles\n", timing.raster));
+    say(&format!(
+        "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
+        timing.raster
+    ));
     Ok(())
 }

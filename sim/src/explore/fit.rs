@@ -76,12 +76,32 @@ pub struct Fit {
 
 /// The order in which widths are lowered: dear bits first (multipliers of setup, rows and lanes, then storage).
 const ORDER: [&str; 12] = [
-    "mantissa", "view", "peak", "weight", "transmittance", "alpha", "accumulator", "interpolation", "table", "radial", "colour", "subpixel",
+    "mantissa",
+    "view",
+    "peak",
+    "weight",
+    "transmittance",
+    "alpha",
+    "accumulator",
+    "interpolation",
+    "table",
+    "radial",
+    "colour",
+    "subpixel",
 ];
 
 /// Fits a design, starting from `start`. Nothing if `start` itself misses the budget; then its error is the second part.
-pub fn fit(task: &Task, start: &DesignChoice, progress: &dyn Fn(&str)) -> Result<(Option<Fit>, Fitness)> {
-    let mut search = Search { task, widths: widths_of(start), rounding: start.resolved().rounding, drawings: 0 };
+pub fn fit(
+    task: &Task,
+    start: &DesignChoice,
+    progress: &dyn Fn(&str),
+) -> Result<(Option<Fit>, Fitness)> {
+    let mut search = Search {
+        task,
+        widths: widths_of(start),
+        rounding: start.resolved().rounding,
+        drawings: 0,
+    };
     let mut error = search.error()?;
     if task.metric.of(&error) > task.budget {
         return Ok((None, error));
@@ -106,9 +126,23 @@ pub fn fit(task: &Task, start: &DesignChoice, progress: &dyn Fn(&str)) -> Result
             search.widths.insert(name, width);
         }
     }
-    let binding = one_bit_less.iter().max_by(|a, b| task.metric.of(a.1).total_cmp(&task.metric.of(b.1))).map(|(name, _)| *name);
-    let Search { widths, drawings, .. } = search;
-    Ok((Some(Fit { widths, error, one_bit_less, binding, drawings }), error))
+    let binding = one_bit_less
+        .iter()
+        .max_by(|a, b| task.metric.of(a.1).total_cmp(&task.metric.of(b.1)))
+        .map(|(name, _)| *name);
+    let Search {
+        widths, drawings, ..
+    } = search;
+    Ok((
+        Some(Fit {
+            widths,
+            error,
+            one_bit_less,
+            binding,
+            drawings,
+        }),
+        error,
+    ))
 }
 
 impl Metric {
@@ -122,13 +156,22 @@ impl Metric {
 }
 
 fn widths_of(design: &DesignChoice) -> BTreeMap<&'static str, u8> {
-    WIDTH_RANGES.iter().map(|(name, ..)| *name).zip(design.widths.numbers()).collect()
+    WIDTH_RANGES
+        .iter()
+        .map(|(name, ..)| *name)
+        .zip(design.widths.numbers())
+        .collect()
 }
 
 /// The text of a design file.
 pub fn design_toml(widths: &BTreeMap<&'static str, u8>, rounding: &str, traversal: &str) -> String {
-    let lines: String = widths.iter().map(|(name, bits)| format!("{name} = {bits}\n")).collect();
-    format!("base = \"standard24\"\nrounding = \"{rounding}\"\ntraversal = \"{traversal}\"\n{lines}")
+    let lines: String = widths
+        .iter()
+        .map(|(name, bits)| format!("{name} = {bits}\n"))
+        .collect();
+    format!(
+        "base = \"standard24\"\nrounding = \"{rounding}\"\ntraversal = \"{traversal}\"\n{lines}"
+    )
 }
 
 struct Search<'a> {
@@ -162,14 +205,31 @@ impl Search<'_> {
 
     fn error(&mut self) -> Result<Fitness> {
         let task = self.task;
-        let design = DesignChoice::from_toml("fit.toml", &design_toml(&self.widths, self.rounding, "spans"))?;
-        let options =
-            Options { rules: task.rules, compositing: task.compositing, design: &design, traversal: task.traversal };
+        let design = DesignChoice::from_toml(
+            "fit.toml",
+            &design_toml(&self.widths, self.rounding, "spans"),
+        )?;
+        let options = Options {
+            rules: task.rules,
+            compositing: task.compositing,
+            design: &design,
+            traversal: task.traversal,
+        };
         let picture = fixed::draw(task.scene, task.camera, &options).picture;
         self.drawings += 1;
-        let error = compare(&picture, task.reference).context("the pictures cannot be compared")?.colour;
-        let rms = if error.psnr_db.is_finite() { 10f64.powf(-error.psnr_db / 20.0) } else { 0.0 };
-        Ok(Fitness { max_abs: error.max_abs, rms, bias: error.bias })
+        let error = compare(&picture, task.reference)
+            .context("the pictures cannot be compared")?
+            .colour;
+        let rms = if error.psnr_db.is_finite() {
+            10f64.powf(-error.psnr_db / 20.0)
+        } else {
+            0.0
+        };
+        Ok(Fitness {
+            max_abs: error.max_abs,
+            rms,
+            bias: error.bias,
+        })
     }
 }
 
@@ -183,7 +243,13 @@ mod tests {
     fn a_fitted_design_is_within_the_budget_and_minimal() {
         let scene = synthetic::random_gaussians(150, 1, 2.0);
         let camera = synthetic::camera(40, 30);
-        let reference = float::draw(&scene, &camera, &scene.natural_rules, Compositing::FrontToBack).picture;
+        let reference = float::draw(
+            &scene,
+            &camera,
+            &scene.natural_rules,
+            Compositing::FrontToBack,
+        )
+        .picture;
         let task = Task {
             scene: &scene,
             camera: &camera,
@@ -198,9 +264,18 @@ mod tests {
         let (fitted, _) = fit(&task, &start, &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= task.budget);
-        assert!(fitted.one_bit_less.values().all(|error| error.rms > task.budget), "{fitted:?}");
+        assert!(
+            fitted
+                .one_bit_less
+                .values()
+                .all(|error| error.rms > task.budget),
+            "{fitted:?}"
+        );
         assert!(fitted.widths["mantissa"] < 24 && fitted.binding.is_some());
-        let strict = Task { budget: 0.0, ..task };
+        let strict = Task {
+            budget: 0.0,
+            ..task
+        };
         assert_eq!(fit(&strict, &start, &|_| ()).unwrap().0, None);
     }
 }

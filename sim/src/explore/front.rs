@@ -21,18 +21,25 @@ pub struct Candidate {
 pub fn candidates(table: &Table) -> Vec<Candidate> {
     let names: Vec<&str> = table.heading.split(',').collect();
     let place = |name: &str| names.iter().position(|column| *column == name);
-    let (Some(rms), Some(cycles), Some(area)) = (place("rms"), place("cycles"), place("area")) else {
+    let (Some(rms), Some(cycles), Some(area)) = (place("rms"), place("cycles"), place("area"))
+    else {
         return Vec::new();
     };
     let candidate = |(point, line): (&usize, &String)| {
         let fields: Vec<&str> = line.split(',').collect();
-        let named = names.iter().zip(&fields).filter(|(_, value)| !value.is_empty());
+        let named = names
+            .iter()
+            .zip(&fields)
+            .filter(|(_, value)| !value.is_empty());
         Some(Candidate {
             point: *point,
             rms: fields.get(rms)?.parse().unwrap_or(0.0),
             cycles: fields.get(cycles)?.parse().ok()?,
             area: fields.get(area)?.parse().ok()?,
-            label: named.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", "),
+            label: named
+                .map(|(name, value)| format!("{name} {value}"))
+                .collect::<Vec<_>>()
+                .join(", "),
         })
     };
     table.lines.iter().filter_map(candidate).collect()
@@ -43,12 +50,18 @@ pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
     let mut sorted: Vec<&Candidate> = candidates.iter().collect();
     sorted.sort_by(|a, b| {
         let by = |of: fn(&Candidate) -> f64| of(a).total_cmp(&of(b));
-        by(|c| c.cycles).then(by(|c| c.rms)).then(by(|c| c.area)).then(a.point.cmp(&b.point))
+        by(|c| c.cycles)
+            .then(by(|c| c.rms))
+            .then(by(|c| c.area))
+            .then(a.point.cmp(&b.point))
     });
     // Sorted by cycles, so only points before can beat one; and if any does, one of the front does.
     let mut kept: Vec<&Candidate> = Vec::new();
     for candidate in sorted {
-        if !kept.iter().any(|other| other.rms <= candidate.rms && other.area <= candidate.area) {
+        if !kept
+            .iter()
+            .any(|other| other.rms <= candidate.rms && other.area <= candidate.area)
+        {
             kept.push(candidate);
         }
     }
@@ -57,8 +70,13 @@ pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
 
 /// The table's lines of the front.
 pub fn front_table(table: &Table, front: &[&Candidate]) -> Table {
-    let lines = front.iter().filter_map(|candidate| Some((candidate.point, table.lines.get(&candidate.point)?.clone())));
-    Table { heading: table.heading.clone(), lines: lines.collect() }
+    let lines = front.iter().filter_map(|candidate| {
+        Some((candidate.point, table.lines.get(&candidate.point)?.clone()))
+    });
+    Table {
+        heading: table.heading.clone(),
+        lines: lines.collect(),
+    }
 }
 
 #[cfg(test)]
@@ -67,7 +85,10 @@ mod tests {
     use proptest::prelude::*;
 
     fn beats(a: &Candidate, b: &Candidate) -> bool {
-        a.rms <= b.rms && a.cycles <= b.cycles && a.area <= b.area && (a.rms < b.rms || a.cycles < b.cycles || a.area < b.area)
+        a.rms <= b.rms
+            && a.cycles <= b.cycles
+            && a.area <= b.area
+            && (a.rms < b.rms || a.cycles < b.cycles || a.area < b.area)
     }
 
     proptest! {

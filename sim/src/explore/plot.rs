@@ -32,7 +32,12 @@ impl Scale {
             (low, high) = (0.0, 1.0);
         }
         let margin = ((high - low) * 0.06).max(0.05);
-        Scale { low: low - margin, high: high + margin, from, to }
+        Scale {
+            low: low - margin,
+            high: high + margin,
+            from,
+            to,
+        }
     }
 
     fn at(&self, value: f64) -> f64 {
@@ -44,8 +49,14 @@ impl Scale {
     fn ticks(&self) -> Vec<f64> {
         let decades = self.low.floor() as i32..=self.high.ceil() as i32;
         let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
-        let shown: Vec<f64> = all.filter(|tick| (self.low..=self.high).contains(&tick.log10())).collect();
-        if shown.len() > 12 { shown.into_iter().step_by(3).collect() } else { shown }
+        let shown: Vec<f64> = all
+            .filter(|tick| (self.low..=self.high).contains(&tick.log10()))
+            .collect();
+        if shown.len() > 12 {
+            shown.into_iter().step_by(3).collect()
+        } else {
+            shown
+        }
     }
 }
 
@@ -53,7 +64,11 @@ impl Scale {
 pub fn page(title: &str, candidates: &[Candidate]) -> String {
     let kept = front(candidates);
     let title = escape(title);
-    let count = format!("{} points, {} on the front of error, cycles and area (filled).", candidates.len(), kept.len());
+    let count = format!(
+        "{} points, {} on the front of error, cycles and area (filled).",
+        candidates.len(),
+        kept.len()
+    );
     let mut page = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>{title}</title><style>\
          body{{font:15px/1.5 system-ui,sans-serif;max-width:820px;margin:2em auto;color:#222;background:#fff}}\
@@ -61,7 +76,12 @@ pub fn page(title: &str, candidates: &[Candidate]) -> String {
          table{{border-collapse:collapse;font-size:12px}}td{{border-top:1px solid #ddd;padding:3px 8px}}</style></head><body>\
          <h1>{title}</h1><p>{count} Point at a circle for its settings and results.</p>\n"
     );
-    page.push_str(&chart(candidates, &kept, "error (rms, units of 1.0)", |c| c.rms));
+    page.push_str(&chart(
+        candidates,
+        &kept,
+        "error (rms, units of 1.0)",
+        |c| c.rms,
+    ));
     page.push_str(&chart(candidates, &kept, "area (LUTs)", |c| c.area));
     page.push_str("<h2>The front, fastest first</h2><table>\n");
     for candidate in &kept {
@@ -72,10 +92,18 @@ pub fn page(title: &str, candidates: &[Candidate]) -> String {
     page
 }
 
-fn chart(candidates: &[Candidate], kept: &[&Candidate], name: &str, of: fn(&Candidate) -> f64) -> String {
+fn chart(
+    candidates: &[Candidate],
+    kept: &[&Candidate],
+    name: &str,
+    of: fn(&Candidate) -> f64,
+) -> String {
     let x = Scale::new(candidates.iter().map(|c| c.cycles), LEFT, WIDTH - RIGHT);
     let y = Scale::new(candidates.iter().map(of), HEIGHT - BOTTOM, TOP);
-    let mut svg = format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"cycles against {}\">\n", escape(name));
+    let mut svg = format!(
+        "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"cycles against {}\">\n",
+        escape(name)
+    );
     for tick in x.ticks() {
         let at = x.at(tick);
         let _ = writeln!(
@@ -109,7 +137,11 @@ fn chart(candidates: &[Candidate], kept: &[&Candidate], name: &str, of: fn(&Cand
     let (mut below, mut above) = (String::new(), String::new());
     for candidate in candidates {
         let front = on_front(candidate);
-        let (fill, stroke, radius) = if front { ("#c2410c", "#7c2d12", 5.0) } else { ("#ffffff", "#4b78a8", 3.5) };
+        let (fill, stroke, radius) = if front {
+            ("#c2410c", "#7c2d12", 5.0)
+        } else {
+            ("#ffffff", "#4b78a8", 3.5)
+        };
         let target = if front { &mut above } else { &mut below };
         let _ = writeln!(
             target,
@@ -134,7 +166,10 @@ fn short(value: f64) -> String {
 }
 
 fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
 }
 
 #[cfg(test)]
@@ -143,11 +178,23 @@ mod tests {
 
     #[test]
     fn every_point_has_its_label_and_text_is_escaped() {
-        let candidate = |point, rms, cycles, area| Candidate { point, rms, cycles, area, label: format!("p <{point}>") };
-        let all = [candidate(0, 1e-3, 1e6, 5e3), candidate(1, 0.0, 2e6, 9e3), candidate(2, 1e-2, 3e6, 9e3)];
+        let candidate = |point, rms, cycles, area| Candidate {
+            point,
+            rms,
+            cycles,
+            area,
+            label: format!("p <{point}>"),
+        };
+        let all = [
+            candidate(0, 1e-3, 1e6, 5e3),
+            candidate(1, 0.0, 2e6, 9e3),
+            candidate(2, 1e-2, 3e6, 9e3),
+        ];
         let page = page("a & b", &all);
         assert_eq!(page.matches("<circle").count(), 6);
-        assert!(page.contains("p &lt;2&gt;") && page.contains("a &amp; b") && !page.contains("NaN"));
+        assert!(
+            page.contains("p &lt;2&gt;") && page.contains("a &amp; b") && !page.contains("NaN")
+        );
         assert!(page.contains("3 points, 2 on the front"));
     }
 }

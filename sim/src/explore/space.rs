@@ -77,7 +77,12 @@ struct Source<'a> {
 impl Source<'_> {
     fn wrong(&self, section: &str, key: &str, problem: impl Into<String>) -> SpaceError {
         let line = line_of(self.text, section, key);
-        SpaceError { file: self.file.to_owned(), line, key: key.to_owned(), problem: problem.into() }
+        SpaceError {
+            file: self.file.to_owned(),
+            line,
+            key: key.to_owned(),
+            problem: problem.into(),
+        }
     }
 }
 
@@ -85,8 +90,9 @@ impl Space {
     /// Reads a space from the text of its file.
     pub fn from_toml(file: &str, text: &str) -> Result<Space, SpaceError> {
         let source = Source { file, text };
-        let table: toml::Table =
-            text.parse().map_err(|error: toml::de::Error| source.wrong("", "TOML", error.to_string()))?;
+        let table: toml::Table = text
+            .parse()
+            .map_err(|error: toml::de::Error| source.wrong("", "TOML", error.to_string()))?;
         let mut axes = Vec::new();
         for (key, value) in &table {
             match (key.as_str(), value) {
@@ -96,7 +102,13 @@ impl Space {
                         axes.push(axis(&source, key, name, values)?);
                     }
                 }
-                _ => return Err(source.wrong("", key, "unknown: allowed are sample, count, seed, [design] and [machine]")),
+                _ => {
+                    return Err(source.wrong(
+                        "",
+                        key,
+                        "unknown: allowed are sample, count, seed, [design] and [machine]",
+                    ));
+                }
             }
         }
         axes.sort_by_key(|axis| axis.part);
@@ -106,8 +118,14 @@ impl Space {
 
     /// A point's keys and values on the axes of some parts.
     pub fn settings(&self, point: &[usize], parts: impl Fn(Part) -> bool) -> Vec<(&str, &Value)> {
-        let chosen = self.axes.iter().zip(point).filter(|(axis, _)| parts(axis.part));
-        chosen.map(|(axis, index)| (axis.key.as_str(), &axis.values[*index])).collect()
+        let chosen = self
+            .axes
+            .iter()
+            .zip(point)
+            .filter(|(axis, _)| parts(axis.part));
+        chosen
+            .map(|(axis, index)| (axis.key.as_str(), &axis.values[*index]))
+            .collect()
     }
 }
 
@@ -115,7 +133,9 @@ fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axi
     let values = match values {
         Value::Array(list) if !list.is_empty() => list.clone(),
         Value::Array(_) => return Err(source.wrong(section, key, "the list is empty")),
-        Value::Table(range) => numbers(range).map_err(|problem| source.wrong(section, key, problem))?,
+        Value::Table(range) => {
+            numbers(range).map_err(|problem| source.wrong(section, key, problem))?
+        }
         single => vec![single.clone()],
     };
     let part = if section == "design" {
@@ -126,7 +146,11 @@ fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axi
             return Err(source.wrong(section, key, "no such field of a machine"));
         };
         if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {
-            return Err(source.wrong(section, key, format!("{value} is not allowed: {}", field.allowed())));
+            return Err(source.wrong(
+                section,
+                key,
+                format!("{value} is not allowed: {}", field.allowed()),
+            ));
         }
         match field.key {
             "tile_width" | "tile_height" => Part::Tile,
@@ -134,14 +158,24 @@ fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axi
             _ => Part::Machine,
         }
     };
-    Ok(Axis { part, key: key.to_owned(), values })
+    Ok(Axis {
+        part,
+        key: key.to_owned(),
+        values,
+    })
 }
 
 fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
     if let Some((_, low, high)) = WIDTH_RANGES.iter().find(|(name, ..)| *name == key) {
-        let allowed = |value: &Value| value.as_integer().is_some_and(|n| (i64::from(*low)..=i64::from(*high)).contains(&n));
+        let allowed = |value: &Value| {
+            value
+                .as_integer()
+                .is_some_and(|n| (i64::from(*low)..=i64::from(*high)).contains(&n))
+        };
         return match values.iter().find(|value| !allowed(value)) {
-            Some(value) => Err(format!("{value} is not allowed: allowed are {low} to {high}")),
+            Some(value) => Err(format!(
+                "{value} is not allowed: allowed are {low} to {high}"
+            )),
             None => Ok(()),
         };
     }
@@ -151,8 +185,14 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
         "traversal" => &["box", "spans"],
         _ => return Err("no such field of a design".to_owned()),
     };
-    match values.iter().find(|value| !value.as_str().is_some_and(|name| names.contains(&name))) {
-        Some(value) => Err(format!("{value} is not allowed: allowed are {}", names.join(", "))),
+    match values
+        .iter()
+        .find(|value| !value.as_str().is_some_and(|name| names.contains(&name)))
+    {
+        Some(value) => Err(format!(
+            "{value} is not allowed: allowed are {}",
+            names.join(", ")
+        )),
         None => Ok(()),
     }
 }
@@ -161,32 +201,59 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
 fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
     const FORM: &str = "a range is { from = a, to = b, step = s } with whole numbers, a <= b and s > 0 (1 if left out)";
     let number = |key: &str| range.get(key).and_then(Value::as_integer);
-    let known = range.keys().all(|key| ["from", "to", "step"].contains(&key.as_str()));
-    let step = if range.contains_key("step") { number("step") } else { Some(1) };
+    let known = range
+        .keys()
+        .all(|key| ["from", "to", "step"].contains(&key.as_str()));
+    let step = if range.contains_key("step") {
+        number("step")
+    } else {
+        Some(1)
+    };
     match (number("from"), number("to"), step) {
-        (Some(from), Some(to), Some(step)) if known && step > 0 && from <= to && (to - from) / step < 10_000 => {
-            Ok((0..=(to - from) / step).map(|index| Value::Integer(from + index * step)).collect())
+        (Some(from), Some(to), Some(step))
+            if known && step > 0 && from <= to && (to - from) / step < 10_000 =>
+        {
+            Ok((0..=(to - from) / step)
+                .map(|index| Value::Integer(from + index * step))
+                .collect())
         }
         _ => Err(FORM.to_owned()),
     }
 }
 
-fn points(source: &Source, table: &toml::Table, axes: &[Axis]) -> Result<Vec<Vec<usize>>, SpaceError> {
+fn points(
+    source: &Source,
+    table: &toml::Table,
+    axes: &[Axis],
+) -> Result<Vec<Vec<usize>>, SpaceError> {
     let integer = |key: &str, usual: i64| match table.get(key) {
         None => Ok(usual),
-        Some(value) => value.as_integer().filter(|n| *n >= 0).ok_or_else(|| source.wrong("", key, "must be a whole number, 0 or more")),
+        Some(value) => value
+            .as_integer()
+            .filter(|n| *n >= 0)
+            .ok_or_else(|| source.wrong("", key, "must be a whole number, 0 or more")),
     };
     let (count, seed) = (integer("count", 100)? as usize, integer("seed", 1)? as u64);
     let mut points = match table.get("sample").map_or(Some("grid"), Value::as_str) {
         Some("grid") => {
-            let all = axes.iter().try_fold(1usize, |all, axis| all.checked_mul(axis.values.len()));
+            let all = axes
+                .iter()
+                .try_fold(1usize, |all, axis| all.checked_mul(axis.values.len()));
             match all.filter(|all| *all <= MOST_POINTS) {
                 Some(all) => grid(axes, all),
-                None => return Err(source.wrong("", "sample", format!("the grid has more than {MOST_POINTS} points: use \"latin\""))),
+                None => {
+                    return Err(source.wrong(
+                        "",
+                        "sample",
+                        format!("the grid has more than {MOST_POINTS} points: use \"latin\""),
+                    ));
+                }
             }
         }
         Some("latin") if (1..=MOST_POINTS).contains(&count) => latin(axes, count, seed),
-        Some("latin") => return Err(source.wrong("", "count", format!("allowed are 1 to {MOST_POINTS}"))),
+        Some("latin") => {
+            return Err(source.wrong("", "count", format!("allowed are 1 to {MOST_POINTS}")));
+        }
         _ => return Err(source.wrong("", "sample", "allowed are \"grid\" and \"latin\"")),
     };
     points.sort();
@@ -237,7 +304,14 @@ mod tests {
     fn a_grid_has_every_combination_once_and_dear_axes_first() {
         let text = "[machine]\nlanes = [1, 2]\nlatency = { from = 0, to = 20, step = 10 }\n[design]\nmantissa = 20\n";
         let space = Space::from_toml("s.toml", text).unwrap();
-        assert_eq!(space.axes.iter().map(|axis| axis.key.as_str()).collect::<Vec<_>>(), ["mantissa", "lanes", "latency"]);
+        assert_eq!(
+            space
+                .axes
+                .iter()
+                .map(|axis| axis.key.as_str())
+                .collect::<Vec<_>>(),
+            ["mantissa", "lanes", "latency"]
+        );
         let expected: Vec<Vec<usize>> = (0..6).map(|n| vec![0, n / 3, n % 3]).collect();
         assert_eq!(space.points, expected);
     }
@@ -248,7 +322,14 @@ mod tests {
         let space = Space::from_toml("s.toml", text).unwrap();
         for (axis, each) in [(0, 4), (1, 3)] {
             for value in 0..space.axes[axis].values.len() {
-                assert_eq!(space.points.iter().filter(|point| point[axis] == value).count(), each);
+                assert_eq!(
+                    space
+                        .points
+                        .iter()
+                        .filter(|point| point[axis] == value)
+                        .count(),
+                    each
+                );
             }
         }
         let other = Space::from_toml("s.toml", &format!("seed = 2\n{text}")).unwrap();
@@ -258,8 +339,14 @@ mod tests {
     #[test]
     fn errors_name_key_line_and_range() {
         let message = |text: &str| Space::from_toml("s.toml", text).unwrap_err().to_string();
-        assert_eq!(message("[machine]\nlanes = [1, 3]\n"), "s.toml:2: lanes: 3 is not allowed: allowed are 1, 2, 4, 8, 16, 32, 64");
-        assert_eq!(message("\n[design]\nmantissa = [40]\n"), "s.toml:3: mantissa: 40 is not allowed: allowed are 8 to 31");
+        assert_eq!(
+            message("[machine]\nlanes = [1, 3]\n"),
+            "s.toml:2: lanes: 3 is not allowed: allowed are 1, 2, 4, 8, 16, 32, 64"
+        );
+        assert_eq!(
+            message("\n[design]\nmantissa = [40]\n"),
+            "s.toml:3: mantissa: 40 is not allowed: allowed are 8 to 31"
+        );
         assert!(message("[design]\nbase = [\"x\"]\n").contains("classic8"));
         assert!(message("[machine]\nlane = 1\n").contains("s.toml:2: lane: no such field"));
         assert!(message("[machine]\nlatency = { from = 9, to = 1 }\n").contains("a range is"));

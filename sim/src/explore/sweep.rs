@@ -61,7 +61,14 @@ impl Shard {
 type Point<'a> = (usize, &'a [usize]);
 
 /// Runs all points of the shard that `done` does not hold yet. `progress` is told of every finished point.
-pub fn run(subject: &Subject, space: &Space, shard: Shard, done: &Table, out: &Appender, progress: &(dyn Fn() + Sync)) -> Result<()> {
+pub fn run(
+    subject: &Subject,
+    space: &Space,
+    shard: Shard,
+    done: &Table,
+    out: &Appender,
+    progress: &(dyn Fn() + Sync),
+) -> Result<()> {
     let all = space.points.len();
     let open: Vec<Point> = (0..)
         .zip(&space.points)
@@ -79,16 +86,32 @@ pub fn run(subject: &Subject, space: &Space, shard: Shard, done: &Table, out: &A
         let error = match subject.reference {
             Some(reference) => {
                 let drawing = fixed::draw(subject.scene, subject.camera, &options);
-                Some(compare(&drawing.picture, reference).context("the pictures cannot be compared")?.colour)
+                Some(
+                    compare(&drawing.picture, reference)
+                        .context("the pictures cannot be compared")?
+                        .colour,
+                )
             }
             None => None,
         };
         for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
             let tile = tile_of(subject, space, tiles[0].1)?;
             let workload = extract(subject.scene, subject.camera, &options, tile);
-            let run = Run { subject, space, options: &options, error: error.as_ref(), workload: &workload, out, progress };
-            let shapes: Vec<&[Point]> = tiles.chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes)).collect();
-            shapes.into_par_iter().try_for_each(|points| run.points(points))?;
+            let run = Run {
+                subject,
+                space,
+                options: &options,
+                error: error.as_ref(),
+                workload: &workload,
+                out,
+                progress,
+            };
+            let shapes: Vec<&[Point]> = tiles
+                .chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes))
+                .collect();
+            shapes
+                .into_par_iter()
+                .try_for_each(|points| run.points(points))?;
         }
     }
     Ok(())
@@ -96,7 +119,11 @@ pub fn run(subject: &Subject, space: &Space, shard: Shard, done: &Table, out: &A
 
 /// Do two points agree on all axes up to this part?
 fn same(space: &Space, a: &[usize], b: &[usize], part: Part) -> bool {
-    space.axes.iter().zip(a.iter().zip(b)).all(|(axis, (a, b))| axis.part > part || a == b)
+    space
+        .axes
+        .iter()
+        .zip(a.iter().zip(b))
+        .all(|(axis, (a, b))| axis.part > part || a == b)
 }
 
 fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
@@ -106,11 +133,17 @@ fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Design
     }
     let mut table = toml::Table::new();
     let resolved = subject.design.resolved();
-    let base = settings.iter().find(|(key, _)| *key == "base").and_then(|(_, value)| value.as_str());
+    let base = settings
+        .iter()
+        .find(|(key, _)| *key == "base")
+        .and_then(|(_, value)| value.as_str());
     table.insert("base".to_owned(), base.unwrap_or("standard24").into());
     if base.is_none() {
         for (key, value) in &resolved.widths {
-            table.insert(key.clone(), toml::Value::Integer(value.as_i64().unwrap_or(0)));
+            table.insert(
+                key.clone(),
+                toml::Value::Integer(value.as_i64().unwrap_or(0)),
+            );
         }
         table.insert("rounding".to_owned(), resolved.rounding.into());
         table.insert("traversal".to_owned(), resolved.traversal.into());
@@ -121,9 +154,21 @@ fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Design
     Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
 }
 
-fn traversal_of(subject: &Subject, space: &Space, point: &[usize], design: &DesignChoice) -> Traversal {
-    let swept = !space.settings(point, |part| part == Part::Design).iter().all(|(key, _)| *key != "traversal");
-    if swept { design.traversal } else { subject.traversal.unwrap_or(design.traversal) }
+fn traversal_of(
+    subject: &Subject,
+    space: &Space,
+    point: &[usize],
+    design: &DesignChoice,
+) -> Traversal {
+    let swept = !space
+        .settings(point, |part| part == Part::Design)
+        .iter()
+        .all(|(key, _)| *key != "traversal");
+    if swept {
+        design.traversal
+    } else {
+        subject.traversal.unwrap_or(design.traversal)
+    }
 }
 
 fn machine_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Config> {
@@ -159,7 +204,9 @@ impl Run<'_> {
             Ok(()) => LaneWork::new(self.workload, LaneShape::from(&first)),
             Err(_) => LaneWork::default(),
         };
-        points.par_iter().try_for_each(|point| self.point(&work, *point))
+        points
+            .par_iter()
+            .try_for_each(|point| self.point(&work, *point))
     }
 
     fn point(&self, work: &LaneWork, (number, point): Point) -> Result<()> {
@@ -167,17 +214,32 @@ impl Run<'_> {
         let results = match config.check_together() {
             Ok(()) => {
                 let timing = simulate(self.workload, work, &config);
-                let area = estimate(&self.options.design.widths, self.options.traversal, &config, &self.subject.calibration);
+                let area = estimate(
+                    &self.options.design.widths,
+                    self.options.traversal,
+                    &config,
+                    &self.subject.calibration,
+                );
                 results(self.error, &timing, &area)
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
-        let axes = self.space.axes.iter().zip(point).map(|(axis, index)| match &axis.values[*index] {
-            toml::Value::String(text) => text.clone(),
-            value => value.to_string(),
-        });
-        let fields: Vec<String> = std::iter::once(number.to_string()).chain(axes).chain(results).collect();
-        self.out.append(&fields.join(",")).map_err(|error| anyhow!("cannot append to the table: {error}"))?;
+        let axes =
+            self.space
+                .axes
+                .iter()
+                .zip(point)
+                .map(|(axis, index)| match &axis.values[*index] {
+                    toml::Value::String(text) => text.clone(),
+                    value => value.to_string(),
+                });
+        let fields: Vec<String> = std::iter::once(number.to_string())
+            .chain(axes)
+            .chain(results)
+            .collect();
+        self.out
+            .append(&fields.join(","))
+            .map_err(|error| anyhow!("cannot append to the table: {error}"))?;
         (self.progress)();
         Ok(())
     }
@@ -187,8 +249,16 @@ impl Run<'_> {
 fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<String> {
     let mut fields = match error {
         Some(error) => {
-            let rms = if error.psnr_db.is_finite() { 10f64.powf(-error.psnr_db / 20.0) } else { 0.0 };
-            let psnr = if error.psnr_db.is_finite() { format!("{:.3}", error.psnr_db) } else { String::new() };
+            let rms = if error.psnr_db.is_finite() {
+                10f64.powf(-error.psnr_db / 20.0)
+            } else {
+                0.0
+            };
+            let psnr = if error.psnr_db.is_finite() {
+                format!("{:.3}", error.psnr_db)
+            } else {
+                String::new()
+            };
             let mut fields = vec![psnr];
             fields.extend([rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
             fields.push(format!("{:.6}", error.ssim));
@@ -196,9 +266,22 @@ fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<St
         }
         None => vec![String::new(); 5],
     };
-    fields.extend([timing.total, timing.geometry, timing.sort, timing.raster].map(|cycles| cycles.to_string()));
-    let busy = timing.units.get("lanes").map_or(0.0, |unit| unit.utilisation);
-    fields.extend([busy, timing.pixels.covered_per_cycle_and_lane, timing.pixels.live_per_cycle_and_lane].map(|part| format!("{part:.4}")));
+    fields.extend(
+        [timing.total, timing.geometry, timing.sort, timing.raster]
+            .map(|cycles| cycles.to_string()),
+    );
+    let busy = timing
+        .units
+        .get("lanes")
+        .map_or(0.0, |unit| unit.utilisation);
+    fields.extend(
+        [
+            busy,
+            timing.pixels.covered_per_cycle_and_lane,
+            timing.pixels.live_per_cycle_and_lane,
+        ]
+        .map(|part| format!("{part:.4}")),
+    );
     let total = &area.total;
     fields.push(format!("{:.0}", total.luts));
     fields.extend([total.multipliers, total.blocks].map(|count| count.to_string()));
@@ -246,7 +329,13 @@ mod tests {
         let scene = synthetic::random_gaussians(300, 1, 2.0);
         let camera = synthetic::camera(48, 32);
         let space = Space::from_toml("s.toml", SPACE).unwrap();
-        let reference = float::draw(&scene, &camera, &scene.natural_rules, Compositing::FrontToBack).picture;
+        let reference = float::draw(
+            &scene,
+            &camera,
+            &scene.natural_rules,
+            Compositing::FrontToBack,
+        )
+        .picture;
         let subject = Subject {
             scene: &scene,
             camera: &camera,
@@ -266,15 +355,23 @@ mod tests {
     fn shards_and_resumed_sweeps_give_the_whole_sweep() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let read = |name: &str| Table::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap();
+        let read =
+            |name: &str| Table::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap();
         let whole = Shard { index: 1, count: 1 };
         sweep(whole, &Table::default(), &path("whole.csv"));
         let complete = read("whole.csv");
         assert_eq!(complete.lines.len(), 32);
-        let left_out = complete.lines.values().filter(|line| line.contains("allowed with 2 or more lanes")).count();
+        let left_out = complete
+            .lines
+            .values()
+            .filter(|line| line.contains("allowed with 2 or more lanes"))
+            .count();
         assert_eq!(left_out, 8, "quads of one lane");
 
-        let mut merged = Table { heading: complete.heading.clone(), ..Table::default() };
+        let mut merged = Table {
+            heading: complete.heading.clone(),
+            ..Table::default()
+        };
         for index in 1..=3 {
             let name = format!("{index}.csv");
             sweep(Shard { index, count: 3 }, &Table::default(), &path(&name));

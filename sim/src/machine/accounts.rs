@@ -99,7 +99,11 @@ impl UnitTime {
         for account in accounts {
             time.instances += 1;
             time.busy += account.busy;
-            assert!(account.at <= total, "a unit worked until {} of {total} cycles", account.at);
+            assert!(
+                account.at <= total,
+                "a unit worked until {} of {total} cycles",
+                account.at
+            );
             time.idle += total - account.at;
             for (sum, cycles) in stalled.iter_mut().zip(account.stalled) {
                 *sum += cycles;
@@ -108,8 +112,16 @@ impl UnitTime {
         let named = CAUSES.iter().zip(stalled).filter(|(_, cycles)| *cycles > 0);
         time.stalled = named.map(|((_, name), cycles)| (*name, cycles)).collect();
         let all = time.instances * total;
-        assert_eq!(time.busy + time.stalled_sum() + time.idle, all, "accounts must add up to the total");
-        time.utilisation = if all == 0 { 0.0 } else { time.busy as f64 / all as f64 };
+        assert_eq!(
+            time.busy + time.stalled_sum() + time.idle,
+            all,
+            "accounts must add up to the total"
+        );
+        time.utilisation = if all == 0 {
+            0.0
+        } else {
+            time.busy as f64 / all as f64
+        };
         time
     }
 
@@ -133,7 +145,12 @@ pub struct Fifo {
 impl Fifo {
     /// A FIFO for so many entries, at least one.
     pub fn new(depth: u32) -> Fifo {
-        Fifo { left: vec![0; depth.max(1) as usize], entered: 0, oldest: 0, high_water: 0 }
+        Fifo {
+            left: vec![0; depth.max(1) as usize],
+            entered: 0,
+            oldest: 0,
+            high_water: 0,
+        }
     }
 
     /// The first cycle at which the next entry finds a place.
@@ -163,7 +180,11 @@ impl Fifo {
     fn place(&self, entry: u64) -> usize {
         // Depths are small and often powers of two; a remainder by a variable is the slow part of the whole model.
         let depth = self.left.len();
-        if depth.is_power_of_two() { entry as usize & (depth - 1) } else { (entry % depth as u64) as usize }
+        if depth.is_power_of_two() {
+            entry as usize & (depth - 1)
+        } else {
+            (entry % depth as u64) as usize
+        }
     }
 }
 

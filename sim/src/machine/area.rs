@@ -98,7 +98,12 @@ pub struct Area {
 }
 
 /// Estimates a machine that carries a design.
-pub fn estimate(widths: &Widths, traversal: Traversal, config: &Config, calibration: &Calibration) -> Area {
+pub fn estimate(
+    widths: &Widths,
+    traversal: Traversal,
+    config: &Config,
+    calibration: &Calibration,
+) -> Area {
     let bits = Bits::new(widths);
     let rasters = u64::from(config.raster_units);
     let lanes = rasters * u64::from(config.lanes);
@@ -108,13 +113,30 @@ pub fn estimate(widths: &Widths, traversal: Traversal, config: &Config, calibrat
         let one = operators.price(calibration);
         let scale = |amount: u64| amount * count;
         let luts = one.luts * count as f64;
-        let resources = Resources { luts, multipliers: scale(one.multipliers), blocks: scale(one.blocks), area: one.area * count as f64 };
+        let resources = Resources {
+            luts,
+            multipliers: scale(one.multipliers),
+            blocks: scale(one.blocks),
+            area: one.area * count as f64,
+        };
         area.units.insert(name, resources);
         area.total = area.total.plus(&resources);
     };
-    add("setup", config.setup_units.into(), bits.setup(config.setup_interval));
-    add("splat_setup", rasters, bits.splat_setup(traversal, config.splat_cycles));
-    add("row_generator", generators, bits.row_generator(traversal, config.row_cycles));
+    add(
+        "setup",
+        config.setup_units.into(),
+        bits.setup(config.setup_interval),
+    );
+    add(
+        "splat_setup",
+        rasters,
+        bits.splat_setup(traversal, config.splat_cycles),
+    );
+    add(
+        "row_generator",
+        generators,
+        bits.row_generator(traversal, config.row_cycles),
+    );
     add("lanes", lanes, bits.lane(config));
     add("table", rasters, bits.table(config));
     add("blend", lanes, bits.blend(config.blend_interval));
@@ -137,15 +159,38 @@ impl Resources {
 impl Operators {
     fn price(&self, prices: &Calibration) -> Resources {
         let stages = |width: u64| f64::from(width.max(2).ilog2().div_ceil(2));
-        let shifting: f64 = self.shifters.iter().map(|width| *width as f64 * stages(*width)).sum();
-        let (small, large): (Vec<u64>, Vec<u64>) = self.memories.iter().partition(|bits| **bits <= prices.lut_memory_limit);
+        let shifting: f64 = self
+            .shifters
+            .iter()
+            .map(|width| *width as f64 * stages(*width))
+            .sum();
+        let (small, large): (Vec<u64>, Vec<u64>) = self
+            .memories
+            .iter()
+            .partition(|bits| **bits <= prices.lut_memory_limit);
         let memory_luts = small.iter().sum::<u64>() as f64 / prices.lut_memory_bits;
-        let logic = self.adder_bits as f64 * prices.lut_per_adder_bit + shifting * prices.lut_per_shifter_bit + memory_luts;
+        let logic = self.adder_bits as f64 * prices.lut_per_adder_bit
+            + shifting * prices.lut_per_shifter_bit
+            + memory_luts;
         let luts = logic * prices.lut_overhead;
-        let multipliers = self.multipliers.iter().map(|operands| tiles(*operands, prices.multiplier_bits)).sum();
-        let blocks = large.iter().map(|bits| bits.div_ceil(prices.block_bits.max(1))).sum();
-        let area = luts + multipliers as f64 * prices.luts_per_multiplier + blocks as f64 * prices.luts_per_block;
-        Resources { luts, multipliers, blocks, area }
+        let multipliers = self
+            .multipliers
+            .iter()
+            .map(|operands| tiles(*operands, prices.multiplier_bits))
+            .sum();
+        let blocks = large
+            .iter()
+            .map(|bits| bits.div_ceil(prices.block_bits.max(1)))
+            .sum();
+        let area = luts
+            + multipliers as f64 * prices.luts_per_multiplier
+            + blocks as f64 * prices.luts_per_block;
+        Resources {
+            luts,
+            multipliers,
+            blocks,
+            area,
+        }
     }
 }
 
@@ -174,8 +219,20 @@ struct Bits {
 
 impl Bits {
     fn new(widths: &Widths) -> Bits {
-        let [view, mantissa, subpixel, radial, table, interpolation, weight, peak, alpha, transmittance, colour, accumulator] =
-            widths.numbers().map(u64::from);
+        let [
+            view,
+            mantissa,
+            subpixel,
+            radial,
+            table,
+            interpolation,
+            weight,
+            peak,
+            alpha,
+            transmittance,
+            colour,
+            accumulator,
+        ] = widths.numbers().map(u64::from);
         let packet = splatline::footprint::packet::Layout::new(widths).bits() as u64;
         Bits {
             view,
@@ -207,7 +264,12 @@ impl Bits {
         multipliers.extend(Self::shared([v, v], 4, interval));
         multipliers.extend(Self::shared([v, m], 27, interval));
         multipliers.extend(Self::shared([m, m], 12 + 15 + 10 + 4 + 8, interval));
-        Operators { adder_bits: 60 * (m + 2) + 9 * (v + 32), shifters: vec![m; 40], multipliers, memories: vec![2 * 256 * m.min(18)] }
+        Operators {
+            adder_bits: 60 * (m + 2) + 9 * (v + 32),
+            shifters: vec![m; 40],
+            multipliers,
+            memories: vec![2 * 256 * m.min(18)],
+        }
     }
 
     /// Start values of the rows: both traversals align their coefficients once per pair.
@@ -217,19 +279,32 @@ impl Bits {
             Traversal::Spans => (3, 3 * 64, 6),
             Traversal::Box => (7, 6 * 63, 9),
         };
-        Operators { adder_bits, shifters: vec![64; shifts], multipliers: Self::shared([m, m], products, interval), memories: vec![] }
+        Operators {
+            adder_bits,
+            shifters: vec![64; shifts],
+            multipliers: Self::shared([m, m], products, interval),
+            memories: vec![],
+        }
     }
 
     /// `spans`: centre, vertical and its difference; half-width by the root table and a product; two products for the seed. `box`: additions.
     fn row_generator(&self, traversal: Traversal, interval: u32) -> Operators {
         let m = self.mantissa;
         match traversal {
-            Traversal::Box => Operators { adder_bits: 4 * 63, ..Operators::default() },
+            Traversal::Box => Operators {
+                adder_bits: 4 * 63,
+                ..Operators::default()
+            },
             Traversal::Spans => {
                 let mut multipliers = Self::shared([m, m], 2, interval);
                 multipliers.extend(Self::shared([m, 28], 1, interval));
                 let adder_bits = 3 * 64 + 4 * (27 + self.subpixel);
-                Operators { adder_bits, shifters: vec![64, m + 32, m + 32], multipliers, memories: vec![256 * 16] }
+                Operators {
+                    adder_bits,
+                    shifters: vec![64, m + 32, m + 32],
+                    multipliers,
+                    memories: vec![256 * 16],
+                }
             }
         }
     }
@@ -237,44 +312,91 @@ impl Bits {
     /// Two additions and a comparison per pixel; a mask and its priority encoder where finished groups are skipped.
     fn lane(&self, config: &Config) -> Operators {
         let word = self.radial + 5;
-        let mask = if config.pixel_termination == Termination::Skip { u64::from(config.tile_width) * 2 } else { 0 };
-        Operators { adder_bits: 3 * word + mask, ..Operators::default() }
+        let mask = if config.pixel_termination == Termination::Skip {
+            u64::from(config.tile_width) * 2
+        } else {
+            0
+        };
+        Operators {
+            adder_bits: 3 * word + mask,
+            ..Operators::default()
+        }
     }
 
     /// A copy of the table per port, with the interpolator's product.
     fn table(&self, config: &Config) -> Operators {
-        let ports = if config.table_ports == 0 { config.lanes } else { config.table_ports.min(config.lanes) } as usize;
-        let multipliers = if self.interpolation > 0 { vec![[self.interpolation, self.weight + 1]; ports] } else { vec![] };
+        let ports = if config.table_ports == 0 {
+            config.lanes
+        } else {
+            config.table_ports.min(config.lanes)
+        } as usize;
+        let multipliers = if self.interpolation > 0 {
+            vec![[self.interpolation, self.weight + 1]; ports]
+        } else {
+            vec![]
+        };
         let copy = ((1 << self.table) + 1) * self.weight;
-        Operators { adder_bits: ports as u64 * self.weight, multipliers, memories: vec![copy; ports], ..Operators::default() }
+        Operators {
+            adder_bits: ports as u64 * self.weight,
+            multipliers,
+            memories: vec![copy; ports],
+            ..Operators::default()
+        }
     }
 
     /// Opacity, share, three colours.
     fn blend(&self, interval: u32) -> Operators {
         let mut multipliers = Self::shared([self.peak + 4, self.weight + 1], 1, interval);
-        multipliers.extend(Self::shared([self.transmittance + 1, self.alpha + 1], 1, interval));
-        multipliers.extend(Self::shared([self.transmittance + 1, self.colour], 3, interval));
+        multipliers.extend(Self::shared(
+            [self.transmittance + 1, self.alpha + 1],
+            1,
+            interval,
+        ));
+        multipliers.extend(Self::shared(
+            [self.transmittance + 1, self.colour],
+            3,
+            interval,
+        ));
         let adder_bits = 3 * self.accumulator + 2 * (self.transmittance + 1) + 2 * (self.alpha + 1);
-        Operators { adder_bits, multipliers, ..Operators::default() }
+        Operators {
+            adder_bits,
+            multipliers,
+            ..Operators::default()
+        }
     }
 
     /// Every bank of every buffer is a memory of its own.
     fn tile_buffer(&self, config: &Config) -> Operators {
-        let banks = u64::from(if config.buffer_banks == 0 { config.lanes } else { config.buffer_banks });
+        let banks = u64::from(if config.buffer_banks == 0 {
+            config.lanes
+        } else {
+            config.buffer_banks
+        });
         let pixel = 3 * self.accumulator + self.transmittance + 2;
         let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
-        let memories = vec![pixels.div_ceil(banks) * pixel; (banks * u64::from(config.tile_buffers)) as usize];
-        Operators { memories, ..Operators::default() }
+        let memories =
+            vec![pixels.div_ceil(banks) * pixel; (banks * u64::from(config.tile_buffers)) as usize];
+        Operators {
+            memories,
+            ..Operators::default()
+        }
     }
 
     /// Packets, splats (as wide as packets), and runs: three lane words and a place.
     fn fifos(&self, config: &Config) -> Operators {
         let run = 3 * (self.radial + 5) + 24;
-        let queues = if config.layout == Layout::Rows { config.lanes } else { 1 };
+        let queues = if config.layout == Layout::Rows {
+            config.lanes
+        } else {
+            1
+        };
         let mut memories = vec![run * u64::from(config.row_fifo); queues as usize];
         memories.push(self.packet * u64::from(config.packet_fifo));
         memories.push(self.packet * u64::from(config.splat_fifo));
-        Operators { memories, ..Operators::default() }
+        Operators {
+            memories,
+            ..Operators::default()
+        }
     }
 }
 
@@ -289,17 +411,34 @@ mod tests {
 
     #[test]
     fn designs_are_ranked_by_their_widths() {
-        let areas = [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS].map(|w| total(&w, &Config::default()).area);
+        let areas = [
+            Classic8::WIDTHS,
+            Lean18::WIDTHS,
+            Standard24::WIDTHS,
+            Deep32::WIDTHS,
+        ]
+        .map(|w| total(&w, &Config::default()).area);
         assert!(areas.is_sorted() && areas[3] > 1.5 * areas[0], "{areas:?}");
     }
 
     #[test]
     fn more_of_anything_is_never_smaller() {
         let base = total(&Standard24::WIDTHS, &Config::default());
-        for words in ["lanes=2", "raster_units=2", "rows_at_once=4", "row_fifo=64", "tile_width=64", "setup_units=2", "pixel_termination=skip"] {
+        for words in [
+            "lanes=2",
+            "raster_units=2",
+            "rows_at_once=4",
+            "row_fifo=64",
+            "tile_width=64",
+            "setup_units=2",
+            "pixel_termination=skip",
+        ] {
             let mut config = Config::default();
             config.set_words(&[words.to_owned()]).unwrap();
-            assert!(total(&Standard24::WIDTHS, &config).area > base.area, "{words}");
+            assert!(
+                total(&Standard24::WIDTHS, &config).area > base.area,
+                "{words}"
+            );
         }
     }
 
@@ -309,6 +448,10 @@ mod tests {
         assert_eq!(tiles([18, 25], [24, 17]), 2);
         assert_eq!(tiles([25, 25], [24, 17]), 4);
         assert_eq!(tiles([34, 20], [24, 17]), 2);
-        assert!(Calibration::from_toml("c.toml", "lut_overhed = 1.0").unwrap_err().contains("c.toml"));
+        assert!(
+            Calibration::from_toml("c.toml", "lut_overhed = 1.0")
+                .unwrap_err()
+                .contains("c.toml")
+        );
     }
 }

@@ -190,8 +190,16 @@ impl Default for Config {
 impl Config {
     /// Cycles per group of lanes, stretched where ports or banks are fewer than lanes.
     pub fn stretch(&self) -> u32 {
-        let shared = |ports: u32| if ports == 0 { 1 } else { self.lanes.div_ceil(ports) };
-        self.blend_interval.max(shared(self.table_ports)).max(shared(self.buffer_banks))
+        let shared = |ports: u32| {
+            if ports == 0 {
+                1
+            } else {
+                self.lanes.div_ceil(ports)
+            }
+        };
+        self.blend_interval
+            .max(shared(self.table_ports))
+            .max(shared(self.buffer_banks))
     }
 
     /// Columns that the lanes advance per group.

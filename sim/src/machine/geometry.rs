@@ -70,14 +70,28 @@ impl Geometry {
         geometry
     }
 
-    fn bin(&mut self, config: &Config, handed_on: u64, tiles: u32, entries: u32, packet_bytes: u32) {
+    fn bin(
+        &mut self,
+        config: &Config,
+        handed_on: u64,
+        tiles: u32,
+        entries: u32,
+        packet_bytes: u32,
+    ) {
         self.binning.wait(Cause::Upstream, handed_on);
         self.footprints.pass(handed_on, self.binning.at());
-        self.binning.work(u64::from(config.bin_cycles) + u64::from(config.bin_tile_cycles) * u64::from(tiles));
-        let bytes = if entries == 0 { 0 } else { u64::from(packet_bytes) + u64::from(config.list_bytes) * u64::from(entries) };
+        self.binning.work(
+            u64::from(config.bin_cycles) + u64::from(config.bin_tile_cycles) * u64::from(tiles),
+        );
+        let bytes = if entries == 0 {
+            0
+        } else {
+            u64::from(packet_bytes) + u64::from(config.list_bytes) * u64::from(entries)
+        };
         self.binning.wait(Cause::WriteChannel, self.write.at());
         self.write.wait(Cause::Upstream, self.binning.at());
-        self.write.work(bytes.div_ceil(config.write_bandwidth.into()));
+        self.write
+            .work(bytes.div_ceil(config.write_bandwidth.into()));
         self.entries += u64::from(entries);
         self.written += bytes;
     }
@@ -85,6 +99,9 @@ impl Geometry {
     /// Cycles of the phase.
     pub fn cycles(&self) -> u64 {
         let setup = self.setup.iter().map(Account::at);
-        setup.chain([self.fetch.at(), self.binning.at(), self.write.at()]).max().unwrap_or(0)
+        setup
+            .chain([self.fetch.at(), self.binning.at(), self.write.at()])
+            .max()
+            .unwrap_or(0)
     }
 }

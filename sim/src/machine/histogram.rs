@@ -57,7 +57,13 @@ impl Histograms {
         for tile in &work.tiles {
             let pairs = &work.pairs[first..tile.pairs_end as usize];
             first = tile.pairs_end as usize;
-            tiles.push((pairs.len() as u64, pairs.iter().map(|pair| u64::from(pair.groups) * stretch).sum()));
+            tiles.push((
+                pairs.len() as u64,
+                pairs
+                    .iter()
+                    .map(|pair| u64::from(pair.groups) * stretch)
+                    .sum(),
+            ));
             for pair in pairs {
                 if let Some((count, cycles, covered)) = per_splat.get_mut(pair.splat as usize) {
                     *count += 1;
@@ -66,7 +72,10 @@ impl Histograms {
                 }
             }
         }
-        let visible: Vec<_> = per_splat.into_iter().filter(|(count, ..)| *count > 0).collect();
+        let visible: Vec<_> = per_splat
+            .into_iter()
+            .filter(|(count, ..)| *count > 0)
+            .collect();
         Histograms {
             pairs_per_tile: Histogram::of(tiles.iter().map(|(pairs, _)| *pairs)),
             lane_cycles_per_tile: Histogram::of(tiles.iter().map(|(_, cycles)| *cycles)),

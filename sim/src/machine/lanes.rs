@@ -22,8 +22,19 @@ pub struct LaneShape {
 
 impl From<&Config> for LaneShape {
     fn from(config: &Config) -> Self {
-        let Config { lanes, layout, pixel_termination, binning, .. } = *config;
-        LaneShape { lanes, layout, termination: pixel_termination, binning }
+        let Config {
+            lanes,
+            layout,
+            pixel_termination,
+            binning,
+            ..
+        } = *config;
+        LaneShape {
+            lanes,
+            layout,
+            termination: pixel_termination,
+            binning,
+        }
     }
 }
 
@@ -101,11 +112,21 @@ impl LaneWork {
         };
         for (part, tile) in parts.into_iter().zip(&workload.tiles) {
             let base = work.bands.len() as u32;
-            let finished_after = part.tiles.first().map_or(u32::MAX, |tile| tile.finished_after);
-            work.pairs.extend(part.pairs.iter().map(|pair| PairWork { bands_end: base + pair.bands_end, ..*pair }));
+            let finished_after = part
+                .tiles
+                .first()
+                .map_or(u32::MAX, |tile| tile.finished_after);
+            work.pairs.extend(part.pairs.iter().map(|pair| PairWork {
+                bands_end: base + pair.bands_end,
+                ..*pair
+            }));
             work.bands.extend(part.bands);
             let pairs_end = work.pairs.len() as u32;
-            work.tiles.push(TileWork { pairs_end, finished_after, pixels: tile.pixels });
+            work.tiles.push(TileWork {
+                pairs_end,
+                finished_after,
+                pixels: tile.pixels,
+            });
         }
         work
     }
@@ -113,9 +134,17 @@ impl LaneWork {
 
 fn one_tile(workload: &Workload, shape: LaneShape, tile: usize) -> LaneWork {
     let mut work = LaneWork::default();
-    let start = if tile == 0 { 0 } else { workload.tiles[tile - 1].pairs_end as usize };
+    let start = if tile == 0 {
+        0
+    } else {
+        workload.tiles[tile - 1].pairs_end as usize
+    };
     let end = workload.tiles[tile].pairs_end as usize;
-    let mut first_row = if start == 0 { 0 } else { workload.pairs[start - 1].rows_end as usize };
+    let mut first_row = if start == 0 {
+        0
+    } else {
+        workload.pairs[start - 1].rows_end as usize
+    };
     let mut finished_after = u32::MAX;
     for (index, pair) in workload.pairs[start..end].iter().enumerate() {
         let rows = &workload.rows[first_row..pair.rows_end as usize];
@@ -127,20 +156,39 @@ fn one_tile(workload: &Workload, shape: LaneShape, tile: usize) -> LaneWork {
             finished_after = work.pairs.len() as u32;
         }
     }
-    work.tiles.push(TileWork { pairs_end: 0, finished_after, pixels: 0 });
+    work.tiles.push(TileWork {
+        pairs_end: 0,
+        finished_after,
+        pixels: 0,
+    });
     work
 }
 
 fn one_pair(work: &mut LaneWork, shape: LaneShape, splat: u32, first_row: u8, rows: &[Row]) {
-    let mut pair = PairWork { splat, rows: rows.len() as u16, ..PairWork::default() };
+    let mut pair = PairWork {
+        splat,
+        rows: rows.len() as u16,
+        ..PairWork::default()
+    };
     let mut rest = rows;
     let mut y = first_row;
     while !rest.is_empty() {
-        let tall = if shape.layout == Layout::Quad && y.is_multiple_of(2) { 2 } else { 1 };
+        let tall = if shape.layout == Layout::Quad && y.is_multiple_of(2) {
+            2
+        } else {
+            1
+        };
         let (now, later) = rest.split_at(tall.min(rest.len()));
         let grouped = Grouped::new(shape, now);
         pair.add(&grouped, now);
-        work.bands.push(grouped.band(if shape.layout == Layout::Quad { y / 2 } else { y }, now.len() as u8));
+        work.bands.push(grouped.band(
+            if shape.layout == Layout::Quad {
+                y / 2
+            } else {
+                y
+            },
+            now.len() as u8,
+        ));
         y += now.len() as u8;
         rest = later;
     }
@@ -178,7 +226,13 @@ impl Grouped {
             Termination::Discard => pixels,
             Termination::Skip => rows.iter().fold(0, |all, row| all | row.open),
         };
-        let mut grouped = Grouped { first: 0, last: 0, groups: 0, skipped: 0, visited: 0 };
+        let mut grouped = Grouped {
+            first: 0,
+            last: 0,
+            groups: 0,
+            skipped: 0,
+            visited: 0,
+        };
         if pixels == 0 {
             return grouped;
         }
@@ -188,7 +242,11 @@ impl Grouped {
             Layout::Rows => 1,
         };
         let (low, end) = (pixels.trailing_zeros(), 64 - pixels.leading_zeros());
-        let start = if shape.layout == Layout::Run { low } else { low - low % columns };
+        let start = if shape.layout == Layout::Run {
+            low
+        } else {
+            low - low % columns
+        };
         grouped.first = start as u8;
         grouped.last = end as u8;
         for column in (start..end).step_by(columns as usize) {
@@ -204,7 +262,20 @@ impl Grouped {
     }
 
     fn band(&self, y: u8, rows: u8) -> Band {
-        let Grouped { first, last, groups, skipped, .. } = *self;
-        Band { y, rows, first, last, groups, skipped }
+        let Grouped {
+            first,
+            last,
+            groups,
+            skipped,
+            ..
+        } = *self;
+        Band {
+            y,
+            rows,
+            first,
+            last,
+            groups,
+            skipped,
+        }
     }
 }

@@ -91,7 +91,11 @@ impl RasterUnit {
         let units = u64::from(config.raster_units);
         let bytes = u64::from(packet_bytes + config.list_bytes) * units;
         let private_rows = config.layout == Layout::Rows;
-        let sequencer = Sequencer { account: Account::default(), fifo: Fifo::new(config.row_fifo), flights: VecDeque::new() };
+        let sequencer = Sequencer {
+            account: Account::default(),
+            fifo: Fifo::new(config.row_fifo),
+            flights: VecDeque::new(),
+        };
         let costs = Costs {
             serial: config.overlap == Overlap::Serial,
             transfer: bytes.div_ceil(config.read_bandwidth.into()),
@@ -115,7 +119,14 @@ impl RasterUnit {
             fetch: Account::default(),
             splat: Account::default(),
             rows: Account::default(),
-            sequencers: vec![sequencer; if private_rows { config.lanes as usize } else { 1 }],
+            sequencers: vec![
+                sequencer;
+                if private_rows {
+                    config.lanes as usize
+                } else {
+                    1
+                }
+            ],
             write_back: Account::default(),
             packets: Fifo::new(config.packet_fifo),
             splats: Fifo::new(config.splat_fifo),
@@ -131,7 +142,10 @@ impl RasterUnit {
 
     /// The cycle after which the unit does nothing any more.
     pub fn finished_at(&self) -> u64 {
-        let lanes = self.sequencers.iter().map(|sequencer| sequencer.account.at());
+        let lanes = self
+            .sequencers
+            .iter()
+            .map(|sequencer| sequencer.account.at());
         let stages = [&self.fetch, &self.splat, &self.rows, &self.write_back].map(Account::at);
         lanes.chain(stages).max().unwrap_or(0)
     }
@@ -140,12 +154,19 @@ impl RasterUnit {
     pub fn draw<O: Observer>(&mut self, job: &Job, observer: &mut O) {
         let buffer = self.buffers.pop_front().unwrap_or(0);
         // Another tile's pixels lie in another buffer.
-        self.sequencers.iter_mut().for_each(|sequencer| sequencer.flights.clear());
+        self.sequencers
+            .iter_mut()
+            .for_each(|sequencer| sequencer.flights.clear());
         let mut band = job.first_band;
         for pair in job.pairs {
             let bands = &job.bands[band..pair.bands_end as usize];
             band = pair.bands_end as usize;
-            let mut at = Place { unit: self.number, tile: job.tile, splat: pair.splat, observer };
+            let mut at = Place {
+                unit: self.number,
+                tile: job.tile,
+                splat: pair.splat,
+                observer,
+            };
             if self.costs.serial {
                 self.serial_pair(bands, buffer, &mut at);
             } else {
@@ -185,7 +206,8 @@ impl RasterUnit {
         let mut row = 0;
         for band in bands {
             let began = self.rows.at();
-            let steps = (row + u32::from(band.rows)).div_ceil(self.costs.rows_at_once) - row.div_ceil(self.costs.rows_at_once);
+            let steps = (row + u32::from(band.rows)).div_ceil(self.costs.rows_at_once)
+                - row.div_ceil(self.costs.rows_at_once);
             row += u32::from(band.rows);
             self.rows.work(u64::from(steps) * self.costs.row);
             at.event(Stage::Rows, 0, band.y, began, self.rows.at());
@@ -197,7 +219,13 @@ impl RasterUnit {
 
     /// From the row generator through the FIFO into the lanes; the splat's packet arrived and was set up at these times.
     #[inline(always)]
-    fn hand_over<O: Observer>(&mut self, band: &Band, [arrived, set_up]: [u64; 2], buffer: u64, at: &mut Place<O>) {
+    fn hand_over<O: Observer>(
+        &mut self,
+        band: &Band,
+        [arrived, set_up]: [u64; 2],
+        buffer: u64,
+        at: &mut Place<O>,
+    ) {
         let lane = self.lane_of(band);
         let sequencer = &mut self.sequencers[lane];
         self.rows.wait(Cause::FifoFull, sequencer.fifo.free_at());
@@ -215,8 +243,17 @@ impl RasterUnit {
     fn serial_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
         let requested = self.packets.free_at().max(self.fetch.at());
         let arrival = self.fetch(at);
-        let RasterUnit { splat, rows, sequencers, costs, packets, .. } = self;
-        let Some(sequencer) = sequencers.first_mut() else { return };
+        let RasterUnit {
+            splat,
+            rows,
+            sequencers,
+            costs,
+            packets,
+            ..
+        } = self;
+        let Some(sequencer) = sequencers.first_mut() else {
+            return;
+        };
         for account in [&mut *splat, &mut *rows, &mut sequencer.account] {
             account.wait(Cause::Memory, arrival);
         }
@@ -228,7 +265,8 @@ impl RasterUnit {
         let mut row = 0;
         for band in bands {
             let began = rows.at();
-            let steps = (row + u32::from(band.rows)).div_ceil(costs.rows_at_once) - row.div_ceil(costs.rows_at_once);
+            let steps = (row + u32::from(band.rows)).div_ceil(costs.rows_at_once)
+                - row.div_ceil(costs.rows_at_once);
             row += u32::from(band.rows);
             rows.work(u64::from(steps) * costs.row);
             at.event(Stage::Rows, 0, band.y, began, rows.at());
@@ -246,7 +284,11 @@ impl RasterUnit {
     #[inline(always)]
     fn lane_of(&self, band: &Band) -> usize {
         // Lanes are a power of two.
-        if self.costs.private_rows { usize::from(band.y) & (self.sequencers.len() - 1) } else { 0 }
+        if self.costs.private_rows {
+            usize::from(band.y) & (self.sequencers.len() - 1)
+        } else {
+            0
+        }
     }
 
     /// Packets of a finished tile that were already on their way.
@@ -258,14 +300,29 @@ impl RasterUnit {
 
     /// A tile is written back when its last pixel has been blended.
     fn write_back<O: Observer>(&mut self, job: &Job, buffer: u64, observer: &mut O) {
-        let last = self.sequencers.iter().map(|sequencer| sequencer.account.at()).max().unwrap_or(0);
-        let blended = if job.pairs.is_empty() { buffer } else { last.max(buffer) + self.costs.drain };
+        let last = self
+            .sequencers
+            .iter()
+            .map(|sequencer| sequencer.account.at())
+            .max()
+            .unwrap_or(0);
+        let blended = if job.pairs.is_empty() {
+            buffer
+        } else {
+            last.max(buffer) + self.costs.drain
+        };
         self.write_back.wait(Cause::Lanes, blended);
         let start = self.write_back.at();
         let bytes = u64::from(job.pixels) * self.costs.pixel_bytes;
-        self.write_back.work(self.costs.write_back + bytes.div_ceil(self.costs.bandwidth));
+        self.write_back
+            .work(self.costs.write_back + bytes.div_ceil(self.costs.bandwidth));
         self.buffers.push_back(self.write_back.at());
-        let mut at = Place { unit: self.number, tile: job.tile, splat: u32::MAX, observer };
+        let mut at = Place {
+            unit: self.number,
+            tile: job.tile,
+            splat: u32::MAX,
+            observer,
+        };
         at.event(Stage::WriteBack, 0, 0, start, self.write_back.at());
     }
 }
@@ -281,7 +338,13 @@ impl Sequencer {
         let cycles = u64::from(band.groups) * costs.stretch;
         self.account.work(cycles);
         let settled = start + cycles - costs.stretch + costs.blend_latency;
-        self.flights.push_back(Flight { y: band.y, first: band.first, last: band.last, start, settled });
+        self.flights.push_back(Flight {
+            y: band.y,
+            first: band.first,
+            last: band.last,
+            start,
+            settled,
+        });
         start
     }
 
@@ -289,7 +352,11 @@ impl Sequencer {
     #[inline(always)]
     fn held_until(&mut self, band: &Band, costs: &Costs) -> u64 {
         let now = self.account.at();
-        while self.flights.front().is_some_and(|flight| flight.settled <= now) {
+        while self
+            .flights
+            .front()
+            .is_some_and(|flight| flight.settled <= now)
+        {
             self.flights.pop_front();
         }
         let mut until = now;
@@ -297,10 +364,13 @@ impl Sequencer {
             if flight.y != band.y || flight.first >= band.last || band.first >= flight.last {
                 continue;
             }
-            let ahead = u64::from(band.first).saturating_sub(flight.first.into()).div_ceil(costs.stride);
+            let ahead = u64::from(band.first)
+                .saturating_sub(flight.first.into())
+                .div_ceil(costs.stride);
             let behind = u64::from(flight.first).saturating_sub(band.first.into()) / costs.stride;
             let groups = ahead + u64::from(band.skipped);
-            let pixelwise = (flight.start + costs.blend_latency + groups * costs.stretch).saturating_sub(behind * costs.stretch);
+            let pixelwise = (flight.start + costs.blend_latency + groups * costs.stretch)
+                .saturating_sub(behind * costs.stretch);
             until = until.max(pixelwise.min(flight.settled));
         }
         until
@@ -319,8 +389,19 @@ impl<O: Observer> Place<'_, O> {
     #[inline(always)]
     fn event(&mut self, stage: Stage, lane: usize, row: u8, start: u64, end: u64) {
         if O::WATCHES {
-            let Place { unit, tile, splat, .. } = *self;
-            self.observer.event(Event { unit, stage, lane: lane as u32, tile, splat, row: row.into(), start, end });
+            let Place {
+                unit, tile, splat, ..
+            } = *self;
+            self.observer.event(Event {
+                unit,
+                stage,
+                lane: lane as u32,
+                tile,
+                splat,
+                row: row.into(),
+                start,
+                end,
+            });
         }
     }
 

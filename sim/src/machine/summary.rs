@@ -12,9 +12,17 @@ pub fn text(name: &str, timing: &Timing) -> String {
         "{name}: {} cycles = geometry {} + sort {} + raster {}",
         timing.total, timing.geometry, timing.sort, timing.raster
     );
-    let _ = writeln!(text, "{:<14} {:>5} {:>12} {:>7} {:>12} {:>12}  stalled by", "unit", "count", "busy", "busy %", "stalled", "idle");
+    let _ = writeln!(
+        text,
+        "{:<14} {:>5} {:>12} {:>7} {:>12} {:>12}  stalled by",
+        "unit", "count", "busy", "busy %", "stalled", "idle"
+    );
     for (unit, time) in &timing.units {
-        let causes: Vec<String> = time.stalled.iter().map(|(cause, cycles)| format!("{cause} {cycles}")).collect();
+        let causes: Vec<String> = time
+            .stalled
+            .iter()
+            .map(|(cause, cycles)| format!("{cause} {cycles}"))
+            .collect();
         let _ = writeln!(
             text,
             "{unit:<14} {:>5} {:>12} {:>7.2} {:>12} {:>12}  {}",
@@ -26,14 +34,22 @@ pub fn text(name: &str, timing: &Timing) -> String {
             causes.join(", ")
         );
     }
-    let fifos: Vec<String> =
-        timing.fifos.iter().map(|(fifo, entry)| format!("{fifo} {}/{}", entry.high_water, entry.depth)).collect();
+    let fifos: Vec<String> = timing
+        .fifos
+        .iter()
+        .map(|(fifo, entry)| format!("{fifo} {}/{}", entry.high_water, entry.depth))
+        .collect();
     let _ = writeln!(text, "FIFOs, fullest/depth: {}", fifos.join(", "));
     let bytes = &timing.bytes;
     let _ = writeln!(
         text,
         "bytes: splats read {}, packets written {}, sorted {}, packets read {} (in vain {}), pixels written {}",
-        bytes.splats_read, bytes.packets_written, bytes.sort_moved, bytes.packets_read, bytes.packets_in_vain, bytes.pixels_written
+        bytes.splats_read,
+        bytes.packets_written,
+        bytes.sort_moved,
+        bytes.packets_read,
+        bytes.packets_in_vain,
+        bytes.pixels_written
     );
     let pixels = &timing.pixels;
     let _ = writeln!(

@@ -94,8 +94,17 @@ pub fn simulate(workload: &Workload, work: &LaneWork, config: &Config) -> Timing
 }
 
 /// The same with an observer of the raster phase.
-pub fn simulate_observed<O: Observer>(workload: &Workload, work: &LaneWork, config: &Config, observer: &mut O) -> Timing {
-    let packet_bytes = if config.packet_bytes == 0 { workload.packet_bytes } else { config.packet_bytes };
+pub fn simulate_observed<O: Observer>(
+    workload: &Workload,
+    work: &LaneWork,
+    config: &Config,
+    observer: &mut O,
+) -> Timing {
+    let packet_bytes = if config.packet_bytes == 0 {
+        workload.packet_bytes
+    } else {
+        config.packet_bytes
+    };
     let geometry = Geometry::run(workload, config, packet_bytes);
     let moves = geometry.entries * u64::from(config.sort_passes);
     let mut sort = Account::default();
@@ -103,9 +112,20 @@ pub fn simulate_observed<O: Observer>(workload: &Workload, work: &LaneWork, conf
     let mut raster = Raster::new(config, packet_bytes);
     raster.draw(work, config, observer);
 
-    let raster_cycles = raster.units.iter().map(RasterUnit::finished_at).max().unwrap_or(0);
+    let raster_cycles = raster
+        .units
+        .iter()
+        .map(RasterUnit::finished_at)
+        .max()
+        .unwrap_or(0);
     let total = geometry.cycles() + sort.at() + raster_cycles;
-    let mut timing = Timing { total, geometry: geometry.cycles(), sort: sort.at(), raster: raster_cycles, ..Timing::default() };
+    let mut timing = Timing {
+        total,
+        geometry: geometry.cycles(),
+        sort: sort.at(),
+        raster: raster_cycles,
+        ..Timing::default()
+    };
     timing.add_units(&geometry, &sort, &raster);
     timing.add_fifos(&geometry, &raster, config);
     timing.add_pixels(&raster, config);
@@ -130,22 +150,38 @@ struct Raster {
 
 impl Raster {
     fn new(config: &Config, packet_bytes: u32) -> Raster {
-        let units = (0..config.raster_units).map(|number| RasterUnit::new(number, config, packet_bytes)).collect();
-        Raster { units, pixels: PixelWork::default(), pixels_written: 0 }
+        let units = (0..config.raster_units)
+            .map(|number| RasterUnit::new(number, config, packet_bytes))
+            .collect();
+        Raster {
+            units,
+            pixels: PixelWork::default(),
+            pixels_written: 0,
+        }
     }
 
     fn draw<O: Observer>(&mut self, work: &LaneWork, config: &Config, observer: &mut O) {
         let mut first_pair = 0;
         for (number, tile) in work.tiles.iter().enumerate() {
             let all = &work.pairs[first_pair..tile.pairs_end as usize];
-            let first_band = if first_pair == 0 { 0 } else { work.pairs[first_pair - 1].bands_end as usize };
+            let first_band = if first_pair == 0 {
+                0
+            } else {
+                work.pairs[first_pair - 1].bands_end as usize
+            };
             first_pair = tile.pairs_end as usize;
             let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
             let (pairs, rest) = all.split_at(drawn);
             self.count(pairs, rest.len(), tile.pixels);
             let unit = self.choose(number, config.assignment);
-            let job =
-                Job { tile: number as u32, pixels: tile.pixels, pairs, first_band, left_out: rest.len(), bands: &work.bands };
+            let job = Job {
+                tile: number as u32,
+                pixels: tile.pixels,
+                pairs,
+                first_band,
+                left_out: rest.len(),
+                bands: &work.bands,
+            };
             self.units[unit].draw(&job, observer);
         }
     }
@@ -195,7 +231,8 @@ impl Timing {
         let mut add = |name, accounts: Vec<&Account>| {
             self.units.insert(name, UnitTime::close(accounts, total));
         };
-        let each = |of: fn(&RasterUnit) -> &Account| raster.units.iter().map(of).collect::<Vec<_>>();
+        let each =
+            |of: fn(&RasterUnit) -> &Account| raster.units.iter().map(of).collect::<Vec<_>>();
         add("fetch", vec![&geometry.fetch]);
         add("setup", geometry.setup.iter().collect());
         add("binning", vec![&geometry.binning]);
@@ -206,26 +243,60 @@ impl Timing {
         add("row_generator", each(|unit| &unit.rows));
         add("write_back", each(|unit| &unit.write_back));
         let sequencers = raster.units.iter().flat_map(|unit| &unit.sequencers);
-        add("lanes", sequencers.map(|sequencer| &sequencer.account).collect());
+        add(
+            "lanes",
+            sequencers.map(|sequencer| &sequencer.account).collect(),
+        );
     }
 
     fn add_fifos(&mut self, geometry: &Geometry, raster: &Raster, config: &Config) {
         let mut add = |name, depth: u32, fifos: Vec<&Fifo>| {
-            let high_water = fifos.iter().map(|fifo| fifo.high_water()).max().unwrap_or(0);
-            self.fifos.insert(name, FifoUse { depth: depth.into(), high_water });
+            let high_water = fifos
+                .iter()
+                .map(|fifo| fifo.high_water())
+                .max()
+                .unwrap_or(0);
+            self.fifos.insert(
+                name,
+                FifoUse {
+                    depth: depth.into(),
+                    high_water,
+                },
+            );
         };
         add("setup", config.setup_fifo, vec![&geometry.splats]);
         add("bin", config.bin_fifo, vec![&geometry.footprints]);
-        add("packet", config.packet_fifo, raster.units.iter().map(|unit| &unit.packets).collect());
-        add("splat", config.splat_fifo, raster.units.iter().map(|unit| &unit.splats).collect());
+        add(
+            "packet",
+            config.packet_fifo,
+            raster.units.iter().map(|unit| &unit.packets).collect(),
+        );
+        add(
+            "splat",
+            config.splat_fifo,
+            raster.units.iter().map(|unit| &unit.splats).collect(),
+        );
         let sequencers = raster.units.iter().flat_map(|unit| &unit.sequencers);
-        add("row", config.row_fifo, sequencers.map(|sequencer| &sequencer.fifo).collect());
+        add(
+            "row",
+            config.row_fifo,
+            sequencers.map(|sequencer| &sequencer.fifo).collect(),
+        );
     }
 
     fn add_pixels(&mut self, raster: &Raster, config: &Config) {
         let lanes = u64::from(config.lanes) * u64::from(config.raster_units);
-        let per_lane = |pixels: u64| if self.raster == 0 { 0.0 } else { pixels as f64 / (self.raster * lanes) as f64 };
-        let sequencers = raster.units.first().map_or(1, |unit| unit.sequencers.len() as u64);
+        let per_lane = |pixels: u64| {
+            if self.raster == 0 {
+                0.0
+            } else {
+                pixels as f64 / (self.raster * lanes) as f64
+            }
+        };
+        let sequencers = raster
+            .units
+            .first()
+            .map_or(1, |unit| unit.sequencers.len() as u64);
         let busy = self.units.get("lanes").map_or(0, |unit| unit.busy);
         self.pixels = PixelWork {
             slots: busy * u64::from(config.lanes) / sequencers,
@@ -238,5 +309,9 @@ impl Timing {
 
 /// The lane work for a configuration and the simulation in one call.
 pub fn simulate_alone(workload: &Workload, config: &Config) -> Timing {
-    simulate(workload, &LaneWork::new(workload, LaneShape::from(config)), config)
+    simulate(
+        workload,
+        &LaneWork::new(workload, LaneShape::from(config)),
+        config,
+    )
 }

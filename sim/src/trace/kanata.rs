@@ -15,13 +15,22 @@ type Pair = (u32, u32, u32);
 /// The log of some events.
 pub fn log(events: &[Event]) -> String {
     let mut pairs: BTreeMap<Pair, BTreeMap<Stage, (u64, u64)>> = BTreeMap::new();
-    for event in events.iter().filter(|event| event.stage != Stage::WriteBack) {
-        let stages = pairs.entry((event.unit, event.tile, event.splat)).or_default();
-        let (start, end) = stages.entry(event.stage).or_insert((event.start, event.end));
+    for event in events
+        .iter()
+        .filter(|event| event.stage != Stage::WriteBack)
+    {
+        let stages = pairs
+            .entry((event.unit, event.tile, event.splat))
+            .or_default();
+        let (start, end) = stages
+            .entry(event.stage)
+            .or_insert((event.start, event.end));
         (*start, *end) = ((*start).min(event.start), (*end).max(event.end));
     }
     let mut order: Vec<(Pair, BTreeMap<Stage, (u64, u64)>)> = pairs.into_iter().collect();
-    let begin = |stages: &BTreeMap<Stage, (u64, u64)>| stages.values().map(|(start, _)| *start).min().unwrap_or(0);
+    let begin = |stages: &BTreeMap<Stage, (u64, u64)>| {
+        stages.values().map(|(start, _)| *start).min().unwrap_or(0)
+    };
     order.sort_by_key(|(pair, stages)| (begin(stages), *pair));
 
     // Lines by cycle; within a cycle ends come before starts, and a pair's head before its stages.
@@ -38,7 +47,11 @@ pub fn log(events: &[Event]) -> String {
             lines.push((*from, 2, format!("S\t{id}\t{lane}\t{letter}")));
             lines.push((to, 0, format!("E\t{id}\t{lane}\t{letter}")));
         }
-        let end = stages.values().map(|(from, to)| (*to).max(from + 1)).max().unwrap_or(start);
+        let end = stages
+            .values()
+            .map(|(from, to)| (*to).max(from + 1))
+            .max()
+            .unwrap_or(start);
         lines.push((end, 3, format!("R\t{id}\t{id}\t0")));
     }
     lines.sort_by_key(|(cycle, rank, _)| (*cycle, *rank));

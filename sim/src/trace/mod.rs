@@ -27,7 +27,10 @@ pub const STAGES: [(Stage, &str, &str); 6] = [
 
 /// Name and letter of a stage.
 pub fn name_of(stage: Stage) -> (&'static str, &'static str) {
-    STAGES.iter().find(|(other, ..)| *other == stage).map_or(("", ""), |(_, name, letter)| (name, letter))
+    STAGES
+        .iter()
+        .find(|(other, ..)| *other == stage)
+        .map_or(("", ""), |(_, name, letter)| (name, letter))
 }
 
 /// Keeps the events of some splats, and the write-backs of the tiles that they touch.
@@ -41,7 +44,11 @@ pub struct Recorder {
 impl Recorder {
     /// Records splats `first ..= last`.
     pub fn new(first: u32, last: u32) -> Recorder {
-        Recorder { first, last, events: Vec::new() }
+        Recorder {
+            first,
+            last,
+            events: Vec::new(),
+        }
     }
 
     /// The events in the order of their first cycles.
@@ -58,7 +65,11 @@ impl Observer for Recorder {
     fn event(&mut self, event: Event) {
         let wanted = match event.stage {
             // A write-back comes after all other events of its tile and unit.
-            Stage::WriteBack => self.events.iter().rev().any(|other| other.tile == event.tile),
+            Stage::WriteBack => self
+                .events
+                .iter()
+                .rev()
+                .any(|other| other.tile == event.tile),
             _ => (self.first..=self.last).contains(&event.splat),
         };
         if wanted {

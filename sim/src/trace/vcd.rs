@@ -10,17 +10,33 @@ type Place = (u32, Stage, u32);
 
 /// The dump of some events.
 pub fn dump(events: &[Event]) -> String {
-    let places: BTreeSet<Place> = events.iter().map(|event| (event.unit, event.stage, event.lane)).collect();
-    let numbers: BTreeMap<Place, usize> = places.iter().zip(0..).map(|(place, number)| (*place, number)).collect();
+    let places: BTreeSet<Place> = events
+        .iter()
+        .map(|event| (event.unit, event.stage, event.lane))
+        .collect();
+    let numbers: BTreeMap<Place, usize> = places
+        .iter()
+        .zip(0..)
+        .map(|(place, number)| (*place, number))
+        .collect();
     let mut text = header(&numbers);
     // Items that come or go, and the splat that came last, by cycle and place.
     let mut changes: BTreeMap<u64, BTreeMap<usize, (i64, Option<u32>)>> = BTreeMap::new();
     for event in events {
         let number = numbers[&(event.unit, event.stage, event.lane)];
-        let come = changes.entry(event.start).or_default().entry(number).or_default();
+        let come = changes
+            .entry(event.start)
+            .or_default()
+            .entry(number)
+            .or_default();
         come.0 += 1;
         come.1 = Some(event.splat);
-        changes.entry(event.end).or_default().entry(number).or_default().0 -= 1;
+        changes
+            .entry(event.end)
+            .or_default()
+            .entry(number)
+            .or_default()
+            .0 -= 1;
     }
     let mut items = vec![0i64; numbers.len()];
     let first = changes.keys().next().copied().unwrap_or(0);
@@ -48,7 +64,9 @@ pub fn dump(events: &[Event]) -> String {
 }
 
 fn header(numbers: &BTreeMap<Place, usize>) -> String {
-    let mut text = String::from("$comment one cycle is 1 ns; a write-back's splat is 4294967295 $end\n$timescale 1 ns $end\n");
+    let mut text = String::from(
+        "$comment one cycle is 1 ns; a write-back's splat is 4294967295 $end\n$timescale 1 ns $end\n",
+    );
     let mut unit = None;
     for ((of, stage, lane), number) in numbers {
         if unit != Some(of) {
@@ -59,8 +77,16 @@ fn header(numbers: &BTreeMap<Place, usize>) -> String {
             unit = Some(of);
         }
         let (name, _) = name_of(*stage);
-        let _ = writeln!(text, "$var wire 32 {} {name}_{lane}_items $end", code(2 * number));
-        let _ = writeln!(text, "$var wire 32 {} {name}_{lane}_splat $end", code(2 * number + 1));
+        let _ = writeln!(
+            text,
+            "$var wire 32 {} {name}_{lane}_items $end",
+            code(2 * number)
+        );
+        let _ = writeln!(
+            text,
+            "$var wire 32 {} {name}_{lane}_splat $end",
+            code(2 * number + 1)
+        );
     }
     if unit.is_some() {
         text.push_str("$upscope $end\n");

@@ -39,7 +39,9 @@ impl Field {
 
 /// The field called `section.key`, or `key` alone, since no key occurs twice.
 pub fn field(name: &str) -> Option<&'static Field> {
-    FIELDS.iter().find(|field| field.key == name || field.path() == name)
+    FIELDS
+        .iter()
+        .find(|field| field.key == name || field.path() == name)
 }
 
 const COUNT: Range = Range::Number(1, 1024);
@@ -113,5 +115,12 @@ const fn entry(
     get: fn(&Config) -> u32,
     set: fn(&mut Config, u32),
 ) -> Field {
-    Field { section, key, range, about, get, set }
+    Field {
+        section,
+        key,
+        range,
+        about,
+        get,
+        set,
+    }
 }

@@ -15,16 +15,28 @@ fn row() -> impl Strategy<Value = Row> {
             return Row::default();
         }
         let visited = mask(x, length);
-        Row { open: open & visited, covered: covered & visited, x: x as u8, length: length as u8 }
+        Row {
+            open: open & visited,
+            covered: covered & visited,
+            x: x as u8,
+            length: length as u8,
+        }
     })
 }
 
 /// Tiles of 16 x 8 pixels with arbitrary pairs, some of them finished after some pair.
 pub fn workload() -> impl Strategy<Value = Workload> {
     let pair = (0u8..8, proptest::collection::vec(row(), 1..6));
-    let tile = (proptest::collection::vec(pair, 0..8), proptest::option::of(1u32..8));
+    let tile = (
+        proptest::collection::vec(pair, 0..8),
+        proptest::option::of(1u32..8),
+    );
     proptest::collection::vec(tile, 1..6).prop_map(|tiles| {
-        let mut workload = Workload { tile: [16, 8], packet_bytes: 48, ..Workload::default() };
+        let mut workload = Workload {
+            tile: [16, 8],
+            packet_bytes: 48,
+            ..Workload::default()
+        };
         for (pairs, finished) in tiles {
             let count = pairs.len() as u32;
             for (first_row, mut rows) in pairs {
@@ -32,11 +44,23 @@ pub fn workload() -> impl Strategy<Value = Workload> {
                 let visits = rows.iter().any(|row| row.length > 0);
                 workload.rows.extend(rows);
                 let splat = workload.splats.len() as u32;
-                workload.splats.push(SplatWork { tiles: 1, visited_tiles: visits.into() });
-                workload.pairs.push(Pair { splat, rows_end: workload.rows.len() as u32, first_row, visits });
+                workload.splats.push(SplatWork {
+                    tiles: 1,
+                    visited_tiles: visits.into(),
+                });
+                workload.pairs.push(Pair {
+                    splat,
+                    rows_end: workload.rows.len() as u32,
+                    first_row,
+                    visits,
+                });
             }
             let finished_after = finished.filter(|after| *after <= count).unwrap_or(u32::MAX);
-            workload.tiles.push(Tile { pairs_end: workload.pairs.len() as u32, finished_after, pixels: 128 });
+            workload.tiles.push(Tile {
+                pairs_end: workload.pairs.len() as u32,
+                finished_after,
+                pixels: 128,
+            });
         }
         workload.splats.push(SplatWork::default());
         workload
@@ -58,9 +82,21 @@ pub fn machine() -> impl Strategy<Value = Config> {
             tile_height: 8,
             lanes: (1 << lanes).max(if layout == Layout::Quad { 2 } else { 1 }),
             layout,
-            overlap: if serial { Overlap::Serial } else { Overlap::Pipelined },
-            assignment: if fixed { Assignment::Static } else { Assignment::Dynamic },
-            pixel_termination: if skip { Termination::Skip } else { Termination::Discard },
+            overlap: if serial {
+                Overlap::Serial
+            } else {
+                Overlap::Pipelined
+            },
+            assignment: if fixed {
+                Assignment::Static
+            } else {
+                Assignment::Dynamic
+            },
+            pixel_termination: if skip {
+                Termination::Skip
+            } else {
+                Termination::Discard
+            },
             binning: if exact { Binning::Exact } else { Binning::Box },
             raster_units,
             tile_termination,

@@ -18,7 +18,11 @@ struct Lane {
 /// Cycles until the last band of one tile has left the lanes.
 fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
     let transfer = u64::from((packet_bytes + config.list_bytes).div_ceil(config.read_bandwidth));
-    let lanes = if config.layout == Layout::Rows { config.lanes as usize } else { 1 };
+    let lanes = if config.layout == Layout::Rows {
+        config.lanes as usize
+    } else {
+        1
+    };
     let stretch = u64::from(config.stretch());
     let mut to_fetch: VecDeque<usize> = (0..work.pairs.len()).collect();
     let mut fetch_free_at = 0;
@@ -37,7 +41,9 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
             for (lane, runs) in lane.iter_mut().zip(&mut runs) {
                 if let Some(band) = runs.front().copied()
                     && lane.free_at <= now
-                    && flights.iter().all(|flight| may_start(&band, flight, now, config))
+                    && flights
+                        .iter()
+                        .all(|flight| may_start(&band, flight, now, config))
                 {
                     lane.free_at = now + u64::from(band.groups) * stretch;
                     last = last.max(lane.free_at);
@@ -76,7 +82,9 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
                 changed = true;
             }
             if in_setup.is_none() && packets.front().is_some_and(|(_, arrival)| *arrival <= now) {
-                in_setup = packets.pop_front().map(|(pair, _)| (pair, now + u64::from(config.splat_cycles)));
+                in_setup = packets
+                    .pop_front()
+                    .map(|(pair, _)| (pair, now + u64::from(config.splat_cycles)));
                 changed = true;
             }
             if fetch_free_at <= now && packets.len() < config.packet_fifo as usize {
@@ -90,7 +98,11 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
                 break;
             }
         }
-        let waiting = to_fetch.len() + packets.len() + splats.len() + bands.len() + runs.iter().map(VecDeque::len).sum::<usize>();
+        let waiting = to_fetch.len()
+            + packets.len()
+            + splats.len()
+            + bands.len()
+            + runs.iter().map(VecDeque::len).sum::<usize>();
         if waiting == 0 && in_setup.is_none() && in_rows.is_none() {
             return last;
         }
@@ -100,14 +112,23 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
 
 /// A pair's bands with the row generator's cycles: a step begins with every `rows_at_once`-th row.
 fn services(work: &LaneWork, pair: usize, config: &Config) -> VecDeque<(Band, u64)> {
-    let first = if pair == 0 { 0 } else { work.pairs[pair - 1].bands_end as usize };
+    let first = if pair == 0 {
+        0
+    } else {
+        work.pairs[pair - 1].bands_end as usize
+    };
     let mut row = 0;
     let service = |band: &Band| {
-        let begun = (row..row + u32::from(band.rows)).filter(|row| row % config.rows_at_once == 0).count();
+        let begun = (row..row + u32::from(band.rows))
+            .filter(|row| row % config.rows_at_once == 0)
+            .count();
         row += u32::from(band.rows);
         (*band, begun as u64 * u64::from(config.row_cycles))
     };
-    work.bands[first..work.pairs[pair].bands_end as usize].iter().map(service).collect()
+    work.bands[first..work.pairs[pair].bands_end as usize]
+        .iter()
+        .map(service)
+        .collect()
 }
 
 /// The document's interlock in signed numbers.
@@ -115,9 +136,13 @@ fn may_start(band: &Band, (flight, start): &(Band, u64), now: u64, config: &Conf
     if flight.y != band.y || flight.first >= band.last || band.first >= flight.last {
         return true;
     }
-    let (stretch, stride, latency) =
-        (f64::from(config.stretch()), f64::from(config.stride()), f64::from(config.blend_latency));
-    let groups = ((f64::from(band.first) - f64::from(flight.first)) / stride).ceil() + f64::from(band.skipped);
+    let (stretch, stride, latency) = (
+        f64::from(config.stretch()),
+        f64::from(config.stride()),
+        f64::from(config.blend_latency),
+    );
+    let groups = ((f64::from(band.first) - f64::from(flight.first)) / stride).ceil()
+        + f64::from(band.skipped);
     let settled = *start as f64 + f64::from(flight.groups) * stretch - stretch + latency;
     now as f64 >= (*start as f64 + latency + groups * stretch).min(settled)
 }

@@ -162,7 +162,12 @@ proptest! {
 }
 
 fn observed(workload: &Workload, config: &Config, events: &mut Vec<Event>) -> Timing {
-    simulate_observed(workload, &LaneWork::new(workload, LaneShape::from(config)), config, events)
+    simulate_observed(
+        workload,
+        &LaneWork::new(workload, LaneShape::from(config)),
+        config,
+        events,
+    )
 }
 
 /// Visited and wanted columns per splat and band.
@@ -170,9 +175,20 @@ fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)
     let mut spans = HashMap::new();
     let mut first = 0;
     for pair in &workload.pairs {
-        for (row, y) in workload.rows[first..pair.rows_end as usize].iter().zip(u32::from(pair.first_row)..) {
-            let y = if config.layout == Layout::Quad { y / 2 } else { y };
-            let wanted = if config.pixel_termination == Termination::Skip { row.open } else { row.visited() };
+        for (row, y) in workload.rows[first..pair.rows_end as usize]
+            .iter()
+            .zip(u32::from(pair.first_row)..)
+        {
+            let y = if config.layout == Layout::Quad {
+                y / 2
+            } else {
+                y
+            };
+            let wanted = if config.pixel_termination == Termination::Skip {
+                row.open
+            } else {
+                row.visited()
+            };
             let entry = spans.entry((pair.splat, y)).or_insert((0, 0));
             *entry = (entry.0 | row.visited(), entry.1 | wanted);
         }
@@ -185,12 +201,20 @@ fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)
 fn issues((visited, wanted): &(u64, u64), event: &Event, config: &Config) -> Vec<(u32, u64)> {
     let stride = config.stride();
     let low = visited.trailing_zeros();
-    let start = if config.layout == Layout::Run { low } else { low - low % stride };
+    let start = if config.layout == Layout::Run {
+        low
+    } else {
+        low - low % stride
+    };
     let mut issue = event.start;
     let mut columns = Vec::new();
     for group in (start..64 - visited.leading_zeros()).step_by(stride as usize) {
         if wanted & mask(group, stride) != 0 {
-            columns.extend((group..group + stride).filter(|column| *column < 64 && visited >> column & 1 == 1).map(|column| (column, issue)));
+            columns.extend(
+                (group..group + stride)
+                    .filter(|column| *column < 64 && visited >> column & 1 == 1)
+                    .map(|column| (column, issue)),
+            );
             issue += u64::from(config.stretch());
         }
     }

@@ -22,10 +22,17 @@ use splatline::target::Target;
 
 /// The work of drawing `scene` in tiles of `tile` columns (at most 64) and rows.
 pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]) -> Workload {
-    let footprints: Vec<Option<Footprint>> =
-        fixed::footprints(scene, camera, options).into_iter().map(Result::ok).collect();
+    let footprints: Vec<Option<Footprint>> = fixed::footprints(scene, camera, options)
+        .into_iter()
+        .map(Result::ok)
+        .collect();
     let viewport = [camera.width as u16, camera.height as u16];
-    options.design.dispatch(Job { footprints: &footprints, viewport, options, tile })
+    options.design.dispatch(Job {
+        footprints: &footprints,
+        viewport,
+        options,
+        tile,
+    })
 }
 
 struct Job<'a> {
@@ -50,7 +57,9 @@ impl DesignJob for Job<'_> {
         let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
         let order = self.order();
         let boxes = order.iter().filter_map(|index| {
-            self.footprints[*index as usize].as_ref().map(|footprint| (*index, footprint.first, footprint.last))
+            self.footprints[*index as usize]
+                .as_ref()
+                .map(|footprint| (*index, footprint.first, footprint.last))
         });
         let bins = Bins::new(boxes, self.viewport, self.tile);
         let window = |tile: usize| {
@@ -66,16 +75,24 @@ impl DesignJob for Job<'_> {
             u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
         };
         let packet_bytes = 4 * Layout::new(&widths).words() as u32;
-        assemble(parts, pixels, self.footprints.len(), self.tile, packet_bytes)
+        assemble(
+            parts,
+            pixels,
+            self.footprints.len(),
+            self.tile,
+            packet_bytes,
+        )
     }
 }
 
 impl Job<'_> {
     /// Visible splats in drawing order: by depth, ties by index.
     fn order(&self) -> Vec<u32> {
-        let depth = |index: &u32| self.footprints[*index as usize].map_or(0, |footprint| footprint.depth);
-        let mut order: Vec<u32> =
-            (0..self.footprints.len() as u32).filter(|index| self.footprints[*index as usize].is_some()).collect();
+        let depth =
+            |index: &u32| self.footprints[*index as usize].map_or(0, |footprint| footprint.depth);
+        let mut order: Vec<u32> = (0..self.footprints.len() as u32)
+            .filter(|index| self.footprints[*index as usize].is_some())
+            .collect();
         order.par_sort_by_key(depth);
         if self.options.compositing == Compositing::BackToFront {
             order.reverse();
@@ -83,7 +100,13 @@ impl Job<'_> {
         order
     }
 
-    fn tile<D: Design>(&self, design: D, painter: &Painter<D>, list: &[u32], window: Window) -> TilePart {
+    fn tile<D: Design>(
+        &self,
+        design: D,
+        painter: &Painter<D>,
+        list: &[u32],
+        window: Window,
+    ) -> TilePart {
         let widths = design.widths();
         let columns = usize::from(window.last[0] - window.first[0]);
         let rows = usize::from(window.last[1] - window.first[1]);
@@ -93,21 +116,46 @@ impl Job<'_> {
         };
         let mut part = TilePart::default();
         for index in list {
-            let Some(footprint) = &self.footprints[*index as usize] else { continue };
-            let visible = Window { first: footprint.first, last: footprint.last }.intersect(&window);
+            let Some(footprint) = &self.footprints[*index as usize] else {
+                continue;
+            };
+            let visible = Window {
+                first: footprint.first,
+                last: footprint.last,
+            }
+            .intersect(&window);
             let first = part.rows.len();
-            part.rows.resize(first + usize::from(visible.last[1] - visible.first[1]), Row::default());
-            let note = Note { footprint, widths: &widths, window, first_row: visible.first[1] };
+            part.rows.resize(
+                first + usize::from(visible.last[1] - visible.first[1]),
+                Row::default(),
+            );
+            let note = Note {
+                footprint,
+                widths: &widths,
+                window,
+                first_row: visible.first[1],
+            };
             let rows = &mut part.rows[first..];
             match self.options.traversal {
-                Traversal::Spans => note.rows(SpanRows::new(design, footprint, &window), &mut target, rows),
-                Traversal::Box => note.rows(ConicRows::new(design, footprint, &window), &mut target, rows),
+                Traversal::Spans => {
+                    note.rows(SpanRows::new(design, footprint, &window), &mut target, rows)
+                }
+                Traversal::Box => note.rows(
+                    ConicRows::new(design, footprint, &window),
+                    &mut target,
+                    rows,
+                ),
             }
             let visits = rows.iter().any(|row| row.length > 0);
             painter.draw(footprint, &mut target);
             let rows_end = part.rows.len() as u32;
             let first_row = (visible.first[1] - window.first[1]) as u8;
-            part.pairs.push(Pair { splat: *index, rows_end, first_row, visits });
+            part.pairs.push(Pair {
+                splat: *index,
+                rows_end,
+                first_row,
+                visits,
+            });
             if part.finished_after.is_none() && target.is_finished() {
                 part.finished_after = Some(part.pairs.len() as u32);
             }
@@ -137,7 +185,12 @@ impl Note<'_> {
         let radial = i32::from(self.widths.radial);
         let end = shift_unsigned(self.footprint.cutoff.into(), 28 - radial, Rounding::Nearest);
         let x = run.x - self.window.first[0];
-        let mut row = Row { open: 0, covered: 0, x: x as u8, length: run.length as u8 };
+        let mut row = Row {
+            open: 0,
+            covered: 0,
+            x: x as u8,
+            length: run.length as u8,
+        };
         let pixels = target.row(run.y, run.x, run.length).iter();
         for (column, (pixel, lane)) in (x..).zip(pixels.zip(run.radials())) {
             let inside = (shift_signed(lane.to_wide(), drop).max(0) as u64) < end;
@@ -159,18 +212,36 @@ mod tests {
     fn sums_are_the_painters_own() {
         let scene = synthetic::random_gaussians(2_000, 3, 2.0);
         let camera = synthetic::camera(100, 75);
-        for (name, traversal) in [("standard24", Traversal::Spans), ("lean18", Traversal::Box), ("deep32", Traversal::Spans)] {
+        for (name, traversal) in [
+            ("standard24", Traversal::Spans),
+            ("lean18", Traversal::Box),
+            ("deep32", Traversal::Spans),
+        ] {
             let design = DesignChoice::named(name).unwrap();
-            let options =
-                Options { rules: &Rules::GAUSSIAN_3D, compositing: Compositing::FrontToBack, design: &design, traversal };
+            let options = Options {
+                rules: &Rules::GAUSSIAN_3D,
+                compositing: Compositing::FrontToBack,
+                design: &design,
+                traversal,
+            };
             let workload = extract(&scene, &camera, &options, [16, 8]);
             // Back to front no pixel finishes, so the painter's sums are those of a drawing without termination.
-            let all = Options { compositing: Compositing::BackToFront, ..options.clone() };
+            let all = Options {
+                compositing: Compositing::BackToFront,
+                ..options.clone()
+            };
             let drawn = fixed::draw(&scene, &camera, &all).coverage;
             let totals = workload.totals();
-            assert_eq!((totals.visited, totals.covered), (drawn.visited, drawn.covered), "{name}");
+            assert_eq!(
+                (totals.visited, totals.covered),
+                (drawn.visited, drawn.covered),
+                "{name}"
+            );
             let totals = extract(&scene, &camera, &all, [64, 16]).totals();
-            assert_eq!((totals.visited, totals.covered, totals.live), (drawn.visited, drawn.covered, drawn.covered));
+            assert_eq!(
+                (totals.visited, totals.covered, totals.live),
+                (drawn.visited, drawn.covered, drawn.covered)
+            );
         }
     }
 
@@ -185,10 +256,19 @@ mod tests {
             design: &design,
             traversal: Traversal::Spans,
         };
-        let [small, large] = [[8, 8], [64, 64]].map(|tile| extract(&scene, &camera, &options, tile));
+        let [small, large] =
+            [[8, 8], [64, 64]].map(|tile| extract(&scene, &camera, &options, tile));
         assert_eq!(small.totals().live, large.totals().live);
-        assert!(small.totals().live < small.totals().covered, "some pixels must have finished for this test to mean anything");
-        assert!(small.tiles.iter().any(|tile| tile.finished_after != u32::MAX));
+        assert!(
+            small.totals().live < small.totals().covered,
+            "some pixels must have finished for this test to mean anything"
+        );
+        assert!(
+            small
+                .tiles
+                .iter()
+                .any(|tile| tile.finished_after != u32::MAX)
+        );
         assert_eq!(small.visible(), large.visible());
     }
 }

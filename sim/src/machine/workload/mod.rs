@@ -15,7 +15,11 @@ pub type Mask = u64;
 
 /// Bits `from .. from + count`.
 pub fn mask(from: u32, count: u32) -> Mask {
-    let bits = if count >= 64 { Mask::MAX } else { (1 << count) - 1 };
+    let bits = if count >= 64 {
+        Mask::MAX
+    } else {
+        (1 << count) - 1
+    };
     bits.checked_shl(from).unwrap_or(0)
 }
 
@@ -105,7 +109,10 @@ pub struct Totals {
 impl Workload {
     /// Sums over all rows, without any termination.
     pub fn totals(&self) -> Totals {
-        let mut totals = Totals { rows: self.rows.len() as u64, ..Totals::default() };
+        let mut totals = Totals {
+            rows: self.rows.len() as u64,
+            ..Totals::default()
+        };
         for row in &self.rows {
             totals.visited += u64::from(row.length);
             totals.covered += u64::from(row.covered.count_ones());
@@ -136,11 +143,17 @@ struct Bins {
 
 impl Bins {
     /// Sorts boxes, given as `first` and `last` pixel, into tiles; they must lie in the viewport and not be empty.
-    fn new(boxes: impl Iterator<Item = (u32, [u16; 2], [u16; 2])>, viewport: [u16; 2], tile: [u16; 2]) -> Bins {
+    fn new(
+        boxes: impl Iterator<Item = (u32, [u16; 2], [u16; 2])>,
+        viewport: [u16; 2],
+        tile: [u16; 2],
+    ) -> Bins {
         let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(tile[axis])));
         let mut lists = vec![Vec::new(); columns * rows];
         for (index, first, last) in boxes {
-            let range = |axis: usize| usize::from(first[axis] / tile[axis])..=usize::from((last[axis] - 1) / tile[axis]);
+            let range = |axis: usize| {
+                usize::from(first[axis] / tile[axis])..=usize::from((last[axis] - 1) / tile[axis])
+            };
             for y in range(1) {
                 for x in range(0) {
                     lists[y * columns + x].push(index);
@@ -152,7 +165,10 @@ impl Bins {
 
     /// First and one past the last pixel of a tile.
     fn window(&self, tile: usize, viewport: [u16; 2], size: [u16; 2]) -> ([u16; 2], [u16; 2]) {
-        let first = [(tile % self.columns) as u16 * size[0], (tile / self.columns) as u16 * size[1]];
+        let first = [
+            (tile % self.columns) as u16 * size[0],
+            (tile / self.columns) as u16 * size[1],
+        ];
         let last = [0, 1].map(|axis| first[axis].saturating_add(size[axis]).min(viewport[axis]));
         (first, last)
     }
@@ -166,16 +182,28 @@ fn assemble(
     tile: [u16; 2],
     packet_bytes: u32,
 ) -> Workload {
-    let mut workload = Workload { tile, packet_bytes, splats: vec![SplatWork::default(); splats], ..Workload::default() };
-    workload.pairs.reserve(parts.iter().map(|part| part.pairs.len()).sum());
-    workload.rows.reserve(parts.iter().map(|part| part.rows.len()).sum());
+    let mut workload = Workload {
+        tile,
+        packet_bytes,
+        splats: vec![SplatWork::default(); splats],
+        ..Workload::default()
+    };
+    workload
+        .pairs
+        .reserve(parts.iter().map(|part| part.pairs.len()).sum());
+    workload
+        .rows
+        .reserve(parts.iter().map(|part| part.rows.len()).sum());
     for (index, part) in parts.into_iter().enumerate() {
         let base = workload.rows.len() as u32;
         for pair in part.pairs {
             let splat = &mut workload.splats[pair.splat as usize];
             splat.tiles += 1;
             splat.visited_tiles += u32::from(pair.visits);
-            workload.pairs.push(Pair { rows_end: base + pair.rows_end, ..pair });
+            workload.pairs.push(Pair {
+                rows_end: base + pair.rows_end,
+                ..pair
+            });
         }
         workload.rows.extend(part.rows);
         workload.tiles.push(Tile {

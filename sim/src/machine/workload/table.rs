@@ -29,7 +29,9 @@ pub struct TableOptions {
 #[derive(Debug, Error, PartialEq, Eq)]
 pub enum TableError {
     /// A column is missing.
-    #[error("line 1: no column '{0}': expected at least u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1")]
+    #[error(
+        "line 1: no column '{0}': expected at least u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1"
+    )]
     NoColumn(&'static str),
     /// A field cannot be read.
     #[error("line {line}: {column} = '{value}': {expected}")]
@@ -57,12 +59,19 @@ struct Entry {
     tiles: Option<Vec<u32>>,
 }
 
-const COLUMNS: [&str; 10] = ["u", "v", "depth", "conic_a", "conic_b", "conic_c", "x0", "y0", "x1", "y1"];
+const COLUMNS: [&str; 10] = [
+    "u", "v", "depth", "conic_a", "conic_b", "conic_c", "x0", "y0", "x1", "y1",
+];
 
 /// Reads the text of a table. Splats are drawn nearest first, ties by line.
 pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableError> {
     let mut lines = text.lines();
-    let heading: Vec<&str> = lines.next().unwrap_or("").split(',').map(str::trim).collect();
+    let heading: Vec<&str> = lines
+        .next()
+        .unwrap_or("")
+        .split(',')
+        .map(str::trim)
+        .collect();
     let place = |name: &str| heading.iter().position(|column| *column == name);
     let mut places = [0; COLUMNS.len()];
     for (slot, name) in places.iter_mut().zip(COLUMNS) {
@@ -71,9 +80,17 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableE
     let optional = [place("cutoff"), place("tiles")];
     let mut entries = Vec::new();
     let mut splats = 0;
-    for (number, line) in lines.enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+    for (number, line) in lines
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty())
+    {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let reader = Reader { line: number + 2, fields: &fields, places: &places, optional };
+        let reader = Reader {
+            line: number + 2,
+            fields: &fields,
+            places: &places,
+            optional,
+        };
         if let Some(entry) = reader.entry(splats, options)? {
             entries.push(entry);
         }
@@ -96,7 +113,12 @@ impl Reader<'_> {
     }
 
     fn wrong(&self, column: &'static str, value: &str, expected: &'static str) -> TableError {
-        TableError::Field { line: self.line, column, value: value.to_owned(), expected }
+        TableError::Field {
+            line: self.line,
+            column,
+            value: value.to_owned(),
+            expected,
+        }
     }
 
     fn number(&self, column: usize) -> Result<f64, TableError> {
@@ -109,16 +131,26 @@ impl Reader<'_> {
 
     fn pixel(&self, column: usize) -> Result<u16, TableError> {
         let text = self.text(self.places[column]);
-        text.parse().ok().filter(|pixel| *pixel <= 32_768).ok_or_else(|| {
-            self.wrong(COLUMNS[column], text, "expected a whole number of pixels from 0 to 32768")
-        })
+        text.parse()
+            .ok()
+            .filter(|pixel| *pixel <= 32_768)
+            .ok_or_else(|| {
+                self.wrong(
+                    COLUMNS[column],
+                    text,
+                    "expected a whole number of pixels from 0 to 32768",
+                )
+            })
     }
 
     fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<Entry>, TableError> {
         if self.places.iter().all(|place| self.text(*place).is_empty()) {
             return Ok(None);
         }
-        let (first, mut last) = ([self.pixel(6)?, self.pixel(7)?], [self.pixel(8)?, self.pixel(9)?]);
+        let (first, mut last) = (
+            [self.pixel(6)?, self.pixel(7)?],
+            [self.pixel(8)?, self.pixel(9)?],
+        );
         for axis in 0..2 {
             if options.viewport[axis] > 0 {
                 last[axis] = last[axis].min(options.viewport[axis]);
@@ -147,10 +179,14 @@ impl Reader<'_> {
     }
 
     fn tiles(&self) -> Result<Option<Vec<u32>>, TableError> {
-        let Some(place) = self.optional[1] else { return Ok(None) };
+        let Some(place) = self.optional[1] else {
+            return Ok(None);
+        };
         let text = self.text(place);
         let numbers: Result<Vec<u32>, _> = text.split_whitespace().map(str::parse).collect();
-        numbers.map(Some).map_err(|_| self.wrong("tiles", text, "expected tile numbers separated by spaces"))
+        numbers
+            .map(Some)
+            .map_err(|_| self.wrong("tiles", text, "expected tile numbers separated by spaces"))
     }
 }
 
@@ -158,22 +194,42 @@ fn workload(entries: &[Entry], splats: usize, options: &TableOptions) -> Workloa
     let mut viewport = options.viewport;
     for axis in 0..2 {
         if viewport[axis] == 0 {
-            viewport[axis] = entries.iter().map(|entry| entry.last[axis]).max().unwrap_or(1);
+            viewport[axis] = entries
+                .iter()
+                .map(|entry| entry.last[axis])
+                .max()
+                .unwrap_or(1);
         }
     }
-    let boxes = (0..).zip(entries).map(|(number, entry)| (number, entry.first, entry.last));
+    let boxes = (0..)
+        .zip(entries)
+        .map(|(number, entry)| (number, entry.first, entry.last));
     let bins = Bins::new(boxes, viewport, options.tile);
     let parts = (0..bins.lists.len()).map(|tile| {
         let window = bins.window(tile, viewport, options.tile);
-        let listed = |entry: &&Entry| entry.tiles.as_ref().is_none_or(|tiles| tiles.contains(&(tile as u32)));
-        let list = bins.lists[tile].iter().map(|number| &entries[*number as usize]).filter(listed);
+        let listed = |entry: &&Entry| {
+            entry
+                .tiles
+                .as_ref()
+                .is_none_or(|tiles| tiles.contains(&(tile as u32)))
+        };
+        let list = bins.lists[tile]
+            .iter()
+            .map(|number| &entries[*number as usize])
+            .filter(listed);
         tile_part(list, window, options.traversal)
     });
     let pixels = |tile: usize| {
         let (first, last) = bins.window(tile, viewport, options.tile);
         u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
     };
-    assemble(parts.collect(), pixels, splats, options.tile, options.packet_bytes)
+    assemble(
+        parts.collect(),
+        pixels,
+        splats,
+        options.tile,
+        options.packet_bytes,
+    )
 }
 
 fn tile_part<'a>(
@@ -186,7 +242,8 @@ fn tile_part<'a>(
         let columns = [entry.first[0].max(first[0]), entry.last[0].min(last[0])];
         let (top, bottom) = (entry.first[1].max(first[1]), entry.last[1].min(last[1]));
         let start = part.rows.len();
-        part.rows.extend((top..bottom).map(|y| entry.row(y, columns, first[0], traversal)));
+        part.rows
+            .extend((top..bottom).map(|y| entry.row(y, columns, first[0], traversal)));
         part.pairs.push(Pair {
             splat: entry.splat,
             rows_end: part.rows.len() as u32,
@@ -205,14 +262,24 @@ impl Entry {
             let dx = f64::from(x) + 0.5 - self.centre[0];
             a * dx * dx + 2.0 * b * dx * dy + c * dy * dy
         };
-        let covered = (from..to).filter(|x| radial(*x) < self.cutoff).fold(0u64, |all, x| all | 1 << (x - origin));
+        let covered = (from..to)
+            .filter(|x| radial(*x) < self.cutoff)
+            .fold(0u64, |all, x| all | 1 << (x - origin));
         let (first, last) = match traversal {
             Traversal::Box => (from - origin, to - origin),
             Traversal::Spans if covered == 0 => return Row::default(),
-            Traversal::Spans => (covered.trailing_zeros() as u16, 64 - covered.leading_zeros() as u16),
+            Traversal::Spans => (
+                covered.trailing_zeros() as u16,
+                64 - covered.leading_zeros() as u16,
+            ),
         };
         let length = last - first;
-        Row { open: mask(first.into(), length.into()), covered, x: first as u8, length: length as u8 }
+        Row {
+            open: mask(first.into(), length.into()),
+            covered,
+            x: first as u8,
+            length: length as u8,
+        }
     }
 }
 
@@ -220,8 +287,13 @@ impl Entry {
 mod tests {
     use super::*;
 
-    const OPTIONS: TableOptions =
-        TableOptions { viewport: [16, 8], tile: [8, 8], traversal: Traversal::Spans, cutoff: 4.0, packet_bytes: 40 };
+    const OPTIONS: TableOptions = TableOptions {
+        viewport: [16, 8],
+        tile: [8, 8],
+        traversal: Traversal::Spans,
+        cutoff: 4.0,
+        packet_bytes: 40,
+    };
     const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1";
 
     /// The rows as a picture: one letter per pair.
@@ -249,10 +321,30 @@ mod tests {
     fn a_disc_of_radius_two_over_two_tiles() {
         let table = format!("{HEADING}\n0,8,4,1,1,0,1,6,2,10,6\n1,,,,,,,,,,\n");
         let spans = read_table(&table, &OPTIONS).unwrap();
-        assert_eq!(picture(&spans), "       #|      ##|      ##|       #|\n#       |##      |##      |#       |\n");
-        let boxes = read_table(&table, &TableOptions { traversal: Traversal::Box, ..OPTIONS }).unwrap();
-        assert_eq!(picture(&boxes), "      .#|      ##|      ##|      .#|\n#.      |##      |##      |#.      |\n");
-        assert_eq!(spans.splats.iter().map(|splat| splat.tiles).collect::<Vec<_>>(), [2, 0]);
+        assert_eq!(
+            picture(&spans),
+            "       #|      ##|      ##|       #|\n#       |##      |##      |#       |\n"
+        );
+        let boxes = read_table(
+            &table,
+            &TableOptions {
+                traversal: Traversal::Box,
+                ..OPTIONS
+            },
+        )
+        .unwrap();
+        assert_eq!(
+            picture(&boxes),
+            "      .#|      ##|      ##|      .#|\n#.      |##      |##      |#.      |\n"
+        );
+        assert_eq!(
+            spans
+                .splats
+                .iter()
+                .map(|splat| splat.tiles)
+                .collect::<Vec<_>>(),
+            [2, 0]
+        );
         let listed = format!("{HEADING},tiles\n0,8,4,1,1,0,1,6,2,10,6,1\n");
         assert_eq!(read_table(&listed, &OPTIONS).unwrap().splats[0].tiles, 1);
     }
@@ -262,7 +354,10 @@ mod tests {
         let message = |text: &str| read_table(text, &OPTIONS).unwrap_err().to_string();
         assert!(message("index,u,v\n").contains("no column 'depth'"));
         let bad = format!("{HEADING}\n0,8,4,1,1,0,inf,6,2,10,6\n");
-        assert_eq!(message(&bad), "line 2: conic_c = 'inf': expected a finite number");
+        assert_eq!(
+            message(&bad),
+            "line 2: conic_c = 'inf': expected a finite number"
+        );
         assert!(message(&format!("{HEADING}\n0,8,4,1,1,0,1,-6,2,10,6\n")).contains("x0 = '-6'"));
         assert!(message(&format!("{HEADING}\n0,8\n")).contains("x0 = ''"));
     }
