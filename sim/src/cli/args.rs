@@ -87,6 +87,8 @@ pub enum Command {
     /// Write the raster phase cycle by cycle for a trace viewer.
     #[command(after_help = machine_args::TRACE_EXAMPLES)]
     Trace(machine_args::TraceOptions),
+    /// Measure every table of docs/results.
+    Results(machine_args::ResultsOptions),
 }
 
 #[derive(Debug, Args)]

@@ -221,3 +221,13 @@ fn positive(text: &str) -> Result<f64, String> {
         _ => Err("expected a number above 0".to_owned()),
     }
 }
+
+#[derive(Debug, Args)]
+pub struct ResultsOptions {
+    /// Folder with the scenes (gaussians/, points/)
+    #[arg(long, value_name = "dir")]
+    pub data: PathBuf,
+    /// Folder to write the tables into
+    #[arg(short, long, value_name = "dir", default_value = "docs/results")]
+    pub output: PathBuf,
+}

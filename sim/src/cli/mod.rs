@@ -16,6 +16,7 @@ mod model;
 mod needs;
 mod progress;
 mod render;
+mod results;
 mod setup;
 mod sweep;
 #[cfg(test)]
@@ -72,6 +73,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Needs(options)) => needs::run(&options),
         Some(Command::Trace(options)) => trace::run(&options),
+        Some(Command::Results(options)) => results::run(&options),
     }
 }
 

@@ -131,22 +131,29 @@ impl UnitTime {
     }
 }
 
-/// Places of a FIFO by the time at which each became free again, and the most that was ever in it.
+/// A FIFO's places by the time at which each became free again, and the most that was ever in it.
 ///
-/// Entry `k` may enter when entry `k - depth` has left. Departures are noted in the order of entry.
+/// Entry `k` may enter when entry `k - depth` has left. Departures are noted in the order of entry, in a ring whose size is
+/// a power of two, because a remainder by a variable would be the slowest step of the whole model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fifo {
     left: Vec<u64>,
-    entered: u64,
-    oldest: u64,
-    high_water: u64,
+    mask: usize,
+    depth: usize,
+    entered: usize,
+    oldest: usize,
+    high_water: usize,
 }
 
 impl Fifo {
     /// A FIFO for so many entries, at least one.
     pub fn new(depth: u32) -> Fifo {
+        let depth = depth.max(1) as usize;
+        let size = depth.next_power_of_two();
         Fifo {
-            left: vec![0; depth.max(1) as usize],
+            left: vec![0; size],
+            mask: size - 1,
+            depth,
             entered: 0,
             oldest: 0,
             high_water: 0,
@@ -156,35 +163,24 @@ impl Fifo {
     /// The first cycle at which the next entry finds a place.
     #[inline(always)]
     pub fn free_at(&self) -> u64 {
-        self.left[self.place(self.entered)]
+        // Before `depth` entries have come this is a place of the ring that still holds 0.
+        self.left[self.entered.wrapping_sub(self.depth) & self.mask]
     }
 
     /// An entry comes in at `enter`, not before [`Fifo::free_at`], and goes out at `leave`.
     #[inline(always)]
     pub fn pass(&mut self, enter: u64, leave: u64) {
-        while self.oldest < self.entered && self.left[self.place(self.oldest)] <= enter {
+        while self.oldest < self.entered && self.left[self.oldest & self.mask] <= enter {
             self.oldest += 1;
         }
-        let place = self.place(self.entered);
-        self.left[place] = leave;
+        self.left[self.entered & self.mask] = leave;
         self.entered += 1;
         self.high_water = self.high_water.max(self.entered - self.oldest);
     }
 
     /// The most entries that were in it at once.
     pub fn high_water(&self) -> u64 {
-        self.high_water
-    }
-
-    #[inline(always)]
-    fn place(&self, entry: u64) -> usize {
-        // Depths are small and often powers of two; a remainder by a variable is the slow part of the whole model.
-        let depth = self.left.len();
-        if depth.is_power_of_two() {
-            entry as usize & (depth - 1)
-        } else {
-            (entry % depth as u64) as usize
-        }
+        self.high_water as u64
     }
 }
 

@@ -43,7 +43,7 @@ impl From<&Config> for LaneShape {
 pub struct Band {
     /// Row of the tile, or number of the row pair with quads.
     pub y: u8,
-    /// Rows that the generator makes for it.
+    /// Rows that the generator makes for it, with those before it that have no work for the lanes.
     pub rows: u8,
     /// First column, moved down to the group's first.
     pub first: u8,
@@ -172,25 +172,23 @@ fn one_pair(work: &mut LaneWork, shape: LaneShape, splat: u32, first_row: u8, ro
     };
     let mut rest = rows;
     let mut y = first_row;
+    // Rows without work for the lanes are charged to the next band that has some, which changes no time of any unit.
+    let mut empty_rows = 0;
     while !rest.is_empty() {
-        let tall = if shape.layout == Layout::Quad && y.is_multiple_of(2) {
-            2
-        } else {
-            1
-        };
+        let quad = shape.layout == Layout::Quad;
+        let tall = if quad && y.is_multiple_of(2) { 2 } else { 1 };
         let (now, later) = rest.split_at(tall.min(rest.len()));
         let grouped = Grouped::new(shape, now);
         pair.add(&grouped, now);
-        work.bands.push(grouped.band(
-            if shape.layout == Layout::Quad {
-                y / 2
-            } else {
-                y
-            },
-            now.len() as u8,
-        ));
-        y += now.len() as u8;
+        let mut band = grouped.band(if quad { y / 2 } else { y }, now.len() as u8);
+        y += band.rows;
         rest = later;
+        band.rows += empty_rows;
+        empty_rows = band.rows;
+        if band.groups > 0 || rest.is_empty() {
+            work.bands.push(band);
+            empty_rows = 0;
+        }
     }
     pair.bands_end = work.bands.len() as u32;
     work.pairs.push(pair);

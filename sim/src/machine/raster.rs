@@ -203,13 +203,11 @@ impl RasterUnit {
         self.rows.wait(Cause::Memory, arrival);
         self.rows.wait(Cause::SplatSetup, handed_on);
         self.splats.pass(handed_on, self.rows.at());
-        let mut row = 0;
+        let mut generator = Steps::new(self.costs.rows_at_once);
         for band in bands {
             let began = self.rows.at();
-            let steps = (row + u32::from(band.rows)).div_ceil(self.costs.rows_at_once)
-                - row.div_ceil(self.costs.rows_at_once);
-            row += u32::from(band.rows);
-            self.rows.work(u64::from(steps) * self.costs.row);
+            let steps = generator.make(band.rows);
+            self.rows.work(steps * self.costs.row);
             at.event(Stage::Rows, 0, band.y, began, self.rows.at());
             if band.groups > 0 {
                 self.hand_over(band, [arrival, handed_on], buffer, at);
@@ -262,13 +260,11 @@ impl RasterUnit {
         splat.work(costs.splat);
         at.event(Stage::Setup, 0, 0, began, splat.at());
         rows.wait(Cause::Turn, splat.at());
-        let mut row = 0;
+        let mut generator = Steps::new(costs.rows_at_once);
         for band in bands {
             let began = rows.at();
-            let steps = (row + u32::from(band.rows)).div_ceil(costs.rows_at_once)
-                - row.div_ceil(costs.rows_at_once);
-            row += u32::from(band.rows);
-            rows.work(u64::from(steps) * costs.row);
+            let steps = generator.make(band.rows);
+            rows.work(steps * costs.row);
             at.event(Stage::Rows, 0, band.y, began, rows.at());
             sequencer.account.wait(Cause::Turn, rows.at());
             if band.groups > 0 {
@@ -374,6 +370,38 @@ impl Sequencer {
             until = until.max(pixelwise.min(flight.settled));
         }
         until
+    }
+}
+
+/// Counts the row generator's steps over the rows of one pair.
+struct Steps {
+    at_once: u32,
+    /// Rows that the last step has made and no band has taken.
+    spare: u32,
+}
+
+impl Steps {
+    fn new(at_once: u32) -> Steps {
+        Steps { at_once, spare: 0 }
+    }
+
+    /// Steps begun for the next so many rows.
+    #[inline(always)]
+    fn make(&mut self, rows: u8) -> u64 {
+        let rows = u32::from(rows);
+        if rows <= self.spare {
+            self.spare -= rows;
+            return 0;
+        }
+        let missing = rows - self.spare;
+        // Most often one step is enough; the division is for tall gaps.
+        let steps = if missing <= self.at_once {
+            1
+        } else {
+            missing.div_ceil(self.at_once)
+        };
+        self.spare = steps * self.at_once - missing;
+        steps.into()
     }
 }
 

@@ -147,7 +147,10 @@ impl Job<'_> {
                 ),
             }
             let visits = rows.iter().any(|row| row.length > 0);
-            painter.draw(footprint, &mut target);
+            // Nothing that comes after the last pixel has finished changes the tile.
+            if part.finished_after.is_none() {
+                painter.draw(footprint, &mut target);
+            }
             let rows_end = part.rows.len() as u32;
             let first_row = (visible.first[1] - window.first[1]) as u8;
             part.pairs.push(Pair {
