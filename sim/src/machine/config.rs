@@ -169,7 +169,7 @@ impl Default for Config {
             splat_cycles: 1,
             row_cycles: 1,
             rows_at_once: 2,
-            packet_fifo: 16,
+            packet_fifo: 64,
             splat_fifo: 2,
             row_fifo: 16,
             lanes: 1,

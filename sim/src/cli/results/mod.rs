@@ -2,6 +2,8 @@
 //!
 //! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
 
+mod designs;
+mod layouts;
 mod points;
 mod throughput;
 
@@ -95,7 +97,8 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     let text = throughput::text(&tables, &missing);
     write(&options.output.join("throughput.md"), text.as_bytes())?;
     say(&text);
-    Ok(())
+    layouts::write_all(&subjects, &options.output)?;
+    designs::write_all(subjects, &options.output)
 }
 
 fn demo() -> Result<Subject> {
