@@ -87,12 +87,13 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
                     .map(|(pair, _)| (pair, now + u64::from(config.splat_cycles)));
                 changed = true;
             }
-            if fetch_free_at <= now && packets.len() < config.packet_fifo as usize {
-                if let Some(pair) = to_fetch.pop_front() {
-                    fetch_free_at = now + transfer;
-                    packets.push_back((pair, fetch_free_at + u64::from(config.latency)));
-                    changed = true;
-                }
+            if fetch_free_at <= now
+                && packets.len() < config.packet_fifo as usize
+                && let Some(pair) = to_fetch.pop_front()
+            {
+                fetch_free_at = now + transfer;
+                packets.push_back((pair, fetch_free_at + u64::from(config.latency)));
+                changed = true;
             }
             if !changed {
                 break;

@@ -151,9 +151,9 @@ impl Reader<'_> {
             [self.pixel(6)?, self.pixel(7)?],
             [self.pixel(8)?, self.pixel(9)?],
         );
-        for axis in 0..2 {
-            if options.viewport[axis] > 0 {
-                last[axis] = last[axis].min(options.viewport[axis]);
+        for (end, limit) in last.iter_mut().zip(options.viewport) {
+            if limit > 0 {
+                *end = limit.min(*end);
             }
         }
         let entry = Entry {
@@ -192,9 +192,9 @@ impl Reader<'_> {
 
 fn workload(entries: &[Entry], splats: usize, options: &TableOptions) -> Workload {
     let mut viewport = options.viewport;
-    for axis in 0..2 {
-        if viewport[axis] == 0 {
-            viewport[axis] = entries
+    for (axis, size) in viewport.iter_mut().enumerate() {
+        if *size == 0 {
+            *size = entries
                 .iter()
                 .map(|entry| entry.last[axis])
                 .max()
