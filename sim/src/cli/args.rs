@@ -78,16 +78,19 @@ pub enum Command {
     #[command(after_help = machine_args::EXPLORE_EXAMPLES)]
     Explore(machine_args::ExploreOptions),
     /// Put the shards of a sweep together.
+    #[command(after_help = machine_args::MERGE_EXAMPLES)]
     Merge(machine_args::MergeOptions),
     /// Find the smallest design within an error budget.
     #[command(after_help = machine_args::FIT_EXAMPLES)]
     Fit(machine_args::FitOptions),
     /// Report which units, ranges, widths and FIFO depths a scene exercises.
+    #[command(after_help = machine_args::NEEDS_EXAMPLES)]
     Needs(machine_args::NeedsOptions),
     /// Write the raster phase cycle by cycle for a trace viewer.
     #[command(after_help = machine_args::TRACE_EXAMPLES)]
     Trace(machine_args::TraceOptions),
     /// Measure every table of docs/results.
+    #[command(after_help = machine_args::RESULTS_EXAMPLES)]
     Results(machine_args::ResultsOptions),
 }
 

@@ -231,3 +231,17 @@ pub struct ResultsOptions {
     #[arg(short, long, value_name = "dir", default_value = "docs/results")]
     pub output: PathBuf,
 }
+
+pub const MERGE_EXAMPLES: &str = "\
+Examples:
+  splatline merge out -o out
+  splatline merge node1 node2 node3 -o all";
+
+pub const NEEDS_EXAMPLES: &str = "\
+Examples:
+  splatline needs guitar.ply
+  splatline needs guitar.ply --max-error 0.004 --json needs.json";
+
+pub const RESULTS_EXAMPLES: &str = "\
+Examples:
+  splatline results --data data -o docs/results";

@@ -32,7 +32,21 @@ fn only_commands_that_exist_are_listed_and_each_shows_examples() {
         .get_subcommands()
         .map(|sub| sub.get_name())
         .collect();
-    assert_eq!(names, ["render", "compare", "footprints"]);
+    assert_eq!(
+        names,
+        [
+            "render",
+            "compare",
+            "footprints",
+            "model",
+            "explore",
+            "merge",
+            "fit",
+            "needs",
+            "trace",
+            "results"
+        ]
+    );
     for sub in command.get_subcommands() {
         assert!(
             sub.get_after_help()
@@ -147,7 +161,7 @@ fn values_that_make_no_sense_are_refused() {
         ErrorKind::MissingRequiredArgument
     );
     assert_eq!(
-        parse("model a.ply").unwrap_err().kind(),
+        parse("modell a.ply").unwrap_err().kind(),
         ErrorKind::InvalidSubcommand
     );
 }
