@@ -8,9 +8,11 @@
 pub mod atomic;
 pub mod camera;
 pub mod design;
+pub mod explore;
 pub mod fixed;
 pub mod gallery;
 pub mod hybrid;
+pub mod machine;
 pub mod metrics;
 pub mod picture;
 pub mod reference;
@@ -20,5 +22,6 @@ pub mod rules;
 pub mod scene;
 pub mod stability;
 pub mod surface;
+pub mod trace;
 pub mod vector;
 pub mod vectors;

@@ -1,5 +1,6 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::machine_args;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
@@ -97,6 +98,24 @@ pub enum Command {
     /// Measure every figure that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
+    /// Cycles of a scene on a machine.
+    #[command(after_help = machine_args::MODEL_EXAMPLES)]
+    Model(machine_args::ModelOptions),
+    /// Sweep designs and machines; Pareto front of error, cycles and area.
+    #[command(after_help = machine_args::EXPLORE_EXAMPLES)]
+    Explore(machine_args::ExploreOptions),
+    /// Put the shards of a sweep together.
+    #[command(after_help = machine_args::MERGE_EXAMPLES)]
+    Merge(machine_args::MergeOptions),
+    /// Find the smallest design within an error budget.
+    #[command(after_help = machine_args::FIT_EXAMPLES)]
+    Fit(machine_args::FitOptions),
+    /// Report which units, ranges, widths and FIFO depths a scene exercises.
+    #[command(after_help = machine_args::NEEDS_EXAMPLES)]
+    Needs(machine_args::NeedsOptions),
+    /// Write the raster phase cycle by cycle for a trace viewer.
+    #[command(after_help = machine_args::TRACE_EXAMPLES)]
+    Trace(machine_args::TraceOptions),
     /// Measure every stage on hard cases, against exact arithmetic and single precision.
     #[command(after_help = STABILITY_EXAMPLES)]
     Stability(StabilityOptions),
@@ -106,29 +125,6 @@ pub enum Command {
         #[command(subcommand)]
         action: VectorsAction,
     },
-}
-
-#[derive(Debug, Args)]
-pub struct GalleryOptions {
-    /// Which collection
-    #[arg(value_enum)]
-    pub collection: Collection,
-    /// One group of the collection only
-    #[arg(long, value_name = "GROUP")]
-    pub only: Option<String>,
-    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
-    #[arg(long, value_name = "dir", default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// Folder to write README.md and the pictures into
-    #[arg(short, long, value_name = "dir")]
-    pub output: PathBuf,
-}
-
-/// A collection of exhibits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Collection {
-    /// Kernels, antialiasing, spheres, hybrid points, stamps
-    Kernels,
 }
 
 #[derive(Debug, Subcommand)]
@@ -239,6 +235,8 @@ pub struct CompareOptions {
     pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
+    #[command(flatten)]
+    pub machine: machine_args::MachineOptions,
     /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
     #[arg(short, long, value_name = "dir")]
     pub output: PathBuf,
@@ -637,4 +635,6 @@ pub enum ResultsPage {
     Golden,
     /// Bit layout of the footprint packet.
     Packet,
+    /// Cycles: throughput, lane layouts, designs.
+    Hardware,
 }

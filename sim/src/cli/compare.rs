@@ -1,6 +1,7 @@
 //! `splatline compare`: fixed point against the reference, with pictures and a report.
 
 use super::args::{CompareOptions, Engine};
+use super::model::machine;
 use super::setup::{View, check_folder_of, write};
 use super::sweep::{self, Entry, Manner};
 use super::{Failure, say};
@@ -19,7 +20,10 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         return super::surface::compare_with_float(options);
     }
     let view = View::from_options(&options.view)?;
-    let manner = Manner::from_options(drawing, &view)?;
+    let manner = Manner {
+        machine: machine(&options.machine)?,
+        ..Manner::from_options(drawing, &view)?
+    };
     // The fixed picture is always drawn; the option can only say what it is compared with.
     let reference = if drawing.engine == Engine::Exact {
         Engine::Exact

@@ -7,6 +7,7 @@ use super::sweep::{self, Entry, Manner};
 use super::{Failure, say};
 use anyhow::Context;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::machine::Config;
 use splatline_sim::picture::Depth;
 use splatline_sim::report::table;
 use splatline_sim::rules::Compositing;
@@ -41,6 +42,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         threads: threads(None),
         repeat,
         hybrid: None,
+        machine: Config::default(),
     };
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
     let chosen = Entry {

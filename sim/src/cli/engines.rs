@@ -11,6 +11,8 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::hybrid::Hybrid;
+use splatline_sim::machine::workload::extract;
+use splatline_sim::machine::{Config, Timing, simulate_alone};
 use splatline_sim::reference::{self, exact, float};
 use splatline_sim::report::facts::Counts;
 use splatline_sim::report::{HostTimes, Pixels};
@@ -123,6 +125,24 @@ fn described(drawing: fixed::Drawing) -> Drawing {
         }),
         stages,
     }
+}
+
+/// Cycles of a picture on a machine.
+pub fn cycles(task: Task, design: &DesignChoice, traversal: Traversal, machine: &Config) -> Timing {
+    let Task {
+        scene,
+        camera,
+        rules,
+        compositing,
+    } = task;
+    let options = fixed::Options {
+        rules,
+        compositing,
+        design,
+        traversal,
+    };
+    let tile = [machine.tile_width, machine.tile_height];
+    simulate_alone(&extract(scene, camera, &options, tile), machine)
 }
 
 /// Footprints by the kernel's setup, in splat order; nothing for culled splats.

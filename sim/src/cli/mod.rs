@@ -8,8 +8,13 @@ mod compare;
 mod demo;
 mod drawing;
 mod engines;
+mod explore;
+mod fit;
 mod footprints;
 mod gallery;
+mod machine_args;
+mod model;
+mod needs;
 mod progress;
 mod render;
 mod results;
@@ -19,6 +24,7 @@ mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
+mod trace;
 mod vectors;
 
 use args::{Cli, Command};
@@ -66,9 +72,15 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
         Some(Command::Gallery(options)) => gallery::run(&options),
-        Some(Command::Results(options)) => results::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
         Some(Command::Stability(options)) => stability::run(&options),
+        Some(Command::Model(options)) => model::run(&options),
+        Some(Command::Explore(options)) => explore::run(&options),
+        Some(Command::Merge(options)) => explore::merge(&options),
+        Some(Command::Fit(options)) => fit::run(&options),
+        Some(Command::Needs(options)) => needs::run(&options),
+        Some(Command::Trace(options)) => trace::run(&options),
+        Some(Command::Results(options)) => results::run(&options),
     }
 }
 

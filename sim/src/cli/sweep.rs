@@ -10,6 +10,7 @@ use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::hybrid::{Hybrid, Points, spacing};
+use splatline_sim::machine::{Config, Timing};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
@@ -27,6 +28,8 @@ pub struct Manner {
     pub repeat: usize,
     /// Points and stamps instead of splats alone.
     pub hybrid: Option<Hybrid>,
+    /// The machine whose cycles are counted.
+    pub machine: Config,
 }
 
 /// One design walked by one traversal.
@@ -61,6 +64,7 @@ impl Manner {
     pub fn without_points(options: &DrawingOptions) -> Manner {
         Manner {
             hybrid: None,
+            machine: Config::default(),
             compositing: options.compositing.into(),
             threads: threads(options.threads),
             repeat: options.repeat,
@@ -174,6 +178,18 @@ pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measure
     })
 }
 
+/// Cycles of one entry on the manner's machine, which knows neither points nor stamps.
+fn cycles(view: &View, manner: &Manner, entry: &Entry) -> Result<Option<Timing>> {
+    if manner.hybrid.is_some() {
+        return Ok(None);
+    }
+    let timing = engines::on_threads(manner.threads, || {
+        let task = task(view, manner);
+        engines::cycles(task, &entry.design, entry.traversal, &manner.machine)
+    })?;
+    Ok(Some(timing))
+}
+
 fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
     let View {
         scene,
@@ -202,6 +218,7 @@ pub fn run(
     // Once is enough: the reference's time is not reported.
     let once = Manner {
         repeat: 1,
+        machine: manner.machine.clone(),
         ..*manner
     };
     let float = draw_reference(view, &once, reference)?.drawing.picture;
@@ -216,24 +233,30 @@ pub fn run(
             .with_context(|| format!("design {} cannot be compared", entry.title()))?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = manner.traversal_name(entry);
-        table.push(Row::new(
+        let cycles = cycles(view, manner, entry)?;
+        let row = Row::new(
             &entry.design.name,
             traversal,
             &errors,
             pixels,
             measured.host,
-        ));
+        );
+        table.push(Row {
+            cycles: cycles.as_ref().map(|cycles| cycles.total),
+            ..row
+        });
         if entry == chosen {
-            kept = Some((measured, errors));
+            kept = Some((measured, errors, cycles));
         }
         progress.advance();
     }
-    let (measured, errors) = kept.context("the chosen design was not drawn")?;
+    let (measured, errors, cycles) = kept.context("the chosen design was not drawn")?;
     let map = ErrorMap::new(&measured.drawing.picture, &float);
     let report = Report {
         reference: Some(reference.name().to_owned()),
         error: Some(ErrorFacts::from(&errors)),
         error_map: Some(ScaleFacts::from(&map)),
+        cycles: cycles.map(serde_json::to_value).transpose()?,
         table,
         ..report_of_entry(view, manner, chosen, &measured)?
     };

@@ -142,7 +142,7 @@ fn values_that_make_no_sense_are_refused() {
         ErrorKind::MissingRequiredArgument
     );
     assert_eq!(
-        parse("model a.ply").unwrap_err().kind(),
+        parse("modell a.ply").unwrap_err().kind(),
         ErrorKind::InvalidSubcommand
     );
 }

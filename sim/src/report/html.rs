@@ -277,17 +277,76 @@ fn sweep(report: &Report) -> Result<String, PageError> {
          best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
          of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
          work, it is not the time of a chip.</p>\n<div class=\"plot\">\n<div class=\"wide\">{wide}</div>\n\
-         <div class=\"narrow\">{narrow}</div>\n</div>\n</section>\n\
+         <div class=\"narrow\">{narrow}</div>\n</div>\n{cycles}</section>\n\
          <section>\n<h2>All designs</h2>\n<p class=\"read\">Errors are those of red, green and blue in units of 1.0 (one step of \
          an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. Visited counts each \
          pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
-         is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n",
+         is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{machine}",
         repeat = plural(report.host.repeat, "run", "median of "),
         threads = plural(report.host.threads, "thread", ""),
         wide = inline_svg(&plot::svg(&report.table, wide.0, wide.1)?),
         narrow = inline_svg(&plot::svg(&report.table, narrow.0, narrow.1)?),
         table = sweep_table(report),
+        cycles = cycles_plot(report)?,
+        machine = machine_section(report),
     ))
+}
+
+/// The same designs against cycles of the hardware model, if it was run.
+fn cycles_plot(report: &Report) -> Result<String, PageError> {
+    if report.table.iter().all(|row| row.cycles.is_none()) {
+        return Ok(String::new());
+    }
+    let plot =
+        |(width, height)| plot::svg_across(&report.table, plot::Across::Cycles, width, height);
+    Ok(format!(
+        "<p class=\"read\">The same designs in clock cycles of the hardware model: one raster unit of one lane unless a machine \
+         was given. Widths hardly change cycles, the traversal does.</p>\n<div class=\"plot\">\n<div class=\"wide\">{}</div>\n\
+         <div class=\"narrow\">{}</div>\n</div>\n",
+        inline_svg(&plot(WIDE_PLOT)?),
+        inline_svg(&plot(NARROW_PLOT)?),
+    ))
+}
+
+/// The accounts of the machine's units for the chosen design.
+fn machine_section(report: &Report) -> String {
+    let Some(cycles) = &report.cycles else {
+        return String::new();
+    };
+    let number = |value: &serde_json::Value| table::count(value.as_u64().unwrap_or(0));
+    let line = |(name, unit): (&String, &serde_json::Value)| {
+        let stalled = unit["stalled"].as_object().into_iter().flatten();
+        let causes: Vec<String> = stalled
+            .map(|(cause, cycles)| {
+                format!("{} {}", escape(&cause.replace('_', " ")), number(cycles))
+            })
+            .collect();
+        format!(
+            "<tr><td class=\"word\">{}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{}</td><td class=\"word\">{}</td></tr>\n",
+            escape(&name.replace('_', " ")),
+            number(&unit["instances"]),
+            number(&unit["busy"]),
+            100.0 * unit["utilisation"].as_f64().unwrap_or(0.0),
+            number(&unit["idle"]),
+            causes.join(", ")
+        )
+    };
+    let lines: String = cycles["units"]
+        .as_object()
+        .into_iter()
+        .flatten()
+        .map(line)
+        .collect();
+    format!(
+        "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
+         stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n<div class=\"scroll\"><table>\n\
+         <tr><th class=\"word\">unit</th><th>number</th><th>busy</th><th>busy %</th><th>idle</th><th class=\"word\">stalled by</th></tr>\n\
+         {lines}</table></div>\n</section>\n",
+        number(&cycles["total"]),
+        number(&cycles["geometry"]),
+        number(&cycles["sort"]),
+        number(&cycles["raster"]),
+    )
 }
 
 /// `1 run`, `median of 5 runs`.

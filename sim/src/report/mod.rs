@@ -48,7 +48,7 @@ pub struct Report {
     pub error: Option<ErrorFacts>,
     /// How the colours of error.png are to be read; null if nothing was compared.
     pub error_map: Option<ScaleFacts>,
-    /// Cycles of the hardware model; null until that model exists, and always for a float engine.
+    /// Cycles of the hardware model (total, phases, accounts per unit); null if it was not run, and for a float engine.
     pub cycles: Option<serde_json::Value>,
     /// Work of the rasterizer; null for a float engine, which counts no visits.
     pub pixels: Option<Pixels>,
@@ -149,6 +149,9 @@ pub struct Row {
     pub covered: u64,
     /// Their ratio, 1 at best; null if nothing was covered.
     pub visited_per_covered: Option<f64>,
+    /// Cycles of the hardware model; null if it was not run.
+    #[serde(default)]
+    pub cycles: Option<u64>,
     /// Time on this machine.
     pub host: HostTimes,
 }
@@ -241,6 +244,7 @@ impl Row {
             visited,
             covered,
             visited_per_covered: (covered > 0).then(|| visited as f64 / covered as f64),
+            cycles: None,
             host,
         }
     }

@@ -1,4 +1,4 @@
-//! Speed against error as SVG: host time (logarithmic) across, PSNR up, so better is up and to the left.
+//! Speed against error as SVG: host time or simulated cycles (logarithmic) across, PSNR up, so better is up and to the left.
 //!
 //! Colour is the design, the marker's shape is the traversal, and a thin line joins the traversals of one design. The
 //! axes are drawn by hand on plotters' SVG back end, because its own logarithmic axis leaves narrow ranges without
@@ -79,12 +79,48 @@ pub struct PlotError(String);
 
 type Canvas<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 
-/// Draws the sweep as an SVG document of the given size in pixels.
+/// What lies across.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Across {
+    /// Time on this machine, milliseconds.
+    HostTime,
+    /// Cycles of the hardware model, millions; rows without them lie at the left edge.
+    Cycles,
+}
+
+impl Across {
+    fn name(self) -> &'static str {
+        match self {
+            Across::HostTime => "host time, ms (logarithmic)",
+            Across::Cycles => "simulated cycles, millions (logarithmic)",
+        }
+    }
+
+    /// Decadic logarithm of a row's milliseconds or million cycles.
+    fn log(self, row: &Row) -> f64 {
+        match self {
+            Across::HostTime => log_milliseconds(row),
+            Across::Cycles => (row.cycles.unwrap_or(0).max(1) as f64 / 1e6).log10(),
+        }
+    }
+}
+
+/// Draws the sweep against host time as an SVG document of the given size in pixels.
 pub fn svg(rows: &[Row], width: u32, height: u32) -> Result<String, PlotError> {
+    svg_across(rows, Across::HostTime, width, height)
+}
+
+/// Draws the sweep as an SVG document of the given size in pixels.
+pub fn svg_across(
+    rows: &[Row],
+    across: Across,
+    width: u32,
+    height: u32,
+) -> Result<String, PlotError> {
     let mut text = String::new();
     {
         let canvas = SVGBackend::with_string(&mut text, (width, height)).into_drawing_area();
-        draw(&canvas, rows, f64::from(width), f64::from(height)).map_err(PlotError)?;
+        draw(&canvas, rows, across, f64::from(width), f64::from(height)).map_err(PlotError)?;
         canvas
             .present()
             .map_err(|error| PlotError(error.to_string()))?;
@@ -92,14 +128,20 @@ pub fn svg(rows: &[Row], width: u32, height: u32) -> Result<String, PlotError> {
     Ok(text)
 }
 
-fn draw(canvas: &Canvas, rows: &[Row], width: f64, height: f64) -> Result<(), String> {
+fn draw(
+    canvas: &Canvas,
+    rows: &[Row],
+    across: Across,
+    width: f64,
+    height: f64,
+) -> Result<(), String> {
     let frame = Rectangle {
         left: 58.0,
         top: 34.0,
         width: width - 74.0,
         height: height - 84.0,
     };
-    let axes = Axes::new(rows, frame);
+    let axes = Axes::new(rows, across, frame);
     draw_grid(canvas, &axes)?;
     draw_legend(canvas, rows, &axes)?;
     let designs = distinct(rows.iter().map(|row| row.design.as_str()));
@@ -112,7 +154,8 @@ fn draw(canvas: &Canvas, rows: &[Row], width: f64, height: f64) -> Result<(), St
 /// The frame in pixels and the values at its edges.
 struct Axes {
     frame: Rectangle,
-    /// Decadic logarithm of milliseconds at the left and right edge.
+    measure: Across,
+    /// Decadic logarithm of milliseconds or million cycles at the left and right edge.
     across: (f64, f64),
     /// Decibels at the lower and upper edge.
     up: (f64, f64),
@@ -123,8 +166,9 @@ struct Axes {
 }
 
 impl Axes {
-    fn new(rows: &[Row], frame: Rectangle) -> Axes {
-        let (fastest, slowest) = range(rows.iter().map(log_milliseconds)).unwrap_or((0.0, 1.0));
+    fn new(rows: &[Row], measure: Across, frame: Rectangle) -> Axes {
+        let (fastest, slowest) =
+            range(rows.iter().map(|row| measure.log(row))).unwrap_or((0.0, 1.0));
         // At least a factor of two, so that equal times do not blow noise up to the width of the picture.
         let margin = (0.3 - (slowest - fastest)).max(0.0) / 2.0 + 0.08;
         let (lowest, highest) =
@@ -139,6 +183,7 @@ impl Axes {
         let up = (bottom, identical.map_or(top, |level| level + step / 2.0));
         Axes {
             frame,
+            measure,
             across: (fastest - margin, slowest + margin),
             up,
             step,
@@ -146,8 +191,8 @@ impl Axes {
         }
     }
 
-    fn x(&self, log_milliseconds: f64) -> f64 {
-        let part = (log_milliseconds - self.across.0) / (self.across.1 - self.across.0);
+    fn x(&self, log: f64) -> f64 {
+        let part = (log - self.across.0) / (self.across.1 - self.across.0);
         self.frame.left + part * self.frame.width
     }
 
@@ -158,7 +203,7 @@ impl Axes {
 
     fn point(&self, row: &Row) -> (f64, f64) {
         let decibels = row.error.psnr_db.or(self.identical).unwrap_or(self.up.1);
-        (self.x(log_milliseconds(row)), self.y(decibels))
+        (self.x(self.measure.log(row)), self.y(decibels))
     }
 
     /// Times with a number at the axis, in milliseconds: 1, 2, 5 per decade, all nine digits where that gives too few.
@@ -237,7 +282,7 @@ fn draw_grid(canvas: &Canvas, axes: &Axes) -> Result<(), String> {
     }
     write(
         canvas,
-        "host time, ms (logarithmic)",
+        axes.measure.name(),
         (left + width / 2.0, bottom + 36.0),
         INK,
         HPos::Center,

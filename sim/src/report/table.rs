@@ -3,7 +3,7 @@
 use super::{ChannelFacts, Row};
 
 /// Headings, in the order of [`cells`].
-pub const HEADINGS: [&str; 11] = [
+pub const HEADINGS: [&str; 12] = [
     "design",
     "traversal",
     "PSNR dB",
@@ -15,13 +15,14 @@ pub const HEADINGS: [&str; 11] = [
     "setup ms",
     "raster ms",
     "total ms",
+    "Mcycles",
 ];
 
 /// How many columns at the left are words; the others are numbers and align to the right.
 pub const WORD_COLUMNS: usize = 2;
 
 /// One line as text.
-pub fn cells(row: &Row) -> [String; 11] {
+pub fn cells(row: &Row) -> [String; 12] {
     [
         row.design.clone(),
         row.traversal.clone(),
@@ -35,12 +36,16 @@ pub fn cells(row: &Row) -> [String; 11] {
         milliseconds(row.host.setup_s),
         milliseconds(row.host.raster_s),
         milliseconds(row.host.total_s),
+        row.cycles.map_or_else(
+            || "-".to_owned(),
+            |cycles| format!("{:.3}", cycles as f64 / 1e6),
+        ),
     ]
 }
 
 /// Aligned plain text for a terminal.
 pub fn plain(rows: &[Row]) -> String {
-    let lines: Vec<[String; 11]> = rows.iter().map(cells).collect();
+    let lines: Vec<[String; 12]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = plain_line(&HEADINGS, &widths);
     let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
@@ -53,7 +58,7 @@ pub fn plain(rows: &[Row]) -> String {
 
 /// A Markdown table, aligned in the source as well.
 pub fn markdown(rows: &[Row]) -> String {
-    let lines: Vec<[String; 11]> = rows.iter().map(cells).collect();
+    let lines: Vec<[String; 12]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = markdown_line(&HEADINGS, &widths);
     let rule: Vec<String> = widths
@@ -114,7 +119,7 @@ fn milliseconds(seconds: f64) -> String {
     format!("{:.1}", seconds * 1e3)
 }
 
-fn widths(lines: &[[String; 11]]) -> Vec<usize> {
+fn widths(lines: &[[String; 12]]) -> Vec<usize> {
     let widest = |column: usize| {
         lines
             .iter()

@@ -1,12 +1,19 @@
 //! `splatline results`: the pages of docs/results, measured afresh.
 
+mod designs;
+mod hardware;
+mod layouts;
+mod points;
+mod throughput;
+
 use super::args::{ResultsOptions, ResultsPage};
 use super::compare::create_folder;
 use super::progress::Progress;
 use super::setup::write;
 use super::{Failure, say};
 use clap::ValueEnum;
-use splatline_sim::results::{Page, accuracy, golden, packet, picture, views};
+use hardware::Subject;
+use splatline_sim::results::{COMMAND, Page, accuracy, golden, packet, picture, views};
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
@@ -16,19 +23,25 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     }
     for page in ResultsPage::value_variants() {
         if options.only.is_empty() || options.only.contains(page) {
-            let Page { file, text } = measure(*page, options)?;
-            write(&options.output.join(file), text.as_bytes())?;
-            say(&format!("{text}\n"));
+            if let Some(Page { file, text }) = measure(*page, options)? {
+                write(&options.output.join(file), text.as_bytes())?;
+                say(&format!("{text}\n"));
+            }
         }
     }
     Ok(())
 }
 
-fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Page, Failure> {
+/// The page's text, unless it writes its files itself.
+fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, Failure> {
     match page {
-        ResultsPage::Accuracy => measure_accuracy(options),
-        ResultsPage::Packet => Ok(packet::page()),
-        ResultsPage::Golden => Ok(golden::page(&options.data.join("golden"))?),
+        ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
+        ResultsPage::Packet => Ok(Some(packet::page())),
+        ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
+        ResultsPage::Hardware => {
+            hardware::run(&options.data, &options.output)?;
+            Ok(None)
+        }
     }
 }
 

@@ -1,0 +1,233 @@
+//! Options of the commands about the machine: model, explore, merge, fit, needs, trace.
+
+use super::args::{CompositingChoice, DesignName, Size, TraversalChoice, ViewOptions};
+use clap::Args;
+use splatline_sim::explore::sweep::Shard;
+use std::path::PathBuf;
+
+pub const MODEL_EXAMPLES: &str = "\
+Examples:
+  splatline model guitar.ply
+  splatline model guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
+  splatline model --footprints f.csv --screen 512x512 --cutoff 4
+      the workload of another rasterizer; columns as `splatline footprints` writes them, optionally cutoff and tiles
+
+With -o: timing.json and machine.toml, the resolved configuration.";
+
+/// Which machine.
+#[derive(Debug, Args)]
+pub struct MachineOptions {
+    /// Machine (TOML); what it leaves out keeps its default
+    #[arg(long, value_name = "file.toml")]
+    pub machine: Option<PathBuf>,
+    /// Change one field of the machine; may be given more than once
+    #[arg(long, value_name = "key=value")]
+    pub set: Vec<String>,
+}
+
+/// Which pixels, in which order.
+#[derive(Debug, Args)]
+pub struct WorkOptions {
+    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
+    pub design: DesignName,
+    /// How a footprint's pixels are walked [default: the design's own]
+    #[arg(long, value_enum)]
+    pub traversal: Option<TraversalChoice>,
+    /// Order and operator of blending
+    #[arg(long, value_enum, default_value = "front-to-back")]
+    pub compositing: CompositingChoice,
+}
+
+#[derive(Debug, Args)]
+pub struct ModelOptions {
+    #[command(flatten)]
+    pub view: Option<ViewOptions>,
+    /// Footprints of another rasterizer (CSV) instead of a scene
+    #[arg(long, value_name = "f.csv", conflicts_with = "scene")]
+    pub footprints: Option<PathBuf>,
+    /// With --footprints: size of the screen [default: up to the largest x1 and y1]
+    #[arg(long, value_name = "WxH", requires = "footprints")]
+    pub screen: Option<Size>,
+    /// With --footprints: radial index at which a footprint without a cut-off of its own ends
+    #[arg(long, value_name = "r", default_value_t = 4.0)]
+    pub cutoff: f64,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+    /// Simulate N times and report the median speed
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub repeat: u32,
+    /// Folder to write timing.json and machine.toml into
+    #[arg(short, long, value_name = "dir")]
+    pub output: Option<PathBuf>,
+}
+
+pub const EXPLORE_EXAMPLES: &str = "\
+Examples:
+  splatline explore guitar.ply --space space.toml -o out
+  splatline explore guitar.ply --space space.toml --shard 3/8 -o out      one of eight machines
+  splatline merge out -o out                                              puts the shards together
+
+A space:
+  sample = \"grid\"                  # or \"latin\" with count = 200 and seed = 1
+  [design]
+  base = [\"lean18\", \"standard24\"]
+  mantissa = { from = 14, to = 24, step = 2 }
+  [machine]
+  lanes = [1, 2, 4]
+  layout = [\"run\", \"rows\"]
+
+An interrupted sweep goes on where it stopped. Writes points.csv (or points-3-of-8.csv), and when all points are
+there front.csv and front.html.";
+
+#[derive(Debug, Args)]
+pub struct ExploreOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+    /// Fields and their values (TOML)
+    #[arg(long, value_name = "s.toml")]
+    pub space: PathBuf,
+    /// Run part i of n only
+    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
+    pub shard: Shard,
+    /// Prices of area (TOML)
+    #[arg(long, value_name = "file.toml")]
+    pub calibration: Option<PathBuf>,
+    /// Leave the float reference out: cycles and area only
+    #[arg(long)]
+    pub no_error: bool,
+    /// Folder for the results
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// Folders with points.csv or points-i-of-n.csv of one sweep
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// Folder for points.csv, front.csv and front.html
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+pub const FIT_EXAMPLES: &str = "\
+Examples:
+  splatline fit guitar.ply --max-error 0.004          largest error of any pixel, 1/255
+  splatline fit guitar.ply --max-error 1e-3 --metric rms -o fitted.toml";
+
+#[derive(Debug, Args)]
+pub struct FitOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    /// Error that the design may have, colours, in units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub max_error: f64,
+    /// Which error
+    #[arg(long, value_enum, default_value = "largest")]
+    pub metric: MetricChoice,
+    /// Design file to write
+    #[arg(short, long, value_name = "file.toml")]
+    pub output: Option<PathBuf>,
+}
+
+/// Which error a budget is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum MetricChoice {
+    /// Largest absolute error
+    Largest,
+    /// Root mean square error
+    Rms,
+}
+
+#[derive(Debug, Args)]
+pub struct NeedsOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+    /// Also find the smallest widths within this error (as `splatline fit` does)
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub max_error: Option<f64>,
+    /// Also write the answer as JSON
+    #[arg(long, value_name = "n.json")]
+    pub json: Option<PathBuf>,
+}
+
+pub const TRACE_EXAMPLES: &str = "\
+Examples:
+  splatline trace guitar.ply --format kanata --first 100 --last 140 -o trace.kanata      for Konata
+  splatline trace guitar.ply --format vcd --set lanes=4 -o trace.vcd                     for GTKWave or Surfer
+  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev";
+
+#[derive(Debug, Args)]
+pub struct TraceOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+    /// Format of the trace
+    #[arg(long, value_enum)]
+    pub format: TraceFormat,
+    /// First splat to record, by its number in the scene
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub first: u32,
+    /// Last splat to record [default: 255 after the first]
+    #[arg(long, value_name = "N")]
+    pub last: Option<u32>,
+    /// File to write
+    #[arg(short, long, value_name = "file")]
+    pub output: PathBuf,
+}
+
+/// Formats of traces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum TraceFormat {
+    /// Konata
+    Kanata,
+    /// GTKWave, Surfer
+    Vcd,
+    /// ui.perfetto.dev
+    Perfetto,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text
+        .split_once('/')
+        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
+    match numbers {
+        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => {
+            Ok(Shard { index, count })
+        }
+        _ => Err("expected i/n with i from 1 to n".to_owned()),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+pub const MERGE_EXAMPLES: &str = "\
+Examples:
+  splatline merge out -o out
+  splatline merge node1 node2 node3 -o all";
+
+pub const NEEDS_EXAMPLES: &str = "\
+Examples:
+  splatline needs guitar.ply
+  splatline needs guitar.ply --max-error 0.004 --json needs.json";

@@ -1,0 +1,138 @@
+//! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
+
+use super::compare::create_folder;
+use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
+use super::setup::{View, write};
+use super::{Failure, say};
+use anyhow::{Context, anyhow};
+use serde_json::json;
+use splatline::format::Traversal;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed;
+use splatline_sim::machine::config::{self, Config};
+use splatline_sim::machine::histogram::Histograms;
+use splatline_sim::machine::lanes::{LaneShape, LaneWork};
+use splatline_sim::machine::timing::Timing;
+use splatline_sim::machine::workload::{TableOptions, Workload, extract, read_table};
+use splatline_sim::machine::{simulate, summary};
+use std::path::Path;
+use std::time::Instant;
+
+pub fn run(options: &ModelOptions) -> Result<(), Failure> {
+    if let Some(folder) = &options.output {
+        create_folder(folder)?;
+    }
+    let config = machine(&options.machine)?;
+    let (name, workload) = match (&options.view, &options.footprints) {
+        (_, Some(table)) => (
+            table.display().to_string(),
+            from_table(table, options, &config)?,
+        ),
+        (Some(view), None) => {
+            let view_of = View::from_options(view)?;
+            let workload = from_scene(&view_of, &options.work, &config)?;
+            (view_of.scene.name, workload)
+        }
+        (None, None) => {
+            return Err(Failure::Usage(
+                "name a scene, or a table with --footprints".to_owned(),
+            ));
+        }
+    };
+    let work = LaneWork::new(&workload, LaneShape::from(&config));
+    let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
+    let speed = timing.total as f64 / seconds / 1e6;
+    say(&summary::text(&name, &timing));
+    say(&format!(
+        "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
+        seconds * 1e3,
+        timing.total
+    ));
+    if let Some(folder) = &options.output {
+        let histograms = Histograms::new(&work, &config, workload.splats.len());
+        let result = json!({
+            "format": "splatline-timing/1",
+            "scene": name,
+            "splats": workload.splats.len(),
+            "visible": workload.visible(),
+            "cycles": timing,
+            "histograms": histograms,
+            "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
+        });
+        write(
+            &folder.join("timing.json"),
+            format!("{result:#}\n").as_bytes(),
+        )?;
+        write(
+            &folder.join("machine.toml"),
+            config::to_toml(&config).as_bytes(),
+        )?;
+    }
+    Ok(())
+}
+
+/// The machine that the options describe.
+pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
+    let mut config = match &options.machine {
+        Some(path) => config::from_file(path)?,
+        None => Config::default(),
+    };
+    config
+        .set_words(&options.set)
+        .map_err(|error| Failure::Usage(error.to_string()))?;
+    Ok(config)
+}
+
+/// The work of a scene on a machine's tiles.
+pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Workload, Failure> {
+    let design = DesignChoice::load(&work.design.0)?;
+    let traversal = work.traversal.map_or(design.traversal, Traversal::from);
+    let options = fixed::Options {
+        rules: &view.rules,
+        compositing: work.compositing.into(),
+        design: &design,
+        traversal,
+    };
+    Ok(extract(
+        &view.scene,
+        &view.camera,
+        &options,
+        [config.tile_width, config.tile_height],
+    ))
+}
+
+fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read '{shown}'"))?;
+    let design = DesignChoice::load(&options.work.design.0)?;
+    let traversal = options
+        .work
+        .traversal
+        .map_or(design.traversal, Traversal::from);
+    let size = options
+        .screen
+        .map_or([0, 0], |size| [size.width as u16, size.height as u16]);
+    let layout = splatline::footprint::packet::Layout::new(&design.widths);
+    let table = TableOptions {
+        viewport: size,
+        tile: [config.tile_width, config.tile_height],
+        traversal,
+        cutoff: options.cutoff,
+        packet_bytes: 4 * layout.words() as u32,
+    };
+    Ok(read_table(&text, &table).map_err(|error| anyhow!("{shown}: {error}"))?)
+}
+
+/// The timing and the median of the seconds that simulating it took.
+fn timed(workload: &Workload, work: &LaneWork, config: &Config, repeat: u32) -> (Timing, f64) {
+    let mut seconds = Vec::new();
+    loop {
+        let started = Instant::now();
+        let timing = simulate(workload, work, config);
+        seconds.push(started.elapsed().as_secs_f64());
+        if seconds.len() >= repeat as usize {
+            seconds.sort_by(f64::total_cmp);
+            return (timing, seconds[seconds.len() / 2]);
+        }
+    }
+}

@@ -1,0 +1,44 @@
+//! `splatline trace`: the raster phase of some splats for a trace viewer.
+
+use super::machine_args::{TraceFormat, TraceOptions};
+use super::model::{from_scene, machine};
+use super::setup::{View, check_folder_of, write};
+use super::{Failure, say};
+use splatline_sim::machine::lanes::{LaneShape, LaneWork};
+use splatline_sim::machine::simulate_observed;
+use splatline_sim::trace::{Recorder, kanata, perfetto, vcd};
+
+/// Splats recorded unless the options say otherwise.
+const USUAL_COUNT: u32 = 256;
+
+pub fn run(options: &TraceOptions) -> Result<(), Failure> {
+    check_folder_of(&options.output)?;
+    let last = options
+        .last
+        .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
+    if last < options.first {
+        return Err(Failure::Usage(format!(
+            "--last {last} is smaller than --first {}",
+            options.first
+        )));
+    }
+    let config = machine(&options.machine)?;
+    let view = View::from_options(&options.view)?;
+    let workload = from_scene(&view, &options.work, &config)?;
+    let work = LaneWork::new(&workload, LaneShape::from(&config));
+    let mut recorder = Recorder::new(options.first, last);
+    let timing = simulate_observed(&workload, &work, &config, &mut recorder);
+    let events = recorder.into_events();
+    let text = match options.format {
+        TraceFormat::Kanata => kanata::log(&events),
+        TraceFormat::Vcd => vcd::dump(&events),
+        TraceFormat::Perfetto => perfetto::trace(&events),
+    };
+    write(&options.output, text.as_bytes())?;
+    let (first, count, path) = (options.first, events.len(), options.output.display());
+    say(&format!(
+        "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
+        timing.raster
+    ));
+    Ok(())
+}

@@ -1,0 +1,108 @@
+//! The Pareto front of a sweep: points that no other point beats in error, cycles and area at once.
+
+use super::table::Table;
+
+/// A finished point as far as the front and the plot need it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Number in the sweep.
+    pub point: usize,
+    /// Root mean square error of red, green and blue; 0 where errors were left out.
+    pub rms: f64,
+    /// All cycles.
+    pub cycles: f64,
+    /// Area in LUTs.
+    pub area: f64,
+    /// Every axis and result, for people: `lanes 4, layout rows, ...`.
+    pub label: String,
+}
+
+/// The table's points that have results.
+pub fn candidates(table: &Table) -> Vec<Candidate> {
+    let names: Vec<&str> = table.heading.split(',').collect();
+    let place = |name: &str| names.iter().position(|column| *column == name);
+    let (Some(rms), Some(cycles), Some(area)) = (place("rms"), place("cycles"), place("area"))
+    else {
+        return Vec::new();
+    };
+    let candidate = |(point, line): (&usize, &String)| {
+        let fields: Vec<&str> = line.split(',').collect();
+        let named = names
+            .iter()
+            .zip(&fields)
+            .filter(|(_, value)| !value.is_empty());
+        Some(Candidate {
+            point: *point,
+            rms: fields.get(rms)?.parse().unwrap_or(0.0),
+            cycles: fields.get(cycles)?.parse().ok()?,
+            area: fields.get(area)?.parse().ok()?,
+            label: named
+                .map(|(name, value)| format!("{name} {value}"))
+                .collect::<Vec<_>>()
+                .join(", "),
+        })
+    };
+    table.lines.iter().filter_map(candidate).collect()
+}
+
+/// The points of the front, by cycles. Of equal points the first counts.
+pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
+    let mut sorted: Vec<&Candidate> = candidates.iter().collect();
+    sorted.sort_by(|a, b| {
+        let by = |of: fn(&Candidate) -> f64| of(a).total_cmp(&of(b));
+        by(|c| c.cycles)
+            .then(by(|c| c.rms))
+            .then(by(|c| c.area))
+            .then(a.point.cmp(&b.point))
+    });
+    // Sorted by cycles, so only points before can beat one; and if any does, one of the front does.
+    let mut kept: Vec<&Candidate> = Vec::new();
+    for candidate in sorted {
+        if !kept
+            .iter()
+            .any(|other| other.rms <= candidate.rms && other.area <= candidate.area)
+        {
+            kept.push(candidate);
+        }
+    }
+    kept
+}
+
+/// The table's lines of the front.
+pub fn front_table(table: &Table, front: &[&Candidate]) -> Table {
+    let lines = front.iter().filter_map(|candidate| {
+        Some((candidate.point, table.lines.get(&candidate.point)?.clone()))
+    });
+    Table {
+        heading: table.heading.clone(),
+        lines: lines.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn beats(a: &Candidate, b: &Candidate) -> bool {
+        a.rms <= b.rms
+            && a.cycles <= b.cycles
+            && a.area <= b.area
+            && (a.rms < b.rms || a.cycles < b.cycles || a.area < b.area)
+    }
+
+    proptest! {
+        #[test]
+        fn the_front_is_what_nothing_beats(values in proptest::collection::vec((0u8..6, 0u8..6, 0u8..6), 0..40)) {
+            let all: Vec<Candidate> = (0..).zip(values).map(|(point, (rms, cycles, area))| Candidate {
+                point, rms: rms.into(), cycles: cycles.into(), area: area.into(), label: String::new(),
+            }).collect();
+            let kept = front(&all);
+            for candidate in &all {
+                let beaten = all.iter().any(|other| beats(other, candidate));
+                let equal = kept.iter().any(|k| (k.rms, k.cycles, k.area) == (candidate.rms, candidate.cycles, candidate.area));
+                prop_assert_eq!(equal, !beaten, "{:?}", candidate);
+            }
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Exploration: sweeps over designs and machines, the Pareto front, the smallest design within a budget, and what a scene needs.
+//!
+//! ```text
+//! space (TOML) -> points -> sweep (shared work once, CSV appended) -> front (CSV, HTML)
+//! ```
+
+pub mod fit;
+pub mod front;
+pub mod needs;
+pub mod plot;
+pub mod space;
+pub mod sweep;
+pub mod table;

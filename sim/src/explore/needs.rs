@@ -1,0 +1,248 @@
+//! What a scene really uses: units, layers, ranges and FIFO depths.
+//!
+//! Depths are found by a run with FIFOs so deep that none is ever full, and then by halving each one, with the others deep, for as
+//! long as the picture takes at most [`SLACK`] more cycles.
+
+use crate::machine::config::{Config, field};
+use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::simulate;
+use crate::machine::workload::Workload;
+use serde::Serialize;
+use splatline::footprint::Footprint;
+use std::collections::BTreeMap;
+
+/// Cycles that a shallower FIFO may cost.
+pub const SLACK: f64 = 0.01;
+
+const DEEP: u32 = 4096;
+const FIFOS: [&str; 5] = [
+    "setup_fifo",
+    "bin_fifo",
+    "packet_fifo",
+    "splat_fifo",
+    "row_fifo",
+];
+
+/// What is needed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Needs {
+    /// Units by name, with the reason where one is not needed.
+    pub units: BTreeMap<&'static str, String>,
+    /// Depth of each FIFO that costs at most 1 % of the cycles that deep FIFOs take.
+    pub fifo_depths: BTreeMap<&'static str, u32>,
+    /// Most entries in each FIFO with deep FIFOs.
+    pub fifo_high_water: BTreeMap<&'static str, u64>,
+    /// Cycles with deep FIFOs.
+    pub cycles: u64,
+    /// Most splats that blend into one pixel, finished splats left out.
+    pub deepest_pixel: u32,
+    /// Most pairs of one tile.
+    pub longest_tile_list: u32,
+    /// Splats visible.
+    pub visible: usize,
+    /// Smallest and largest binary exponent of the curvature 1/(half-width)^2 per square pixel.
+    pub curvature_log2: Option<[i32; 2]>,
+    /// Largest footprint: columns and rows on the screen.
+    pub largest_box: [u16; 2],
+    /// Longest run in a tile.
+    pub longest_run: u32,
+    /// Largest and smallest peak opacity of a splat.
+    pub peaks: Option<[f64; 2]>,
+    /// Pixels that had finished when a splat covered them, of all covered pixels.
+    pub finished_part: f64,
+    /// Pairs whose traversal visits no pixel, of all pairs.
+    pub empty_pairs_part: f64,
+}
+
+/// Examines a workload and the footprints that it came from. `peak_bits` are the fraction bits of a peak.
+pub fn needs(
+    workload: &Workload,
+    footprints: &[Footprint],
+    peak_bits: u8,
+    machine: &Config,
+) -> Needs {
+    let totals = workload.totals();
+    let part = |some: u64, all: usize| {
+        if all == 0 {
+            0.0
+        } else {
+            some as f64 / all as f64
+        }
+    };
+    let empty = workload.pairs.iter().filter(|pair| !pair.visits).count() as u64;
+    let exponents = footprints
+        .iter()
+        .map(|footprint| footprint.scan.curvature.leading());
+    let peaks = footprints
+        .iter()
+        .map(|footprint| f64::from(footprint.peak) / f64::from(peak_bits).exp2());
+    let work = LaneWork::new(workload, LaneShape::from(machine));
+    let (fifo_depths, fifo_high_water, cycles) = depths(workload, &work, machine);
+    let finished = totals.covered - totals.live;
+    let mut needs = Needs {
+        units: BTreeMap::new(),
+        fifo_depths,
+        fifo_high_water,
+        cycles,
+        deepest_pixel: deepest_pixel(workload),
+        longest_tile_list: longest_list(workload),
+        visible: footprints.len(),
+        curvature_log2: exponents
+            .clone()
+            .min()
+            .zip(exponents.max())
+            .map(|(low, high)| [low, high]),
+        largest_box: footprints.iter().fold([0, 0], |largest, footprint| {
+            [0, 1].map(|axis| largest[axis].max(footprint.last[axis] - footprint.first[axis]))
+        }),
+        longest_run: workload
+            .rows
+            .iter()
+            .map(|row| row.length.into())
+            .max()
+            .unwrap_or(0),
+        peaks: peaks
+            .clone()
+            .reduce(f64::max)
+            .zip(peaks.reduce(f64::min))
+            .map(|(high, low)| [high, low]),
+        finished_part: part(finished, totals.covered as usize),
+        empty_pairs_part: part(empty, workload.pairs.len()),
+    };
+    needs.judge_units(workload);
+    needs
+}
+
+impl Needs {
+    fn judge_units(&mut self, workload: &Workload) {
+        let finished_tiles = workload
+            .tiles
+            .iter()
+            .filter(|tile| tile.finished_after != u32::MAX)
+            .count();
+        let per_cent = |part: f64| format!("{:.1} %", 100.0 * part);
+        let mut judge = |unit, needed: bool, reason: String| {
+            self.units.insert(
+                unit,
+                format!("{}: {reason}", if needed { "used" } else { "not needed" }),
+            );
+        };
+        judge(
+            "setup",
+            self.visible > 0,
+            format!(
+                "{} of {} splats are visible",
+                self.visible,
+                workload.splats.len()
+            ),
+        );
+        judge(
+            "pixel_termination",
+            self.finished_part > 0.0,
+            format!(
+                "{} of covered pixels had finished",
+                per_cent(self.finished_part)
+            ),
+        );
+        judge(
+            "tile_termination",
+            finished_tiles > 0,
+            format!("{finished_tiles} of {} tiles finish", workload.tiles.len()),
+        );
+        judge(
+            "exact_binning",
+            self.empty_pairs_part > 0.0,
+            format!(
+                "{} of pairs visit no pixel",
+                per_cent(self.empty_pairs_part)
+            ),
+        );
+        let opaque = self.peaks.is_some_and(|[high, _]| high > 1.0);
+        judge(
+            "opacity_clamp",
+            opaque,
+            format!(
+                "largest peak {:.4}",
+                self.peaks.map_or(0.0, |[high, _]| high)
+            ),
+        );
+        judge(
+            "over",
+            self.deepest_pixel > 1,
+            format!("at most {} layers in a pixel", self.deepest_pixel),
+        );
+    }
+}
+
+type Depths = (
+    BTreeMap<&'static str, u32>,
+    BTreeMap<&'static str, u64>,
+    u64,
+);
+
+fn depths(workload: &Workload, work: &LaneWork, machine: &Config) -> Depths {
+    let mut deep = *machine;
+    let set = |config: &mut Config, name: &str, depth: u32| {
+        if let Some(field) = field(name) {
+            (field.set)(config, depth);
+        }
+    };
+    FIFOS.iter().for_each(|name| set(&mut deep, name, DEEP));
+    let best = simulate(workload, work, &deep);
+    let allowed = best.total as f64 * (1.0 + SLACK);
+    let mut needed = BTreeMap::new();
+    for name in FIFOS {
+        let fits = |depth: u32| {
+            let mut config = deep;
+            set(&mut config, name, depth);
+            simulate(workload, work, &config).total as f64 <= allowed
+        };
+        let mut depth = DEEP;
+        while depth > 1 && fits(depth / 2) {
+            depth /= 2;
+        }
+        needed.insert(name, depth);
+    }
+    let high_water = best
+        .fifos
+        .iter()
+        .map(|(name, fifo)| (*name, fifo.high_water))
+        .collect();
+    (needed, high_water, best.total)
+}
+
+fn longest_list(workload: &Workload) -> u32 {
+    let ends = workload.tiles.iter().map(|tile| tile.pairs_end);
+    let starts = std::iter::once(0).chain(ends.clone());
+    ends.zip(starts)
+        .map(|(end, start)| end - start)
+        .max()
+        .unwrap_or(0)
+}
+
+/// Most live splats over one pixel.
+fn deepest_pixel(workload: &Workload) -> u32 {
+    let [width, height] = workload.tile.map(usize::from);
+    let mut deepest = 0;
+    let (mut pair, mut row) = (0, 0);
+    for tile in &workload.tiles {
+        let mut counts = vec![0u32; width * height];
+        while pair < tile.pairs_end as usize {
+            let Some(entry) = workload.pairs.get(pair) else {
+                return deepest;
+            };
+            let rows = &workload.rows[row..entry.rows_end as usize];
+            for (y, one) in (usize::from(entry.first_row)..).zip(rows) {
+                let mut live = one.covered & one.open;
+                while live != 0 {
+                    counts[y * width + live.trailing_zeros() as usize] += 1;
+                    live &= live - 1;
+                }
+            }
+            row = entry.rows_end as usize;
+            pair += 1;
+        }
+        deepest = deepest.max(counts.into_iter().max().unwrap_or(0));
+    }
+    deepest
+}

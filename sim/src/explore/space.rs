@@ -1,0 +1,356 @@
+//! The space of a sweep: which fields take which values, and how points are drawn from it.
+//!
+//! ```toml
+//! sample = "grid"            # or "latin": a Latin hypercube of `count` points
+//! count = 200
+//! seed = 1
+//!
+//! [design]                   # any key of a design file
+//! base = ["lean18", "standard24"]
+//! mantissa = { from = 14, to = 24, step = 2 }
+//!
+//! [machine]                  # any key of a machine file
+//! lanes = [1, 2, 4]
+//! layout = ["run", "rows"]
+//! ```
+
+use crate::machine::config::{field, line_of};
+use splatline::format::WIDTH_RANGES;
+use thiserror::Error;
+use toml::Value;
+
+/// Most points of a sweep, so that a slip of the finger does not ask for years.
+pub const MOST_POINTS: usize = 1_000_000;
+
+/// What is wrong with a space.
+#[derive(Debug, Error, PartialEq, Eq)]
+#[error("{file}:{line}: {key}: {problem}")]
+pub struct SpaceError {
+    /// The file.
+    pub file: String,
+    /// Line, counted from 1.
+    pub line: usize,
+    /// The key.
+    pub key: String,
+    /// What is wrong and what is allowed.
+    pub problem: String,
+}
+
+/// What an axis changes. The order is that of cost: points are sorted so that dear work is shared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// A key of the design file: another picture.
+    Design,
+    /// The machine's tile: another workload.
+    Tile,
+    /// The lanes' shape: another grouping.
+    Lanes,
+    /// Anything else of the machine.
+    Machine,
+}
+
+/// One field and its values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What it changes.
+    pub part: Part,
+    /// The field's key.
+    pub key: String,
+    /// Its values.
+    pub values: Vec<Value>,
+}
+
+/// Axes and points; a point is an index into each axis's values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Space {
+    /// The axes, dearest first.
+    pub axes: Vec<Axis>,
+    /// The points in their order.
+    pub points: Vec<Vec<usize>>,
+}
+
+struct Source<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl Source<'_> {
+    fn wrong(&self, section: &str, key: &str, problem: impl Into<String>) -> SpaceError {
+        let line = line_of(self.text, section, key);
+        SpaceError {
+            file: self.file.to_owned(),
+            line,
+            key: key.to_owned(),
+            problem: problem.into(),
+        }
+    }
+}
+
+impl Space {
+    /// Reads a space from the text of its file.
+    pub fn from_toml(file: &str, text: &str) -> Result<Space, SpaceError> {
+        let source = Source { file, text };
+        let table: toml::Table = text
+            .parse()
+            .map_err(|error: toml::de::Error| source.wrong("", "TOML", error.to_string()))?;
+        let mut axes = Vec::new();
+        for (key, value) in &table {
+            match (key.as_str(), value) {
+                ("sample" | "count" | "seed", _) => {}
+                ("design" | "machine", Value::Table(fields)) => {
+                    for (name, values) in fields {
+                        axes.push(axis(&source, key, name, values)?);
+                    }
+                }
+                _ => {
+                    return Err(source.wrong(
+                        "",
+                        key,
+                        "unknown: allowed are sample, count, seed, [design] and [machine]",
+                    ));
+                }
+            }
+        }
+        axes.sort_by_key(|axis| axis.part);
+        let points = points(&source, &table, &axes)?;
+        Ok(Space { axes, points })
+    }
+
+    /// A point's keys and values on the axes of some parts.
+    pub fn settings(&self, point: &[usize], parts: impl Fn(Part) -> bool) -> Vec<(&str, &Value)> {
+        let chosen = self
+            .axes
+            .iter()
+            .zip(point)
+            .filter(|(axis, _)| parts(axis.part));
+        chosen
+            .map(|(axis, index)| (axis.key.as_str(), &axis.values[*index]))
+            .collect()
+    }
+}
+
+fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axis, SpaceError> {
+    let values = match values {
+        Value::Array(list) if !list.is_empty() => list.clone(),
+        Value::Array(_) => return Err(source.wrong(section, key, "the list is empty")),
+        Value::Table(range) => {
+            numbers(range).map_err(|problem| source.wrong(section, key, problem))?
+        }
+        single => vec![single.clone()],
+    };
+    let part = if section == "design" {
+        check_design(key, &values).map_err(|problem| source.wrong(section, key, problem))?;
+        Part::Design
+    } else {
+        let Some(field) = field(key) else {
+            return Err(source.wrong(section, key, "no such field of a machine"));
+        };
+        if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {
+            return Err(source.wrong(
+                section,
+                key,
+                format!("{value} is not allowed: {}", field.allowed()),
+            ));
+        }
+        match field.key {
+            "tile_width" | "tile_height" => Part::Tile,
+            "lanes" | "layout" | "pixel_termination" | "binning" => Part::Lanes,
+            _ => Part::Machine,
+        }
+    };
+    Ok(Axis {
+        part,
+        key: key.to_owned(),
+        values,
+    })
+}
+
+fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
+    if let Some((_, low, high)) = WIDTH_RANGES.iter().find(|(name, ..)| *name == key) {
+        let allowed = |value: &Value| {
+            value
+                .as_integer()
+                .is_some_and(|n| (i64::from(*low)..=i64::from(*high)).contains(&n))
+        };
+        return match values.iter().find(|value| !allowed(value)) {
+            Some(value) => Err(format!(
+                "{value} is not allowed: allowed are {low} to {high}"
+            )),
+            None => Ok(()),
+        };
+    }
+    let names: &[&str] = match key {
+        "base" => &crate::design::NAMES,
+        "rounding" => &["nearest", "truncate"],
+        "traversal" => &["box", "spans"],
+        _ => return Err("no such field of a design".to_owned()),
+    };
+    match values
+        .iter()
+        .find(|value| !value.as_str().is_some_and(|name| names.contains(&name)))
+    {
+        Some(value) => Err(format!(
+            "{value} is not allowed: allowed are {}",
+            names.join(", ")
+        )),
+        None => Ok(()),
+    }
+}
+
+/// `{ from, to, step }`, both ends included.
+fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
+    const FORM: &str = "a range is { from = a, to = b, step = s } with whole numbers, a <= b and s > 0 (1 if left out)";
+    let number = |key: &str| range.get(key).and_then(Value::as_integer);
+    let known = range
+        .keys()
+        .all(|key| ["from", "to", "step"].contains(&key.as_str()));
+    let step = if range.contains_key("step") {
+        number("step")
+    } else {
+        Some(1)
+    };
+    match (number("from"), number("to"), step) {
+        (Some(from), Some(to), Some(step))
+            if known && step > 0 && from <= to && (to - from) / step < 10_000 =>
+        {
+            Ok((0..=(to - from) / step)
+                .map(|index| Value::Integer(from + index * step))
+                .collect())
+        }
+        _ => Err(FORM.to_owned()),
+    }
+}
+
+fn points(
+    source: &Source,
+    table: &toml::Table,
+    axes: &[Axis],
+) -> Result<Vec<Vec<usize>>, SpaceError> {
+    let integer = |key: &str, usual: i64| match table.get(key) {
+        None => Ok(usual),
+        Some(value) => value
+            .as_integer()
+            .filter(|n| *n >= 0)
+            .ok_or_else(|| source.wrong("", key, "must be a whole number, 0 or more")),
+    };
+    let (count, seed) = (integer("count", 100)? as usize, integer("seed", 1)? as u64);
+    let mut points = match table.get("sample").map_or(Some("grid"), Value::as_str) {
+        Some("grid") => {
+            let all = axes
+                .iter()
+                .try_fold(1usize, |all, axis| all.checked_mul(axis.values.len()));
+            match all.filter(|all| *all <= MOST_POINTS) {
+                Some(all) => grid(axes, all),
+                None => {
+                    return Err(source.wrong(
+                        "",
+                        "sample",
+                        format!("the grid has more than {MOST_POINTS} points: use \"latin\""),
+                    ));
+                }
+            }
+        }
+        Some("latin") if (1..=MOST_POINTS).contains(&count) => latin(axes, count, seed),
+        Some("latin") => {
+            return Err(source.wrong("", "count", format!("allowed are 1 to {MOST_POINTS}")));
+        }
+        _ => return Err(source.wrong("", "sample", "allowed are \"grid\" and \"latin\"")),
+    };
+    points.sort();
+    Ok(points)
+}
+
+fn grid(axes: &[Axis], all: usize) -> Vec<Vec<usize>> {
+    let point = |mut number: usize| {
+        let digit = |axis: &Axis| {
+            let digit = number % axis.values.len();
+            number /= axis.values.len();
+            digit
+        };
+        axes.iter().map(digit).collect()
+    };
+    (0..all).map(point).collect()
+}
+
+/// Every axis is cut into `count` strata, each of which one point falls into.
+fn latin(axes: &[Axis], count: usize, seed: u64) -> Vec<Vec<usize>> {
+    let mut state = seed;
+    let mut points = vec![Vec::with_capacity(axes.len()); count];
+    for axis in axes {
+        let mut strata: Vec<usize> = (0..count).collect();
+        for last in (1..count).rev() {
+            strata.swap(last, (next(&mut state) % (last as u64 + 1)) as usize);
+        }
+        for (point, stratum) in points.iter_mut().zip(strata) {
+            point.push(stratum * axis.values.len() / count);
+        }
+    }
+    points
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+fn next(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mixed = (*state ^ (*state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    mixed ^ (mixed >> 31)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_has_every_combination_once_and_dear_axes_first() {
+        let text = "[machine]\nlanes = [1, 2]\nlatency = { from = 0, to = 20, step = 10 }\n[design]\nmantissa = 20\n";
+        let space = Space::from_toml("s.toml", text).unwrap();
+        assert_eq!(
+            space
+                .axes
+                .iter()
+                .map(|axis| axis.key.as_str())
+                .collect::<Vec<_>>(),
+            ["mantissa", "lanes", "latency"]
+        );
+        let expected: Vec<Vec<usize>> = (0..6).map(|n| vec![0, n / 3, n % 3]).collect();
+        assert_eq!(space.points, expected);
+    }
+
+    #[test]
+    fn a_latin_hypercube_meets_every_value_equally_often() {
+        let text = "sample = \"latin\"\ncount = 12\n[machine]\nlanes = [1, 2, 4]\nrow_fifo = [2, 4, 8, 16]\n";
+        let space = Space::from_toml("s.toml", text).unwrap();
+        for (axis, each) in [(0, 4), (1, 3)] {
+            for value in 0..space.axes[axis].values.len() {
+                assert_eq!(
+                    space
+                        .points
+                        .iter()
+                        .filter(|point| point[axis] == value)
+                        .count(),
+                    each
+                );
+            }
+        }
+        let other = Space::from_toml("s.toml", &format!("seed = 2\n{text}")).unwrap();
+        assert_ne!(space.points, other.points);
+    }
+
+    #[test]
+    fn errors_name_key_line_and_range() {
+        let message = |text: &str| Space::from_toml("s.toml", text).unwrap_err().to_string();
+        assert_eq!(
+            message("[machine]\nlanes = [1, 3]\n"),
+            "s.toml:2: lanes: 3 is not allowed: allowed are 1, 2, 4, 8, 16, 32, 64"
+        );
+        assert_eq!(
+            message("\n[design]\nmantissa = [40]\n"),
+            "s.toml:3: mantissa: 40 is not allowed: allowed are 8 to 31"
+        );
+        assert!(message("[design]\nbase = [\"x\"]\n").contains("classic8"));
+        assert!(message("[machine]\nlane = 1\n").contains("s.toml:2: lane: no such field"));
+        assert!(message("[machine]\nlatency = { from = 9, to = 1 }\n").contains("a range is"));
+        assert!(message("samples = 3\n").contains("allowed are sample"));
+        assert!(message("sample = \"latin\"\ncount = 0\n").contains("s.toml:2: count"));
+    }
+}

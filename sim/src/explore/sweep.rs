@@ -1,0 +1,387 @@
+//! Runs the points of a space. Work that points share is done once: a picture per design, a workload per design and tile, lane
+//! work per lane shape.
+
+use super::space::{Part, Space};
+use super::table::{Appender, Table};
+use crate::camera::Camera;
+use crate::design::{DesignChoice, traversal_name};
+use crate::fixed::{self, Options};
+use crate::machine::area::{Area, Calibration, estimate};
+use crate::machine::config::Config;
+use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::workload::{Workload, extract};
+use crate::machine::{Timing, simulate};
+use crate::metrics::{ChannelError, compare};
+use crate::picture::Picture;
+use crate::rules::{Compositing, Rules};
+use crate::scene::Scene;
+use anyhow::{Context, Result, anyhow};
+use rayon::prelude::*;
+use splatline::format::Traversal;
+
+/// What is swept over: everything that the points have in common.
+pub struct Subject<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its camera.
+    pub camera: &'a Camera,
+    /// Rules of blending.
+    pub rules: &'a Rules,
+    /// Order and operator.
+    pub compositing: Compositing,
+    /// The design that points start from.
+    pub design: DesignChoice,
+    /// The traversal, unless the space or the design says otherwise.
+    pub traversal: Option<Traversal>,
+    /// The machine that points start from.
+    pub machine: Config,
+    /// Prices of area.
+    pub calibration: Calibration,
+    /// The float reference's picture; none leaves errors out.
+    pub reference: Option<&'a Picture>,
+}
+
+/// Part `index` (from 1) of `count`: every `count`-th group of points that share their picture's tile lists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// From 1.
+    pub index: usize,
+    /// Number of shards.
+    pub count: usize,
+}
+
+impl Shard {
+    /// Whether a point belongs to this shard: contiguous blocks, so that shared work stays together.
+    pub fn holds(&self, point: usize, points: usize) -> bool {
+        point * self.count / points.max(1) + 1 == self.index
+    }
+}
+
+/// A point's number and its place in the space.
+type Point<'a> = (usize, &'a [usize]);
+
+/// Runs all points of the shard that `done` does not hold yet. `progress` is told of every finished point.
+pub fn run(
+    subject: &Subject,
+    space: &Space,
+    shard: Shard,
+    done: &Table,
+    out: &Appender,
+    progress: &(dyn Fn() + Sync),
+) -> Result<()> {
+    let all = space.points.len();
+    let open: Vec<Point> = (0..)
+        .zip(&space.points)
+        .filter(|(number, _)| shard.holds(*number, all) && !done.lines.contains_key(number))
+        .map(|(number, point)| (number, point.as_slice()))
+        .collect();
+    for group in open.chunk_by(|a, b| same(space, a.1, b.1, Part::Design)) {
+        let design = design_of(subject, space, group[0].1)?;
+        let options = Options {
+            rules: subject.rules,
+            compositing: subject.compositing,
+            design: &design,
+            traversal: traversal_of(subject, space, group[0].1, &design),
+        };
+        let error = match subject.reference {
+            Some(reference) => {
+                let drawing = fixed::draw(subject.scene, subject.camera, &options);
+                Some(
+                    compare(&drawing.picture, reference)
+                        .context("the pictures cannot be compared")?
+                        .colour,
+                )
+            }
+            None => None,
+        };
+        for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
+            let tile = tile_of(subject, space, tiles[0].1)?;
+            let workload = extract(subject.scene, subject.camera, &options, tile);
+            let run = Run {
+                subject,
+                space,
+                options: &options,
+                error: error.as_ref(),
+                workload: &workload,
+                out,
+                progress,
+            };
+            let shapes: Vec<&[Point]> = tiles
+                .chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes))
+                .collect();
+            shapes
+                .into_par_iter()
+                .try_for_each(|points| run.points(points))?;
+        }
+    }
+    Ok(())
+}
+
+/// Do two points agree on all axes up to this part?
+fn same(space: &Space, a: &[usize], b: &[usize], part: Part) -> bool {
+    space
+        .axes
+        .iter()
+        .zip(a.iter().zip(b))
+        .all(|(axis, (a, b))| axis.part > part || a == b)
+}
+
+fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
+    let settings = space.settings(point, |part| part == Part::Design);
+    if settings.is_empty() {
+        return Ok(subject.design.clone());
+    }
+    let mut table = toml::Table::new();
+    let resolved = subject.design.resolved();
+    let base = settings
+        .iter()
+        .find(|(key, _)| *key == "base")
+        .and_then(|(_, value)| value.as_str());
+    table.insert("base".to_owned(), base.unwrap_or("standard24").into());
+    if base.is_none() {
+        for (key, value) in &resolved.widths {
+            table.insert(
+                key.clone(),
+                toml::Value::Integer(value.as_i64().unwrap_or(0)),
+            );
+        }
+        table.insert("rounding".to_owned(), resolved.rounding.into());
+        table.insert("traversal".to_owned(), resolved.traversal.into());
+    }
+    for (key, value) in settings {
+        table.insert(key.to_owned(), value.clone());
+    }
+    Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
+}
+
+fn traversal_of(
+    subject: &Subject,
+    space: &Space,
+    point: &[usize],
+    design: &DesignChoice,
+) -> Traversal {
+    let swept = !space
+        .settings(point, |part| part == Part::Design)
+        .iter()
+        .all(|(key, _)| *key != "traversal");
+    if swept {
+        design.traversal
+    } else {
+        subject.traversal.unwrap_or(design.traversal)
+    }
+}
+
+fn machine_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Config> {
+    let mut config = subject.machine;
+    for (key, value) in space.settings(point, |part| part != Part::Design) {
+        config.set("space", key, value)?;
+    }
+    Ok(config)
+}
+
+fn tile_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<[u16; 2]> {
+    let config = machine_of(subject, space, point)?;
+    Ok([config.tile_width, config.tile_height])
+}
+
+/// Points with the same workload.
+struct Run<'a> {
+    subject: &'a Subject<'a>,
+    space: &'a Space,
+    options: &'a Options<'a>,
+    error: Option<&'a ChannelError>,
+    workload: &'a Workload,
+    out: &'a Appender,
+    progress: &'a (dyn Fn() + Sync),
+}
+
+impl Run<'_> {
+    /// Points with the same lane shape.
+    fn points(&self, points: &[Point]) -> Result<()> {
+        let first = machine_of(self.subject, self.space, points[0].1)?;
+        // A shape that makes no machine is not even grouped; its points say why.
+        let work = match first.check_together() {
+            Ok(()) => LaneWork::new(self.workload, LaneShape::from(&first)),
+            Err(_) => LaneWork::default(),
+        };
+        points
+            .par_iter()
+            .try_for_each(|point| self.point(&work, *point))
+    }
+
+    fn point(&self, work: &LaneWork, (number, point): Point) -> Result<()> {
+        let config = machine_of(self.subject, self.space, point)?;
+        let results = match config.check_together() {
+            Ok(()) => {
+                let timing = simulate(self.workload, work, &config);
+                let area = estimate(
+                    &self.options.design.widths,
+                    self.options.traversal,
+                    &config,
+                    &self.subject.calibration,
+                );
+                results(self.error, &timing, &area)
+            }
+            Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
+        };
+        let axes =
+            self.space
+                .axes
+                .iter()
+                .zip(point)
+                .map(|(axis, index)| match &axis.values[*index] {
+                    toml::Value::String(text) => text.clone(),
+                    value => value.to_string(),
+                });
+        let fields: Vec<String> = std::iter::once(number.to_string())
+            .chain(axes)
+            .chain(results)
+            .collect();
+        self.out
+            .append(&fields.join(","))
+            .map_err(|error| anyhow!("cannot append to the table: {error}"))?;
+        (self.progress)();
+        Ok(())
+    }
+}
+
+/// The result columns in the order of [`super::table::RESULTS`].
+fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<String> {
+    let mut fields = match error {
+        Some(error) => {
+            let rms = if error.psnr_db.is_finite() {
+                10f64.powf(-error.psnr_db / 20.0)
+            } else {
+                0.0
+            };
+            let psnr = if error.psnr_db.is_finite() {
+                format!("{:.3}", error.psnr_db)
+            } else {
+                String::new()
+            };
+            let mut fields = vec![psnr];
+            fields.extend([rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
+            fields.push(format!("{:.6}", error.ssim));
+            fields
+        }
+        None => vec![String::new(); 5],
+    };
+    fields.extend(
+        [timing.total, timing.geometry, timing.sort, timing.raster]
+            .map(|cycles| cycles.to_string()),
+    );
+    let busy = timing
+        .units
+        .get("lanes")
+        .map_or(0.0, |unit| unit.utilisation);
+    fields.extend(
+        [
+            busy,
+            timing.pixels.covered_per_cycle_and_lane,
+            timing.pixels.live_per_cycle_and_lane,
+        ]
+        .map(|part| format!("{part:.4}")),
+    );
+    let total = &area.total;
+    fields.push(format!("{:.0}", total.luts));
+    fields.extend([total.multipliers, total.blocks].map(|count| count.to_string()));
+    fields.push(format!("{:.0}", total.area));
+    fields.push(String::new());
+    fields
+}
+
+fn left_out(reason: &str) -> Vec<String> {
+    let mut fields = vec![String::new(); super::table::RESULTS.len() - 1];
+    fields.push(reason.replace([',', '\n', '"'], " "));
+    fields
+}
+
+/// Everything that decides a sweep's results, as text: two sweeps may share a table only if this is equal.
+pub fn identity(subject: &Subject, space_text: &str) -> Result<String> {
+    let facts = serde_json::json!({
+        "format": "splatline-sweep/1",
+        "scene": subject.scene.name,
+        "splats": subject.scene.splats.len(),
+        "camera": serde_json::from_str::<serde_json::Value>(&subject.camera.to_json())?,
+        "rules": subject.rules.name,
+        "compositing": format!("{:?}", subject.compositing),
+        "design": subject.design.resolved(),
+        "traversal": subject.traversal.map(traversal_name),
+        "machine": crate::machine::config::to_toml(&subject.machine),
+        "calibration": subject.calibration,
+        "errors": subject.reference.is_some(),
+        "space": space_text,
+    });
+    Ok(format!("{facts:#}\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::explore::table::heading;
+    use crate::reference::float;
+    use crate::scene::synthetic;
+
+    const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
+                         layout = [\"run\", \"quad\"]\nrow_cycles = [1, 3]\n";
+
+    fn sweep(shard: Shard, done: &Table, path: &std::path::Path) {
+        let scene = synthetic::random_gaussians(300, 1, 2.0);
+        let camera = synthetic::camera(48, 32);
+        let space = Space::from_toml("s.toml", SPACE).unwrap();
+        let reference = float::draw(
+            &scene,
+            &camera,
+            &scene.natural_rules,
+            Compositing::FrontToBack,
+        )
+        .picture;
+        let subject = Subject {
+            scene: &scene,
+            camera: &camera,
+            rules: &scene.natural_rules,
+            compositing: Compositing::FrontToBack,
+            design: DesignChoice::named("standard24").unwrap(),
+            traversal: None,
+            machine: Config::default(),
+            calibration: Calibration::default(),
+            reference: Some(&reference),
+        };
+        let out = Appender::open(path, &heading(&space)).unwrap();
+        run(&subject, &space, shard, done, &out, &|| ()).unwrap();
+    }
+
+    #[test]
+    fn shards_and_resumed_sweeps_give_the_whole_sweep() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let read =
+            |name: &str| Table::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap();
+        let whole = Shard { index: 1, count: 1 };
+        sweep(whole, &Table::default(), &path("whole.csv"));
+        let complete = read("whole.csv");
+        assert_eq!(complete.lines.len(), 32);
+        let left_out = complete
+            .lines
+            .values()
+            .filter(|line| line.contains("allowed with 2 or more lanes"))
+            .count();
+        assert_eq!(left_out, 8, "quads of one lane");
+
+        let mut merged = Table {
+            heading: complete.heading.clone(),
+            ..Table::default()
+        };
+        for index in 1..=3 {
+            let name = format!("{index}.csv");
+            sweep(Shard { index, count: 3 }, &Table::default(), &path(&name));
+            merged.merge(read(&name)).unwrap();
+        }
+        assert_eq!(merged, complete);
+
+        let text = std::fs::read_to_string(path("whole.csv")).unwrap();
+        std::fs::write(path("cut.csv"), &text[..text.len() / 2]).unwrap();
+        sweep(whole, &read("cut.csv"), &path("cut.csv"));
+        assert_eq!(read("cut.csv"), complete);
+    }
+}

@@ -1,0 +1,213 @@
+//! The machine's configuration: defaults, the table of fields with their ranges, and the commented TOML form.
+//!
+//! Every field is one line of [`FIELDS`]. Parsing, range checks, the resolved file beside the results and the sweep of
+//! any field by its name all follow from that table.
+
+mod fields;
+mod parse;
+
+pub use fields::{FIELDS, Field, Range, field};
+pub use parse::{ConfigError, from_file, from_toml, line_of, to_toml};
+
+/// How the lanes lie on the screen; see `docs/hardware-model.md`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Layout {
+    /// Adjacent pixels, groups begin where the run begins.
+    Run,
+    /// Adjacent pixels, groups begin at multiples of the number of lanes.
+    Aligned,
+    /// Two rows by half as many columns, aligned.
+    Quad,
+    /// Every lane owns the rows `y mod lanes` of the tile.
+    Rows,
+}
+
+/// How work is shared out among the stages of a raster unit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Overlap {
+    /// Splat setup, row generator and lanes take turns: one unit.
+    Serial,
+    /// They work at the same time, with FIFOs between them.
+    Pipelined,
+}
+
+/// Who draws which tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Assignment {
+    /// Tile i goes to unit i mod N.
+    Static,
+    /// The next tile goes to the unit that first has nothing left to fetch.
+    Dynamic,
+}
+
+/// What happens to pixels that have finished.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Termination {
+    /// They are visited; the blend is suppressed.
+    Discard,
+    /// Groups of finished pixels are not visited.
+    Skip,
+}
+
+/// Which tiles a footprint is listed in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Binning {
+    /// Those that its bounding box meets.
+    Box,
+    /// Those in which its traversal visits a pixel.
+    Exact,
+}
+
+/// A machine. Times are in clock cycles, sizes in bytes where the name says so and in entries otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Config {
+    /// Tile columns: 8, 16, 32 or 64.
+    pub tile_width: u16,
+    /// Tile rows, 1 to 64.
+    pub tile_height: u16,
+    /// Bytes of one splat in the scene memory.
+    pub splat_bytes: u32,
+    /// Bytes of a footprint packet; 0 takes the design's own packet.
+    pub packet_bytes: u32,
+    /// Bytes of one entry of a tile's list.
+    pub list_bytes: u32,
+    /// Bytes of one pixel in the frame memory.
+    pub pixel_bytes: u32,
+    /// Bytes read per cycle, shared by all units of a phase.
+    pub read_bandwidth: u32,
+    /// Bytes written per cycle, shared by all units of a phase.
+    pub write_bandwidth: u32,
+    /// Cycles from a read request to its first byte.
+    pub latency: u32,
+    /// Setup units.
+    pub setup_units: u32,
+    /// Cycles between two splats into one setup unit.
+    pub setup_interval: u32,
+    /// Cycles from a splat to its footprint.
+    pub setup_latency: u32,
+    /// Splats between fetch and setup.
+    pub setup_fifo: u32,
+    /// Tile binning: cycles per visible splat.
+    pub bin_cycles: u32,
+    /// Tile binning: cycles per tile examined.
+    pub bin_tile_cycles: u32,
+    /// Footprints between setup and binning.
+    pub bin_fifo: u32,
+    /// Which tiles a footprint is listed in.
+    pub binning: Binning,
+    /// Depth sort: passes over all list entries.
+    pub sort_passes: u32,
+    /// Depth sort: cycles per entry and pass.
+    pub sort_cycles: u32,
+    /// Raster units.
+    pub raster_units: u32,
+    /// Who draws which tile.
+    pub assignment: Assignment,
+    /// Whether the stages of a raster unit overlap.
+    pub overlap: Overlap,
+    /// Cycles per splat-tile pair in splat setup.
+    pub splat_cycles: u32,
+    /// Cycles per step of the row generator.
+    pub row_cycles: u32,
+    /// Rows that a step of the row generator makes.
+    pub rows_at_once: u32,
+    /// Packets between fetch and splat setup; bounds the reads in flight.
+    pub packet_fifo: u32,
+    /// Splats between splat setup and row generator.
+    pub splat_fifo: u32,
+    /// Runs between row generator and lanes (per lane with the layout `rows`).
+    pub row_fifo: u32,
+    /// Pixel lanes per raster unit, a power of two.
+    pub lanes: u32,
+    /// How the lanes lie on the screen.
+    pub layout: Layout,
+    /// What happens to pixels that have finished.
+    pub pixel_termination: Termination,
+    /// Pairs between two checks whether the tile has finished; 0 for never.
+    pub tile_termination: u32,
+    /// Cycles from a lane to its footprint weight.
+    pub table_latency: u32,
+    /// Look-ups per cycle; 0 for one per lane.
+    pub table_ports: u32,
+    /// Cycles from reading a pixel to its new value being readable.
+    pub blend_latency: u32,
+    /// Cycles between two groups into the blend.
+    pub blend_interval: u32,
+    /// Tile buffers per raster unit: with two, one is written back while the other is drawn into.
+    pub tile_buffers: u32,
+    /// Pixels that a tile buffer reads and writes per cycle; 0 for one per lane.
+    pub buffer_banks: u32,
+    /// Cycles to begin a tile's write-back.
+    pub write_back_cycles: u32,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Config {
+            tile_width: 16,
+            tile_height: 16,
+            splat_bytes: 32,
+            packet_bytes: 0,
+            list_bytes: 4,
+            pixel_bytes: 4,
+            read_bandwidth: 64,
+            write_bandwidth: 32,
+            latency: 60,
+            setup_units: 1,
+            setup_interval: 1,
+            setup_latency: 40,
+            setup_fifo: 64,
+            bin_cycles: 1,
+            bin_tile_cycles: 1,
+            bin_fifo: 8,
+            binning: Binning::Box,
+            sort_passes: 1,
+            sort_cycles: 1,
+            raster_units: 1,
+            assignment: Assignment::Dynamic,
+            overlap: Overlap::Pipelined,
+            splat_cycles: 1,
+            row_cycles: 1,
+            rows_at_once: 2,
+            packet_fifo: 64,
+            splat_fifo: 2,
+            row_fifo: 16,
+            lanes: 1,
+            layout: Layout::Run,
+            pixel_termination: Termination::Discard,
+            tile_termination: 1,
+            table_latency: 3,
+            table_ports: 0,
+            blend_latency: 4,
+            blend_interval: 1,
+            tile_buffers: 2,
+            buffer_banks: 0,
+            write_back_cycles: 4,
+        }
+    }
+}
+
+impl Config {
+    /// Cycles per group of lanes, stretched where ports or banks are fewer than lanes.
+    pub fn stretch(&self) -> u32 {
+        let shared = |ports: u32| {
+            if ports == 0 {
+                1
+            } else {
+                self.lanes.div_ceil(ports)
+            }
+        };
+        self.blend_interval
+            .max(shared(self.table_ports))
+            .max(shared(self.buffer_banks))
+    }
+
+    /// Columns that the lanes advance per group.
+    pub fn stride(&self) -> u32 {
+        match self.layout {
+            Layout::Run | Layout::Aligned => self.lanes,
+            Layout::Quad => (self.lanes / 2).max(1),
+            Layout::Rows => 1,
+        }
+    }
+}

@@ -1,0 +1,351 @@
+//! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
+
+use super::fields::{FIELDS, Field, Range, field};
+use super::{Config, Layout, Overlap};
+use std::fmt::Write;
+use std::path::Path;
+use thiserror::Error;
+
+/// What is wrong with a machine file or with one setting.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("{file}: cannot read the machine: {problem}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the system said.
+        problem: String,
+    },
+    /// Not TOML.
+    #[error("{file}: {problem}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// The parser's message, which names line and column.
+        problem: String,
+    },
+    /// No such key.
+    #[error("{place}: unknown key '{key}'{hint}")]
+    UnknownKey {
+        /// File and line, or the option.
+        place: String,
+        /// The key.
+        key: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// A value of the wrong kind or out of range.
+    #[error("{place}: {key} = {value}: {allowed}")]
+    NotAllowed {
+        /// File and line, or the option.
+        place: String,
+        /// The key.
+        key: String,
+        /// The value found.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+/// Reads a machine file.
+pub fn from_file(path: &Path) -> Result<Config, ConfigError> {
+    let file = path.display().to_string();
+    let text = std::fs::read_to_string(path).map_err(|error| ConfigError::Unreadable {
+        file: file.clone(),
+        problem: error.to_string(),
+    })?;
+    from_toml(&file, &text)
+}
+
+/// Reads a machine from the text of a file; keys that it does not name keep their defaults.
+pub fn from_toml(file: &str, text: &str) -> Result<Config, ConfigError> {
+    let malformed = |problem: String| ConfigError::Malformed {
+        file: file.to_owned(),
+        problem,
+    };
+    let table: toml::Table = text
+        .parse()
+        .map_err(|error: toml::de::Error| malformed(error.to_string()))?;
+    let mut config = Config::default();
+    for (section, value) in &table {
+        let place = format!("{file}:{}", line_of(text, "", section));
+        match value {
+            toml::Value::Table(keys) if FIELDS.iter().any(|field| field.section == section) => {
+                for (key, value) in keys {
+                    let place = format!("{file}:{}", line_of(text, section, key));
+                    config.set(&place, &format!("{section}.{key}"), value)?;
+                }
+            }
+            _ => return Err(unknown(&place, section)),
+        }
+    }
+    config.check_together().map_err(|(key, value, allowed)| {
+        let section = field(key).map_or("", |field| field.section);
+        let place = format!("{file}:{}", line_of(text, section, key));
+        ConfigError::NotAllowed {
+            place,
+            key: key.to_owned(),
+            value,
+            allowed,
+        }
+    })?;
+    Ok(config)
+}
+
+impl Config {
+    /// Sets one field; `place` says where the setting stands, for messages.
+    pub fn set(&mut self, place: &str, key: &str, value: &toml::Value) -> Result<(), ConfigError> {
+        let Some(field) = field(key) else {
+            return Err(unknown(place, key));
+        };
+        match field.accept(value) {
+            Some(number) => {
+                (field.set)(self, number);
+                Ok(())
+            }
+            None => Err(ConfigError::NotAllowed {
+                place: place.to_owned(),
+                key: key.to_owned(),
+                value: value.to_string(),
+                allowed: field.allowed(),
+            }),
+        }
+    }
+
+    /// Sets fields from `key=value` words, as the command line gives them.
+    pub fn set_words(&mut self, words: &[String]) -> Result<(), ConfigError> {
+        for word in words {
+            let (key, text) = word.split_once('=').unwrap_or((word, ""));
+            let value = match text.trim().parse::<i64>() {
+                Ok(number) => toml::Value::Integer(number),
+                Err(_) => toml::Value::String(text.trim().to_owned()),
+            };
+            self.set("--set", key.trim(), &value)?;
+        }
+        self.check_together()
+            .map_err(|(key, value, allowed)| ConfigError::NotAllowed {
+                place: "--set".to_owned(),
+                key: key.to_owned(),
+                value,
+                allowed,
+            })
+    }
+
+    /// Conditions between fields: the key at fault, its value and what is allowed.
+    pub fn check_together(&self) -> Result<(), (&'static str, String, String)> {
+        if self.layout == Layout::Quad && self.lanes < 2 {
+            return Err((
+                "layout",
+                "\"quad\"".to_owned(),
+                "allowed with 2 or more lanes".to_owned(),
+            ));
+        }
+        if self.layout == Layout::Rows && self.overlap == Overlap::Serial {
+            return Err((
+                "layout",
+                "\"rows\"".to_owned(),
+                "allowed with overlap = \"pipelined\"".to_owned(),
+            ));
+        }
+        if self.lanes > u32::from(self.tile_width) && self.layout != Layout::Rows {
+            let allowed = format!(
+                "allowed are up to tile_width = {} lanes in this layout",
+                self.tile_width
+            );
+            return Err(("lanes", self.lanes.to_string(), allowed));
+        }
+        Ok(())
+    }
+}
+
+impl Field {
+    /// The value as the integer that [`Field::set`] takes, if it is allowed.
+    pub fn accept(&self, value: &toml::Value) -> Option<u32> {
+        let number = value
+            .as_integer()
+            .and_then(|number| u32::try_from(number).ok());
+        match self.range {
+            Range::Number(low, high) => number.filter(|number| (low..=high).contains(number)),
+            Range::OneOf(list) => number.filter(|number| list.contains(number)),
+            Range::Choice(names) => {
+                let name = value.as_str()?;
+                names
+                    .iter()
+                    .position(|choice| *choice == name)
+                    .map(|index| index as u32)
+            }
+        }
+    }
+
+    /// What is allowed, in words.
+    pub fn allowed(&self) -> String {
+        match self.range {
+            Range::Number(low, high) => format!("allowed are {low} to {high}"),
+            Range::OneOf(list) => {
+                format!(
+                    "allowed are {}",
+                    list.iter()
+                        .map(u32::to_string)
+                        .collect::<Vec<_>>()
+                        .join(", ")
+                )
+            }
+            Range::Choice(names) => format!("allowed are \"{}\"", names.join("\", \"")),
+        }
+    }
+
+    /// The field's value as TOML and CSV show it.
+    pub fn show(&self, config: &Config) -> String {
+        let value = (self.get)(config);
+        match self.range {
+            Range::Choice(names) => names[value as usize].to_owned(),
+            _ => value.to_string(),
+        }
+    }
+}
+
+/// The whole configuration with a comment per field; reading it back gives the same configuration.
+pub fn to_toml(config: &Config) -> String {
+    let mut text = String::from(
+        "# A splatting machine. Times in clock cycles; what is left out keeps its default.\n",
+    );
+    let mut section = "";
+    for field in &FIELDS {
+        if field.section != section {
+            section = field.section;
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "\n[{section}]");
+        }
+        let shown = field.show(config);
+        let value = if matches!(field.range, Range::Choice(_)) {
+            format!("\"{shown}\"")
+        } else {
+            shown
+        };
+        let setting = format!("{} = {value}", field.key);
+        let _ = writeln!(text, "{setting:<32} # {}; {}", field.about, field.allowed());
+    }
+    text
+}
+
+fn unknown(place: &str, key: &str) -> ConfigError {
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let hint = match field(name) {
+        Some(field) => format!(": '{name}' belongs into [{}]", field.section),
+        None => {
+            let start: String = name.chars().take(3).collect();
+            let near = FIELDS.iter().filter(|field| field.key.starts_with(&start));
+            let keys: Vec<&str> = near.map(|field| field.key).collect();
+            if keys.is_empty() {
+                String::new()
+            } else {
+                format!(": did you mean {}?", keys.join(" or "))
+            }
+        }
+    };
+    ConfigError::UnknownKey {
+        place: place.to_owned(),
+        key: key.to_owned(),
+        hint,
+    }
+}
+
+/// Line, counted from 1, on which `key` is set in `[section]` (or as `section.key`); 1 if it is not found.
+pub fn line_of(text: &str, section: &str, key: &str) -> usize {
+    let sets = |line: &str, name: &str| {
+        line.strip_prefix(name)
+            .is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    let dotted = format!("{section}.{key}");
+    let quoted = format!("\"{key}\"");
+    let mut current = "";
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(name) = line
+            .strip_prefix('[')
+            .and_then(|rest| rest.split(']').next())
+        {
+            current = name.trim();
+            if section.is_empty() && current == key {
+                return index + 1;
+            }
+        }
+        let inside = current == section && (sets(line, key) || sets(line, &quoted));
+        if inside || (current.is_empty() && sets(line, &dotted)) {
+            return index + 1;
+        }
+    }
+    1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_resolved_file_reads_back() {
+        let mut config = Config::default();
+        config
+            .set_words(&[
+                "lanes=4".into(),
+                "layout=rows".into(),
+                "memory.latency=17".into(),
+            ])
+            .unwrap();
+        assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
+        assert_eq!(from_toml("m.toml", ""), Ok(Config::default()));
+    }
+
+    #[test]
+    fn every_field_can_be_set_to_its_limits_and_no_further() {
+        for field in &FIELDS {
+            let (low, high) = match field.range {
+                Range::Number(low, high) => (low, high),
+                Range::OneOf(list) => (list[0], list[list.len() - 1]),
+                Range::Choice(names) => (0, names.len() as u32 - 1),
+            };
+            let mut config = Config::default();
+            for value in [low, high] {
+                (field.set)(&mut config, value);
+                assert_eq!((field.get)(&config), value, "{}", field.key);
+            }
+            let beyond = toml::Value::Integer(i64::from(high) + 1);
+            assert!(
+                config.set("--set", field.key, &beyond).is_err(),
+                "{}",
+                field.key
+            );
+        }
+    }
+
+    #[test]
+    fn errors_name_key_line_and_range() {
+        let message = |text: &str| from_toml("m.toml", text).unwrap_err().to_string();
+        assert_eq!(
+            message("[tile]\n\n[memory]\nlatency = 1000000\n"),
+            "m.toml:4: memory.latency = 1000000: allowed are 0 to 100000"
+        );
+        assert_eq!(
+            message("[lanes]\nlanes = 3\n"),
+            "m.toml:2: lanes.lanes = 3: allowed are 1, 2, 4, 8, 16, 32, 64"
+        );
+        assert_eq!(
+            message("[lanes]\nlayout = \"cube\"\n"),
+            "m.toml:2: lanes.layout = \"cube\": allowed are \"run\", \"aligned\", \"quad\", \"rows\""
+        );
+        assert_eq!(
+            message("[lanes]\nlatency = 3\n"),
+            "m.toml:2: unknown key 'lanes.latency': 'latency' belongs into [memory]"
+        );
+        assert!(message("[memory]\nlatencies = 3\n").contains("did you mean latency"));
+        assert!(
+            message("[lanes]\nlayout = \"quad\"\n")
+                .contains("m.toml:2: layout = \"quad\": allowed with 2")
+        );
+        assert!(message("x = \n").contains("line 1"));
+        assert!(message("tile.tile_width = 9").contains("m.toml:1"));
+        assert!(message("colour = 9").contains("m.toml:1: unknown key 'colour'"));
+    }
+}

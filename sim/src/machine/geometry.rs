@@ -1,0 +1,107 @@
+//! The geometry phase: splats are fetched, set up, binned into tiles and written as packets and list entries.
+//!
+//! ```text
+//! memory -> [setup_fifo] -> setup units -> [bin_fifo] -> binning -> write channel
+//! ```
+//!
+//! Splats keep their order. The setup units take them in turn, each accepts one every `setup_interval` cycles and works in a
+//! pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit.
+
+use super::accounts::{Account, Cause, Fifo};
+use super::config::{Binning, Config};
+use super::workload::Workload;
+
+/// The units of the phase after all splats have passed.
+#[derive(Clone, Debug)]
+pub(super) struct Geometry {
+    pub fetch: Account,
+    pub setup: Vec<Account>,
+    pub binning: Account,
+    pub write: Account,
+    pub splats: Fifo,
+    pub footprints: Fifo,
+    /// List entries written.
+    pub entries: u64,
+    /// Bytes written as packets and list entries.
+    pub written: u64,
+}
+
+impl Geometry {
+    /// Passes all splats of `workload` through the phase.
+    pub fn run(workload: &Workload, config: &Config, packet_bytes: u32) -> Geometry {
+        let mut geometry = Geometry {
+            fetch: Account::default(),
+            setup: vec![Account::default(); config.setup_units as usize],
+            binning: Account::default(),
+            write: Account::default(),
+            splats: Fifo::new(config.setup_fifo),
+            footprints: Fifo::new(config.bin_fifo),
+            entries: 0,
+            written: 0,
+        };
+        let transfer = u64::from(config.splat_bytes.div_ceil(config.read_bandwidth));
+        let mut last_start = 0;
+        for (number, splat) in workload.splats.iter().enumerate() {
+            let unit = number % geometry.setup.len();
+            let requested = geometry.splats.free_at().max(geometry.fetch.at());
+            geometry.fetch.wait(Cause::FifoFull, requested);
+            geometry.fetch.work(transfer);
+            let arrival = geometry.fetch.at() + u64::from(config.latency);
+            let setup = &mut geometry.setup[unit];
+            setup.wait(Cause::Memory, arrival);
+            setup.wait(Cause::Upstream, last_start);
+            last_start = setup.at();
+            geometry.splats.pass(requested, last_start);
+            setup.work(config.setup_interval.into());
+            if splat.tiles == 0 {
+                continue;
+            }
+            let ready = (last_start + u64::from(config.setup_latency)).max(setup.at());
+            let handed_on = ready.max(geometry.footprints.free_at());
+            // The unit's pipeline stands still for as long as its result does.
+            let until = setup.at() + (handed_on - ready);
+            setup.wait(Cause::FifoFull, until);
+            let entries = match config.binning {
+                Binning::Box => splat.tiles,
+                Binning::Exact => splat.visited_tiles,
+            };
+            geometry.bin(config, handed_on, splat.tiles, entries, packet_bytes);
+        }
+        geometry
+    }
+
+    fn bin(
+        &mut self,
+        config: &Config,
+        handed_on: u64,
+        tiles: u32,
+        entries: u32,
+        packet_bytes: u32,
+    ) {
+        self.binning.wait(Cause::Upstream, handed_on);
+        self.footprints.pass(handed_on, self.binning.at());
+        self.binning.work(
+            u64::from(config.bin_cycles) + u64::from(config.bin_tile_cycles) * u64::from(tiles),
+        );
+        let bytes = if entries == 0 {
+            0
+        } else {
+            u64::from(packet_bytes) + u64::from(config.list_bytes) * u64::from(entries)
+        };
+        self.binning.wait(Cause::WriteChannel, self.write.at());
+        self.write.wait(Cause::Upstream, self.binning.at());
+        self.write
+            .work(bytes.div_ceil(config.write_bandwidth.into()));
+        self.entries += u64::from(entries);
+        self.written += bytes;
+    }
+
+    /// Cycles of the phase.
+    pub fn cycles(&self) -> u64 {
+        let setup = self.setup.iter().map(Account::at);
+        setup
+            .chain([self.fetch.at(), self.binning.at(), self.write.at()])
+            .max()
+            .unwrap_or(0)
+    }
+}

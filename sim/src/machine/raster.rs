@@ -1,0 +1,441 @@
+//! One raster unit: the recurrence over pairs and bands, `docs/hardware-model.md` sections 1 and 2.
+//!
+//! Every stage is a server. With start S, service time and departure D of item k:
+//!
+//! ```text
+//! S[k] = max(D[k-1] of this stage, D[k] of the stage before)
+//! D[k] = max(S[k] + service, the time at which the FIFO behind has a place)
+//! ```
+//!
+//! so that a result that finds no place blocks its unit. All operations are maxima and sums of non-negative numbers: no time
+//! can decrease when a service time or latency grows.
+
+use super::accounts::{Account, Cause, Fifo};
+use super::config::{Config, Layout, Overlap};
+use super::lanes::{Band, PairWork};
+use super::observe::{Event, Observer, Stage};
+use std::collections::VecDeque;
+
+/// Constants of a unit, resolved from the configuration.
+#[derive(Clone, Debug)]
+struct Costs {
+    serial: bool,
+    /// Cycles of the read channel per packet, and from request to arrival.
+    transfer: u64,
+    latency: u64,
+    splat: u64,
+    row: u64,
+    rows_at_once: u32,
+    stretch: u64,
+    stride: u64,
+    blend_latency: u64,
+    /// From a group's issue to its write.
+    drain: u64,
+    private_rows: bool,
+    prefetch: usize,
+    write_back: u64,
+    /// Bytes per pixel times units, and the bandwidth that all units share.
+    pixel_bytes: u64,
+    bandwidth: u64,
+}
+
+/// A run in flight, for the read-after-write interlock.
+#[derive(Clone, Copy, Debug)]
+struct Flight {
+    y: u8,
+    first: u8,
+    last: u8,
+    start: u64,
+    /// When its last group's pixels can be read again.
+    settled: u64,
+}
+
+/// Lanes that advance together: all of them, or one lane that owns its rows.
+#[derive(Clone, Debug)]
+pub(super) struct Sequencer {
+    pub account: Account,
+    pub fifo: Fifo,
+    flights: VecDeque<Flight>,
+}
+
+/// One raster unit's state.
+#[derive(Clone, Debug)]
+pub(super) struct RasterUnit {
+    number: u32,
+    costs: Costs,
+    pub fetch: Account,
+    pub splat: Account,
+    pub rows: Account,
+    pub sequencers: Vec<Sequencer>,
+    pub write_back: Account,
+    pub packets: Fifo,
+    pub splats: Fifo,
+    /// Times at which tile buffers become free, oldest first.
+    buffers: VecDeque<u64>,
+    pub prefetched_in_vain: u64,
+}
+
+/// A tile to be drawn.
+pub(super) struct Job<'a> {
+    pub tile: u32,
+    pub pixels: u32,
+    /// The pairs that are drawn, the first one's first band, and the pairs that follow them.
+    pub pairs: &'a [PairWork],
+    pub first_band: usize,
+    pub left_out: usize,
+    pub bands: &'a [Band],
+}
+
+impl RasterUnit {
+    pub fn new(number: u32, config: &Config, packet_bytes: u32) -> RasterUnit {
+        let units = u64::from(config.raster_units);
+        let bytes = u64::from(packet_bytes + config.list_bytes) * units;
+        let private_rows = config.layout == Layout::Rows;
+        let sequencer = Sequencer {
+            account: Account::default(),
+            fifo: Fifo::new(config.row_fifo),
+            flights: VecDeque::new(),
+        };
+        let costs = Costs {
+            serial: config.overlap == Overlap::Serial,
+            transfer: bytes.div_ceil(config.read_bandwidth.into()),
+            latency: config.latency.into(),
+            splat: config.splat_cycles.into(),
+            row: config.row_cycles.into(),
+            rows_at_once: config.rows_at_once,
+            stretch: config.stretch().into(),
+            stride: config.stride().into(),
+            blend_latency: config.blend_latency.into(),
+            drain: u64::from(config.table_latency) + u64::from(config.blend_latency),
+            private_rows,
+            prefetch: config.packet_fifo as usize,
+            write_back: config.write_back_cycles.into(),
+            pixel_bytes: u64::from(config.pixel_bytes) * units,
+            bandwidth: config.write_bandwidth.into(),
+        };
+        RasterUnit {
+            number,
+            costs,
+            fetch: Account::default(),
+            splat: Account::default(),
+            rows: Account::default(),
+            sequencers: vec![
+                sequencer;
+                if private_rows {
+                    config.lanes as usize
+                } else {
+                    1
+                }
+            ],
+            write_back: Account::default(),
+            packets: Fifo::new(config.packet_fifo),
+            splats: Fifo::new(config.splat_fifo),
+            buffers: VecDeque::from(vec![0; config.tile_buffers as usize]),
+            prefetched_in_vain: 0,
+        }
+    }
+
+    /// The cycle from which the unit could begin to fetch another tile.
+    pub fn ready_at(&self) -> u64 {
+        self.fetch.at()
+    }
+
+    /// The cycle after which the unit does nothing any more.
+    pub fn finished_at(&self) -> u64 {
+        let lanes = self
+            .sequencers
+            .iter()
+            .map(|sequencer| sequencer.account.at());
+        let stages = [&self.fetch, &self.splat, &self.rows, &self.write_back].map(Account::at);
+        lanes.chain(stages).max().unwrap_or(0)
+    }
+
+    /// Draws one tile.
+    pub fn draw<O: Observer>(&mut self, job: &Job, observer: &mut O) {
+        let buffer = self.buffers.pop_front().unwrap_or(0);
+        // Another tile's pixels lie in another buffer.
+        self.sequencers
+            .iter_mut()
+            .for_each(|sequencer| sequencer.flights.clear());
+        let mut band = job.first_band;
+        for pair in job.pairs {
+            let bands = &job.bands[band..pair.bands_end as usize];
+            band = pair.bands_end as usize;
+            let mut at = Place {
+                unit: self.number,
+                tile: job.tile,
+                splat: pair.splat,
+                observer,
+            };
+            if self.costs.serial {
+                self.serial_pair(bands, buffer, &mut at);
+            } else {
+                self.pipelined_pair(bands, buffer, &mut at);
+            }
+        }
+        self.drop_prefetched(job.left_out);
+        self.write_back(job, buffer, observer);
+    }
+
+    /// Requests a packet as soon as it has a place; gives its arrival.
+    #[inline(always)]
+    fn fetch<O: Observer>(&mut self, at: &mut Place<O>) -> u64 {
+        self.fetch.wait(Cause::FifoFull, self.packets.free_at());
+        let start = self.fetch.at();
+        self.fetch.work(self.costs.transfer);
+        let arrival = self.fetch.at() + self.costs.latency;
+        at.event(Stage::Fetch, 0, 0, start, arrival);
+        arrival
+    }
+
+    #[inline(always)]
+    fn pipelined_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
+        let requested = self.packets.free_at().max(self.fetch.at());
+        let arrival = self.fetch(at);
+        self.splat.wait(Cause::Memory, arrival);
+        let start = self.splat.at();
+        self.packets.pass(requested, start);
+        self.splat.work(self.costs.splat);
+        at.event(Stage::Setup, 0, 0, start, self.splat.at());
+        self.splat.wait(Cause::FifoFull, self.splats.free_at());
+        let handed_on = self.splat.at();
+
+        self.rows.wait(Cause::Memory, arrival);
+        self.rows.wait(Cause::SplatSetup, handed_on);
+        self.splats.pass(handed_on, self.rows.at());
+        let mut generator = Steps::new(self.costs.rows_at_once);
+        for band in bands {
+            let began = self.rows.at();
+            let steps = generator.make(band.rows);
+            self.rows.work(steps * self.costs.row);
+            at.event(Stage::Rows, 0, band.y, began, self.rows.at());
+            if band.groups > 0 {
+                self.hand_over(band, [arrival, handed_on], buffer, at);
+            }
+        }
+    }
+
+    /// From the row generator through the FIFO into the lanes; the splat's packet arrived and was set up at these times.
+    #[inline(always)]
+    fn hand_over<O: Observer>(
+        &mut self,
+        band: &Band,
+        [arrived, set_up]: [u64; 2],
+        buffer: u64,
+        at: &mut Place<O>,
+    ) {
+        let lane = self.lane_of(band);
+        let sequencer = &mut self.sequencers[lane];
+        self.rows.wait(Cause::FifoFull, sequencer.fifo.free_at());
+        let entered = self.rows.at();
+        let lanes = &mut sequencer.account;
+        lanes.wait(Cause::Memory, arrived);
+        lanes.wait(Cause::SplatSetup, set_up);
+        lanes.wait(Cause::RowGenerator, entered);
+        let start = sequencer.visit(band, buffer, &self.costs);
+        sequencer.fifo.pass(entered, start);
+        at.lanes(lane, band, start, sequencer.account.at(), &self.costs);
+    }
+
+    /// All three stages take turns, so each of them waits while another works.
+    fn serial_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
+        let requested = self.packets.free_at().max(self.fetch.at());
+        let arrival = self.fetch(at);
+        let RasterUnit {
+            splat,
+            rows,
+            sequencers,
+            costs,
+            packets,
+            ..
+        } = self;
+        let Some(sequencer) = sequencers.first_mut() else {
+            return;
+        };
+        for account in [&mut *splat, &mut *rows, &mut sequencer.account] {
+            account.wait(Cause::Memory, arrival);
+        }
+        packets.pass(requested, splat.at());
+        let began = splat.at();
+        splat.work(costs.splat);
+        at.event(Stage::Setup, 0, 0, began, splat.at());
+        rows.wait(Cause::Turn, splat.at());
+        let mut generator = Steps::new(costs.rows_at_once);
+        for band in bands {
+            let began = rows.at();
+            let steps = generator.make(band.rows);
+            rows.work(steps * costs.row);
+            at.event(Stage::Rows, 0, band.y, began, rows.at());
+            sequencer.account.wait(Cause::Turn, rows.at());
+            if band.groups > 0 {
+                let start = sequencer.visit(band, buffer, costs);
+                at.lanes(0, band, start, sequencer.account.at(), costs);
+            }
+            rows.wait(Cause::Turn, sequencer.account.at());
+        }
+        sequencer.account.wait(Cause::Turn, rows.at());
+        splat.wait(Cause::Turn, rows.at());
+    }
+
+    #[inline(always)]
+    fn lane_of(&self, band: &Band) -> usize {
+        // Lanes are a power of two.
+        if self.costs.private_rows {
+            usize::from(band.y) & (self.sequencers.len() - 1)
+        } else {
+            0
+        }
+    }
+
+    /// Packets of a finished tile that were already on their way.
+    fn drop_prefetched(&mut self, left_out: usize) {
+        let count = left_out.min(self.costs.prefetch) as u64;
+        self.prefetched_in_vain += count;
+        self.fetch.work(count * self.costs.transfer);
+    }
+
+    /// A tile is written back when its last pixel has been blended.
+    fn write_back<O: Observer>(&mut self, job: &Job, buffer: u64, observer: &mut O) {
+        let last = self
+            .sequencers
+            .iter()
+            .map(|sequencer| sequencer.account.at())
+            .max()
+            .unwrap_or(0);
+        let blended = if job.pairs.is_empty() {
+            buffer
+        } else {
+            last.max(buffer) + self.costs.drain
+        };
+        self.write_back.wait(Cause::Lanes, blended);
+        let start = self.write_back.at();
+        let bytes = u64::from(job.pixels) * self.costs.pixel_bytes;
+        self.write_back
+            .work(self.costs.write_back + bytes.div_ceil(self.costs.bandwidth));
+        self.buffers.push_back(self.write_back.at());
+        let mut at = Place {
+            unit: self.number,
+            tile: job.tile,
+            splat: u32::MAX,
+            observer,
+        };
+        at.event(Stage::WriteBack, 0, 0, start, self.write_back.at());
+    }
+}
+
+impl Sequencer {
+    /// Holds the band until a buffer is free and no pixel meets one in flight, then visits it; gives the first cycle.
+    #[inline(always)]
+    fn visit(&mut self, band: &Band, buffer: u64, costs: &Costs) -> u64 {
+        self.account.wait(Cause::TileBuffer, buffer);
+        let free = self.held_until(band, costs);
+        self.account.wait(Cause::Hazard, free);
+        let start = self.account.at();
+        let cycles = u64::from(band.groups) * costs.stretch;
+        self.account.work(cycles);
+        let settled = start + cycles - costs.stretch + costs.blend_latency;
+        self.flights.push_back(Flight {
+            y: band.y,
+            first: band.first,
+            last: band.last,
+            start,
+            settled,
+        });
+        start
+    }
+
+    /// The interlock: see the document for the rule.
+    #[inline(always)]
+    fn held_until(&mut self, band: &Band, costs: &Costs) -> u64 {
+        let now = self.account.at();
+        while self
+            .flights
+            .front()
+            .is_some_and(|flight| flight.settled <= now)
+        {
+            self.flights.pop_front();
+        }
+        let mut until = now;
+        for flight in &self.flights {
+            if flight.y != band.y || flight.first >= band.last || band.first >= flight.last {
+                continue;
+            }
+            let ahead = u64::from(band.first)
+                .saturating_sub(flight.first.into())
+                .div_ceil(costs.stride);
+            let behind = u64::from(flight.first).saturating_sub(band.first.into()) / costs.stride;
+            let groups = ahead + u64::from(band.skipped);
+            let pixelwise = (flight.start + costs.blend_latency + groups * costs.stretch)
+                .saturating_sub(behind * costs.stretch);
+            until = until.max(pixelwise.min(flight.settled));
+        }
+        until
+    }
+}
+
+/// Counts the row generator's steps over the rows of one pair.
+struct Steps {
+    at_once: u32,
+    /// Rows that the last step has made and no band has taken.
+    spare: u32,
+}
+
+impl Steps {
+    fn new(at_once: u32) -> Steps {
+        Steps { at_once, spare: 0 }
+    }
+
+    /// Steps begun for the next so many rows.
+    #[inline(always)]
+    fn make(&mut self, rows: u8) -> u64 {
+        let rows = u32::from(rows);
+        if rows <= self.spare {
+            self.spare -= rows;
+            return 0;
+        }
+        let missing = rows - self.spare;
+        // Most often one step is enough; the division is for tall gaps.
+        let steps = if missing <= self.at_once {
+            1
+        } else {
+            missing.div_ceil(self.at_once)
+        };
+        self.spare = steps * self.at_once - missing;
+        steps.into()
+    }
+}
+
+/// Where an event takes place.
+struct Place<'a, O> {
+    unit: u32,
+    tile: u32,
+    splat: u32,
+    observer: &'a mut O,
+}
+
+impl<O: Observer> Place<'_, O> {
+    #[inline(always)]
+    fn event(&mut self, stage: Stage, lane: usize, row: u8, start: u64, end: u64) {
+        if O::WATCHES {
+            let Place {
+                unit, tile, splat, ..
+            } = *self;
+            self.observer.event(Event {
+                unit,
+                stage,
+                lane: lane as u32,
+                tile,
+                splat,
+                row: row.into(),
+                start,
+                end,
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn lanes(&mut self, lane: usize, band: &Band, start: u64, end: u64, costs: &Costs) {
+        self.event(Stage::Lanes, lane, band.y, start, end);
+        self.event(Stage::Blend, lane, band.y, end, end + costs.drain);
+    }
+}

@@ -1,0 +1,317 @@
+//! A whole picture on a machine: geometry phase, sort, raster phase, and what reports show of it.
+//!
+//! The phases follow each other, because the first tile can be drawn in depth order only when the last splat has been binned.
+//! With pictures in sequence a machine may overlap one picture's geometry with another's raster phase; the slower phase
+//! then sets the rate, which is why phases are reported one by one.
+
+use super::accounts::{Account, Fifo, UnitTime};
+use super::config::{Assignment, Config};
+use super::geometry::Geometry;
+use super::lanes::{LaneShape, LaneWork, PairWork};
+use super::observe::{Blind, Observer};
+use super::raster::{Job, RasterUnit};
+use super::workload::Workload;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Cycles of a picture and everything counted on the way.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Timing {
+    /// All cycles: the sum of the three phases.
+    pub total: u64,
+    /// Geometry phase: fetch, setup, binning.
+    pub geometry: u64,
+    /// Depth sort.
+    pub sort: u64,
+    /// Raster phase.
+    pub raster: u64,
+    /// Accounts of every kind of unit over the whole picture.
+    pub units: BTreeMap<&'static str, UnitTime>,
+    /// Depth and high-water mark of every FIFO, the fullest over all instances.
+    pub fifos: BTreeMap<&'static str, FifoUse>,
+    /// Bytes over the memory interface.
+    pub bytes: Bytes,
+    /// Work of the lanes.
+    pub pixels: PixelWork,
+}
+
+/// How deep a FIFO is and how full it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct FifoUse {
+    /// Places.
+    pub depth: u64,
+    /// Most entries at once.
+    pub high_water: u64,
+}
+
+/// Bytes read and written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Bytes {
+    /// Splats read by the geometry phase.
+    pub splats_read: u64,
+    /// Packets and list entries written by the geometry phase.
+    pub packets_written: u64,
+    /// List entries read and written by the sort.
+    pub sort_moved: u64,
+    /// Packets and list entries read by the raster phase.
+    pub packets_read: u64,
+    /// Of these, packets of tiles that had finished before they could be used.
+    pub packets_in_vain: u64,
+    /// Pixels written back.
+    pub pixels_written: u64,
+}
+
+/// Pixels, counted once per splat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct PixelWork {
+    /// Splat-tile pairs drawn.
+    pub pairs: u64,
+    /// Pairs left out because their tile had finished.
+    pub pairs_left_out: u64,
+    /// Rows of the drawn pairs.
+    pub rows: u64,
+    /// Groups of lanes issued.
+    pub groups: u64,
+    /// Groups not issued although they lie between a band's first and last.
+    pub groups_skipped: u64,
+    /// Pixels that lanes visited.
+    pub visited: u64,
+    /// Of these, pixels inside the footprint.
+    pub covered: u64,
+    /// Of these, pixels that had not finished.
+    pub live: u64,
+    /// Lane slots: cycles in which lanes were busy times lanes.
+    pub slots: u64,
+    /// covered / (raster cycles x lanes x raster units).
+    pub covered_per_cycle_and_lane: f64,
+    /// live / (raster cycles x lanes x raster units).
+    pub live_per_cycle_and_lane: f64,
+}
+
+/// Cycles of `workload` on a machine; `work` must have been made for the machine's [`LaneShape`].
+pub fn simulate(workload: &Workload, work: &LaneWork, config: &Config) -> Timing {
+    simulate_observed(workload, work, config, &mut Blind)
+}
+
+/// The same with an observer of the raster phase.
+pub fn simulate_observed<O: Observer>(
+    workload: &Workload,
+    work: &LaneWork,
+    config: &Config,
+    observer: &mut O,
+) -> Timing {
+    let packet_bytes = if config.packet_bytes == 0 {
+        workload.packet_bytes
+    } else {
+        config.packet_bytes
+    };
+    let geometry = Geometry::run(workload, config, packet_bytes);
+    let moves = geometry.entries * u64::from(config.sort_passes);
+    let mut sort = Account::default();
+    sort.work(moves * u64::from(config.sort_cycles));
+    let mut raster = Raster::new(config, packet_bytes);
+    raster.draw(work, config, observer);
+
+    let raster_cycles = raster
+        .units
+        .iter()
+        .map(RasterUnit::finished_at)
+        .max()
+        .unwrap_or(0);
+    let total = geometry.cycles() + sort.at() + raster_cycles;
+    let mut timing = Timing {
+        total,
+        geometry: geometry.cycles(),
+        sort: sort.at(),
+        raster: raster_cycles,
+        ..Timing::default()
+    };
+    timing.add_units(&geometry, &sort, &raster);
+    timing.add_fifos(&geometry, &raster, config);
+    timing.add_pixels(&raster, config);
+    let entry = u64::from(packet_bytes + config.list_bytes);
+    timing.bytes = Bytes {
+        splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
+        packets_written: geometry.written,
+        sort_moved: 2 * moves * u64::from(config.list_bytes),
+        packets_read: (raster.pixels.pairs + raster.in_vain()) * entry,
+        packets_in_vain: raster.in_vain() * entry,
+        pixels_written: raster.pixels_written * u64::from(config.pixel_bytes),
+    };
+    timing
+}
+
+/// All raster units and the tiles that they share.
+struct Raster {
+    units: Vec<RasterUnit>,
+    pixels: PixelWork,
+    pixels_written: u64,
+}
+
+impl Raster {
+    fn new(config: &Config, packet_bytes: u32) -> Raster {
+        let units = (0..config.raster_units)
+            .map(|number| RasterUnit::new(number, config, packet_bytes))
+            .collect();
+        Raster {
+            units,
+            pixels: PixelWork::default(),
+            pixels_written: 0,
+        }
+    }
+
+    fn draw<O: Observer>(&mut self, work: &LaneWork, config: &Config, observer: &mut O) {
+        let mut first_pair = 0;
+        for (number, tile) in work.tiles.iter().enumerate() {
+            let all = &work.pairs[first_pair..tile.pairs_end as usize];
+            let first_band = if first_pair == 0 {
+                0
+            } else {
+                work.pairs[first_pair - 1].bands_end as usize
+            };
+            first_pair = tile.pairs_end as usize;
+            let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
+            let (pairs, rest) = all.split_at(drawn);
+            self.count(pairs, rest.len(), tile.pixels);
+            let unit = self.choose(number, config.assignment);
+            let job = Job {
+                tile: number as u32,
+                pixels: tile.pixels,
+                pairs,
+                first_band,
+                left_out: rest.len(),
+                bands: &work.bands,
+            };
+            self.units[unit].draw(&job, observer);
+        }
+    }
+
+    /// Which unit draws the next tile.
+    fn choose(&self, tile: usize, assignment: Assignment) -> usize {
+        match assignment {
+            Assignment::Static => tile % self.units.len(),
+            Assignment::Dynamic => {
+                let ready = |unit: &usize| self.units[*unit].ready_at();
+                (0..self.units.len()).min_by_key(ready).unwrap_or(0)
+            }
+        }
+    }
+
+    fn count(&mut self, pairs: &[PairWork], left_out: usize, pixels: u32) {
+        self.pixels_written += u64::from(pixels);
+        let sums = &mut self.pixels;
+        sums.pairs += pairs.len() as u64;
+        sums.pairs_left_out += left_out as u64;
+        for pair in pairs {
+            sums.rows += u64::from(pair.rows);
+            sums.groups += u64::from(pair.groups);
+            sums.groups_skipped += u64::from(pair.skipped);
+            sums.visited += u64::from(pair.visited);
+            sums.covered += u64::from(pair.covered);
+            sums.live += u64::from(pair.live);
+        }
+    }
+
+    fn in_vain(&self) -> u64 {
+        self.units.iter().map(|unit| unit.prefetched_in_vain).sum()
+    }
+}
+
+/// How many of a tile's pairs are drawn: all up to the first check after the tile has finished.
+fn drawn(pairs: usize, finished_after: u32, interval: u32) -> usize {
+    if interval == 0 || finished_after == u32::MAX {
+        return pairs;
+    }
+    (u64::from(finished_after.div_ceil(interval)) * u64::from(interval)).min(pairs as u64) as usize
+}
+
+impl Timing {
+    fn add_units(&mut self, geometry: &Geometry, sort: &Account, raster: &Raster) {
+        let total = self.total;
+        let mut add = |name, accounts: Vec<&Account>| {
+            self.units.insert(name, UnitTime::close(accounts, total));
+        };
+        let each =
+            |of: fn(&RasterUnit) -> &Account| raster.units.iter().map(of).collect::<Vec<_>>();
+        add("fetch", vec![&geometry.fetch]);
+        add("setup", geometry.setup.iter().collect());
+        add("binning", vec![&geometry.binning]);
+        add("packet_write", vec![&geometry.write]);
+        add("sort", vec![sort]);
+        add("packet_fetch", each(|unit| &unit.fetch));
+        add("splat_setup", each(|unit| &unit.splat));
+        add("row_generator", each(|unit| &unit.rows));
+        add("write_back", each(|unit| &unit.write_back));
+        let sequencers = raster.units.iter().flat_map(|unit| &unit.sequencers);
+        add(
+            "lanes",
+            sequencers.map(|sequencer| &sequencer.account).collect(),
+        );
+    }
+
+    fn add_fifos(&mut self, geometry: &Geometry, raster: &Raster, config: &Config) {
+        let mut add = |name, depth: u32, fifos: Vec<&Fifo>| {
+            let high_water = fifos
+                .iter()
+                .map(|fifo| fifo.high_water())
+                .max()
+                .unwrap_or(0);
+            self.fifos.insert(
+                name,
+                FifoUse {
+                    depth: depth.into(),
+                    high_water,
+                },
+            );
+        };
+        add("setup", config.setup_fifo, vec![&geometry.splats]);
+        add("bin", config.bin_fifo, vec![&geometry.footprints]);
+        add(
+            "packet",
+            config.packet_fifo,
+            raster.units.iter().map(|unit| &unit.packets).collect(),
+        );
+        add(
+            "splat",
+            config.splat_fifo,
+            raster.units.iter().map(|unit| &unit.splats).collect(),
+        );
+        let sequencers = raster.units.iter().flat_map(|unit| &unit.sequencers);
+        add(
+            "row",
+            config.row_fifo,
+            sequencers.map(|sequencer| &sequencer.fifo).collect(),
+        );
+    }
+
+    fn add_pixels(&mut self, raster: &Raster, config: &Config) {
+        let lanes = u64::from(config.lanes) * u64::from(config.raster_units);
+        let per_lane = |pixels: u64| {
+            if self.raster == 0 {
+                0.0
+            } else {
+                pixels as f64 / (self.raster * lanes) as f64
+            }
+        };
+        let sequencers = raster
+            .units
+            .first()
+            .map_or(1, |unit| unit.sequencers.len() as u64);
+        let busy = self.units.get("lanes").map_or(0, |unit| unit.busy);
+        self.pixels = PixelWork {
+            slots: busy * u64::from(config.lanes) / sequencers,
+            covered_per_cycle_and_lane: per_lane(raster.pixels.covered),
+            live_per_cycle_and_lane: per_lane(raster.pixels.live),
+            ..raster.pixels
+        };
+    }
+}
+
+/// The lane work for a configuration and the simulation in one call.
+pub fn simulate_alone(workload: &Workload, config: &Config) -> Timing {
+    simulate(
+        workload,
+        &LaneWork::new(workload, LaneShape::from(config)),
+        config,
+    )
+}

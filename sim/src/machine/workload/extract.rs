@@ -1,0 +1,277 @@
+//! A workload from the kernel: its rows, and the pixels that it really finished.
+//!
+//! Every tile is drawn by the kernel's painter. Before a footprint is drawn, its rows are walked once more to note which of the
+//! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
+
+use super::{Bins, Pair, Row, TilePart, Workload, assemble};
+use crate::camera::Camera;
+use crate::design::DesignJob;
+use crate::fixed::{self, Options, kernel_compositing, kernel_rules};
+use crate::rules::Compositing;
+use crate::scene::Scene;
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::Painter;
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::Layout;
+use splatline::format::{Design, Lane, Rounding, Traversal, Widths};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::math::{shift_signed, shift_unsigned};
+use splatline::raster::{ConicRows, Rows, Run, SpanRows, Window};
+use splatline::target::Target;
+
+/// The work of drawing `scene` in tiles of `tile` columns (at most 64) and rows.
+pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]) -> Workload {
+    let footprints: Vec<Option<Footprint>> = fixed::footprints(scene, camera, options)
+        .into_iter()
+        .map(Result::ok)
+        .collect();
+    let viewport = [camera.width as u16, camera.height as u16];
+    options.design.dispatch(Job {
+        footprints: &footprints,
+        viewport,
+        options,
+        tile,
+    })
+}
+
+struct Job<'a> {
+    footprints: &'a [Option<Footprint>],
+    viewport: [u16; 2],
+    options: &'a Options<'a>,
+    tile: [u16; 2],
+}
+
+impl DesignJob for Job<'_> {
+    type Output = Workload;
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> Workload {
+        let widths = design.widths();
+        let rules = kernel_rules(self.options.rules);
+        let mut memory = vec![0; entries(&widths)];
+        fill_gaussian(&mut memory, &widths, rules.table_range);
+        let Ok(table) = FootprintTable::new(&memory, &widths, rules.table_range) else {
+            unreachable!("the table has just been made for these widths")
+        };
+        let compositing = kernel_compositing(self.options.compositing);
+        let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
+        let order = self.order();
+        let boxes = order.iter().filter_map(|index| {
+            self.footprints[*index as usize]
+                .as_ref()
+                .map(|footprint| (*index, footprint.first, footprint.last))
+        });
+        let bins = Bins::new(boxes, self.viewport, self.tile);
+        let window = |tile: usize| {
+            let (first, last) = bins.window(tile, self.viewport, self.tile);
+            Window { first, last }
+        };
+        let parts = (0..bins.lists.len())
+            .into_par_iter()
+            .map(|tile| self.tile(design, &painter, &bins.lists[tile], window(tile)))
+            .collect();
+        let pixels = |tile: usize| {
+            let Window { first, last } = window(tile);
+            u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
+        };
+        let packet_bytes = 4 * Layout::new(&widths).words() as u32;
+        assemble(
+            parts,
+            pixels,
+            self.footprints.len(),
+            self.tile,
+            packet_bytes,
+        )
+    }
+}
+
+impl Job<'_> {
+    /// Visible splats in drawing order: by depth, ties by index.
+    fn order(&self) -> Vec<u32> {
+        let depth =
+            |index: &u32| self.footprints[*index as usize].map_or(0, |footprint| footprint.depth);
+        let mut order: Vec<u32> = (0..self.footprints.len() as u32)
+            .filter(|index| self.footprints[*index as usize].is_some())
+            .collect();
+        order.par_sort_by_key(depth);
+        if self.options.compositing == Compositing::BackToFront {
+            order.reverse();
+        }
+        order
+    }
+
+    fn tile<D: Design>(
+        &self,
+        design: D,
+        painter: &Painter<D>,
+        list: &[u32],
+        window: Window,
+    ) -> TilePart {
+        let widths = design.widths();
+        let columns = usize::from(window.last[0] - window.first[0]);
+        let rows = usize::from(window.last[1] - window.first[1]);
+        let mut pixels = vec![Pixel::clear(&widths); columns * rows];
+        let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
+        let mut part = TilePart::default();
+        for index in list {
+            let Some(footprint) = &self.footprints[*index as usize] else {
+                continue;
+            };
+            let visible = Window {
+                first: footprint.first,
+                last: footprint.last,
+            }
+            .intersect(&window);
+            let first = part.rows.len();
+            part.rows.resize(
+                first + usize::from(visible.last[1] - visible.first[1]),
+                Row::default(),
+            );
+            let note = Note {
+                footprint,
+                widths: &widths,
+                window,
+                first_row: visible.first[1],
+            };
+            let rows = &mut part.rows[first..];
+            match self.options.traversal {
+                Traversal::Spans => {
+                    note.rows(SpanRows::new(design, footprint, &window), &mut target, rows)
+                }
+                Traversal::Box => note.rows(
+                    ConicRows::new(design, footprint, &window),
+                    &mut target,
+                    rows,
+                ),
+            }
+            let visits = rows.iter().any(|row| row.length > 0);
+            // Nothing that comes after the last pixel has finished changes the tile.
+            if part.finished_after.is_none() {
+                painter.draw(footprint, &mut target);
+            }
+            let rows_end = part.rows.len() as u32;
+            let first_row = (visible.first[1] - window.first[1]) as u8;
+            part.pairs.push(Pair {
+                splat: *index,
+                rows_end,
+                first_row,
+                visits,
+            });
+            if part.finished_after.is_none() && target.is_finished() {
+                part.finished_after = Some(part.pairs.len() as u32);
+            }
+        }
+        part
+    }
+}
+
+/// Notes the rows of one footprint in one tile.
+struct Note<'a> {
+    footprint: &'a Footprint,
+    widths: &'a Widths,
+    window: Window,
+    first_row: u16,
+}
+
+impl Note<'_> {
+    fn rows<R: Rows>(&self, mut runs: R, target: &mut Target, rows: &mut [Row]) {
+        let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
+        while let Some(run) = runs.next_run() {
+            rows[usize::from(run.y - self.first_row)] = self.row(run, drop, target);
+        }
+    }
+
+    /// The same comparison as in the painter's lanes.
+    fn row<L: Lane>(&self, run: Run<L>, drop: i32, target: &mut Target) -> Row {
+        let radial = i32::from(self.widths.radial);
+        let end = shift_unsigned(self.footprint.cutoff.into(), 28 - radial, Rounding::Nearest);
+        let x = run.x - self.window.first[0];
+        let mut row = Row {
+            open: 0,
+            covered: 0,
+            x: x as u8,
+            length: run.length as u8,
+        };
+        let pixels = target.row(run.y, run.x, run.length).iter();
+        for (column, (pixel, lane)) in (x..).zip(pixels.zip(run.radials())) {
+            let inside = (shift_signed(lane.to_wide(), drop).max(0) as u64) < end;
+            row.open |= u64::from(!pixel.is_finished()) << column;
+            row.covered |= u64::from(inside) << column;
+        }
+        row
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::DesignChoice;
+    use crate::rules::Rules;
+    use crate::scene::synthetic;
+
+    #[test]
+    fn sums_are_the_painters_own() {
+        let scene = synthetic::random_gaussians(2_000, 3, 2.0);
+        let camera = synthetic::camera(100, 75);
+        for (name, traversal) in [
+            ("standard24", Traversal::Spans),
+            ("lean18", Traversal::Box),
+            ("deep32", Traversal::Spans),
+        ] {
+            let design = DesignChoice::named(name).unwrap();
+            let options = Options {
+                rules: &Rules::GAUSSIAN_3D,
+                compositing: Compositing::FrontToBack,
+                design: &design,
+                traversal,
+            };
+            let workload = extract(&scene, &camera, &options, [16, 8]);
+            // Back to front no pixel finishes, so the painter's sums are those of a drawing without termination.
+            let all = Options {
+                compositing: Compositing::BackToFront,
+                ..options.clone()
+            };
+            let drawn = fixed::draw(&scene, &camera, &all).coverage;
+            let totals = workload.totals();
+            assert_eq!(
+                (totals.visited, totals.covered),
+                (drawn.visited, drawn.covered),
+                "{name}"
+            );
+            let totals = extract(&scene, &camera, &all, [64, 16]).totals();
+            assert_eq!(
+                (totals.visited, totals.covered, totals.live),
+                (drawn.visited, drawn.covered, drawn.covered)
+            );
+        }
+    }
+
+    #[test]
+    fn live_pixels_do_not_depend_on_the_tile_size() {
+        let scene = synthetic::random_gaussians(3_000, 5, 8.0);
+        let camera = synthetic::camera(64, 48);
+        let design = DesignChoice::named("standard24").unwrap();
+        let options = Options {
+            rules: &Rules::GAUSSIAN_3D,
+            compositing: Compositing::FrontToBack,
+            design: &design,
+            traversal: Traversal::Spans,
+        };
+        let [small, large] =
+            [[8, 8], [64, 64]].map(|tile| extract(&scene, &camera, &options, tile));
+        assert_eq!(small.totals().live, large.totals().live);
+        assert!(
+            small.totals().live < small.totals().covered,
+            "some pixels must have finished for this test to mean anything"
+        );
+        assert!(
+            small
+                .tiles
+                .iter()
+                .any(|tile| tile.finished_after != u32::MAX)
+        );
+        assert_eq!(small.visible(), large.visible());
+    }
+}
