@@ -1,5 +1,7 @@
 //! The splat primitive: the units chained, from a footprint to the pixels of a target.
 
+mod visit;
+
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Traversal};
@@ -129,10 +131,9 @@ impl<'a, D: Design> Painter<'a, D> {
             .iter_mut()
             .zip(run.radials())
         {
-            let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
-            if radial >= end {
+            let Some(radial) = inside(lane, drop, end) else {
                 continue;
-            }
+            };
             coverage.covered += 1;
             if pixel.is_finished() {
                 coverage.finished += 1;
@@ -147,6 +148,13 @@ impl<'a, D: Design> Painter<'a, D> {
         }
         coverage
     }
+}
+
+/// The radial index (UQ4.radial) of a lane word, if it lies inside the footprint; negative ones are rounding noise around 0.
+#[inline(always)]
+fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
+    let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
+    (radial < end).then_some(radial)
 }
 
 /// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest.

@@ -75,7 +75,8 @@ fn check<D: Design>(
     let widths = design.widths();
     // xc is off by the rounding of slope times rows; a thin row feels it as so many of its own half-widths.
     let rows = f64::from(footprint.last[1] - footprint.first[1]);
-    let thinness = 1.0 + (double(footprint.scan.slope) * rows).abs() * double(footprint.scan.curvature).sqrt();
+    let thinness =
+        1.0 + (double(footprint.scan.slope) * rows).abs() * double(footprint.scan.curvature).sqrt();
     let bound = tolerances::of(name, &widths).radial * thinness;
     let cutoff = f64::from(footprint.cutoff) / 28f64.exp2();
     let found = visited(SpanRows::new(design, &footprint, &SCREEN), &SCREEN);

@@ -5,6 +5,9 @@
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. [SWAN] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 
+pub mod deep;
+pub mod sheets;
+
 use crate::format::{Rounding, Widths};
 use crate::math::shift_unsigned;
 use crate::rules::Rules;
