@@ -56,7 +56,7 @@ static POWERS: [u64; INTERVALS] = {
 
 /// -log2(1 - alpha), UQ5.44, for alpha in UQ1.31 (clamped to 1).
 ///
-/// Error: at most 2^-35 absolute, and for alpha < 2^-8 at most 2^-28 relative. Full opacity gives 20 octaves.
+/// Error: at most 2^-35 absolute, and for alpha < 2^-8 at most 2^-42 and 2^-28 relative. Full opacity gives 20 octaves.
 #[inline]
 pub const fn of_opacity(alpha: u32) -> u64 {
     if alpha >= super::ONE {
@@ -101,7 +101,7 @@ pub const fn transmittance(depth: u32, fraction: u32) -> u32 {
     if drop > 63 {
         return 0;
     }
-    ((whole >> (drop - 1)) + 1 >> 1) as u32
+    (((whole >> (drop - 1)) + 1) >> 1) as u32
 }
 
 const fn round_shift(value: i64, shift: u32) -> i64 {

@@ -69,7 +69,7 @@ fn the_logarithm_is_accurate() {
         let error = (octaves::of_opacity(alpha) as f64 / 2f64.powi(44) - exact).abs();
         worst.0 = worst.0.max(error);
         if alpha < 1 << 23 && alpha > 0 {
-            worst.1 = worst.1.max((error - 2f64.powi(-44)) / exact);
+            worst.1 = worst.1.max((error - 2f64.powi(-42)) / exact);
         }
     }
     assert!(worst.0 < 2f64.powi(-35), "absolute 2^{:.1}", worst.0.log2());
