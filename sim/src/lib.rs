@@ -15,4 +15,6 @@ pub mod reference;
 pub mod report;
 pub mod rules;
 pub mod scene;
+pub mod sheets;
+pub mod study;
 pub mod vector;

@@ -14,7 +14,7 @@
 
 mod slabs;
 
-pub use slabs::{AxisSlabs, DepthSlabs, Facing};
+pub use slabs::{AxisSlabs, DepthSlabs, Facing, depth_spread};
 
 use super::{Blend, FINISHED, Pixel};
 use crate::format::Widths;

@@ -4,8 +4,11 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
+mod bands;
+pub mod deep;
 mod quantise;
 mod render;
+pub mod sheets;
 
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{Drawing, Options, Times, draw, footprints};

@@ -274,7 +274,7 @@ fn paint_tile<D: Design>(
 }
 
 /// Colour and 1 - T in units of 1.0.
-fn to_picture(pixels: &[Pixel], camera: &Camera, widths: &Widths) -> Picture {
+pub(super) fn to_picture(pixels: &[Pixel], camera: &Camera, widths: &Widths) -> Picture {
     let colour_unit = f64::from(widths.accumulator).exp2();
     let opaque = f64::from(widths.transmittance).exp2();
     let mut picture = Picture::new(camera.width, camera.height);

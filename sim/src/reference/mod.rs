@@ -13,6 +13,7 @@ pub mod exact;
 pub mod float;
 pub mod golden;
 pub mod jacobian;
+pub mod sheets;
 
 use crate::picture::Picture;
 

@@ -1,6 +1,7 @@
 //! Which slab a splat belongs to: two ways to cut space into sheets.
 
-use crate::math::{Scaled, shift_round};
+use crate::math::{Product, Scaled, shift_round, square_root, sum_of_products};
+use crate::splat::Axis;
 use crate::view::View;
 use fixed::types::{I2F30, I8F24};
 
@@ -119,6 +120,20 @@ impl DepthSlabs {
         let slabs = Scaled::from_wide(self.per_unit.into(), -16, 31);
         length.times(slabs).to_fixed(16).clamp(0, 1 << 40)
     }
+}
+
+/// Standard deviation of a splat along the view: sqrt(sum_k (w . a_k)^2) with the third row w of the view's rotation, scene
+/// units, 24 bits rounded to nearest; sums are aligned to their largest term.
+pub fn depth_spread(view: &View, axes: &[Axis; 3]) -> Scaled {
+    let parts = axes.map(|axis| {
+        let terms = [0, 1, 2].map(|i| Product {
+            value: i64::from(view.rotation[2][i].to_bits())
+                * i64::from(axis.mantissa[i].max(-i32::MAX)),
+            exponent: axis.exponent.clamp(-512, 511) - 30,
+        });
+        sum_of_products(terms, 31)
+    });
+    square_root(sum_of_products(parts.map(|part| part.times(part)), 31), 24)
 }
 
 /// Values of the normal distribution's integral on [-4, 4].
