@@ -4,6 +4,7 @@ mod hybrid;
 mod sphere;
 mod stamp;
 pub mod surface;
+mod visit;
 
 pub use hybrid::Gathering;
 pub use sphere::Perspective;
@@ -157,10 +158,9 @@ impl<'a, D: Design> Painter<'a, D> {
             .zip(run.sequence())
             .zip(run.x..)
         {
-            let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
-            if radial >= end {
+            let Some(radial) = inside(lane, drop, end) else {
                 continue;
-            }
+            };
             covered += 1;
             if pixel.is_finished() {
                 finished += 1;
@@ -179,6 +179,13 @@ impl<'a, D: Design> Painter<'a, D> {
             finished: finished.into(),
         }
     }
+}
+
+/// The radial index (UQ4.radial) of a lane word, if it lies inside the footprint; negative ones are rounding noise around 0.
+#[inline(always)]
+fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
+    let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
+    (radial < end).then_some(radial)
 }
 
 /// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest: what a pixel lane compares its radial index with.

@@ -5,11 +5,13 @@
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. [SWAN] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 
+pub mod deep;
 pub mod edge;
 pub mod layers;
 pub mod points;
 pub mod resolve;
 pub mod shading;
+pub mod sheets;
 pub mod surface;
 
 use crate::format::{Rounding, Widths};
@@ -121,7 +123,7 @@ impl Blend {
             self.share_narrow,
             self.share_shift,
         ) as u32;
-        let rest = pixel.transmittance.wrapping_sub(share);
+        let rest = pixel.transmittance.saturating_sub(share);
         let stop = rest <= self.stop;
         if stop && self.stop_before {
             pixel.transmittance |= FINISHED;
@@ -169,6 +171,12 @@ impl Blend {
     fn in_transmittance(&self, alpha: u32) -> u32 {
         // colour_shift - layer_shift = transmittance - alpha.
         self.shift(alpha.into(), self.layer_shift - self.colour_shift) as u32
+    }
+
+    /// Fraction bits of the transmittance, from the shifts: colour_shift - layer_shift = transmittance - alpha and share_shift = alpha.
+    #[inline(always)]
+    fn transmittance_bits(&self) -> i32 {
+        (self.colour_shift - self.layer_shift + self.share_shift) & 31
     }
 
     /// `a b 2^-by`, rounded. `narrow` says that the product and its rounding constant fit 32 bits for all values within their

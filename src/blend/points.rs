@@ -139,12 +139,6 @@ impl Blend {
             shift_unsigned(u64::from(c) * factor, 31, crate::format::Rounding::Nearest) as u32
         })
     }
-
-    /// colour_shift = transmittance + colour - accumulator and layer_shift = alpha + colour - accumulator.
-    #[inline(always)]
-    fn transmittance_bits(&self) -> i32 {
-        self.colour_shift - self.layer_shift + self.share_shift
-    }
 }
 
 #[cfg(test)]

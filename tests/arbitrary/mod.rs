@@ -218,19 +218,8 @@ impl<'a> Source<'a> {
                 stop_before: self.bool(),
                 clamp_jacobian: self.bool(),
                 table_range: self.bits(8) as u8,
-                kernel: self.kernel(),
-                spacing: self.scaled(),
             },
         }
-    }
-
-    fn kernel(&mut self) -> Kernel {
-        [
-            Kernel::Gaussian,
-            Kernel::Cubic,
-            Kernel::Quadratic,
-            Kernel::Disc,
-        ][usize::from(self.byte() % 4)]
     }
 
     /// Any order of compositing.

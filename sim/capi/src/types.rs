@@ -351,8 +351,6 @@ impl SplatlineRules {
             stop_before: flag(self.stop_before)?,
             clamp_jacobian: flag(self.clamp_jacobian)?,
             table_range: self.table_range as u8,
-            kernel: splatline::kernel::Kernel::Gaussian,
-            spacing: splatline::math::Scaled::ZERO,
         })
     }
 }

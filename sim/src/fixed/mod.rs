@@ -4,9 +4,12 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
+mod bands;
+pub mod deep;
 mod hybrid;
 mod quantise;
 mod render;
+pub mod sheets;
 mod sphere;
 pub mod surface;
 

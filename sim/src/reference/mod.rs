@@ -15,6 +15,7 @@ pub mod golden;
 pub mod hybrid;
 pub mod jacobian;
 pub mod kernels;
+pub mod sheets;
 pub mod sphere;
 pub mod surface;
 
