@@ -1,0 +1,117 @@
+//! Cycles of the raster unit in closed form: what the circuit takes, exactly, while packets never run out and lanes never wait.
+//!
+//! A splat occupies one slot of the row pipeline for each row of its box in the window, or one if there is none. Slot i leaves
+//! the pipeline in cycle e(i); its run waits in the queue of lane `row mod lanes` and is popped in cycle p(i):
+//!
+//! ```text
+//! e(0) = 21                                    cycles after its packet was taken
+//! e(i) = max(e(i-1) + 1, p(j) + 1)             j: the run QUEUE places before in the same lane, if slot i has a run
+//! p(i) = max(e(i) + 1, p(k) + length(k))       k: the run before in the same lane
+//! ```
+//!
+//! The unit is idle after the last slot has left and the last run's last pixel, p + length.
+
+use splatline::footprint::Footprint;
+use splatline::format::Design;
+use splatline::raster::{Rows, SpanRows, Window};
+
+/// Runs that a lane's queue holds; `QUEUE` of splat_primitive.sv.
+pub const QUEUE: usize = 8;
+
+/// Cycles from a packet's handshake until its first row reaches the queues: 8 of setup, 1 to take it over, 12 of the rows.
+pub const LATENCY: u64 = 21;
+
+/// The raster unit's clock: feed it splats in order, read the cycle in which it will be idle.
+#[derive(Clone, Debug)]
+pub struct RasterClock {
+    lanes: Vec<Lane>,
+    /// Cycle in which the last slot left the pipeline.
+    exit: u64,
+    queue: usize,
+}
+
+#[derive(Clone, Debug, Default)]
+struct Lane {
+    /// Cycles in which the last runs were popped, a ring of the queue's size.
+    pops: Vec<u64>,
+    runs: usize,
+    /// First cycle in which the next run may be popped.
+    free: u64,
+}
+
+impl RasterClock {
+    /// A unit with so many lanes (a power of two) and the circuit's queues; the first packet is taken in cycle 0.
+    pub fn new(lanes: usize) -> Self {
+        Self::with_queue(lanes, QUEUE)
+    }
+
+    /// The same with queues of another size, for exploration.
+    pub fn with_queue(lanes: usize, queue: usize) -> Self {
+        let lane = Lane {
+            pops: vec![0; queue],
+            ..Lane::default()
+        };
+        RasterClock {
+            lanes: vec![lane; lanes],
+            exit: LATENCY - 1,
+            queue,
+        }
+    }
+
+    /// One slot with the row's run, if it has pixels: row and length.
+    pub fn slot(&mut self, run: Option<(u16, u16)>) {
+        self.exit += 1;
+        let Some((row, length)) = run else { return };
+        let lanes = self.lanes.len();
+        let lane = &mut self.lanes[usize::from(row) % lanes];
+        let place = lane.runs % self.queue;
+        if lane.runs >= self.queue {
+            self.exit = self.exit.max(lane.pops[place] + 1);
+        }
+        let pop = lane.free.max(self.exit + 1);
+        lane.pops[place] = pop;
+        lane.runs += 1;
+        lane.free = pop + u64::from(length);
+    }
+
+    /// All slots of a footprint in a window.
+    pub fn splat<D: Design>(&mut self, design: D, footprint: &Footprint, window: &Window) {
+        let bounds = Window {
+            first: footprint.first,
+            last: footprint.last,
+        };
+        let visible = bounds.intersect(window);
+        if visible.is_empty() {
+            return self.slot(None);
+        }
+        let mut rows = SpanRows::new(design, footprint, window);
+        let mut run = rows.next_run();
+        for row in visible.first[1]..visible.last[1] {
+            match run {
+                Some(here) if here.y == row => {
+                    self.slot(Some((row, here.length)));
+                    run = rows.next_run();
+                }
+                _ => self.slot(None),
+            }
+        }
+    }
+
+    /// Cycles from the first packet's handshake until the unit is idle.
+    pub fn cycles(&self) -> u64 {
+        let lanes = self.lanes.iter().map(|lane| lane.free).max().unwrap_or(0);
+        lanes.max(self.exit) + 1
+    }
+}
+
+/// Cycles of one footprint in a window, alone.
+pub fn rtl_cycles<D: Design>(
+    design: D,
+    footprint: &Footprint,
+    window: &Window,
+    lanes: usize,
+) -> u64 {
+    let mut clock = RasterClock::new(lanes);
+    clock.splat(design, footprint, window);
+    clock.cycles()
+}

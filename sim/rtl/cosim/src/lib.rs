@@ -1,0 +1,13 @@
+//! Co-simulation of the SystemVerilog splat primitive (`sim/rtl`) with the kernel that defines it.
+//!
+//! [`package`] writes the circuit's parameters from the kernel's; [`workload`] makes tiles of footprints; [`model`] is the
+//! verilated circuit and the only place with foreign code; [`bench`] drives a tile through it; [`golden`] draws the same tile by the
+//! kernel; [`clock`] says how many cycles it takes; [`check`] puts all of them side by side.
+
+pub mod bench;
+pub mod check;
+pub mod clock;
+pub mod golden;
+pub mod model;
+pub mod package;
+pub mod workload;
