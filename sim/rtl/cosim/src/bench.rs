@@ -50,8 +50,14 @@ impl Bench {
         rules: &Rules,
         seed: u32,
     ) -> Result<Bench, Missing> {
+        let model = Model::new(design, lanes, seed)?;
+        Ok(Self::around(model, widths, rules, seed))
+    }
+
+    /// The same around a circuit that exists already.
+    pub fn around(model: Model, widths: &Widths, rules: &Rules, seed: u32) -> Bench {
         let mut bench = Bench {
-            model: Model::new(design, lanes, seed)?,
+            model,
             layout: Layout::new(widths),
             idle: rule_inputs(widths, rules),
             random: u64::from(seed) + 1,
@@ -66,7 +72,7 @@ impl Bench {
             };
             bench.model.tick(&inputs);
         }
-        Ok(bench)
+        bench
     }
 
     /// Cycles simulated so far.

@@ -1,15 +1,126 @@
-//! x
-fn main() {
-    use splatline::format::{Lean18, Standard24};
-    let root = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
-    for (name, widths) in [
-        ("lean18", Lean18::WIDTHS),
-        ("standard24", Standard24::WIDTHS),
-    ] {
-        std::fs::write(
-            format!("{root}/{name}/splatline_pkg.sv"),
-            splatline_rtl::package::text(name, &widths),
-        )
-        .unwrap();
+//! Commands around the RTL: `cargo run --release -p splatline-rtl -- COMMAND`.
+
+use anyhow::{Result, ensure};
+use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, rules};
+use splatline_rtl::{mutants, package};
+use splatline_sim::design::DesignChoice;
+use std::path::Path;
+use std::process::ExitCode;
+
+const USAGE: &str = "usage: splatline-rtl COMMAND
+  package       write sim/rtl/<design>/splatline_pkg.sv from the kernel's widths and tables
+  cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
+  cosim quick   the part of it that `cargo test` runs
+  mutants       circuits with one mistake each: is it noticed?
+";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words.as_slice() {
+        ["package"] => write_packages(),
+        ["cosim"] => cosim(Extent::Full),
+        ["cosim", "quick"] => cosim(Extent::Quick),
+        ["mutants"] => judge_mutants(),
+        _ => {
+            eprint!("{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(1)
+        }
     }
+}
+
+fn write_packages() -> Result<()> {
+    for design in DESIGNS {
+        let widths = DesignChoice::load(design)?.widths;
+        let path = package::path(design);
+        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
+        std::fs::write(&path, package::text(design, &widths))?;
+    }
+    Ok(())
+}
+
+fn cosim(extent: Extent) -> Result<()> {
+    println!(
+        "| design | lanes | rules | workload | paused | tiles | splats | pixels | mismatches | raster cycles | wrong | covered per cycle and lane |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let mut lines = Vec::new();
+    for design in DESIGNS {
+        for (name, rules) in rules() {
+            let loads = Loads::new(design, name, &rules, extent)?;
+            for lanes in LANES {
+                let mut bench = loads.bench(lanes)?;
+                for line in loads.check(&mut bench, lanes) {
+                    print_line(&line);
+                    lines.push(line);
+                }
+            }
+            for missing in &loads.missing {
+                println!("(no {missing}: its data is not at hand)");
+            }
+        }
+    }
+    summary(&lines)
+}
+
+fn print_line(line: &Line) {
+    let Line {
+        design,
+        lanes,
+        rules,
+        workload,
+        paused,
+        findings,
+    } = line;
+    let paused = if *paused { "yes" } else { "" };
+    let cycles = if findings.raster_cycles == 0 {
+        "| | ".to_owned()
+    } else {
+        let rate = findings.covered as f64 / findings.raster_cycles as f64 / *lanes as f64;
+        format!(
+            "{} | {} | {rate:.3}",
+            findings.raster_cycles, findings.wrong_cycles
+        )
+    };
+    println!(
+        "| {design} | {lanes} | {rules} | {workload} | {paused} | {} | {} | {} | {} | {cycles} |",
+        findings.tiles, findings.splats, findings.visited, findings.mismatches
+    );
+}
+
+fn summary(lines: &[Line]) -> Result<()> {
+    let pixels: u64 = lines.iter().map(|line| line.findings.visited).sum();
+    let mismatches: u64 = lines.iter().map(|line| line.findings.mismatches).sum();
+    let wrong: u64 = lines.iter().map(|line| line.findings.wrong_cycles).sum();
+    println!("\n{pixels} pixels, {mismatches} mismatches; {wrong} tiles with wrong cycles");
+    let difference = lines
+        .iter()
+        .find_map(|line| line.findings.first_difference.as_ref());
+    ensure!(
+        difference.is_none(),
+        "{}",
+        difference.map_or("", |text| text)
+    );
+    Ok(())
+}
+
+fn judge_mutants() -> Result<()> {
+    let judge = mutants::Judge::new()?;
+    println!("| mistake | unit | noticed as |\n|---|---|---|");
+    let mut survivors = 0;
+    for mutant in &mutants::MUTANTS {
+        let verdict = judge.verdict(mutant)?;
+        survivors += usize::from(verdict.is_none());
+        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
+        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
+    }
+    ensure!(survivors == 0, "{survivors} mutants survive");
+    Ok(())
 }

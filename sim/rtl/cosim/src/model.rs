@@ -1,6 +1,9 @@
 //! The verilated splat primitive behind a safe handle. All unsafe code of the crate is in this file.
 
+use libloading::Library;
+use std::ffi::c_void;
 use std::fmt;
+use std::path::Path;
 
 /// The circuit's inputs in one cycle; `Inputs` of shim.cpp.
 #[repr(C)]
@@ -89,6 +92,8 @@ pub enum Missing {
     Verilator,
     /// No model of this design with so many lanes.
     Model(String, usize),
+    /// A shared library that is no circuit.
+    Library(String),
 }
 
 impl std::error::Error for Missing {}
@@ -102,26 +107,40 @@ impl fmt::Display for Missing {
                     "verilator was not found when this was built: install it (apt-get install verilator) and build again"
                 )
             }
-            Missing::Model(design, lanes) => {
-                write!(
-                    formatter,
-                    "no circuit for design '{design}' with {lanes} lanes: lean18 and standard24 with 1 or 4 exist"
-                )
-            }
+            Missing::Model(design, lanes) => write!(
+                formatter,
+                "no circuit for design '{design}' with {lanes} lanes: lean18 and standard24 with 1 or 4 exist"
+            ),
+            Missing::Library(message) => write!(formatter, "not a circuit: {message}"),
         }
     }
 }
 
 /// A circuit being simulated.
 pub struct Model {
-    circuit: linked::Circuit,
+    circuit: Circuit,
     cycles: u64,
 }
 
 impl Model {
     /// The circuit of a design after reset. The seed chooses what its registers held before.
     pub fn new(design: &str, lanes: usize, seed: u32) -> Result<Model, Missing> {
-        let circuit = linked::Circuit::new(design, lanes, seed)?;
+        let functions = linked::functions(design, lanes)?;
+        Ok(Self::after_reset(Circuit::new(functions, None, seed)))
+    }
+
+    /// The circuit `name` in a shared library made of a verilated model and the shim.
+    pub fn from_library(path: &Path, name: &str, seed: u32) -> Result<Model, Missing> {
+        let (functions, library) = load(path, name)
+            .map_err(|error| Missing::Library(format!("{}: {error}", path.display())))?;
+        Ok(Self::after_reset(Circuit::new(
+            functions,
+            Some(library),
+            seed,
+        )))
+    }
+
+    fn after_reset(circuit: Circuit) -> Model {
         let mut model = Model { circuit, cycles: 0 };
         let reset = Inputs {
             rst: 1,
@@ -130,7 +149,7 @@ impl Model {
         for _ in 0..4 {
             model.tick(&reset);
         }
-        Ok(model)
+        model
     }
 
     /// One cycle: the outputs belong to these inputs, before the clock's edge.
@@ -145,14 +164,71 @@ impl Model {
     }
 }
 
+type Make = unsafe extern "C" fn(u32) -> *mut c_void;
+type Destroy = unsafe extern "C" fn(*mut c_void);
+type Tick = unsafe extern "C" fn(*mut c_void, *const Inputs, *mut Outputs);
+
+/// The C functions of one verilated model.
+#[derive(Clone, Copy)]
+struct Functions {
+    make: Make,
+    destroy: Destroy,
+    tick: Tick,
+}
+
+/// One simulation and the functions that belong to it.
+struct Circuit {
+    simulation: *mut c_void,
+    functions: Functions,
+    /// Keeps the code loaded, where it came from a shared library.
+    _library: Option<Library>,
+}
+
+impl Circuit {
+    fn new(functions: Functions, library: Option<Library>, seed: u32) -> Self {
+        // SAFETY: the shim allocates a simulation that nothing else refers to; the library, if any, is still loaded.
+        let simulation = unsafe { (functions.make)(seed) };
+        Circuit {
+            simulation,
+            functions,
+            _library: library,
+        }
+    }
+
+    fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        let mut outputs = Outputs::default();
+        // SAFETY: the simulation came from the same model's `make`; both structs mirror the shim's and outlive the call.
+        unsafe { (self.functions.tick)(self.simulation, inputs, &mut outputs) };
+        outputs
+    }
+}
+
+impl Drop for Circuit {
+    fn drop(&mut self) {
+        // SAFETY: made by the same model's `make`, not used afterwards; the library is dropped after this.
+        unsafe { (self.functions.destroy)(self.simulation) }
+    }
+}
+
+/// The functions of the model `name` in a shared library.
+fn load(path: &Path, name: &str) -> Result<(Functions, Library), libloading::Error> {
+    // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
+    // shim's types.
+    unsafe {
+        let library = Library::new(path)?;
+        let functions = Functions {
+            make: *library.get(format!("{name}_make").as_bytes())?,
+            destroy: *library.get(format!("{name}_destroy").as_bytes())?,
+            tick: *library.get(format!("{name}_tick").as_bytes())?,
+        };
+        Ok((functions, library))
+    }
+}
+
 #[cfg(has_rtl)]
 mod linked {
-    use super::{Inputs, Missing, Outputs};
+    use super::{Functions, Inputs, Missing, Outputs};
     use std::ffi::c_void;
-
-    type Make = unsafe extern "C" fn(u32) -> *mut c_void;
-    type Destroy = unsafe extern "C" fn(*mut c_void);
-    type Tick = unsafe extern "C" fn(*mut c_void, *const Inputs, *mut Outputs);
 
     unsafe extern "C" {
         fn lean18_1_make(seed: u32) -> *mut c_void;
@@ -169,60 +245,28 @@ mod linked {
         fn standard24_4_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
     }
 
-    pub struct Circuit {
-        simulation: *mut c_void,
-        destroy: Destroy,
-        tick: Tick,
-    }
-
-    impl Circuit {
-        pub fn new(design: &str, lanes: usize, seed: u32) -> Result<Self, Missing> {
-            let (make, destroy, tick): (Make, Destroy, Tick) = match (design, lanes) {
+    pub fn functions(design: &str, lanes: usize) -> Result<Functions, Missing> {
+        let (make, destroy, tick): (super::Make, super::Destroy, super::Tick) =
+            match (design, lanes) {
                 ("lean18", 1) => (lean18_1_make, lean18_1_destroy, lean18_1_tick),
                 ("lean18", 4) => (lean18_4_make, lean18_4_destroy, lean18_4_tick),
                 ("standard24", 1) => (standard24_1_make, standard24_1_destroy, standard24_1_tick),
                 ("standard24", 4) => (standard24_4_make, standard24_4_destroy, standard24_4_tick),
                 _ => return Err(Missing::Model(design.to_owned(), lanes)),
             };
-            // SAFETY: the shim allocates a simulation that nothing else refers to.
-            let simulation = unsafe { make(seed) };
-            Ok(Circuit {
-                simulation,
-                destroy,
-                tick,
-            })
-        }
-
-        pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
-            let mut outputs = Outputs::default();
-            // SAFETY: the simulation came from the same model's `make`; both structs mirror the shim's and outlive the call.
-            unsafe { (self.tick)(self.simulation, inputs, &mut outputs) };
-            outputs
-        }
-    }
-
-    impl Drop for Circuit {
-        fn drop(&mut self) {
-            // SAFETY: made by the same model's `make` and not used afterwards.
-            unsafe { (self.destroy)(self.simulation) }
-        }
+        Ok(Functions {
+            make,
+            destroy,
+            tick,
+        })
     }
 }
 
 #[cfg(not(has_rtl))]
 mod linked {
-    use super::{Inputs, Missing, Outputs};
+    use super::{Functions, Missing};
 
-    /// No value of it exists.
-    pub enum Circuit {}
-
-    impl Circuit {
-        pub fn new(_design: &str, _lanes: usize, _seed: u32) -> Result<Self, Missing> {
-            Err(Missing::Verilator)
-        }
-
-        pub fn tick(&mut self, _inputs: &Inputs) -> Outputs {
-            match *self {}
-        }
+    pub fn functions(_design: &str, _lanes: usize) -> Result<Functions, Missing> {
+        Err(Missing::Verilator)
     }
 }

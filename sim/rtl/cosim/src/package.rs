@@ -184,3 +184,9 @@ fn root(text: &mut String) {
     }
     text.push_str("      default: root_entry = 41'd0;\n    endcase\n  endfunction\n\n");
 }
+
+/// Where a design's package is kept.
+pub fn path(design: &str) -> std::path::PathBuf {
+    let rtl = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    rtl.join(design).join("splatline_pkg.sv")
+}
