@@ -36,10 +36,21 @@ module blend #(
   localparam COLOUR_SHIFT = T + C - splatline_pkg::ACCUMULATOR;
 
   // Stage 1: opacity, rounded, clamped; what the rules skip goes no further.
-  logic [63:0] opacity0;
+  localparam PEAK = splatline_pkg::PEAK + 4;
+  localparam WEIGHT = splatline_pkg::WEIGHT;
+  localparam [PEAK+WEIGHT-1:0] OPACITY_HALF = 1 << (OPACITY_SHIFT - 1);
+  logic [PEAK+WEIGHT-1:0] product0, opacity0;
   logic [ALPHA:0] alpha0;
-  assign opacity0 = (64'(paint.peak) * 64'(weight) + (64'd1 << (OPACITY_SHIFT - 1))) >> OPACITY_SHIFT;
-  assign alpha0 = opacity0 > 64'(rules.alpha_max) ? rules.alpha_max : opacity0[ALPHA:0];
+  offset_multiply #(
+      .VALUE(PEAK),
+      .BITS(WEIGHT)
+  ) opacity (
+      .value(paint.peak),
+      .factor(weight),
+      .product(product0)
+  );
+  assign opacity0 = (product0 + OPACITY_HALF) >> OPACITY_SHIFT;
+  assign alpha0 = opacity0 > (PEAK + WEIGHT)'(rules.alpha_max) ? rules.alpha_max : opacity0[ALPHA:0];
   logic valid1;
   logic [ADDRESS-1:0] address1;
   logic [ALPHA:0] alpha1;
@@ -53,12 +64,22 @@ module blend #(
   logic kept_depth_valid;
   logic [ADDRESS-1:0] kept_depth_address;
   logic [T+1:0] kept_depth, depth2;
-  logic [63:0] share2;
+  localparam [T+ALPHA:0] SHARE_HALF = 1 << (ALPHA - 1);
+  logic [T+ALPHA:0] product2, share2;
   logic [T:0] rest2;
   logic stop2;
   assign depth2 = kept_depth_valid && kept_depth_address == address2 ? kept_depth : depth_read;
-  assign share2 = (64'(depth2[T:0]) * 64'(alpha2) + (64'd1 << (ALPHA - 1))) >> ALPHA;
-  assign rest2 = share2 > 64'(depth2[T:0]) ? '0 : depth2[T:0] - share2[T:0];
+  offset_multiply #(
+      .VALUE(T + 1),
+      .BITS(ALPHA)
+  ) share (
+      .value(depth2[T:0]),
+      .factor(alpha2),
+      .product(product2)
+  );
+  // An opacity of at most 1 takes at most all.
+  assign share2 = (product2 + SHARE_HALF) >> ALPHA;
+  assign rest2 = depth2[T:0] - share2[T:0];
   assign stop2 = rest2 <= rules.stop;
   assign depth_read_address = address1;
   assign depth_write = advance && valid2 && !depth2[T+1];
@@ -86,9 +107,18 @@ module blend #(
   genvar channel;
   generate
     for (channel = 0; channel < 3; channel = channel + 1) begin : gen_channel
-      logic [63:0] product;
-      assign product = (64'(share3) * 64'(colour3[channel*(C+4)+:C+4]) + (64'd1 << (COLOUR_SHIFT - 1))) >> COLOUR_SHIFT;
-      always_ff @(posedge clk) if (advance) added4[channel*SUM+:SUM] <= product[SUM-1:0];
+      localparam [T+C+4:0] COLOUR_HALF = 1 << (COLOUR_SHIFT - 1);
+      logic [T+C+4:0] product, added;
+      offset_multiply #(
+          .VALUE(T + 1),
+          .BITS(C + 4)
+      ) layer (
+          .value(share3),
+          .factor({1'b0, colour3[channel*(C+4)+:C+4]}),
+          .product
+      );
+      assign added = (product + COLOUR_HALF) >> COLOUR_SHIFT;
+      always_ff @(posedge clk) if (advance) added4[channel*SUM+:SUM] <= added[SUM-1:0];
       assign colour_word[channel*SUM+:SUM] = colour4[channel*SUM+:SUM] + added4[channel*SUM+:SUM];
     end
   endgenerate

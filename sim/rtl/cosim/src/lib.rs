@@ -5,6 +5,7 @@
 //! kernel; [`clock`] says how many cycles it takes; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
 //! [`mutants`] shows that mistakes are noticed.
 
+pub mod area;
 pub mod bench;
 pub mod check;
 pub mod clock;

@@ -41,20 +41,18 @@ pub const MUTANTS: [Mutant; 18] = [
     mutant(
         "share of the transmittance truncated",
         "blend.sv",
-        "(64'd1 << (ALPHA - 1))",
-        "64'd0",
+        "product2 + SHARE_HALF",
+        "product2",
     ),
     mutant(
         "colour truncated",
         "blend.sv",
-        "(64'd1 << (COLOUR_SHIFT - 1))",
-        "64'd0",
+        "product + COLOUR_HALF", "product",
     ),
     mutant(
         "opacity truncated",
         "blend.sv",
-        "(64'd1 << (OPACITY_SHIFT - 1))",
-        "64'd0",
+        "product0 + OPACITY_HALF", "product0",
     ),
     mutant(
         "transmittance not forwarded",
@@ -235,7 +233,7 @@ impl Judge {
             Command::new(env::var("CXX").unwrap_or_else(|_| "c++".to_owned()))
                 .args([
                     "-std=c++17",
-                    "-O1",
+                    "-O0",
                     "-w",
                     "-shared",
                     "-fPIC",
