@@ -8,6 +8,7 @@ use splatline::blend::Pixel;
 use splatline::format::Design;
 use splatline::rules::Rules;
 use std::ops::AddAssign;
+use std::time::{Duration, Instant};
 
 /// What a comparison found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -26,6 +27,10 @@ pub struct Findings {
     pub wrong_cycles: u64,
     /// Cycles of the raster unit, where nothing paused.
     pub raster_cycles: u64,
+    /// Time that the kernel and the closed form of the cycles took.
+    pub kernel_time: Duration,
+    /// Time that the verilated circuit took for the same.
+    pub circuit_time: Duration,
     /// The first difference, in words.
     pub first_difference: Option<String>,
 }
@@ -39,6 +44,8 @@ impl AddAssign for Findings {
         self.mismatches += other.mismatches;
         self.wrong_cycles += other.wrong_cycles;
         self.raster_cycles += other.raster_cycles;
+        self.kernel_time += other.kernel_time;
+        self.circuit_time += other.circuit_time;
         if self.first_difference.is_none() {
             self.first_difference = other.first_difference;
         }
@@ -65,13 +72,19 @@ pub fn compare<D: Design>(
     let mut findings = Findings::default();
     for index in tiles {
         let tile = &workload.tiles[index];
+        let started = Instant::now();
         let (expected, coverage) = golden::draw(design, rules, tile, &workload.footprints);
+        let cycles = closed_form(design, lanes, tile, workload);
+        findings.kernel_time += started.elapsed();
         findings.tiles += 1;
         findings.splats += tile.list.len() as u64;
         findings.visited += coverage.visited;
         findings.covered += coverage.covered;
         let place = format!("{}, tile {index}", workload.name);
-        let got = match bench.draw(tile, &workload.footprints, pauses) {
+        let started = Instant::now();
+        let drawn = bench.draw(tile, &workload.footprints, pauses);
+        findings.circuit_time += started.elapsed();
+        let got = match drawn {
             Ok(got) => got,
             Err(message) => {
                 findings.mismatches += expected.len() as u64;
@@ -88,9 +101,9 @@ pub fn compare<D: Design>(
         let mut difference = difference(tile, &got.pixels, &expected);
         if pauses == Pauses::default() {
             findings.raster_cycles += got.raster_cycles;
-            let cycles = expected_cycles(design, lanes, tile, workload, &got);
-            findings.wrong_cycles += u64::from(cycles.is_some());
-            difference = difference.or(cycles);
+            let wrong = wrong_cycles(tile, cycles, &got);
+            findings.wrong_cycles += u64::from(wrong.is_some());
+            difference = difference.or(wrong);
         }
         if let Some(difference) = difference {
             findings.first_difference = Some(format!("{place}: {difference}"));
@@ -116,27 +129,20 @@ fn difference(tile: &Tile, got: &[Pixel], expected: &[Pixel]) -> Option<String> 
     ))
 }
 
-fn expected_cycles<D: Design>(
-    design: D,
-    lanes: usize,
-    tile: &Tile,
-    workload: &Workload,
-    got: &Outcome,
-) -> Option<String> {
+fn closed_form<D: Design>(design: D, lanes: usize, tile: &Tile, workload: &Workload) -> u64 {
+    if tile.list.is_empty() {
+        return 0;
+    }
     let mut clock = RasterClock::new(lanes);
     for index in &tile.list {
         clock.splat(design, &workload.footprints[*index as usize], &tile.window);
     }
-    let expected = if tile.list.is_empty() {
-        0
-    } else {
-        clock.cycles()
-    };
-    (expected != got.raster_cycles).then(|| {
-        format!(
-            "{} splats: the closed form says {expected} cycles, the circuit took {}",
-            tile.list.len(),
-            got.raster_cycles
-        )
+    clock.cycles()
+}
+
+fn wrong_cycles(tile: &Tile, expected: u64, got: &Outcome) -> Option<String> {
+    let (splats, taken) = (tile.list.len(), got.raster_cycles);
+    (expected != taken).then(|| {
+        format!("{splats} splats: the closed form says {expected} cycles, the circuit took {taken}")
     })
 }

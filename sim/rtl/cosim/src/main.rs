@@ -2,15 +2,18 @@
 
 use anyhow::{Result, ensure};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, rules};
-use splatline_rtl::{mutants, package};
+use splatline_rtl::{area, layouts, mutants, package};
 use splatline_sim::design::DesignChoice;
 use std::path::Path;
 use std::process::ExitCode;
+use std::time::Duration;
 
 const USAGE: &str = "usage: splatline-rtl COMMAND
   package       write sim/rtl/<design>/splatline_pkg.sv from the kernel's widths and tables
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
+  area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
+  layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
 ";
 
@@ -21,6 +24,10 @@ fn main() -> ExitCode {
         ["package"] => write_packages(),
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
+        ["area"] => area::report().and_then(|text| Ok(std::fs::write(area::REPORT, text)?)),
+        ["layouts"] => {
+            layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
+        }
         ["mutants"] => judge_mutants(),
         _ => {
             eprint!("{USAGE}");
@@ -100,6 +107,14 @@ fn summary(lines: &[Line]) -> Result<()> {
     let mismatches: u64 = lines.iter().map(|line| line.findings.mismatches).sum();
     let wrong: u64 = lines.iter().map(|line| line.findings.wrong_cycles).sum();
     println!("\n{pixels} pixels, {mismatches} mismatches; {wrong} tiles with wrong cycles");
+    let seconds =
+        |time: fn(&Line) -> Duration| lines.iter().map(time).sum::<Duration>().as_secs_f64();
+    let kernel = seconds(|line| line.findings.kernel_time);
+    let circuit = seconds(|line| line.findings.circuit_time);
+    let ratio = circuit / kernel;
+    println!(
+        "kernel and closed form {kernel:.1} s, verilated circuits {circuit:.1} s: {ratio:.1} times as long"
+    );
     let difference = lines
         .iter()
         .find_map(|line| line.findings.first_difference.as_ref());

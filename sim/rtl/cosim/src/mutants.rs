@@ -47,12 +47,14 @@ pub const MUTANTS: [Mutant; 18] = [
     mutant(
         "colour truncated",
         "blend.sv",
-        "product + COLOUR_HALF", "product",
+        "product + COLOUR_HALF",
+        "product",
     ),
     mutant(
         "opacity truncated",
         "blend.sv",
-        "product0 + OPACITY_HALF", "product0",
+        "product0 + OPACITY_HALF",
+        "product0",
     ),
     mutant(
         "transmittance not forwarded",

@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, Pauses};
 use crate::check::{Findings, compare};
-use crate::workload::{self, Workload};
+use crate::workload::{self, GuitarView, Workload};
 use anyhow::Result;
 use splatline::format::Design;
 use splatline_sim::design::{DesignChoice, DesignJob};
@@ -86,7 +86,10 @@ impl Loads {
         let mut missing = Vec::new();
         for (name, load) in [
             ("hard", workload::hard(&choice, rules)?),
-            ("guitar", workload::guitar(&choice, rules, size)?),
+            (
+                "guitar",
+                workload::guitar(&choice, rules, GuitarView::Close, size)?,
+            ),
         ] {
             match load {
                 Some(load) => workloads.push(load),

@@ -54,21 +54,32 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     path.exists().then_some(path)
 }
 
-/// The captured guitar from close up; nothing where the data is missing.
-pub fn guitar(design: &DesignChoice, rules: &Rules, size: usize) -> Result<Option<Workload>> {
+/// Where the guitar is seen from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuitarView {
+    /// All of it.
+    Whole,
+    /// From close up.
+    Close,
+}
+
+/// The captured guitar in a square picture; nothing where the data is missing.
+pub fn guitar(
+    design: &DesignChoice,
+    rules: &Rules,
+    view: GuitarView,
+    size: usize,
+) -> Result<Option<Workload>> {
     let Some(file) = shared("gaussians/guitar.ply") else {
         return Ok(None);
     };
     let scene = scene::load(&file, &Default::default())?;
-    let camera = Camera::look_at(
-        [2.2, -1.2, 0.5],
-        [0.1, -1.2, 0.1],
-        [0.0, -1.0, 0.0],
-        50.0,
-        size,
-        size,
-    )
-    .context("the guitar's camera")?;
+    let (eye, target) = match view {
+        GuitarView::Whole => ([5.5, -2.1, 0.2], [0.1, -2.1, 0.1]),
+        GuitarView::Close => ([2.2, -1.2, 0.5], [0.1, -1.2, 0.1]),
+    };
+    let camera = Camera::look_at(eye, target, [0.0, -1.0, 0.0], 50.0, size, size)
+        .context("the guitar's camera")?;
     Ok(Some(from_scene("guitar", &scene, &camera, design, rules)))
 }
 
@@ -116,6 +127,7 @@ pub fn from_scene(
     let tiles = tiles(
         &footprints,
         [camera.width, camera.height].map(|size| size as u16),
+        TILE,
     );
     Workload {
         name,
@@ -124,15 +136,13 @@ pub fn from_scene(
     }
 }
 
-/// The tiles of a viewport with the footprints whose boxes touch them.
-fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<Tile> {
-    let columns = viewport[0].div_ceil(TILE[0]);
-    let rows = viewport[1].div_ceil(TILE[1]);
-    let place = |i: u16| [i % columns * TILE[0], i / columns * TILE[1]];
+/// The tiles of a viewport, of `size` columns and rows, with the footprints whose boxes touch them.
+pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Vec<Tile> {
+    let [columns, rows] = [0, 1].map(|axis| viewport[axis].div_ceil(size[axis]));
     let mut tiles: Vec<Tile> = (0..columns * rows)
-        .map(place)
+        .map(|i| [i % columns * size[0], i / columns * size[1]])
         .map(|first| {
-            let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(viewport[axis]));
+            let last = [0, 1].map(|axis| (first[axis] + size[axis]).min(viewport[axis]));
             Tile {
                 window: Window { first, last },
                 list: Vec::new(),
@@ -140,8 +150,8 @@ fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<Tile> {
         })
         .collect();
     for (index, footprint) in footprints.iter().enumerate() {
-        for y in footprint.first[1] / TILE[1]..=(footprint.last[1] - 1) / TILE[1] {
-            for x in footprint.first[0] / TILE[0]..=(footprint.last[0] - 1) / TILE[0] {
+        for y in footprint.first[1] / size[1]..=(footprint.last[1] - 1) / size[1] {
+            for x in footprint.first[0] / size[0]..=(footprint.last[0] - 1) / size[0] {
                 tiles[usize::from(y * columns + x)].list.push(index as u32);
             }
         }

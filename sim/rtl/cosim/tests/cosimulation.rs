@@ -5,10 +5,16 @@ use splatline_rtl::package::{path, text};
 
 #[test]
 fn committed_packages_are_the_generators() {
-    for (design, widths) in [("lean18", Lean18::WIDTHS), ("standard24", Standard24::WIDTHS)] {
+    for (design, widths) in [
+        ("lean18", Lean18::WIDTHS),
+        ("standard24", Standard24::WIDTHS),
+    ] {
         let committed = std::fs::read_to_string(path(design)).unwrap();
         let stale = "run `cargo run -p splatline-rtl -- package` and commit the result";
-        assert!(committed == text(design, &widths), "{design}: splatline_pkg.sv is stale; {stale}");
+        assert!(
+            committed == text(design, &widths),
+            "{design}: splatline_pkg.sv is stale; {stale}"
+        );
     }
 }
 
@@ -57,10 +63,16 @@ mod with_verilator {
         for lanes in LANES {
             let mut bench = Bench::new(name, &widths, lanes, &KernelRules::EWA, 3).unwrap();
             for tile in &load.tiles {
-                let got = bench.draw(tile, &load.footprints, Pauses::default()).unwrap();
+                let got = bench
+                    .draw(tile, &load.footprints, Pauses::default())
+                    .unwrap();
                 let footprint = &load.footprints[tile.list[0] as usize];
                 let expected = rtl_cycles(design, footprint, &tile.window, lanes);
-                assert_eq!(got.raster_cycles, expected, "{name}, {lanes} lanes: {footprint:?} in {:?}", tile.window);
+                assert_eq!(
+                    got.raster_cycles, expected,
+                    "{name}, {lanes} lanes: {footprint:?} in {:?}",
+                    tile.window
+                );
             }
         }
     }
@@ -93,9 +105,13 @@ mod with_verilator {
         for lanes in LANES {
             let mut bench = Bench::new("lean18", &widths, lanes, &KernelRules::EWA, 3).unwrap();
             let tile = &load.tiles[0];
-            let before = bench.draw(tile, &load.footprints, Pauses::default()).unwrap();
+            let before = bench
+                .draw(tile, &load.footprints, Pauses::default())
+                .unwrap();
             bench.draw(tile, &hostile, Pauses::default()).unwrap();
-            let after = bench.draw(tile, &load.footprints, Pauses::default()).unwrap();
+            let after = bench
+                .draw(tile, &load.footprints, Pauses::default())
+                .unwrap();
             assert_eq!(before, after);
         }
     }
@@ -103,9 +119,19 @@ mod with_verilator {
     #[test]
     fn packets_of_another_version_are_dropped_and_counted() {
         let mut model = Model::new("lean18", 1, 1).unwrap();
-        let tile = Inputs { tile_valid: 1, last_column: 64, last_row: 16, lanes_enable: 1, ..Inputs::default() };
+        let tile = Inputs {
+            tile_valid: 1,
+            last_column: 64,
+            last_row: 16,
+            lanes_enable: 1,
+            ..Inputs::default()
+        };
         while model.tick(&tile).tile_ready == 0 {}
-        let mut packet = Inputs { packet_valid: 1, lanes_enable: 1, ..Inputs::default() };
+        let mut packet = Inputs {
+            packet_valid: 1,
+            lanes_enable: 1,
+            ..Inputs::default()
+        };
         packet.packet[0] = 2;
         while model.tick(&packet).packet_ready == 0 {}
         let out = model.tick(&Inputs::default());
@@ -115,9 +141,14 @@ mod with_verilator {
     #[test]
     fn an_empty_tile_is_transparent_black() {
         let load = workload::random(&Lean18::WIDTHS, 1, 1, 1);
-        let tile = Tile { list: Vec::new(), ..load.tiles[0].clone() };
+        let tile = Tile {
+            list: Vec::new(),
+            ..load.tiles[0].clone()
+        };
         let mut bench = Bench::new("lean18", &Lean18::WIDTHS, 4, &KernelRules::EWA, 3).unwrap();
-        let got = bench.draw(&tile, &load.footprints, Pauses::default()).unwrap();
+        let got = bench
+            .draw(&tile, &load.footprints, Pauses::default())
+            .unwrap();
         let clear = splatline::blend::Pixel::clear(&Lean18::WIDTHS);
         assert!(got.pixels.iter().all(|pixel| *pixel == clear));
     }
