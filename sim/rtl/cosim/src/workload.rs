@@ -159,7 +159,7 @@ pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Ve
     tiles
 }
 
-/// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 4096, every colour,
+/// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Workload {
     let mut random = Random(seed);
@@ -228,8 +228,8 @@ impl Random {
     /// A footprint that touches the window, or nothing if this one cannot be had.
     fn footprint(&mut self, widths: &Widths, window: &Window) -> Option<Footprint> {
         let (long, ratio, angle) = (
-            self.between(-4.0, 10.0),
-            self.between(0.0, 12.0),
+            self.between(-4.0, 14.0),
+            self.between(0.0, 15.0),
             self.between(0.0, 3.15),
         );
         let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
@@ -262,10 +262,24 @@ impl Random {
             peak,
             colour: [0; 3].map(|_: u32| self.bits(4 + widths.colour) >> self.below(8)),
         };
+        // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
+        let rim = self.below(2) == 0;
+        let (along, across) = self.between(0.0, 6.3).sin_cos();
+        let (along, across) = (along * long.sqrt() * radius, across * short.sqrt() * radius);
+        let point = [
+            along * cosine - across * sine,
+            along * sine + across * cosine,
+        ];
         for axis in 0..2 {
             let middle = f64::from(window.first[axis] + window.last[axis]) / 2.0;
             let size = f64::from(TILE[axis]);
-            let centre = middle + self.between(-1.0, 1.0) * (reach[axis] + size / 2.0);
+            let spot = self.between(-1.0, 1.0);
+            let centre = middle
+                + if rim {
+                    point[axis] + spot * size / 2.0
+                } else {
+                    spot * (reach[axis] + size / 2.0)
+                };
             footprint.centre[axis] = (centre * f64::from(widths.subpixel).exp2()) as i64;
             // `as` saturates: boxes are clipped to the widest viewport.
             footprint.first[axis] = (centre - reach[axis] - 0.5).ceil() as u16;
