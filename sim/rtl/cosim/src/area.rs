@@ -21,7 +21,7 @@ pub enum Family {
 
 impl Family {
     /// All of them.
-    pub const ALL: [Family; 3] = [Family::Ice40, Family::Ecp5, Family::Xilinx7];
+    pub const ALL: [Family; 3] = [Family::Xilinx7, Family::Ecp5, Family::Ice40];
 
     /// Name in the tables.
     pub fn name(self) -> &'static str {
@@ -78,21 +78,32 @@ fn count(cells: &serde_json::Map<String, Value>) -> Area {
     area
 }
 
-/// Synthesises one circuit (`unit` on its own, or the whole primitive) and counts.
-pub fn synthesise(design: &str, lanes: usize, family: Family, unit: &str) -> Result<Area> {
+/// Units that are the same whatever the number of lanes: synthesised once for each design and family.
+const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
+
+/// Synthesises `unit` and what it contains, but for `boxes`, and counts.
+fn synthesise(
+    design: &str,
+    family: Family,
+    unit: &str,
+    lanes: Option<usize>,
+    boxes: &[&str],
+) -> Result<Area> {
     let rtl = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let units = fs::read_to_string(rtl.join("files.txt"))?;
     let package = format!("{design}/splatline_pkg.sv");
     let files: Vec<&str> = iter::once(package.as_str()).chain(units.lines()).collect();
     let folder = tempfile::tempdir()?;
     let counts = folder.path().join("stat.json");
-    let lanes = if unit == "splat_primitive" {
-        format!("chparam -set LANES {lanes} splat_primitive; ")
-    } else {
-        String::new()
-    };
+    let lanes = lanes.map_or(String::new(), |lanes| {
+        format!("chparam -set LANES {lanes} {unit}; ")
+    });
+    let boxes: String = boxes
+        .iter()
+        .map(|name| format!("blackbox {name}; "))
+        .collect();
     let script = format!(
-        "read_verilog -sv {}; {lanes}{} -top {unit}; flatten; opt_clean; tee -q -o {} stat -json",
+        "read_verilog -sv {}; {boxes}{lanes}{} -top {unit}; flatten; opt_clean; tee -q -o {} stat -json",
         files.join(" "),
         family.synthesis(),
         counts.display()
@@ -113,7 +124,7 @@ pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/are
 
 const HEAD: &str = "# Area of the splat primitive
 
-Printed by `cargo run --release -p splatline-rtl -- area` (Yosys 0.23, one run for each line, hierarchy kept). LUT counts
+Printed by `cargo run --release -p splatline-rtl -- area` (Yosys 0.23, hierarchy kept). LUT counts
 contain those used as memory and shift registers; memory is in whole blocks. A tile of 64 x 16 pixels is held in the primitive.
 \"One lane\" is a third of the difference between four lanes and one, and \"shared\" what is left of one lane's circuit without it:
 the model of area is `shared + lanes * one lane`.
@@ -139,23 +150,34 @@ pub fn report() -> Result<String> {
     let mut text = HEAD.to_owned();
     for design in DESIGNS {
         for family in Family::ALL {
-            let [one, four] = [
-                synthesise(design, 1, family, "splat_primitive")?,
-                synthesise(design, 4, family, "splat_primitive")?,
-            ];
-            let lane = four.minus(&one).third();
-            for (part, area) in [
-                ("1 lane in all", one),
-                ("4 lanes in all", four),
-                ("one lane", lane),
-                ("shared", one.minus(&lane)),
-            ] {
-                text += &line(design, family, part, &area);
-                eprint!("{}", line(design, family, part, &area));
+            for (part, area) in parts(design, family)? {
+                let line = line(design, family, part, &area);
+                eprint!("{line}");
+                text += &line;
             }
         }
     }
     Ok(text + FOOT)
+}
+
+/// The primitive with one and four lanes, a lane's own part and the shared rest, and of that the two largest units.
+fn parts(design: &str, family: Family) -> Result<[(&'static str, Area); 6]> {
+    let [setup, rows] = SHARED.map(|unit| synthesise(design, family, unit, None, &[]));
+    let (setup, rows) = (setup?, rows?);
+    let whole = |lanes| -> Result<Area> {
+        let rest = synthesise(design, family, "splat_primitive", Some(lanes), &SHARED)?;
+        Ok(rest.plus(&setup).plus(&rows))
+    };
+    let (one, four) = (whole(1)?, whole(4)?);
+    let lane = four.minus(&one).third();
+    Ok([
+        ("1 lane in all", one),
+        ("4 lanes in all", four),
+        ("one lane", lane),
+        ("shared", one.minus(&lane)),
+        ("of it setup", setup),
+        ("of it rows", rows),
+    ])
 }
 
 fn line(design: &str, family: Family, part: &str, area: &Area) -> String {
@@ -179,6 +201,10 @@ impl Area {
             dsps: by(self.dsps, other.dsps),
             memory_kbit: by(self.memory_kbit, other.memory_kbit),
         }
+    }
+
+    fn plus(&self, other: &Area) -> Area {
+        self.each(other, u64::saturating_add)
     }
 
     fn minus(&self, other: &Area) -> Area {

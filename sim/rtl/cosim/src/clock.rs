@@ -115,3 +115,47 @@ pub fn rtl_cycles<D: Design>(
     clock.splat(design, footprint, window);
     clock.cycles()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slots leave in cycles 21, 22, 23; the first run is popped in 22 and keeps its lane until 27, the second until 29.
+    #[test]
+    fn three_rows_of_which_one_is_empty() {
+        let mut clock = RasterClock::new(1);
+        for run in [Some((7, 5)), None, Some((9, 2))] {
+            clock.slot(run);
+        }
+        assert_eq!(clock.cycles(), 30);
+    }
+
+    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 25.
+    #[test]
+    fn four_lanes_take_four_rows_at_once() {
+        let mut clock = RasterClock::new(4);
+        for row in 0..4 {
+            clock.slot(Some((row, 5)));
+        }
+        assert_eq!(clock.cycles(), 25 + 5 + 1);
+    }
+
+    /// With room for one run the third waits until the second is popped, in 22 + 10, and leaves a cycle later.
+    #[test]
+    fn a_full_queue_stops_the_rows() {
+        let mut clock = RasterClock::with_queue(1, 1);
+        for row in 0..3 {
+            clock.slot(Some((row, 10)));
+        }
+        clock.slot(None);
+        assert_eq!(clock.exit, 32 + 1 + 1);
+        assert_eq!(clock.cycles(), 22 + 30 + 1);
+    }
+
+    #[test]
+    fn a_splat_without_rows_takes_a_slot() {
+        let mut clock = RasterClock::new(4);
+        clock.slot(None);
+        assert_eq!(clock.cycles(), LATENCY + 1);
+    }
+}

@@ -1,4 +1,5 @@
 //! The verilated splat primitive behind a safe handle. All unsafe code of the crate is in this file.
+#![allow(unsafe_code)]
 
 use libloading::Library;
 use std::ffi::c_void;
