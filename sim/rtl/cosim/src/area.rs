@@ -147,17 +147,24 @@ Notes by hand:
 
 /// The whole table.
 pub fn report() -> Result<String> {
-    let mut text = HEAD.to_owned();
-    for design in DESIGNS {
-        for family in Family::ALL {
-            for (part, area) in parts(design, family)? {
-                let line = line(design, family, part, &area);
-                eprint!("{line}");
-                text += &line;
-            }
+    let tables: Vec<String> = DESIGNS
+        .iter()
+        .map(|design| table(design))
+        .collect::<Result<_>>()?;
+    Ok(HEAD.to_owned() + &tables.concat() + FOOT)
+}
+
+/// One design's lines; shown on stderr as they come, since each takes a minute.
+pub fn table(design: &str) -> Result<String> {
+    let mut text = String::new();
+    for family in Family::ALL {
+        for (part, area) in parts(design, family)? {
+            let line = line(design, family, part, &area);
+            eprint!("{line}");
+            text += &line;
         }
     }
-    Ok(text + FOOT)
+    Ok(text)
 }
 
 /// The primitive with one and four lanes, a lane's own part and the shared rest, and of that the two largest units.

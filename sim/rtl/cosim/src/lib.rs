@@ -1,7 +1,7 @@
 //! Co-simulation of the SystemVerilog splat primitive (`sim/rtl`) with the kernel that defines it.
 //!
 //! [`package`] writes the circuit's parameters from the kernel's; [`workload`] makes tiles of footprints; [`model`] is the
-//! verilated circuit and the only place with foreign code; [`bench`] drives a tile through it; [`golden`] draws the same tile by the
+//! verilated circuit and the only place with foreign code; [`mod@bench`] drives a tile through it; [`golden`] draws the same tile by the
 //! kernel; [`clock`] says how many cycles it takes; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
 //! [`mutants`] shows that mistakes are noticed, [`area`] what the circuit costs, [`layouts`] what other arrangements of lanes would do.
 

@@ -13,8 +13,10 @@ const USAGE: &str = "usage: splatline-rtl COMMAND
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
   area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
+  area DESIGN   one design's lines of it
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
+  mutants PART  those whose name contains PART
 ";
 
 fn main() -> ExitCode {
@@ -28,7 +30,9 @@ fn main() -> ExitCode {
         ["layouts"] => {
             layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
         }
-        ["mutants"] => judge_mutants(),
+        ["area", design] => area::table(design).map(|text| print!("{text}")),
+        ["mutants"] => judge_mutants(""),
+        ["mutants", part] => judge_mutants(part),
         _ => {
             eprint!("{USAGE}");
             return ExitCode::from(2);
@@ -126,11 +130,15 @@ fn summary(lines: &[Line]) -> Result<()> {
     Ok(())
 }
 
-fn judge_mutants() -> Result<()> {
+/// Judges the mutants whose name contains `part`.
+fn judge_mutants(part: &str) -> Result<()> {
     let judge = mutants::Judge::new()?;
     println!("| mistake | unit | noticed as |\n|---|---|---|");
     let mut survivors = 0;
-    for mutant in &mutants::MUTANTS {
+    for mutant in mutants::MUTANTS
+        .iter()
+        .filter(|mutant| mutant.name.contains(part))
+    {
         let verdict = judge.verdict(mutant)?;
         survivors += usize::from(verdict.is_none());
         let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());

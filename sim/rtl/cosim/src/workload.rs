@@ -228,7 +228,7 @@ impl Random {
     /// A footprint that touches the window, or nothing if this one cannot be had.
     fn footprint(&mut self, widths: &Widths, window: &Window) -> Option<Footprint> {
         let (long, ratio, angle) = (
-            self.between(-4.0, 14.0),
+            self.between(-4.0, 20.0),
             self.between(0.0, 15.0),
             self.between(0.0, 3.15),
         );
