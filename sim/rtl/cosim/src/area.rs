@@ -136,6 +136,8 @@ the model of area is `shared + lanes * one lane`.
 const FOOT: &str = "
 Notes by hand:
 
+- Fmax is not measured yet: no iCE40 holds the primitive, and placing it for an ECP5 (`timing_wrapper.sv`, nextpnr-ecp5) was not finished. The
+  longest paths are likely those of setup (normalisation in one stage) and of the transmittance (read, product, comparison, write).
 - The largest iCE40 has 7,680 LUT4 and 128 kbit (UltraPlus: 5,280 and 8 DSPs): the primitive does not fit any of them.
 - Half of the shared part is the 64-bit shifters of setup and rows. It is built for one splat and one row a cycle; a setup that
   shares one shifter and one multiplier over ten cycles would be several times smaller and would starve four lanes on small splats.
