@@ -139,8 +139,8 @@ Notes by hand:
 - Fmax is not measured yet: no iCE40 holds the primitive, and placing it for an ECP5 (`timing_wrapper.sv`, nextpnr-ecp5) was not finished. The
   longest paths are likely those of setup (normalisation in one stage) and of the transmittance (read, product, comparison, write).
 - The largest iCE40 has 7,680 LUT4 and 128 kbit (UltraPlus: 5,280 and 8 DSPs): the primitive does not fit any of them.
-- Half of the shared part is the 64-bit shifters of setup and rows. It is built for one splat and one row a cycle; a setup that
-  shares one shifter and one multiplier over ten cycles would be several times smaller and would starve four lanes on small splats.
+- Setup is two thirds of the shared part: it is built for one splat and one row a cycle, with eight shifters of 64 bits. One shifter
+  and one multiplier used over ten cycles would be smaller, but slower than the seven rows that a splat of guitar has in a tile.
 - Losing way: rounding shifts as `(value + half) >> shift` with a saturation check that shifts back. Four 64-bit shifters for one: the
   setup unit took 8,900 LUT6 in place of 5,100, the row unit 5,000 in place of 3,200 (lean18).
 - Losing way: unsigned products. An 18-bit fraction whose 1.0 must be a value has 19 bits, 20 with a sign; with `offset_multiply` it
