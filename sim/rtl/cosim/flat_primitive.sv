@@ -1,0 +1,78 @@
+// The splat primitive with one C integer for each port, for simulation.
+module flat_primitive #(
+    parameter LANES = 1
+) (
+    input logic clk,
+    input logic rst,
+    input logic [31:0] alpha_max,
+    input logic [31:0] alpha_min,
+    input logic [31:0] stop,
+    input logic stop_before,
+    input logic wide_table,
+    input logic table_valid,
+    input logic [31:0] table_index,
+    input logic [31:0] table_low,
+    input logic [31:0] table_step,
+    input logic tile_valid,
+    output logic tile_ready,
+    input logic [15:0] first_column,
+    input logic [15:0] first_row,
+    input logic [15:0] last_column,
+    input logic [15:0] last_row,
+    input logic packet_valid,
+    output logic packet_ready,
+    input logic [splatline_pkg::PACKET_BITS-1:0] packet,
+    input logic finish_valid,
+    output logic finish_ready,
+    output logic pixel_valid,
+    input logic pixel_ready,
+    output logic finished,
+    output logic [31:0] transmittance,
+    output logic [31:0] red,
+    output logic [31:0] green,
+    output logic [31:0] blue,
+    input logic lanes_enable,
+    output logic raster_idle,
+    output logic idle,
+    output logic [15:0] foreign_packets
+);
+  localparam SUM = splatline_pkg::SUM_BITS;
+  splatline_pkg::rules_t rules;
+  splatline_pkg::window_t tile;
+  logic [splatline_pkg::TRANSMITTANCE+1:0] depth;
+  logic [3*SUM-1:0] colour;
+
+  assign rules = {alpha_max[splatline_pkg::ALPHA:0], alpha_min[splatline_pkg::ALPHA:0], stop[splatline_pkg::TRANSMITTANCE:0], stop_before, wide_table};
+  assign tile = {first_column, first_row, last_column, last_row};
+  assign finished = depth[splatline_pkg::TRANSMITTANCE+1];
+  assign transmittance = 32'(depth[splatline_pkg::TRANSMITTANCE:0]);
+  assign {blue, green, red} = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM])};
+
+  splat_primitive #(
+      .LANES(LANES)
+  ) splats (
+      .clk,
+      .rst,
+      .rules,
+      .table_valid,
+      .table_index(table_index[splatline_pkg::TABLE:0]),
+      .table_low(table_low[splatline_pkg::WEIGHT:0]),
+      .table_step(table_step[splatline_pkg::STEP_BITS-1:0]),
+      .tile_valid,
+      .tile_ready,
+      .tile,
+      .packet_valid,
+      .packet_ready,
+      .packet,
+      .finish_valid,
+      .finish_ready,
+      .pixel_valid,
+      .pixel_ready,
+      .pixel_depth(depth),
+      .pixel_colour(colour),
+      .lanes_enable,
+      .raster_idle,
+      .idle,
+      .foreign_packets
+  );
+endmodule

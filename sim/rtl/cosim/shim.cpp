@@ -1,0 +1,85 @@
+// One verilated model behind four C functions. Compiled once for each model with MODEL (the class) and NAME (the model's name).
+#include <cstdint>
+#include <cstring>
+#include "verilated.h"
+
+#define JOIN_(a, b) a##b
+#define JOIN(a, b) JOIN_(a, b)
+#define TEXT_(a) #a
+#define TEXT(a) TEXT_(a)
+#define HEADER_(a) TEXT(a.h)
+#define HEADER HEADER_(MODEL)
+#include HEADER
+
+namespace {
+
+// Mirrors `Inputs` and `Outputs` of src/model.rs.
+struct Inputs {
+    uint8_t rst, table_valid, tile_valid, packet_valid, finish_valid, pixel_ready, lanes_enable, stop_before, wide_table, spare[3];
+    uint16_t first_column, first_row, last_column, last_row;
+    uint32_t alpha_max, alpha_min, stop, table_index, table_low, table_step;
+    uint32_t packet[20];
+};
+
+struct Outputs {
+    uint8_t tile_ready, packet_ready, finish_ready, pixel_valid, raster_idle, idle, finished, spare;
+    uint32_t transmittance, red, green, blue, foreign_packets;
+};
+
+struct Simulation {
+    VerilatedContext context;
+    MODEL model{&context, "top"};
+};
+
+void* make(uint32_t seed) {
+    auto* simulation = new Simulation;
+    // Registers start with random bits: nothing may depend on a value before reset.
+    simulation->context.randReset(2);
+    simulation->context.randSeed(static_cast<int>(seed));
+    return simulation;
+}
+
+void destroy(void* simulation) {
+    static_cast<Simulation*>(simulation)->model.final();
+    delete static_cast<Simulation*>(simulation);
+}
+
+// Drives the inputs, settles, samples the outputs as they stand before the edge, then clocks once.
+void tick(void* simulation, const Inputs* in, Outputs* out) {
+    auto& m = static_cast<Simulation*>(simulation)->model;
+    m.rst = in->rst;
+    m.table_valid = in->table_valid;
+    m.tile_valid = in->tile_valid;
+    m.packet_valid = in->packet_valid;
+    m.finish_valid = in->finish_valid;
+    m.pixel_ready = in->pixel_ready;
+    m.lanes_enable = in->lanes_enable;
+    m.stop_before = in->stop_before;
+    m.wide_table = in->wide_table;
+    m.first_column = in->first_column;
+    m.first_row = in->first_row;
+    m.last_column = in->last_column;
+    m.last_row = in->last_row;
+    m.alpha_max = in->alpha_max;
+    m.alpha_min = in->alpha_min;
+    m.stop = in->stop;
+    m.table_index = in->table_index;
+    m.table_low = in->table_low;
+    m.table_step = in->table_step;
+    static_assert(sizeof(m.packet) <= sizeof(in->packet), "a packet has at most 20 words");
+    if (in->packet_valid) std::memcpy(&m.packet, in->packet, sizeof(m.packet));
+    m.clk = 0;
+    m.eval();
+    *out = Outputs{m.tile_ready, m.packet_ready, m.finish_ready, m.pixel_valid, m.raster_idle, m.idle, m.finished, 0,
+                   m.transmittance, m.red, m.green, m.blue, m.foreign_packets};
+    m.clk = 1;
+    m.eval();
+}
+
+}  // namespace
+
+extern "C" {
+void* JOIN(NAME, _make)(uint32_t seed) { return make(seed); }
+void JOIN(NAME, _destroy)(void* simulation) { destroy(simulation); }
+void JOIN(NAME, _tick)(void* simulation, const Inputs* in, Outputs* out) { tick(simulation, in, out); }
+}

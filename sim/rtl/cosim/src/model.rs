@@ -1,0 +1,273 @@
+//! The verilated splat primitive behind a safe handle. All unsafe code of the crate is in this file.
+#![allow(unsafe_code)]
+
+use libloading::Library;
+use std::ffi::c_void;
+use std::fmt;
+use std::path::Path;
+
+/// The circuit's inputs in one cycle; `Inputs` of shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Inputs {
+    /// Reset.
+    pub rst: u8,
+    /// A footprint table entry is written.
+    pub table_valid: u8,
+    /// A tile is offered.
+    pub tile_valid: u8,
+    /// A packet is offered.
+    pub packet_valid: u8,
+    /// No packet follows; read out.
+    pub finish_valid: u8,
+    /// A pixel of the read-out is taken.
+    pub pixel_ready: u8,
+    /// The lanes may move.
+    pub lanes_enable: u8,
+    /// The rules' `stop_before`.
+    pub stop_before: u8,
+    /// The footprint table ends at r = 16.
+    pub wide_table: u8,
+    /// Padding.
+    pub spare: [u8; 3],
+    /// The tile's window.
+    pub first_column: u16,
+    /// The tile's window.
+    pub first_row: u16,
+    /// The tile's window.
+    pub last_column: u16,
+    /// The tile's window.
+    pub last_row: u16,
+    /// UQ1.alpha.
+    pub alpha_max: u32,
+    /// UQ1.alpha.
+    pub alpha_min: u32,
+    /// UQ1.transmittance.
+    pub stop: u32,
+    /// Entry of the footprint table.
+    pub table_index: u32,
+    /// UQ1.weight.
+    pub table_low: u32,
+    /// UQ1.weight.
+    pub table_step: u32,
+    /// The packet's words.
+    pub packet: [u32; 20],
+}
+
+/// The circuit's outputs in one cycle, before its edge; `Outputs` of shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outputs {
+    /// A tile is taken.
+    pub tile_ready: u8,
+    /// A packet is taken.
+    pub packet_ready: u8,
+    /// All packets are drawn.
+    pub finish_ready: u8,
+    /// A pixel is offered.
+    pub pixel_valid: u8,
+    /// Every packet's last pixel has left its lane.
+    pub raster_idle: u8,
+    /// Every pixel is in the tile buffer.
+    pub idle: u8,
+    /// The pixel's flag.
+    pub finished: u8,
+    /// Padding.
+    pub spare: u8,
+    /// UQ1.transmittance.
+    pub transmittance: u32,
+    /// UQ5.accumulator.
+    pub red: u32,
+    /// UQ5.accumulator.
+    pub green: u32,
+    /// UQ5.accumulator.
+    pub blue: u32,
+    /// Packets dropped for their version.
+    pub foreign_packets: u32,
+}
+
+/// Why there is no circuit to simulate.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Missing {
+    /// The crate was built without Verilator.
+    Verilator,
+    /// No model of this design with so many lanes.
+    Model(String, usize),
+    /// A shared library that is no circuit.
+    Library(String),
+}
+
+impl std::error::Error for Missing {}
+
+impl fmt::Display for Missing {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Missing::Verilator => {
+                write!(
+                    formatter,
+                    "verilator was not found when this was built: install it (apt-get install verilator) and build again"
+                )
+            }
+            Missing::Model(design, lanes) => write!(
+                formatter,
+                "no circuit for design '{design}' with {lanes} lanes: lean18 and standard24 with 1 or 4 exist"
+            ),
+            Missing::Library(message) => write!(formatter, "not a circuit: {message}"),
+        }
+    }
+}
+
+/// A circuit being simulated.
+pub struct Model {
+    circuit: Circuit,
+    cycles: u64,
+}
+
+impl Model {
+    /// The circuit of a design after reset. The seed chooses what its registers held before.
+    pub fn new(design: &str, lanes: usize, seed: u32) -> Result<Model, Missing> {
+        let functions = linked::functions(design, lanes)?;
+        Ok(Self::after_reset(Circuit::new(functions, None, seed)))
+    }
+
+    /// The circuit `name` in a shared library made of a verilated model and the shim.
+    pub fn from_library(path: &Path, name: &str, seed: u32) -> Result<Model, Missing> {
+        let (functions, library) = load(path, name)
+            .map_err(|error| Missing::Library(format!("{}: {error}", path.display())))?;
+        Ok(Self::after_reset(Circuit::new(
+            functions,
+            Some(library),
+            seed,
+        )))
+    }
+
+    fn after_reset(circuit: Circuit) -> Model {
+        let mut model = Model { circuit, cycles: 0 };
+        let reset = Inputs {
+            rst: 1,
+            ..Inputs::default()
+        };
+        for _ in 0..4 {
+            model.tick(&reset);
+        }
+        model
+    }
+
+    /// One cycle: the outputs belong to these inputs, before the clock's edge.
+    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        self.cycles += 1;
+        self.circuit.tick(inputs)
+    }
+
+    /// Cycles so far.
+    pub fn cycles(&self) -> u64 {
+        self.cycles
+    }
+}
+
+type Make = unsafe extern "C" fn(u32) -> *mut c_void;
+type Destroy = unsafe extern "C" fn(*mut c_void);
+type Tick = unsafe extern "C" fn(*mut c_void, *const Inputs, *mut Outputs);
+
+/// The C functions of one verilated model.
+#[derive(Clone, Copy)]
+struct Functions {
+    make: Make,
+    destroy: Destroy,
+    tick: Tick,
+}
+
+/// One simulation and the functions that belong to it.
+struct Circuit {
+    simulation: *mut c_void,
+    functions: Functions,
+    /// Keeps the code loaded, where it came from a shared library.
+    _library: Option<Library>,
+}
+
+impl Circuit {
+    fn new(functions: Functions, library: Option<Library>, seed: u32) -> Self {
+        // SAFETY: the shim allocates a simulation that nothing else refers to; the library, if any, is still loaded.
+        let simulation = unsafe { (functions.make)(seed) };
+        Circuit {
+            simulation,
+            functions,
+            _library: library,
+        }
+    }
+
+    fn tick(&mut self, inputs: &Inputs) -> Outputs {
+        let mut outputs = Outputs::default();
+        // SAFETY: the simulation came from the same model's `make`; both structs mirror the shim's and outlive the call.
+        unsafe { (self.functions.tick)(self.simulation, inputs, &mut outputs) };
+        outputs
+    }
+}
+
+impl Drop for Circuit {
+    fn drop(&mut self) {
+        // SAFETY: made by the same model's `make`, not used afterwards; the library is dropped after this.
+        unsafe { (self.functions.destroy)(self.simulation) }
+    }
+}
+
+/// The functions of the model `name` in a shared library.
+fn load(path: &Path, name: &str) -> Result<(Functions, Library), libloading::Error> {
+    // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
+    // shim's types.
+    unsafe {
+        let library = Library::new(path)?;
+        let functions = Functions {
+            make: *library.get(format!("{name}_make").as_bytes())?,
+            destroy: *library.get(format!("{name}_destroy").as_bytes())?,
+            tick: *library.get(format!("{name}_tick").as_bytes())?,
+        };
+        Ok((functions, library))
+    }
+}
+
+#[cfg(has_rtl)]
+mod linked {
+    use super::{Functions, Inputs, Missing, Outputs};
+    use std::ffi::c_void;
+
+    unsafe extern "C" {
+        fn lean18_1_make(seed: u32) -> *mut c_void;
+        fn lean18_1_destroy(simulation: *mut c_void);
+        fn lean18_1_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
+        fn lean18_4_make(seed: u32) -> *mut c_void;
+        fn lean18_4_destroy(simulation: *mut c_void);
+        fn lean18_4_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
+        fn standard24_1_make(seed: u32) -> *mut c_void;
+        fn standard24_1_destroy(simulation: *mut c_void);
+        fn standard24_1_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
+        fn standard24_4_make(seed: u32) -> *mut c_void;
+        fn standard24_4_destroy(simulation: *mut c_void);
+        fn standard24_4_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
+    }
+
+    pub fn functions(design: &str, lanes: usize) -> Result<Functions, Missing> {
+        let (make, destroy, tick): (super::Make, super::Destroy, super::Tick) =
+            match (design, lanes) {
+                ("lean18", 1) => (lean18_1_make, lean18_1_destroy, lean18_1_tick),
+                ("lean18", 4) => (lean18_4_make, lean18_4_destroy, lean18_4_tick),
+                ("standard24", 1) => (standard24_1_make, standard24_1_destroy, standard24_1_tick),
+                ("standard24", 4) => (standard24_4_make, standard24_4_destroy, standard24_4_tick),
+                _ => return Err(Missing::Model(design.to_owned(), lanes)),
+            };
+        Ok(Functions {
+            make,
+            destroy,
+            tick,
+        })
+    }
+}
+
+#[cfg(not(has_rtl))]
+mod linked {
+    use super::{Functions, Missing};
+
+    pub fn functions(_design: &str, _lanes: usize) -> Result<Functions, Missing> {
+        Err(Missing::Verilator)
+    }
+}

@@ -1,0 +1,281 @@
+//! The mutation check: would the co-simulation notice? Each mutant is the circuit with one small mistake; each must be caught.
+
+use crate::check::Findings;
+use crate::model::Model;
+use crate::suite::{Extent, Loads, rules};
+use anyhow::{Context, Result, ensure};
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+/// One mistake: in `file`, the text `from` (which occurs once) becomes `to`.
+#[derive(Clone, Copy, Debug)]
+pub struct Mutant {
+    /// What went wrong, in words.
+    pub name: &'static str,
+    /// The unit.
+    pub file: &'static str,
+    /// Text of the circuit.
+    pub from: &'static str,
+    /// The mistake.
+    pub to: &'static str,
+}
+
+const fn mutant(
+    name: &'static str,
+    file: &'static str,
+    from: &'static str,
+    to: &'static str,
+) -> Mutant {
+    Mutant {
+        name,
+        file,
+        from,
+        to,
+    }
+}
+
+/// The mistakes. One that is not among them, since it changes no pixel: a root one unit too small. The spans' slack is there to
+/// hide it, so that at most the cycles of a splat with a half-width beyond 2^16 pixels could show it.
+pub const MUTANTS: [Mutant; 18] = [
+    mutant(
+        "share of the transmittance truncated",
+        "blend.sv",
+        "product2 + SHARE_HALF",
+        "product2",
+    ),
+    mutant(
+        "colour truncated",
+        "blend.sv",
+        "product + COLOUR_HALF",
+        "product",
+    ),
+    mutant(
+        "opacity truncated",
+        "blend.sv",
+        "product0 + OPACITY_HALF",
+        "product0",
+    ),
+    mutant(
+        "transmittance not forwarded",
+        "blend.sv",
+        "depth2 = kept_depth_valid &&",
+        "depth2 = 1'b0 &&",
+    ),
+    mutant(
+        "colour not forwarded",
+        "blend.sv",
+        "colour4 = kept_colour_valid &&",
+        "colour4 = 1'b0 &&",
+    ),
+    mutant(
+        "finished pixels keep taking splats",
+        "blend.sv",
+        "advance && valid2 && !depth2[T+1]",
+        "advance && valid2",
+    ),
+    mutant(
+        "interpolation's halves the wrong way",
+        "footprint_table.sv",
+        "{(KEPT - 1) {1'b1}}",
+        "{(KEPT - 1) {1'b0}}",
+    ),
+    mutant(
+        "end of the table not 0",
+        "footprint_table.sv",
+        "index > (1 << TABLE)",
+        "1'b0",
+    ),
+    mutant(
+        "carry dropped between halves of the radial index",
+        "lane.sv",
+        "at.radial <= at.radial + at.first;",
+        "at.radial <= {at.radial[31:16] + at.first[31:16], at.radial[15:0] + at.first[15:0]};",
+    ),
+    mutant(
+        "negative radial indices not clamped",
+        "lane.sv",
+        "at.radial[31] ? 32'd0 : at.radial",
+        "at.radial",
+    ),
+    mutant(
+        "last row off by one",
+        "row_generator.sv",
+        "at.row + 16'd1 >= at.last_row",
+        "at.row + 16'd2 >= at.last_row",
+    ),
+    mutant(
+        "first row off by one",
+        "splat_setup.sv",
+        "start.row <= row7;",
+        "start.row <= row7 + 16'd1;",
+    ),
+    mutant(
+        "last column off by one",
+        "row_generator.sv",
+        "((centre6 + half6) >>> 32) + 64'sd1",
+        "(centre6 + half6) >>> 32",
+    ),
+    mutant(
+        "root not interpolated",
+        "row_generator.sv",
+        "entry4[40:24] * fraction4 + 33'h8000",
+        "33'h8000",
+    ),
+    mutant(
+        "jump over hidden rows one difference short",
+        "splat_setup.sv",
+        "first6 + jump_unit6 - unit6",
+        "first6 + jump_unit6",
+    ),
+    mutant(
+        "head of a run off by one",
+        "row_generator.sv",
+        "{26'd0, head10} - 32'd1",
+        "{26'd0, head10}",
+    ),
+    mutant(
+        "seed's product truncated",
+        "row_generator.sv",
+        "splatline_math::shift_round(64'(along9), 7'(M))",
+        "64'(along9) >>> M",
+    ),
+    mutant(
+        "slack of the spans forgotten",
+        "splat_setup.sv",
+        "56'd1 << 42",
+        "56'd0",
+    ),
+];
+
+/// The circuit that is mutated.
+const DESIGN: &str = "lean18";
+const LANES: usize = 4;
+
+/// The mistakes' judge: workloads set up once.
+pub struct Judge {
+    loads: Vec<Loads>,
+    rtl: PathBuf,
+}
+
+impl Judge {
+    /// Sets the quick suite's workloads up for the rules of both kinds.
+    pub fn new() -> Result<Judge> {
+        let loads = rules()
+            .iter()
+            .map(|(name, rules)| Loads::new(DESIGN, name, rules, Extent::Quick))
+            .collect::<Result<_>>()?;
+        let rtl = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .parent()
+            .context("the crate lies in sim/rtl")?
+            .to_owned();
+        Ok(Judge { loads, rtl })
+    }
+
+    /// What the suite says of a mutant: its first difference, or nothing if it survives.
+    pub fn verdict(&self, mutant: &Mutant) -> Result<Option<String>> {
+        let folder = tempfile::tempdir()?;
+        let library = self.build(mutant, folder.path())?;
+        for loads in &self.loads {
+            let model = Model::from_library(&library, "mutant", 1)?;
+            let lines = loads.check(&mut loads.bench_around(model), LANES);
+            let worst = lines.into_iter().find(|line| !line.findings.agree());
+            if let Some(line) = worst {
+                let Findings {
+                    first_difference, ..
+                } = line.findings;
+                return Ok(Some(first_difference.unwrap_or_default()));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The mutant as a shared library.
+    fn build(&self, mutant: &Mutant, folder: &Path) -> Result<PathBuf> {
+        let cosim = self.rtl.join("cosim");
+        let mut sources = vec![self.rtl.join(DESIGN).join("splatline_pkg.sv")];
+        for unit in fs::read_to_string(self.rtl.join("files.txt"))?.lines() {
+            let mut text = fs::read_to_string(self.rtl.join(unit))?;
+            if unit == mutant.file {
+                let places = text.matches(mutant.from).count();
+                ensure!(
+                    places == 1,
+                    "{unit}: '{}' occurs {places} times, not once; adapt the mutant",
+                    mutant.from
+                );
+                text = text.replace(mutant.from, mutant.to);
+            }
+            let path = folder.join(unit);
+            fs::write(&path, text)?;
+            sources.push(path);
+        }
+        sources.push(cosim.join("flat_primitive.sv"));
+        let verilator = env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
+        let root = run(Command::new(&verilator).args(["--getenv", "VERILATOR_ROOT"]))?;
+        let include = Path::new(root.trim()).join("include");
+        let model = folder.join("model");
+        run(Command::new(&verilator)
+            .args([
+                "--cc",
+                "--x-assign",
+                "unique",
+                "--x-initial",
+                "unique",
+                "--prefix",
+                "Vmutant",
+                "--top-module",
+                "flat_primitive",
+            ])
+            .arg(format!("-GLANES={LANES}"))
+            .args([OsStr::new("--Mdir"), model.as_os_str()])
+            .args(sources))?;
+        let library = folder.join("mutant.so");
+        let generated = fs::read_dir(&model)?.flatten().map(|file| file.path());
+        run(
+            Command::new(env::var("CXX").unwrap_or_else(|_| "c++".to_owned()))
+                .args([
+                    "-std=c++17",
+                    "-O0",
+                    "-w",
+                    "-shared",
+                    "-fPIC",
+                    "-DMODEL=Vmutant",
+                    "-DNAME=mutant",
+                ])
+                .args([
+                    "-I".as_ref(),
+                    model.as_os_str(),
+                    "-I".as_ref(),
+                    include.as_os_str(),
+                ])
+                .args(["-I".as_ref(), include.join("vltstd").as_os_str()])
+                .args(
+                    generated.filter(|path| {
+                        path.extension().is_some_and(|extension| extension == "cpp")
+                    }),
+                )
+                .args([
+                    include.join("verilated.cpp"),
+                    include.join("verilated_threads.cpp"),
+                ])
+                .args([cosim.join("shim.cpp"), cosim.join("runtime.cpp")])
+                .args([OsStr::new("-o"), library.as_os_str()]),
+        )?;
+        Ok(library)
+    }
+}
+
+/// Standard output of a command that succeeded.
+pub fn run(command: &mut Command) -> Result<String> {
+    let name = command.get_program().to_string_lossy().into_owned();
+    let output = command
+        .output()
+        .with_context(|| format!("cannot run {name}: is it installed?"))?;
+    ensure!(
+        output.status.success(),
+        "{name} failed:\n{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
+}

@@ -1,0 +1,293 @@
+//! What is drawn: tiles of footprints from scenes, and footprints made from random numbers.
+
+use crate::package::TILE_BITS;
+use anyhow::{Context, Result};
+use splatline::footprint::{Conic, Footprint};
+use splatline::format::Widths;
+use splatline::raster::Window;
+use splatline::setup::{Variance, scan};
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed;
+use splatline_sim::reference::golden;
+use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::scene::{self, Scene, synthetic};
+use std::path::{Path, PathBuf};
+
+/// Columns and rows of the tile buffer.
+pub const TILE: [u16; 2] = [1 << TILE_BITS[0], 1 << TILE_BITS[1]];
+
+/// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    /// The pixels.
+    pub window: Window,
+    /// Indices of footprints.
+    pub list: Vec<u32>,
+}
+
+impl Tile {
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [0, 1].map(|axis| usize::from(self.window.last[axis] - self.window.first[axis]))
+    }
+}
+
+/// Footprints and the tiles that draw them.
+#[derive(Clone, Debug)]
+pub struct Workload {
+    /// What it is.
+    pub name: &'static str,
+    /// Footprints, nearest first.
+    pub footprints: Vec<Footprint>,
+    /// Tiles.
+    pub tiles: Vec<Tile>,
+}
+
+/// The shared data's file, where it exists.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let path = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../../../shared/data"
+    ))
+    .join(path);
+    path.exists().then_some(path)
+}
+
+/// Where the guitar is seen from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GuitarView {
+    /// All of it.
+    Whole,
+    /// From close up.
+    Close,
+}
+
+/// The captured guitar in a square picture; nothing where the data is missing.
+pub fn guitar(
+    design: &DesignChoice,
+    rules: &Rules,
+    view: GuitarView,
+    size: usize,
+) -> Result<Option<Workload>> {
+    let Some(file) = shared("gaussians/guitar.ply") else {
+        return Ok(None);
+    };
+    let scene = scene::load(&file, &Default::default())?;
+    let (eye, target) = match view {
+        GuitarView::Whole => ([5.5, -2.1, 0.2], [0.1, -2.1, 0.1]),
+        GuitarView::Close => ([2.2, -1.2, 0.5], [0.1, -1.2, 0.1]),
+    };
+    let camera = Camera::look_at(eye, target, [0.0, -1.0, 0.0], 50.0, size, size)
+        .context("the guitar's camera")?;
+    Ok(Some(from_scene("guitar", &scene, &camera, design, rules)))
+}
+
+/// Twenty thousand large, nearly transparent splats.
+pub fn deep_stack(design: &DesignChoice, rules: &Rules, size: usize) -> Workload {
+    let scene = synthetic::deep_stack(1);
+    let camera = scene.default_camera(size, size);
+    from_scene("deep stack", &scene, &camera, design, rules)
+}
+
+/// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis; nothing where the data is missing.
+pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<Option<Workload>> {
+    let Some(file) = shared("golden/golden_a_splats.tsv") else {
+        return Ok(None);
+    };
+    let set = golden::GoldenA::load(file.parent().context("the file lies in a folder")?)?;
+    Ok(Some(from_scene(
+        "hard",
+        &set.scene(golden::ALL),
+        &set.camera,
+        design,
+        rules,
+    )))
+}
+
+/// Tiles over a whole picture of a scene.
+pub fn from_scene(
+    name: &'static str,
+    scene: &Scene,
+    camera: &Camera,
+    design: &DesignChoice,
+    rules: &Rules,
+) -> Workload {
+    let options = fixed::Options {
+        rules,
+        compositing: Compositing::FrontToBack,
+        design,
+        traversal: splatline::format::Traversal::Spans,
+    };
+    let mut footprints: Vec<Footprint> = fixed::footprints(scene, camera, &options)
+        .into_iter()
+        .flatten()
+        .collect();
+    footprints.sort_by_key(|footprint| footprint.depth);
+    let tiles = tiles(
+        &footprints,
+        [camera.width, camera.height].map(|size| size as u16),
+        TILE,
+    );
+    Workload {
+        name,
+        footprints,
+        tiles,
+    }
+}
+
+/// The tiles of a viewport, of `size` columns and rows, with the footprints whose boxes touch them.
+pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Vec<Tile> {
+    let [columns, rows] = [0, 1].map(|axis| viewport[axis].div_ceil(size[axis]));
+    let mut tiles: Vec<Tile> = (0..columns * rows)
+        .map(|i| [i % columns * size[0], i / columns * size[1]])
+        .map(|first| {
+            let last = [0, 1].map(|axis| (first[axis] + size[axis]).min(viewport[axis]));
+            Tile {
+                window: Window { first, last },
+                list: Vec::new(),
+            }
+        })
+        .collect();
+    for (index, footprint) in footprints.iter().enumerate() {
+        for y in footprint.first[1] / size[1]..=(footprint.last[1] - 1) / size[1] {
+            for x in footprint.first[0] / size[0]..=(footprint.last[0] - 1) / size[0] {
+                tiles[usize::from(y * columns + x)].list.push(index as u32);
+            }
+        }
+    }
+    tiles
+}
+
+/// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
+/// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
+pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Workload {
+    let mut random = Random(seed);
+    let mut footprints = Vec::with_capacity(count);
+    let mut tiles = Vec::new();
+    while footprints.len() < count {
+        let block = TILE.map(|size| size * (random.below(2000 / u32::from(size)) as u16));
+        let window = random.window(block);
+        let list = footprints.len() as u32..(footprints.len() + per_tile) as u32;
+        while footprints.len() < list.end as usize {
+            footprints.extend(random.footprint(widths, &window));
+        }
+        tiles.push(Tile {
+            window,
+            list: list.collect(),
+        });
+    }
+    Workload {
+        name: "random packets",
+        footprints,
+        tiles,
+    }
+}
+
+/// SplitMix64.
+pub fn split_mix(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self, count: u8) -> u32 {
+        (split_mix(&mut self.0) >> (64 - u32::from(count))) as u32
+    }
+
+    fn below(&mut self, end: u32) -> u32 {
+        ((u64::from(self.bits(32)) * u64::from(end)) >> 32) as u32
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * f64::from(self.bits(32)) / 2f64.powi(32)
+    }
+
+    /// A part of a block; in half of the cases all of it.
+    fn window(&mut self, block: [u16; 2]) -> Window {
+        let mut window = Window {
+            first: block,
+            last: [0, 1].map(|axis| block[axis] + TILE[axis]),
+        };
+        if self.below(2) == 0 {
+            for axis in 0..2 {
+                let size = u32::from(TILE[axis]);
+                let (a, b) = (self.below(size), self.below(size));
+                window.first[axis] = block[axis] + a.min(b) as u16;
+                window.last[axis] = block[axis] + a.max(b) as u16 + 1;
+            }
+        }
+        window
+    }
+
+    /// A footprint that touches the window, or nothing if this one cannot be had.
+    fn footprint(&mut self, widths: &Widths, window: &Window) -> Option<Footprint> {
+        let (long, ratio, angle) = (
+            self.between(-4.0, 20.0),
+            self.between(0.0, 15.0),
+            self.between(0.0, 3.15),
+        );
+        let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
+        let (sine, cosine) = angle.sin_cos();
+        let variance = Variance {
+            xx: fixed::scaled(long * cosine * cosine + short * sine * sine),
+            xy: fixed::scaled((long - short) * sine * cosine),
+            yy: fixed::scaled(long * sine * sine + short * cosine * cosine),
+            determinant: fixed::scaled(long * short),
+        };
+        let peak = self.bits(4 + widths.peak) >> self.below(8);
+        let cutoff = (self.bits(32) >> self.below(5)).min(15 << 28);
+        let radius = f64::from(cutoff).sqrt() / f64::from(1 << 14);
+        let reach = [
+            cosine.hypot(sine * (short / long).sqrt()),
+            sine.hypot(cosine * (short / long).sqrt()),
+        ]
+        .map(|part| part * long.sqrt() * radius);
+        let mut footprint = Footprint {
+            depth: self.bits(32),
+            centre: [0; 2],
+            first: [0; 2],
+            last: [0; 2],
+            scan: scan(widths, &variance)?,
+            conic: Conic {
+                mantissa: [0; 3],
+                exponent: 0,
+            },
+            cutoff,
+            peak,
+            colour: [0; 3].map(|_: u32| self.bits(4 + widths.colour) >> self.below(8)),
+        };
+        // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
+        let rim = self.below(2) == 0;
+        let (along, across) = self.between(0.0, 6.3).sin_cos();
+        let (along, across) = (along * long.sqrt() * radius, across * short.sqrt() * radius);
+        let point = [
+            along * cosine - across * sine,
+            along * sine + across * cosine,
+        ];
+        for axis in 0..2 {
+            let middle = f64::from(window.first[axis] + window.last[axis]) / 2.0;
+            let size = f64::from(TILE[axis]);
+            let spot = self.between(-1.0, 1.0);
+            let centre = middle
+                + if rim {
+                    point[axis] + spot * size / 2.0
+                } else {
+                    spot * (reach[axis] + size / 2.0)
+                };
+            footprint.centre[axis] = (centre * f64::from(widths.subpixel).exp2()) as i64;
+            // `as` saturates: boxes are clipped to the widest viewport.
+            footprint.first[axis] = (centre - reach[axis] - 0.5).ceil() as u16;
+            footprint.last[axis] = (centre + reach[axis] + 0.5) as u16;
+            if footprint.last[axis] <= footprint.first[axis] {
+                return None;
+            }
+        }
+        Some(footprint)
+    }
+}

@@ -1,0 +1,176 @@
+//! The circuits against the kernel. Without Verilator these tests are ignored; the packages are compared all the same.
+
+use splatline::format::{Lean18, Standard24};
+use splatline_rtl::package::{path, text};
+
+#[test]
+fn committed_packages_are_the_generators() {
+    for (design, widths) in [
+        ("lean18", Lean18::WIDTHS),
+        ("standard24", Standard24::WIDTHS),
+    ] {
+        let committed = std::fs::read_to_string(path(design)).unwrap();
+        let stale = "run `cargo run -p splatline-rtl -- package` and commit the result";
+        assert!(
+            committed == text(design, &widths),
+            "{design}: splatline_pkg.sv is stale; {stale}"
+        );
+    }
+}
+
+#[cfg(has_rtl)]
+mod with_verilator {
+    use splatline::format::{Design, Lean18, Standard24};
+    use splatline::rules::Rules as KernelRules;
+    use splatline_rtl::bench::{Bench, Pauses};
+    use splatline_rtl::clock::rtl_cycles;
+    use splatline_rtl::model::{Inputs, Missing, Model};
+    use splatline_rtl::suite::{Extent, LANES, Loads, rules};
+    use splatline_rtl::workload::{self, Tile};
+
+    /// Every word and, without pauses, every tile's cycles, for both rules.
+    fn agrees(design: &'static str) {
+        for (name, rules) in rules() {
+            let loads = Loads::new(design, name, &rules, Extent::Quick).unwrap();
+            for missing in &loads.missing {
+                println!("{design} {name}: no {missing}, its data is not at hand");
+            }
+            for lanes in LANES {
+                let mut bench = loads.bench(lanes).unwrap();
+                for line in loads.check(&mut bench, lanes) {
+                    let findings = &line.findings;
+                    assert!(findings.agree(), "{line:?}");
+                    assert!(findings.visited > 10_000, "{line:?}: too little was drawn");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn lean18_agrees_with_the_kernel() {
+        agrees("lean18");
+    }
+
+    #[test]
+    fn standard24_agrees_with_the_kernel() {
+        agrees("standard24");
+    }
+
+    /// Each splat alone in its tile takes the cycles of the closed form.
+    fn lone_splats<D: Design>(name: &'static str, design: D) {
+        let widths = design.widths();
+        let load = workload::random(&widths, 400, 1, 99);
+        for lanes in LANES {
+            let mut bench = Bench::new(name, &widths, lanes, &KernelRules::EWA, 3).unwrap();
+            for tile in &load.tiles {
+                let got = bench
+                    .draw(tile, &load.footprints, Pauses::default())
+                    .unwrap();
+                let footprint = &load.footprints[tile.list[0] as usize];
+                let expected = rtl_cycles(design, footprint, &tile.window, lanes);
+                assert_eq!(
+                    got.raster_cycles, expected,
+                    "{name}, {lanes} lanes: {footprint:?} in {:?}",
+                    tile.window
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn cycles_of_a_splat_follow_the_closed_form() {
+        lone_splats("lean18", Lean18);
+        lone_splats("standard24", Standard24);
+    }
+
+    /// Packets of arbitrary bits leave no splat stuck and the next tile untouched.
+    #[test]
+    fn hostile_packets_neither_hang_nor_linger() {
+        let widths = Lean18::WIDTHS;
+        let load = workload::random(&widths, 20, 20, 5);
+        let mut hostile = load.footprints.clone();
+        let mut state = 17;
+        for footprint in &mut hostile {
+            let mut bits = || workload::split_mix(&mut state) as i64;
+            footprint.centre = [bits(), bits()];
+            footprint.scan.slope.mantissa = bits() as i32;
+            footprint.scan.slope.exponent = bits() as i32 % 512;
+            footprint.scan.stretch.exponent = bits() as i32 % 512;
+            footprint.scan.curvature.exponent = bits() as i32 % 512;
+            footprint.scan.spread.exponent = bits() as i32 % 512;
+            footprint.first = [bits() as u16, bits() as u16];
+            footprint.last = [bits() as u16, bits() as u16];
+            footprint.cutoff = bits() as u32;
+        }
+        for lanes in LANES {
+            let mut bench = Bench::new("lean18", &widths, lanes, &KernelRules::EWA, 3).unwrap();
+            let tile = &load.tiles[0];
+            let before = bench
+                .draw(tile, &load.footprints, Pauses::default())
+                .unwrap();
+            bench.draw(tile, &hostile, Pauses::default()).unwrap();
+            let after = bench
+                .draw(tile, &load.footprints, Pauses::default())
+                .unwrap();
+            assert_eq!(before, after);
+        }
+    }
+
+    #[test]
+    fn packets_of_another_version_are_dropped_and_counted() {
+        let mut model = Model::new("lean18", 1, 1).unwrap();
+        let tile = Inputs {
+            tile_valid: 1,
+            last_column: 64,
+            last_row: 16,
+            lanes_enable: 1,
+            ..Inputs::default()
+        };
+        while model.tick(&tile).tile_ready == 0 {}
+        let mut packet = Inputs {
+            packet_valid: 1,
+            lanes_enable: 1,
+            ..Inputs::default()
+        };
+        packet.packet[0] = 2;
+        while model.tick(&packet).packet_ready == 0 {}
+        let out = model.tick(&Inputs::default());
+        assert_eq!((out.foreign_packets, out.raster_idle), (1, 1));
+    }
+
+    #[test]
+    fn an_empty_tile_is_transparent_black() {
+        let load = workload::random(&Lean18::WIDTHS, 1, 1, 1);
+        let tile = Tile {
+            list: Vec::new(),
+            ..load.tiles[0].clone()
+        };
+        let mut bench = Bench::new("lean18", &Lean18::WIDTHS, 4, &KernelRules::EWA, 3).unwrap();
+        let got = bench
+            .draw(&tile, &load.footprints, Pauses::default())
+            .unwrap();
+        let clear = splatline::blend::Pixel::clear(&Lean18::WIDTHS);
+        assert!(got.pixels.iter().all(|pixel| *pixel == clear));
+    }
+
+    #[test]
+    fn there_is_no_circuit_with_three_lanes() {
+        let error = Model::new("lean18", 3, 1).err();
+        assert_eq!(error, Some(Missing::Model("lean18".to_owned(), 3)));
+    }
+
+    #[test]
+    #[ignore = "verilates and compiles 18 circuits: minutes; also `cargo run -p splatline-rtl -- mutants`"]
+    fn every_mutant_is_noticed() {
+        let judge = splatline_rtl::mutants::Judge::new().unwrap();
+        for mutant in &splatline_rtl::mutants::MUTANTS {
+            let verdict = judge.verdict(mutant).unwrap();
+            assert!(verdict.is_some(), "{mutant:?} survives");
+        }
+    }
+}
+
+#[cfg(not(has_rtl))]
+#[test]
+#[ignore = "verilator was not found when this was built: install it (apt-get install verilator) and build again"]
+fn circuits_agree_with_the_kernel() {}

@@ -1,0 +1,57 @@
+// The footprint table with interpolation (src/kernel/mod.rs): radial index in, kernel weight out, two cycles later.
+//
+// An entry holds the kernel at the start of its interval and the step down to its end, so that one read serves the
+// interpolator. Entries are written from outside: another kernel or range is another table, not another circuit. The entry at the
+// table's end, whose step leads to 0, is a register, which leaves 2^TABLE entries for the memory.
+module footprint_table (
+    input logic clk,
+    input logic advance,
+    input logic write_valid,
+    input logic [splatline_pkg::TABLE:0] write_index,
+    input logic [splatline_pkg::WEIGHT:0] write_low,
+    input logic [splatline_pkg::STEP_BITS-1:0] write_step,
+    input logic wide_table,
+    input logic [splatline_pkg::RADIAL+3:0] radial,
+    output logic [splatline_pkg::WEIGHT:0] weight  // UQ1.weight
+);
+  localparam RADIAL = splatline_pkg::RADIAL;
+  localparam TABLE = splatline_pkg::TABLE;
+  localparam KEPT = splatline_pkg::INTERPOLATION;
+  localparam WEIGHT = splatline_pkg::WEIGHT;
+  localparam STEP = splatline_pkg::STEP_BITS;
+
+  logic [STEP+WEIGHT:0] entries[0:(1<<TABLE)-1];
+  logic [STEP+WEIGHT:0] end_entry;
+
+  // The position within an interval, KEPT bits of it. Ranges of 4 and 16 differ by two bits of the index.
+  logic [TABLE+1:0] index;
+  logic [RADIAL+3:0] aligned;
+  assign index = wide_table ? {2'b00, radial[RADIAL+3:RADIAL+4-TABLE]} : radial[RADIAL+3:RADIAL+2-TABLE];
+  assign aligned = wide_table ? radial : radial << 2;
+
+  logic [STEP+WEIGHT:0] entry1;
+  logic at_end1, beyond1;
+  logic [KEPT-1:0] fraction1;
+
+  // Rounded to nearest as the kernel does: low + ((-step fraction + half) >> KEPT).
+  logic [WEIGHT:0] low1;
+  logic [STEP-1:0] step1;
+  logic [STEP+KEPT-1:0] product1;
+  logic [STEP+KEPT:0] fall1;
+  assign {step1, low1} = beyond1 ? '0 : at_end1 ? end_entry : entry1;
+  assign product1 = step1 * fraction1;
+  // -floor((half - product) / 2^KEPT) = ceil((product - half) / 2^KEPT), halves of the fall thus round down.
+  assign fall1 = ({1'b0, product1} + {{(STEP + 2) {1'b0}}, {(KEPT - 1) {1'b1}}}) >> KEPT;
+
+  always_ff @(posedge clk) begin
+    if (write_valid && write_index[TABLE]) end_entry <= {write_step, write_low};
+    if (write_valid && !write_index[TABLE]) entries[write_index[TABLE-1:0]] <= {write_step, write_low};
+    if (advance) begin
+      entry1 <= entries[index[TABLE-1:0]];
+      at_end1 <= index == (1 << TABLE);
+      beyond1 <= index > (1 << TABLE);
+      fraction1 <= aligned[RADIAL+3-TABLE:RADIAL+4-TABLE-KEPT];
+      weight <= low1 - fall1[WEIGHT:0];
+    end
+  end
+endmodule

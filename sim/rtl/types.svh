@@ -1,0 +1,69 @@
+  // What the units hand to each other; formats are those of the kernel's structs of the same names (src/raster/spans.rs,
+  // src/raster/mod.rs). Kept in types.svh, which the generator copies in here: Yosys knows no types across packages.
+
+  // The part of the screen that the tile buffer holds: columns and rows first .. last.
+  typedef struct packed {
+    logic [15:0] first_column;
+    logic [15:0] first_row;
+    logic [15:0] last_column;
+    logic [15:0] last_row;
+  } window_t;
+
+  // The rules of blending at the design's widths (src/blend/mod.rs, `Blend`).
+  typedef struct packed {
+    logic [ALPHA:0] alpha_max;
+    logic [ALPHA:0] alpha_min;
+    logic [TRANSMITTANCE:0] stop;
+    logic stop_before;
+    logic wide_table;  // The footprint table ends at r = 16, otherwise at r = 4.
+  } rules_t;
+
+  // What the pixels of a splat need.
+  typedef struct packed {
+    logic [RADIAL+4:0] cutoff;  // UQ4.radial, may round up to 16
+    logic [PEAK+3:0] peak;  // UQ4.peak
+    logic [COLOUR+3:0] red;  // UQ4.colour
+    logic [COLOUR+3:0] green;
+    logic [COLOUR+3:0] blue;
+  } paint_t;
+
+  // What the rows of a splat need (`SpanRows`, `HalfWidth` and `Seed`), constant from row to row.
+  typedef struct packed {
+    logic [15:0] box_first;  // columns of the footprint's box
+    logic [15:0] box_last;
+    logic [15:0] first_column;  // and of its part in the window
+    logic [15:0] last_column;
+    logic [55:0] reach;  // cut-off and slack, UQ4.52
+    logic [MANTISSA-1:0] spread;
+    logic spread_odd;
+    logic signed [15:0] spread_power;
+    logic [MANTISSA-1:0] curvature;
+    logic [5:0] drop_dx;
+    logic signed [15:0] drop_radial;
+    logic signed [15:0] drop_first;
+    logic [31:0] unit;  // A in Q.radial, low word: the lanes' arithmetic is modulo 2^32
+    paint_t paint;
+  } shape_t;
+
+  // Where a splat's rows begin and how they change.
+  typedef struct packed {
+    logic [15:0] row;
+    logic [15:0] last_row;
+    logic signed [63:0] centre;  // xc - 1/2, Q.32
+    logic signed [63:0] slope;
+    logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences
+    logic signed [63:0] first;
+    logic signed [63:0] second;
+  } start_t;
+
+  // Adjacent pixels of one row, at least one (`Run`).
+  typedef struct packed {
+    logic [15:0] row;
+    logic [15:0] column;
+    logic [6:0] count;
+    logic [31:0] radial;  // Q.radial, and its differences
+    logic [31:0] first;
+    logic [31:0] second;
+    paint_t paint;
+  } run_t;
+
