@@ -24,7 +24,7 @@ pub enum Rounding {
 /// The way pixels of a footprint are visited.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Traversal {
-    /// Every pixel of the bounding box, conic forward differencing ([EWA] 7.1.2, [SURF] 4).
+    /// Every pixel of the bounding box, conic forward differencing (\[EWA\] 7.1.2, \[SURF\] 4).
     Box,
     /// Only each row's span, LDL forward differencing.
     Spans,

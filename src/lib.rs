@@ -22,18 +22,18 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod blend;
-pub mod draw;
-pub mod footprint;
 pub mod format;
-pub mod kernel;
 pub mod math;
-pub mod raster;
+pub mod view;
+pub mod splat;
 pub mod rules;
 pub mod setup;
-pub mod splat;
+pub mod footprint;
+pub mod raster;
+pub mod kernel;
+pub mod blend;
 pub mod target;
-pub mod view;
+pub mod draw;
 
 /// The README's example, compiled and run.
 #[cfg(doctest)]

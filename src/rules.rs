@@ -6,7 +6,7 @@ use crate::math::Scaled;
 /// Where a footprint ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cutoff {
-    /// At a constant radial index, r < c, UQ4.28 ([EWA] 7.1.2: c = 4).
+    /// At a constant radial index, r < c, UQ4.28 (\[EWA\] 7.1.2: c = 4).
     Radial(u32),
     /// Where the opacity falls below [`Rules::alpha_min`]: c = 2 ln(peak / alpha_min).
     Opacity,
@@ -15,12 +15,12 @@ pub enum Cutoff {
 /// How splats are weighted, cut off and composited. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rules {
-    /// Kernels of unit volume: the peak opacity is weight |J W| / (2 pi sqrt(det(V' + V^h))) ([EWA] eq. 26-31).
+    /// Kernels of unit volume: the peak opacity is weight |J W| / (2 pi sqrt(det(V' + V^h))) (\[EWA\] eq. 26-31).
     /// Otherwise the weight is the peak opacity.
     pub normalised: bool,
     /// Variance of the low-pass filter V^h = h I in square pixels; 0 switches it off.
     pub low_pass: Scaled,
-    /// Distance scaling ([SWAN] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a low-pass.
+    /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a low-pass.
     pub spacing: Scaled,
     /// Shape of all footprints.
     pub kernel: Kernel,
@@ -105,7 +105,7 @@ impl Rules {
     }
 }
 
-/// In which order and by which operator a pixel gathers its splats ([EWA] 4.1, [SWAN] 3.1).
+/// In which order and by which operator a pixel gathers its splats (\[EWA\] 4.1, \[SWAN\] 3.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compositing {
     /// Nearest splat first, "over"; finished pixels skip the rest.

@@ -5,7 +5,7 @@ pub mod surface;
 use crate::math::{Scaled, square_root, sum_of_products};
 use fixed::types::{I8F24, U4F28};
 
-/// A volume splat: an elliptical Gaussian reconstruction kernel of variance `V = sum_k a_k a_k^T` ([EWA] 6.2).
+/// A volume splat: an elliptical Gaussian reconstruction kernel of variance `V = sum_k a_k a_k^T` (\[EWA\] 6.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeSplat {
     /// Centre in scene units, Q7.24.
@@ -13,13 +13,13 @@ pub struct VolumeSplat {
     /// The three axes a_k, each one standard deviation long.
     pub axes: [Axis; 3],
     /// Peak opacity (rules with peak opacity), or extinction times volume in square scene units (normalised
-    /// kernels; [EWA] eq. 5: g_k). Negative counts as 0.
+    /// kernels; \[EWA\] eq. 5: g_k). Negative counts as 0.
     pub weight: Scaled,
     /// Linear red, green, blue, UQ4.28.
     pub colour: [U4F28; 3],
 }
 
-/// A spherical kernel: a volume splat of variance s^2 I, for which perspective can be exact ([HYBRID] 4.2).
+/// A spherical kernel: a volume splat of variance s^2 I, for which perspective can be exact (\[HYBRID\] 4.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereSplat {
     /// Centre in scene units, Q7.24.

@@ -10,7 +10,7 @@ use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 /// How camera space is mapped to the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Projection {
-    /// u = fx x / z + cx ([EWA] eq. 24-26 with the focal length in pixels).
+    /// u = fx x / z + cx (\[EWA\] eq. 24-26 with the focal length in pixels).
     Perspective,
     /// u = fx x + cx.
     Orthographic,
@@ -49,7 +49,7 @@ pub struct View {
 }
 
 impl View {
-    /// t = W u + d in scene units, Q9.54 ([EWA] eq. 22).
+    /// t = W u + d in scene units, Q9.54 (\[EWA\] eq. 22).
     ///
     /// The three products are exact (Q8.54); entries of W are first rounded to the design's `view` fraction bits. The sum wraps
     /// only when |d| exceeds its range; with |d| <= 256 and |u| < 128 it fits: 3 * 128 + 256 > 512 is

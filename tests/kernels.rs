@@ -120,7 +120,7 @@ fn a_stamp_is_the_footprint_at_its_phase() {
     }
 }
 
-/// Beyond k a footprint keeps its size and its peak falls by the square of the distance ([SWAN] 4.3).
+/// Beyond k a footprint keeps its size and its peak falls by the square of the distance (\[SWAN\] 4.3).
 #[test]
 fn distance_scaling_keeps_the_size_and_the_energy() {
     // Samples 0.05 apart with 90 pixels per unit and depth: k = 4.5 or less, for the smaller focal length.

@@ -1,4 +1,4 @@
-//! How samples become points or splats ([HYBRID] 2 and 4), said once for both engines.
+//! How samples become points or splats (\[HYBRID\] 2 and 4), said once for both engines.
 
 use crate::rules::Rules;
 use crate::scene::Scene;

@@ -16,7 +16,7 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the isotropic low-pass filter, in square pixels.
     pub low_pass: f64,
-    /// Distance scaling ([SWAN] 4.3): spacing of the samples in scene units; 0 switches it off.
+    /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off.
     pub spacing: f64,
     /// Shape of all footprints.
     pub kernel: Kernel,
@@ -85,9 +85,9 @@ pub enum Kernel {
 pub enum Antialias {
     /// Not at all.
     None,
-    /// Low-pass filter of this variance in square pixels ([EWA] 5.2).
+    /// Low-pass filter of this variance in square pixels (\[EWA\] 5.2).
     Ewa(f64),
-    /// Distance scaling for samples this far apart in scene units ([SWAN] 4.3).
+    /// Distance scaling for samples this far apart in scene units (\[SWAN\] 4.3).
     Swan(f64),
 }
 

@@ -1,4 +1,4 @@
-//! How a scene is cut into sheets ([EWA] 4.1, [SWAN] 3), in scene units: what both engines are told.
+//! How a scene is cut into sheets (\[EWA\] 4.1, \[SWAN\] 3), in scene units: what both engines are told.
 
 use crate::camera::Camera;
 use crate::scene::Scene;

@@ -1,8 +1,8 @@
 //! Compositing of one splat into one pixel, with a deep alpha channel.
 //!
 //! The pixel keeps its transmittance T in UQ1.transmittance and its colour, premultiplied, in UQ4.accumulator. Front to back
-//! ([EWA] eq. 5, [HYBRID] 4.1) the share g = T alpha is computed once and both T' = T - g and C' = C + g c use it, so
-//! that the shares and the last T sum to 1 without any rounding error, however many layers there are. [SWAN] 6 asks
+//! (\[EWA\] eq. 5, \[HYBRID\] 4.1) the share g = T alpha is computed once and both T' = T - g and C' = C + g c use it, so
+//! that the shares and the last T sum to 1 without any rounding error, however many layers there are. \[SWAN\] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 
 pub mod deep;
@@ -154,7 +154,7 @@ impl Blend {
             .saturating_sub(hidden(pixel.transmittance));
     }
 
-    /// Plain summation ([SWAN] 3.1): C' = C + alpha c; the alpha channel is 1 - T with T' = T - alpha, not below 0.
+    /// Plain summation (\[SWAN\] 3.1): C' = C + alpha c; the alpha channel is 1 - T with T' = T - alpha, not below 0.
     #[inline(always)]
     pub fn x_ray(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {

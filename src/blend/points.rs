@@ -1,4 +1,4 @@
-//! Hybrid points: gathering within a depth range, then compositing ([HYBRID] 2 and 4).
+//! Hybrid points: gathering within a depth range, then compositing (\[HYBRID\] 2 and 4).
 //!
 //! Samples closer together than pixels become points. Every pixel gathers the points that its circular filter reaches;
 //! the filter is the same for all points and pixels, so a gather is a footprint of constant shape and runs through the

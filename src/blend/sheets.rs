@@ -1,4 +1,4 @@
-//! Sheet buffers: splats of one slab of space are added, then the sheet is composited as one layer ([EWA] 4.1, [SWAN] 3).
+//! Sheet buffers: splats of one slab of space are added, then the sheet is composited as one layer (\[EWA\] 4.1, \[SWAN\] 3).
 //!
 //! Every-sample compositing puts overlapping kernels one behind the other, although they are samples of one function;
 //! a sheet adds them first, as reconstruction asks. A sheet is a [`Target`] drawn with
@@ -88,7 +88,7 @@ impl<'a> SheetBuffer<'a> {
 
 impl Blend {
     /// C' = C + T C_s, T' = T - T A_s for a sheet of colour C_s (UQ4.accumulator) and opacity A_s = 1 - T_s
-    /// (UQ1.transmittance), nearest sheet first ([EWA] eq. 5 with a sheet for a splat).
+    /// (UQ1.transmittance), nearest sheet first (\[EWA\] eq. 5 with a sheet for a splat).
     ///
     /// Rounded by the design; the end of a pixel is as in [`front_to_back`](Self::front_to_back). Colour saturates.
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Points and splats in one picture: points are gathered in slabs, splats composited between them ([HYBRID] 4).
+//! Points and splats in one picture: points are gathered in slabs, splats composited between them (\[HYBRID\] 4).
 
 use super::{Coverage, Painter};
 use crate::blend::points::Slabs;

@@ -1,4 +1,4 @@
-//! Spheres in perspective: the corrected index between the lanes and the footprint table ([HYBRID] 4.2).
+//! Spheres in perspective: the corrected index between the lanes and the footprint table (\[HYBRID\] 4.2).
 
 use super::{Coverage, Painter, cutoff_in_lane};
 use crate::format::Design;

@@ -1,4 +1,4 @@
-//! Drawing by stamps: table copy, opacity, compositing ([SWAN] 6).
+//! Drawing by stamps: table copy, opacity, compositing (\[SWAN\] 6).
 
 use super::{Coverage, Painter};
 use crate::blend::Pixel;

@@ -1,6 +1,6 @@
 //! The footprint table: reconstruction kernel against radial index.
 //!
-//! All splats share one 1D table ([EWA] 7.1.2, [SURF] 4). It covers radial indices from 0 to `2^range` in
+//! All splats share one 1D table (\[EWA\] 7.1.2, \[SURF\] 4). It covers radial indices from 0 to `2^range` in
 //! `2^table` intervals; entries are UQ1.weight, the kernel's peak is 1. The Gaussian is exp(-r/2).
 //!
 //! With interpolation, the chord of a convex function lies above it by `h^2/12 f''` on average; for the Gaussian

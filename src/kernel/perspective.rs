@@ -1,4 +1,4 @@
-//! Perspective-correct footprint index of a sphere ([HYBRID] 4.2).
+//! Perspective-correct footprint index of a sphere (\[HYBRID\] 4.2).
 //!
 //! An affine footprint indexes its table by the fraction i of its radius on the screen. What the kernel really depends
 //! on is the distance of the ray from the sphere's centre. With a the half-angle under which the affine radius is seen,
@@ -146,7 +146,7 @@ mod tests {
         table
     };
 
-    /// [HYBRID] 4.2 as it is printed, on distances: i and d in affine radii, a the half-angle.
+    /// \[HYBRID\] 4.2 as it is printed, on distances: i and d in affine radii, a the half-angle.
     fn as_printed(radial: f64, spread: f64, cutoff: f64) -> f64 {
         let tangent = (spread * cutoff).sqrt();
         let index = (radial / cutoff).sqrt();

@@ -1,6 +1,6 @@
 //! The radial index of a sphere along each pixel's own ray: exact anywhere in the picture.
 //!
-//! The table of [HYBRID] 4.2 ([`super::PerspectiveTable`]) is exact for a sphere in the middle of the picture. Aside, the
+//! The table of \[HYBRID\] 4.2 ([`super::PerspectiveTable`]) is exact for a sphere in the middle of the picture. Aside, the
 //! outlines for different radii are ellipses with different centres, and no index within one ellipse can follow them. What
 //! the kernel depends on is the distance of the ray v = (X, Y, 1) from the centre C, and
 //!
@@ -8,7 +8,7 @@
 //! r' = |C x v|^2 / (|v|^2 s^2) = r L / |v|^2,    L = |C|^2/z^2,  |v|^2 = 1 + X^2 + Y^2
 //! ```
 //!
-//! where r is nothing but the affine radial index that the lanes have already: |C x v|^2 / s^2 is L times [EWA]'s conic
+//! where r is nothing but the affine radial index that the lanes have already: |C x v|^2 / s^2 is L times \[EWA\]'s conic
 //! around the projected centre. In the middle this is the paper's r / (1 + r s^2/z^2). It costs two squares, a reciprocal and
 //! a product per pixel; |v|^2 does not depend on the splat and may be kept per row and column.
 

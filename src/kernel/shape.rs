@@ -1,4 +1,4 @@
-//! Footprint shapes: Gaussian, cubic spline, quadratic and disc, all on the same radial index ([SWAN] 6).
+//! Footprint shapes: Gaussian, cubic spline, quadratic and disc, all on the same radial index (\[SWAN\] 6).
 //!
 //! The radial index r = x^T (V' + V^h)^-1 x measures squared distance in standard deviations, so every shape here is
 //! scaled to *unit variance per axis*: V keeps its meaning, whatever the shape, and an elliptical footprint is the
@@ -32,7 +32,7 @@ use crate::math::Scaled;
 /// Which footprint a splat has. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kernel {
-    /// exp(-r/2) ([EWA] eq. 16).
+    /// exp(-r/2) (\[EWA\] eq. 16).
     Gaussian,
     /// Line integral of the cubic spline of Crawfis and Max.
     Cubic,

@@ -1,4 +1,4 @@
-//! Traversal `box`: every pixel of the bounding box by conic forward differencing, as in the papers ([EWA] 7.1.2, [SURF] 4).
+//! Traversal `box`: every pixel of the bounding box by conic forward differencing, as in the papers (\[EWA\] 7.1.2, \[SURF\] 4).
 //!
 //! r = a dx^2 + 2 b dx dy + c dy^2 from the corner of the box: two additions per pixel and three per row. It is the
 //! baseline of the speed-against-error report: most visited pixels lie outside the ellipse, and the corner's huge terms

@@ -1,7 +1,7 @@
 //! The rasterizer: a footprint becomes runs of adjacent pixels with their radial index by forward differencing.
 //!
 //! Both traversals yield the same thing, a [`Run`]: where it starts, how long it is, and three lane words. From
-//! pixel to pixel the radial index costs two additions ([EWA] 7.1.2). What a traversal yields depends on the footprint
+//! pixel to pixel the radial index costs two additions (\[EWA\] 7.1.2). What a traversal yields depends on the footprint
 //! and the viewport alone: a [`Window`] only selects pixels, so a picture is the same whatever its tiles.
 
 mod conic;

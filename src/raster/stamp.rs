@@ -1,7 +1,7 @@
-//! Traversal `stamp`: footprints of one size and shape, drawn by table copy ([SWAN] 6: a sub-pixel-centred bitblt).
+//! Traversal `stamp`: footprints of one size and shape, drawn by table copy (\[SWAN\] 6: a sub-pixel-centred bitblt).
 //!
 //! Beyond the distance k, and for points and spheres in a parallel view, all footprints of a picture have one size on the
-//! screen ([SWAN] 4.3). Their kernel values are computed once for `2^n x 2^n` positions of the centre within a pixel
+//! screen (\[SWAN\] 4.3). Their kernel values are computed once for `2^n x 2^n` positions of the centre within a pixel
 //! (a glyph cache for splats); drawing then rounds the centre to the nearest phase, copies rows and composites. There is no
 //! radial index, no table lookup and no multiplication but the opacity's own.
 //!

@@ -1,4 +1,4 @@
-//! Antialiasing by distance ([SWAN] 4.3), the alternative to the low-pass filter of [EWA].
+//! Antialiasing by distance (\[SWAN\] 4.3), the alternative to the low-pass filter of \[EWA\].
 //!
 //! Samples s apart are seen at distance d through an image plane at distance D with pixels of extent p. From
 //! k = s D / p on, samples lie closer together than pixels. Beyond k radii grow by d/k and the footprint's height falls by

@@ -1,4 +1,4 @@
-//! The columns of M = J W A: each of the splat's axes on the screen, in pixels ([EWA] eq. 25-29).
+//! The columns of M = J W A: each of the splat's axes on the screen, in pixels (\[EWA\] eq. 25-29).
 //!
 //! J has the rows (fx/z)(1, 0, -x/z) and (fy/z)(0, 1, -y/z), so a column is the axis turned into camera
 //! space, sheared by the viewing ray, and scaled by the gain. Each component keeps its own exponent: the thin axis of

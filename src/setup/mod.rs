@@ -63,7 +63,7 @@ impl Cull {
     ];
 }
 
-/// The whole of setup for one volume splat ([EWA] 6.2 and 7.1).
+/// The whole of setup for one volume splat (\[EWA\] 6.2 and 7.1).
 ///
 /// Total: defined for every bit pattern of its inputs.
 pub fn setup<D: Design>(

@@ -1,6 +1,6 @@
 //! Peak opacity and the cut-off that follows from it.
 //!
-//! Normalised kernels ([EWA] eq. 26-31): the footprint is a Gaussian of unit volume in ray space, so its peak is
+//! Normalised kernels (\[EWA\] eq. 26-31): the footprint is a Gaussian of unit volume in ray space, so its peak is
 //!
 //! ```text
 //! g |J W| / (pi I sqrt(det)),   |J| = fx/z fy/z |t|/z = gain_x gain_y sqrt(1 + (x/z)^2 + (y/z)^2)

@@ -1,4 +1,4 @@
-//! Projection of the centre: view transform, reciprocal of the depth, perspective division ([EWA] eq. 22-24).
+//! Projection of the centre: view transform, reciprocal of the depth, perspective division (\[EWA\] eq. 22-24).
 //!
 //! t = W u + d is exact to Q9.54, so that a splat just behind the near plane loses nothing to cancellation.
 //! From there on mantissas of the design's `view` bits: 1/z once, then x/z and y/z, then u = fx x/z + cx rounded

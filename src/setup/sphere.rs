@@ -1,4 +1,4 @@
-//! The exact ellipse of a projected sphere ([HYBRID] 4.2 and appendix A), and its approximation.
+//! The exact ellipse of a projected sphere (\[HYBRID\] 4.2 and appendix A), and its approximation.
 //!
 //! A spherical kernel of standard deviation s ends at the radius R = s sqrt(c). The rays that touch that sphere form a
 //! cone with sin a = R/|C| around its centre C = (x, y, z). With (u, v) = (x/z, y/z), e = (R/z)^2, g = 1 - e and
@@ -18,7 +18,7 @@
 //!
 //! where nothing cancels but 1 - e. The perspective-correct index ([`kernel`](crate::kernel), spread s^2/|C|^2) brings
 //! r back to c there and is exact along both axes' directions for a sphere in the middle of the picture. The approximate ellipse
-//! is the limit e -> 0, V = (s/z)^2 (I + (u, v)^T (u, v)) around the projected centre: [EWA]'s affine footprint.
+//! is the limit e -> 0, V = (s/z)^2 (I + (u, v)^T (u, v)) around the projected centre: \[EWA\]'s affine footprint.
 //!
 //! Through a Gaussian ball the integral along a ray is weight / (2 pi s^2) exp(-d^2 / 2 s^2), whatever the ray's
 //! direction: normalised kernels need no Jacobian's determinant here.
@@ -48,7 +48,7 @@ pub enum Ellipse {
 pub enum Index {
     /// In proportion to the ellipse's radius, as every affine footprint does.
     Affine,
-    /// By the distance of the ray from the centre, as in the middle of the picture ([HYBRID] 4.2).
+    /// By the distance of the ray from the centre, as in the middle of the picture (\[HYBRID\] 4.2).
     Perspective,
     /// By the distance of the pixel's own ray from the centre: exact anywhere, whatever the ellipse ([`Rays`](crate::kernel::Rays)).
     Ray,

@@ -218,7 +218,6 @@ pub fn run(
     // Once is enough: the reference's time is not reported.
     let once = Manner {
         repeat: 1,
-        machine: manner.machine.clone(),
         ..*manner
     };
     let float = draw_reference(view, &once, reference)?.drawing.picture;

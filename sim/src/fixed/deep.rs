@@ -1,4 +1,4 @@
-//! Pictures with a deep alpha channel of any representation, width and rounding ([SWAN] 6).
+//! Pictures with a deep alpha channel of any representation, width and rounding (\[SWAN\] 6).
 //!
 //! Footprints and opacities are the design's; only the pixel differs. Nothing finishes early: the channel shows all of
 //! its error.

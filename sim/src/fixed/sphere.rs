@@ -1,4 +1,4 @@
-//! Spherical kernels in perspective through the kernel ([HYBRID] 4.2).
+//! Spherical kernels in perspective through the kernel (\[HYBRID\] 4.2).
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
 use super::render::{

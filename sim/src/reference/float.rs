@@ -218,7 +218,7 @@ pub(super) fn effective_cutoff(peak: f64, rules: &Rules) -> Result<f64, Culled> 
     Ok(rules.cutoff.min(faint))
 }
 
-/// Axes and weight of a splat as [SWAN] 4.3 scales them beyond the distance k: radii grow by d/k, energy falls by
+/// Axes and weight of a splat as \[SWAN\] 4.3 scales them beyond the distance k: radii grow by d/k, energy falls by
 /// (k/d)^2. A normalised kernel keeps its mass, and its peak falls by itself.
 pub(super) fn scaled_by_distance(
     splat: &Splat,

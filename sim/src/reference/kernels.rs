@@ -127,7 +127,7 @@ impl Kernel {
     }
 }
 
-/// d/k ([SWAN] 4.3): how much larger a splat beyond the distance k is drawn; 1 nearer.
+/// d/k (\[SWAN\] 4.3): how much larger a splat beyond the distance k is drawn; 1 nearer.
 ///
 /// k = s D / p is the distance at which samples s apart lie a pixel apart; d/k = 1 / (s g) for g pixels per scene unit.
 pub fn enlargement(rules: &Rules, jacobian: &Jacobian) -> f64 {

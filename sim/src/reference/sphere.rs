@@ -1,4 +1,4 @@
-//! Spherical kernels in perspective in double precision ([HYBRID] 4.2 and appendix A).
+//! Spherical kernels in perspective in double precision (\[HYBRID\] 4.2 and appendix A).
 //!
 //! The exact ellipse comes from the angles themselves: with b the angle between the centre's direction and the
 //! optical axis and sin a = R/|C|, the tangent cone cuts the image plane between tan(b - a) and tan(b + a), and the minor

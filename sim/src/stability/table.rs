@@ -11,8 +11,11 @@ const NEEDLE_BAR: f64 = 10.0;
 /// Bound of the form's error in units of u (1 + G), derived in `docs/error-analysis.md` for the LDL form.
 pub const FORM_BOUND: f64 = 24.0;
 
+/// A stage's heading and its error.
+type Stage = (&'static str, fn(&StageErrors) -> f64);
+
 /// Stages in the order of the columns.
-const STAGES: [(&str, fn(&StageErrors) -> f64); 4] = [
+const STAGES: [Stage; 4] = [
     ("centre", |e| e.centre),
     ("form", |e| e.form),
     ("r", |e| e.radial),

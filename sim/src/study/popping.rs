@@ -1,5 +1,5 @@
 //! Popping of sheet buffers: a camera orbits a volume through 45 degrees and the change from frame to frame is
-//! measured ([EWA] 4.1: axis-aligned sheets switch their axis there, image-aligned sheets never do).
+//! measured (\[EWA\] 4.1: axis-aligned sheets switch their axis there, image-aligned sheets never do).
 
 use crate::camera::{Camera, CameraError};
 use crate::design::DesignChoice;

@@ -42,7 +42,7 @@ fn camera_variance(splat: &Splat, camera: &Camera) -> Matrix {
     )
 }
 
-/// The 3x3 ray-space Jacobian of [EWA] eq. 29 in pixels, at the ray (sx, sy, 1) and depth z.
+/// The 3x3 ray-space Jacobian of \[EWA\] eq. 29 in pixels, at the ray (sx, sy, 1) and depth z.
 fn ray_jacobian(slope: [f64; 2], z: f64, camera: &Camera) -> Matrix {
     if camera.orthographic {
         return [

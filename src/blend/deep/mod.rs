@@ -1,4 +1,4 @@
-//! The deep alpha channel in depth ([SWAN] 6): how a pixel may remember what still shines through it.
+//! The deep alpha channel in depth (\[SWAN\] 6): how a pixel may remember what still shines through it.
 //!
 //! "An accumulation channel deep enough for very transparent splats" can be had in three representations, each with the
 //! one operation that hardware would build for it:
@@ -9,7 +9,7 @@
 //! | transmittance T = 1 - A | UQ1.(width - 1) | T' = round(T (1 - alpha)) |
 //! | optical depth D = -log2 T | UQ4.(width - 4) | D' = D + round(-log2(1 - alpha)) |
 //!
-//! Optical depth turns "over" into an addition ([EWA] eq. 4: the exponent is an integral) and makes it independent of the
+//! Optical depth turns "over" into an addition (\[EWA\] eq. 4: the exponent is an integral) and makes it independent of the
 //! order; base 2 instead of e is a constant factor and lets the exponential's integer part be a shift.
 //! Its tables are in [`octaves`](mod@octaves). Rounding is to nearest, truncation, or dithered by a [`noise`] without state.
 //! docs/deep-alpha.md derives how the error grows with the number of layers and which width follows.

@@ -24,7 +24,7 @@ impl DeepPixel {
         }
     }
 
-    /// "Over", nearest layer first ([EWA] eq. 5): g = T - T', C' = C + g c.
+    /// "Over", nearest layer first (\[EWA\] eq. 5): g = T - T', C' = C + g c.
     ///
     /// Alpha in UQ1.31, colour in UQ4.28 (clamped below 2), `place` and `layer` feed the dither. Colour saturates.
     #[inline]

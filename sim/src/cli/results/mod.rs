@@ -21,12 +21,11 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
         let panels = picture::panels(300)?.to_png()?;
         write(&options.output.join(picture::FILE), &panels)?;
     }
-    for page in ResultsPage::value_variants() {
-        if options.only.is_empty() || options.only.contains(page) {
-            if let Some(Page { file, text }) = measure(*page, options)? {
-                write(&options.output.join(file), text.as_bytes())?;
-                say(&format!("{text}\n"));
-            }
+    let asked = |page: &&ResultsPage| options.only.is_empty() || options.only.contains(page);
+    for page in ResultsPage::value_variants().iter().filter(asked) {
+        if let Some(Page { file, text }) = measure(*page, options)? {
+            write(&options.output.join(file), text.as_bytes())?;
+            say(&format!("{text}\n"));
         }
     }
     Ok(())

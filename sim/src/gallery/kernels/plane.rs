@@ -1,8 +1,8 @@
-//! A checkerboard plane to the horizon: aliasing and blur of no filter, [SWAN] and EWA.
+//! A checkerboard plane to the horizon: aliasing and blur of no filter, \[SWAN\] and EWA.
 //!
 //! One layer of voxels, 1 apart, as volume splats. The truth is the unfiltered drawing at 64 samples per pixel (8 by 8),
-//! averaged by a Gaussian pixel filter of unit variance, the low-pass of [EWA] 7.1; averaged over the pixel's square it keeps
-//! details below two pixels that any Gaussian blurs, and the error is blur more than aliasing. Everything is summed (X-ray), as in [SWAN] 3.1, each sample with the mass that makes the plane equally bright from
+//! averaged by a Gaussian pixel filter of unit variance, the low-pass of \[EWA\] 7.1; averaged over the pixel's square it keeps
+//! details below two pixels that any Gaussian blurs, and the error is blur more than aliasing. Everything is summed (X-ray), as in \[SWAN\] 3.1, each sample with the mass that makes the plane equally bright from
 //! everywhere, so that the error is the filter's alone: composited by "over" at a grazing angle, the nearer half of every
 //! widened footprint hides the farther half, which moves the picture by a pixel whatever the filter. Beyond the distance k samples lie closer together than pixels; the error there is what a filter must remove.
 
@@ -245,7 +245,7 @@ fn supersampled(scene: &Scene, shape: &Plane) -> Picture {
 enum PixelFilter {
     /// The pixel's own square.
     Square,
-    /// A Gaussian of unit variance, the low-pass filter of [EWA] 7.1.
+    /// A Gaussian of unit variance, the low-pass filter of \[EWA\] 7.1.
     Gaussian,
 }
 

@@ -1,6 +1,6 @@
 //! What a machine has to do for one picture: splats, tiles, splat-tile pairs and their rows.
 //!
-//! Extracted once from the kernel's own rows and pixels ([`extract`]) or from a table of footprints ([`table`]), then shared by
+//! Extracted once from the kernel's own rows and pixels ([`extract`]) or from a table of footprints (`table`), then shared by
 //! any number of machine configurations. Columns are counted from the tile's first, so that a row's pixels are the bits of one
 //! 64-bit word.
 
