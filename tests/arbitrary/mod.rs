@@ -258,7 +258,7 @@ impl<'a> Source<'a> {
     pub fn packet(&mut self) -> Packet {
         let mut packet = Packet::default();
         packet.fill_with(|| self.raw() as u32);
-        if self.byte() % 4 != 0 {
+        if !self.byte().is_multiple_of(4) {
             packet[0] = packet[0] & !15 | VERSION;
         }
         packet

@@ -76,10 +76,8 @@ pub fn setup(source: &mut Source) {
 
 fn check_footprint(outcome: &Result<Footprint, setup::Cull>, viewport: [u16; 2]) {
     let Ok(footprint) = outcome else { return };
-    for axis in 0..2 {
-        assert!(
-            footprint.first[axis] < footprint.last[axis] && footprint.last[axis] <= viewport[axis]
-        );
+    for ((first, last), size) in footprint.first.iter().zip(footprint.last).zip(viewport) {
+        assert!(*first < last && last <= size);
     }
     assert!(footprint.cutoff <= 15 << 28 && footprint.peak > 0);
 }
