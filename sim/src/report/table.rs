@@ -3,7 +3,7 @@
 use super::{ChannelFacts, Row};
 
 /// Headings, in the order of [`cells`].
-pub const HEADINGS: [&str; 12] = [
+pub const HEADINGS: [&str; 13] = [
     "design",
     "traversal",
     "PSNR dB",
@@ -13,6 +13,7 @@ pub const HEADINGS: [&str; 12] = [
     "visited",
     "vis/cov",
     "setup ms",
+    "sort ms",
     "raster ms",
     "total ms",
     "Mcycles",
@@ -22,7 +23,7 @@ pub const HEADINGS: [&str; 12] = [
 pub const WORD_COLUMNS: usize = 2;
 
 /// One line as text.
-pub fn cells(row: &Row) -> [String; 12] {
+pub fn cells(row: &Row) -> [String; 13] {
     [
         row.design.clone(),
         row.traversal.clone(),
@@ -34,6 +35,7 @@ pub fn cells(row: &Row) -> [String; 12] {
         row.visited_per_covered
             .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
         milliseconds(row.host.setup_s),
+        milliseconds(row.host.sort_s),
         milliseconds(row.host.raster_s),
         milliseconds(row.host.total_s),
         row.cycles.map_or_else(
@@ -45,7 +47,7 @@ pub fn cells(row: &Row) -> [String; 12] {
 
 /// Aligned plain text for a terminal.
 pub fn plain(rows: &[Row]) -> String {
-    let lines: Vec<[String; 12]> = rows.iter().map(cells).collect();
+    let lines: Vec<[String; 13]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = plain_line(&HEADINGS, &widths);
     let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
@@ -58,7 +60,7 @@ pub fn plain(rows: &[Row]) -> String {
 
 /// A Markdown table, aligned in the source as well.
 pub fn markdown(rows: &[Row]) -> String {
-    let lines: Vec<[String; 12]> = rows.iter().map(cells).collect();
+    let lines: Vec<[String; 13]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = markdown_line(&HEADINGS, &widths);
     let rule: Vec<String> = widths
@@ -119,7 +121,7 @@ fn milliseconds(seconds: f64) -> String {
     format!("{:.1}", seconds * 1e3)
 }
 
-fn widths(lines: &[[String; 12]]) -> Vec<usize> {
+fn widths(lines: &[[String; 13]]) -> Vec<usize> {
     let widest = |column: usize| {
         lines
             .iter()
