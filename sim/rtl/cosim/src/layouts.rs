@@ -39,7 +39,7 @@ enum Layout {
 /// The whole table.
 pub fn report() -> Result<String> {
     let mut text = "# Arrangements of four lanes\n\n\
-        Printed by `cargo run --release -p splatline-rtl -- layouts`: guitar, 512 x 512, rules 3dgs, lean18, without early termination. \
+        Printed by `cargo run --release -p splatline-rtl --example rtl -- layouts`: guitar, 512 x 512, rules 3dgs, lean18, without early termination. \
         Covered pixels per cycle and lane; a bar of 0.9 was set.\n\n\
         | arrangement | tile | close-up | whole |\n|---|---|---|---|\n"
         .to_owned();

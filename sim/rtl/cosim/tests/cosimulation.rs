@@ -10,7 +10,8 @@ fn committed_packages_are_the_generators() {
         ("standard24", Standard24::WIDTHS),
     ] {
         let committed = std::fs::read_to_string(path(design)).unwrap();
-        let stale = "run `cargo run -p splatline-rtl -- package` and commit the result";
+        let stale =
+            "run `cargo run -p splatline-rtl --example rtl -- package` and commit the result";
         assert!(
             committed == text(design, &widths),
             "{design}: splatline_pkg.sv is stale; {stale}"
@@ -160,7 +161,7 @@ mod with_verilator {
     }
 
     #[test]
-    #[ignore = "verilates and compiles 18 circuits: minutes; also `cargo run -p splatline-rtl -- mutants`"]
+    #[ignore = "verilates and compiles 18 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
     fn every_mutant_is_noticed() {
         let judge = splatline_rtl::mutants::Judge::new().unwrap();
         for mutant in &splatline_rtl::mutants::MUTANTS {

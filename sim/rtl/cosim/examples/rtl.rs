@@ -1,4 +1,4 @@
-//! Commands around the RTL: `cargo run --release -p splatline-rtl -- COMMAND`.
+//! Commands around the RTL: `cargo run --release -p splatline-rtl --example rtl -- COMMAND`.
 
 use anyhow::{Result, ensure};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, rules};
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::Duration;
 
-const USAGE: &str = "usage: splatline-rtl COMMAND
+const USAGE: &str = "usage: rtl COMMAND
   package       write sim/rtl/<design>/splatline_pkg.sv from the kernel's widths and tables
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
