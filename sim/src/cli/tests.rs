@@ -83,7 +83,7 @@ fn the_examples_of_the_help_parse() {
             tried += 1;
         }
     }
-    assert_eq!(tried, 14);
+    assert_eq!(tried, 30);
 }
 
 #[test]
