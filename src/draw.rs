@@ -1,5 +1,14 @@
 //! The splat primitive: the units chained, from a footprint to the pixels of a target.
 
+mod hybrid;
+mod sphere;
+mod stamp;
+pub mod surface;
+mod visit;
+
+pub use hybrid::Gathering;
+pub use sphere::Perspective;
+
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Traversal};
@@ -77,18 +86,37 @@ impl<'a, D: Design> Painter<'a, D> {
 
     #[inline(always)]
     fn paint<R: Rows>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
+        let weight = |_, radial| self.table.weight(radial);
+        self.paint_weighted(footprint, rows, target, weight)
+    }
+
+    /// By the compositing's operator, with the kernel's value at a radial index (UQ4.radial) from `weight`.
+    #[inline(always)]
+    fn paint_weighted<R: Rows>(
+        &self,
+        footprint: &Footprint,
+        rows: R,
+        target: &mut Target,
+        weight: impl Fn([u16; 2], u64) -> u32,
+    ) -> Coverage {
         let blend = &self.blend;
         let colour = &footprint.colour;
         match self.compositing {
-            Compositing::FrontToBack => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.front_to_back(pixel, alpha, colour)
-            }),
-            Compositing::BackToFront => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.back_to_front(pixel, alpha, colour)
-            }),
-            Compositing::XRay => self.paint_with(footprint, rows, target, |pixel, alpha| {
-                blend.x_ray(pixel, alpha, colour)
-            }),
+            Compositing::FrontToBack => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.front_to_back(pixel, alpha, colour)
+                })
+            }
+            Compositing::BackToFront => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.back_to_front(pixel, alpha, colour)
+                })
+            }
+            Compositing::XRay => {
+                self.paint_with(footprint, rows, target, weight, |_, pixel, alpha| {
+                    blend.x_ray(pixel, alpha, colour)
+                })
+            }
         }
     }
 
@@ -98,12 +126,13 @@ impl<'a, D: Design> Painter<'a, D> {
         footprint: &Footprint,
         mut rows: R,
         target: &mut Target,
-        composite: impl Fn(&mut Pixel, u32),
+        weight: impl Fn([u16; 2], u64) -> u32,
+        mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
         let mut coverage = Coverage::default();
         let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
         while let Some(run) = rows.next_run() {
-            coverage += self.paint_run(footprint, run, drop, target, &composite);
+            coverage += self.paint_run(footprint, run, drop, target, &weight, &mut composite);
         }
         coverage
     }
@@ -116,42 +145,52 @@ impl<'a, D: Design> Painter<'a, D> {
         run: Run<L>,
         drop: i32,
         target: &mut Target,
-        composite: impl Fn(&mut Pixel, u32),
+        weight: impl Fn([u16; 2], u64) -> u32,
+        mut composite: impl FnMut([u16; 2], &mut Pixel, u32),
     ) -> Coverage {
-        let mut coverage = Coverage {
-            visited: run.length.into(),
-            covered: 0,
-            finished: 0,
-        };
+        // Narrow counters: a run is short, and 64-bit additions per pixel cost a small processor.
+        let (mut covered, mut finished) = (0u32, 0u32);
+        let visited = run.length.into();
         let end = cutoff_in_lane(footprint.cutoff, self.design.widths().radial);
-        for (pixel, lane) in target
+        for ((pixel, lane), x) in target
             .row(run.y, run.x, run.length)
             .iter_mut()
-            .zip(run.radials())
+            .zip(run.sequence())
+            .zip(run.x..)
         {
-            let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
-            if radial >= end {
+            let Some(radial) = inside(lane, drop, end) else {
                 continue;
-            }
-            coverage.covered += 1;
+            };
+            covered += 1;
             if pixel.is_finished() {
-                coverage.finished += 1;
+                finished += 1;
                 continue;
             }
             let alpha = self
                 .blend
-                .opacity(footprint.peak, self.table.weight(radial));
+                .opacity(footprint.peak, weight([x, run.y], radial));
             if alpha > 0 {
-                composite(pixel, alpha);
+                composite([x, run.y], pixel, alpha);
             }
         }
-        coverage
+        Coverage {
+            visited,
+            covered: covered.into(),
+            finished: finished.into(),
+        }
     }
 }
 
-/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest.
+/// The radial index (UQ4.radial) of a lane word, if it lies inside the footprint; negative ones are rounding noise around 0.
 #[inline(always)]
-fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
+fn inside<L: Lane>(lane: L, drop: i32, end: u64) -> Option<u64> {
+    let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
+    (radial < end).then_some(radial)
+}
+
+/// The cut-off (UQ4.28) in UQ4.radial, rounded to nearest: what a pixel lane compares its radial index with.
+#[inline(always)]
+pub fn cutoff_in_lane(cutoff: u32, radial: u8) -> u64 {
     crate::math::shift_unsigned(
         cutoff.into(),
         28 - i32::from(radial),

@@ -4,6 +4,7 @@
 //! down. Its serial form, bit for bit, is [`packet`].
 
 pub mod packet;
+pub mod surface;
 
 use crate::math::Scaled;
 

@@ -1,4 +1,24 @@
-//! Fixed-point splatting kernel.
+//! Fixed-point splatting kernel: firmware, golden model of a hardware splat primitive, and the thing explored, in one copy of the arithmetic.
+//!
+//! The modules are the units of the block diagram; data flows down this list and never back.
+//!
+//! ```text
+//! splat, view, rules          what comes in
+//!   setup                     project -> jacobian -> variance -> shape -> bounding box
+//!     footprint               the packet between setup and raster
+//!       raster                rows, spans, forward differencing
+//!         kernel              footprint table on the radial index
+//!           blend             deep alpha compositing
+//!             target          tiles and frames in lent memory
+//! draw                        the units chained
+//! format, math                widths and integer arithmetic that all of them share
+//! ```
+//!
+//! Everything is generic over [`format::Design`], which answers how many bits a quantity has. Nothing allocates, panics or writes outside the
+//! memory it was lent, whatever the bits of its inputs.
+//!
+//! Equations are cited as \[EWA\] (Zwicker et al., EWA Splatting, 2002), \[SURF\] (Zwicker et al., Surface Splatting, 2001), \[SWAN\] (Swan et al., An
+//! Anti-Aliasing Technique for Splatting, 1997) and \[HYBRID\] (Yuan et al., Hybrid Forward Resampling and Volume Rendering, 2003).
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -14,3 +34,8 @@ pub mod setup;
 pub mod splat;
 pub mod target;
 pub mod view;
+
+/// The README's example, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -1,5 +1,6 @@
 //! The named rules of blending, in fixed point: what a peak means, where a footprint ends, when a pixel is finished.
 
+use crate::kernel::Kernel;
 use crate::math::Scaled;
 
 /// Where a footprint ends.
@@ -19,6 +20,10 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the low-pass filter V^h = h I in square pixels; 0 switches it off.
     pub low_pass: Scaled,
+    /// Distance scaling ([SWAN] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a low-pass.
+    pub spacing: Scaled,
+    /// Shape of all footprints.
+    pub kernel: Kernel,
     /// End of a footprint.
     pub cutoff: Cutoff,
     /// Opacity of one splat at one pixel is clamped to this, UQ1.31.
@@ -48,6 +53,8 @@ impl Rules {
             mantissa: 1 << 30,
             exponent: -30,
         },
+        spacing: Scaled::ZERO,
+        kernel: Kernel::Gaussian,
         cutoff: Cutoff::Radial(4 << 28),
         alpha_max: ratio(1, 1),
         alpha_min: 0,
@@ -57,6 +64,15 @@ impl Rules {
         table_range: 2,
     };
 
+    /// Surface splatting: identity low-pass, cut-off 1 on r/2 (SURF 4). The weights of a pixel are divided by their sum, so
+    /// nothing is clamped, skipped or finished.
+    pub const SURFACE: Rules = Rules {
+        normalised: false,
+        cutoff: Cutoff::Radial(2 << 28),
+        stop: 0,
+        ..Rules::EWA
+    };
+
     /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,
@@ -64,6 +80,8 @@ impl Rules {
             mantissa: 1_288_490_189,
             exponent: -32,
         }, // 0.3
+        spacing: Scaled::ZERO,
+        kernel: Kernel::Gaussian,
         cutoff: Cutoff::Opacity,
         alpha_max: ratio(999, 1000),
         alpha_min: ratio(1, 255),
@@ -72,6 +90,19 @@ impl Rules {
         clamp_jacobian: true,
         table_range: 4,
     };
+
+    /// The same rules with footprints of another shape, up to its end.
+    pub const fn with_kernel(self, kernel: Kernel) -> Rules {
+        match kernel {
+            Kernel::Gaussian => Rules { kernel, ..self },
+            _ => Rules {
+                kernel,
+                cutoff: Cutoff::Radial(kernel.end()),
+                table_range: kernel.table_range(),
+                ..self
+            },
+        }
+    }
 }
 
 /// In which order and by which operator a pixel gathers its splats ([EWA] 4.1, [SWAN] 3.1).

@@ -1,5 +1,7 @@
 //! Input primitives.
 
+pub mod surface;
+
 use crate::math::{Scaled, square_root, sum_of_products};
 use fixed::types::{I8F24, U4F28};
 
@@ -12,6 +14,19 @@ pub struct VolumeSplat {
     pub axes: [Axis; 3],
     /// Peak opacity (rules with peak opacity), or extinction times volume in square scene units (normalised
     /// kernels; [EWA] eq. 5: g_k). Negative counts as 0.
+    pub weight: Scaled,
+    /// Linear red, green, blue, UQ4.28.
+    pub colour: [U4F28; 3],
+}
+
+/// A spherical kernel: a volume splat of variance s^2 I, for which perspective can be exact ([HYBRID] 4.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereSplat {
+    /// Centre in scene units, Q7.24.
+    pub centre: [I8F24; 3],
+    /// Standard deviation s in scene units, positive.
+    pub deviation: Scaled,
+    /// Peak opacity or extinction times volume, as for [`VolumeSplat`].
     pub weight: Scaled,
     /// Linear red, green, blue, UQ4.28.
     pub colour: [U4F28; 3],

@@ -1,5 +1,7 @@
 //! Where pixels go: a window of the screen over memory that the caller lends.
 
+pub mod cells;
+
 use crate::blend::Pixel;
 use crate::format::Widths;
 use crate::raster::Window;

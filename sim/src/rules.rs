@@ -16,6 +16,10 @@ pub struct Rules {
     pub normalised: bool,
     /// Variance of the isotropic low-pass filter, in square pixels.
     pub low_pass: f64,
+    /// Distance scaling ([SWAN] 4.3): spacing of the samples in scene units; 0 switches it off.
+    pub spacing: f64,
+    /// Shape of all footprints.
+    pub kernel: Kernel,
     /// The footprint ends where the radial index reaches this value (`r < cutoff`); infinite if only `alpha_min` ends it.
     pub cutoff: f64,
     /// Opacity of one splat at one pixel is clamped to this.
@@ -36,6 +40,8 @@ impl Rules {
         name: "ewa",
         normalised: true,
         low_pass: 1.0,
+        spacing: 0.0,
+        kernel: Kernel::Gaussian,
         cutoff: 4.0,
         alpha_max: 1.0,
         alpha_min: 0.0,
@@ -49,6 +55,8 @@ impl Rules {
         name: "3dgs",
         normalised: false,
         low_pass: 0.3,
+        spacing: 0.0,
+        kernel: Kernel::Gaussian,
         cutoff: f64::INFINITY,
         alpha_max: 0.999,
         alpha_min: 1.0 / 255.0,
@@ -56,6 +64,57 @@ impl Rules {
         stop_before: true,
         clamp_jacobian: true,
     };
+}
+
+/// Shape of a footprint over the radial index, of unit variance per axis and peak 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Kernel {
+    /// exp(-r/2), up to the rules' cut-off.
+    #[default]
+    Gaussian,
+    /// Line integral of the cubic spline of Crawfis and Max.
+    Cubic,
+    /// Quadratic (Epanechnikov): 1 - r/6.
+    Quadratic,
+    /// Constant up to r = 4.
+    Disc,
+}
+
+/// How a picture is protected against samples closer together than pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Antialias {
+    /// Not at all.
+    None,
+    /// Low-pass filter of this variance in square pixels ([EWA] 5.2).
+    Ewa(f64),
+    /// Distance scaling for samples this far apart in scene units ([SWAN] 4.3).
+    Swan(f64),
+}
+
+impl Rules {
+    /// The same rules with footprints of another shape, up to its end.
+    pub fn with_kernel(self, kernel: Kernel) -> Rules {
+        let cutoff = kernel.end().unwrap_or(self.cutoff);
+        Rules {
+            kernel,
+            cutoff,
+            ..self
+        }
+    }
+
+    /// The same rules with another protection against aliasing.
+    pub fn with_antialias(self, antialias: Antialias) -> Rules {
+        let (low_pass, spacing) = match antialias {
+            Antialias::None => (0.0, 0.0),
+            Antialias::Ewa(variance) => (variance, 0.0),
+            Antialias::Swan(spacing) => (0.0, spacing),
+        };
+        Rules {
+            low_pass,
+            spacing,
+            ..self
+        }
+    }
 }
 
 impl FromStr for Rules {

@@ -12,7 +12,7 @@ use splatline_sim::reference::compositor::{self, Projected};
 use splatline_sim::reference::golden::rotated_axes;
 use splatline_sim::reference::{Culled, Drawing, exact, float};
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, Splat};
+use splatline_sim::scene::{Scene, Splat, Weight};
 use splatline_sim::vector;
 
 const COMPOSITINGS: [Compositing; 3] = [
@@ -143,7 +143,8 @@ proptest! {
         engine in any_engine(),
         orthographic: bool,
     ) {
-        let (scene, camera) = (scene_of(splats), camera(orthographic));
+        let (mut scene, camera) = (scene_of(splats), camera(orthographic));
+        scene.weight = if rules.normalised { Weight::Mass } else { Weight::Opacity };
         for compositing in COMPOSITINGS {
             let drawn = draw(engine, &scene, &camera, &rules, compositing).picture;
             let naive = naive_picture(engine, &scene, &camera, &rules, compositing);
@@ -403,12 +404,13 @@ fn a_normalised_splat_carries_its_mass_to_the_screen() {
         ..Rules::EWA
     };
     let axes = rotated_axes([0.3, 0.8, -0.5, 0.4], [0.15, 0.1, 0.02]);
-    let scene = scene_of(vec![Splat {
+    let mut scene = scene_of(vec![Splat {
         centre: [0.0, 0.0, 4.0],
         axes,
         weight: 0.001,
         colour: [1.0; 3],
     }]);
+    scene.weight = Weight::Mass;
     let picture = float::draw(&scene, &camera, &rules, Compositing::XRay).picture;
     let sum: f64 = picture.pixels.iter().map(|pixel| pixel[3]).sum();
     let expected = 0.001 * camera.fx * camera.fy / 16.0;

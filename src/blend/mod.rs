@@ -5,6 +5,15 @@
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. [SWAN] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 
+pub mod deep;
+pub mod edge;
+pub mod layers;
+pub mod points;
+pub mod resolve;
+pub mod shading;
+pub mod sheets;
+pub mod surface;
+
 use crate::format::{Rounding, Widths};
 use crate::math::shift_unsigned;
 use crate::rules::Rules;
@@ -57,6 +66,12 @@ pub struct Blend {
     share_shift: i32,
     colour_shift: i32,
     layer_shift: i32,
+    /// Products that fit 32 bits, see [`Blend::product`].
+    opacity_narrow: bool,
+    share_narrow: bool,
+    colour_narrow: bool,
+    /// No sum of shares times colours leaves 32 bits: the shares sum to at most 1, so that it stays below 16 plus one unit per layer.
+    sums_fit: bool,
 }
 
 impl Blend {
@@ -72,8 +87,10 @@ impl Blend {
             widths.accumulator as i32,
         ];
         Blend {
-            alpha_max: from_rules(rules.alpha_max, alpha),
-            alpha_min: from_rules(rules.alpha_min, alpha),
+            // At most 1, so that a share never exceeds the transmittance.
+            alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
+            // At least one unit: opacity 0 is always skipped.
+            alpha_min: at_least(from_rules(rules.alpha_min, alpha), 1),
             stop: from_rules(rules.stop, transmittance),
             stop_before: rules.stop_before,
             rounding: widths.rounding,
@@ -81,22 +98,29 @@ impl Blend {
             share_shift: alpha,
             colour_shift: transmittance + colour - accumulator,
             layer_shift: alpha + colour - accumulator,
+            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must not exceed 2^weight.
+            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + 1,
+            share_narrow: transmittance + alpha <= 31,
+            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + 1,
+            sums_fit: accumulator <= 20,
         }
     }
 
     /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
     #[inline(always)]
     pub fn opacity(&self, peak: u32, weight: u32) -> u32 {
-        let alpha = self.shift(u64::from(peak) * u64::from(weight), self.opacity_shift);
+        let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift);
         let alpha = alpha.min(self.alpha_max.into()) as u32;
         if alpha < self.alpha_min { 0 } else { alpha }
     }
 
-    /// "Over", nearest splat first. Alpha in UQ1.alpha, colour in UQ4.colour. A finished pixel must not be passed.
+    /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
     #[inline(always)]
     pub fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let share = self.shift(
-            u64::from(pixel.transmittance) * u64::from(alpha),
+        let share = self.product(
+            pixel.transmittance,
+            alpha,
+            self.share_narrow,
             self.share_shift,
         ) as u32;
         let rest = pixel.transmittance.saturating_sub(share);
@@ -106,9 +130,12 @@ impl Blend {
             return;
         }
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
-            *sum = sum.saturating_add(
-                self.shift(u64::from(share) * u64::from(*c), self.colour_shift) as u32,
-            );
+            let layer = self.product(share, *c, self.colour_narrow, self.colour_shift) as u32;
+            *sum = if self.sums_fit {
+                sum.wrapping_add(layer)
+            } else {
+                sum.saturating_add(layer)
+            };
         }
         pixel.transmittance = if stop { rest | FINISHED } else { rest };
     }
@@ -146,13 +173,107 @@ impl Blend {
         self.shift(alpha.into(), self.layer_shift - self.colour_shift) as u32
     }
 
+    /// Fraction bits of the transmittance, from the shifts: colour_shift - layer_shift = transmittance - alpha and share_shift = alpha.
+    #[inline(always)]
+    fn transmittance_bits(&self) -> i32 {
+        (self.colour_shift - self.layer_shift + self.share_shift) & 31
+    }
+
+    /// `a b 2^-by`, rounded. `narrow` says that the product and its rounding constant fit 32 bits for all values within their
+    /// formats: same result, and no 64-bit arithmetic where the processor has none. Values beyond their formats wrap.
+    #[inline(always)]
+    fn product(&self, a: u32, b: u32, narrow: bool, by: i32) -> u64 {
+        if !narrow {
+            return self.shift(u64::from(a) * u64::from(b), by);
+        }
+        let product = a.wrapping_mul(b);
+        if by <= 0 || by > 31 {
+            return self.shift(product.into(), by);
+        }
+        let rounded = match self.rounding {
+            Rounding::Nearest => product.wrapping_add(1 << (by - 1)),
+            Rounding::Truncate => product,
+        };
+        (rounded >> by).into()
+    }
+
     #[inline(always)]
     fn shift(&self, value: u64, by: i32) -> u64 {
         shift_unsigned(value, by, self.rounding)
     }
 }
 
+const fn at_most(value: u32, limit: u32) -> u32 {
+    if value > limit { limit } else { value }
+}
+
+const fn at_least(value: u32, limit: u32) -> u32 {
+    if value < limit { limit } else { value }
+}
+
 /// UQ1.31 to UQ1.bits, rounded to nearest.
 const fn from_rules(value: u32, bits: i32) -> u32 {
     shift_unsigned(value as u64, 31 - bits, Rounding::Nearest) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{Classic8, Standard24};
+    use proptest::prelude::*;
+
+    /// Widths for which all three products are narrow, up to the limits of 32 bits.
+    const NARROW: [Widths; 3] = [
+        Classic8::WIDTHS,
+        Widths {
+            peak: 15,
+            weight: 13,
+            alpha: 15,
+            transmittance: 16,
+            colour: 10,
+            accumulator: 16,
+            ..Standard24::WIDTHS
+        },
+        Widths {
+            peak: 12,
+            weight: 16,
+            alpha: 11,
+            transmittance: 20,
+            colour: 8,
+            accumulator: 20,
+            rounding: Rounding::Truncate,
+            ..Standard24::WIDTHS
+        },
+    ];
+
+    proptest! {
+        /// The oracle is the same blend with every shortcut switched off.
+        #[test]
+        fn shortcuts_change_no_bit(
+            choice in 0..NARROW.len(), rules in prop_oneof![Just(Rules::EWA), Just(Rules::GAUSSIAN_3D)],
+            layers in prop::collection::vec((any::<u32>(), any::<u32>(), any::<[u32; 3]>()), 1..50),
+        ) {
+            let widths = NARROW[choice];
+            let fast = Blend::new(&widths, &rules);
+            prop_assert!(fast.opacity_narrow && fast.share_narrow && fast.colour_narrow && fast.sums_fit);
+            let wide = Blend { opacity_narrow: false, share_narrow: false, colour_narrow: false, sums_fit: false, ..fast };
+            let (mut a, mut b) = (Pixel::clear(&widths), Pixel::clear(&widths));
+            for (peak, weight, colour) in layers {
+                // Half of all values lie at the end of their format.
+                let value = |bits: u32, integer: u8, fraction: u8| {
+                    let end = (1u64 << (integer + fraction)) - u64::from(integer > 0 && fraction < 28 && integer == 4);
+                    if bits & 1 == 0 { end as u32 } else { (u64::from(bits >> 1) % (end + 1)) as u32 }
+                };
+                let (peak, weight) = (value(peak, 4, widths.peak), value(weight, 0, widths.weight));
+                let colour = colour.map(|c| value(c, 4, widths.colour));
+                let alpha = fast.opacity(peak, weight);
+                prop_assert_eq!(alpha, wide.opacity(peak, weight));
+                if alpha > 0 && !a.is_finished() {
+                    fast.front_to_back(&mut a, alpha, &colour);
+                    wide.front_to_back(&mut b, alpha, &colour);
+                }
+                prop_assert_eq!(a, b);
+            }
+        }
+    }
 }

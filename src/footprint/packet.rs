@@ -2,7 +2,7 @@
 //!
 //! Fields follow each other without padding, least significant bit first, in 32-bit words, in the order of
 //! [`Layout::fields`]; unused bits of the last word are 0. Mantissas of variances are unsigned, of the slope and the mixed
-//! conic coefficient signed; exponents are signed 10-bit; centres are signed. `docs/packet.md` is this table, printed.
+//! conic coefficient signed; exponents are signed 10-bit; centres are signed. `docs/results/packet.md` is this table, printed.
 //!
 //! The format is versioned by [`VERSION`], which is the packet's first field.
 

@@ -7,11 +7,30 @@
 //! `f'' = f/4`, so entries are lowered by the factor `1 - h^2/48` and the mean error is 0. Without
 //! interpolation an entry is the kernel at the middle of its interval.
 
+mod perspective;
+mod ray;
+mod shape;
+
+pub use perspective::{PERSPECTIVE_ENTRIES, PerspectiveIndex, PerspectiveTable, fill_perspective};
+pub use ray::{Rays, covering_cutoff};
+pub use shape::{Kernel, fill};
+
 use crate::format::Widths;
 use crate::math::shift_round;
 
 /// Largest number of entries of a table: `2^14` intervals and the end point.
 pub const MAX_ENTRIES: usize = (1 << 14) + 1;
+
+/// Base-2 logarithm of the largest radial index that a table can cover; a larger range counts as this one.
+pub const MAX_RANGE: u8 = 4;
+
+const fn covered(range: u8) -> u32 {
+    if range < MAX_RANGE {
+        range as u32
+    } else {
+        MAX_RANGE as u32
+    }
+}
 
 /// Entries that a design's table has.
 pub const fn entries(widths: &Widths) -> usize {
@@ -25,6 +44,8 @@ pub struct FootprintTable<'a> {
     /// Bits of the radial index below the table's index, and those of them that the interpolator sees.
     rest_bits: u32,
     kept: u32,
+    /// The interpolator's product and rounding constant fit 32 bits.
+    narrow: bool,
 }
 
 /// The memory lent for a table has not as many entries as [`entries`] asks for.
@@ -50,7 +71,7 @@ impl<'a> FootprintTable<'a> {
                 found: entries.len(),
             });
         }
-        let rest_bits = (widths.radial as u32 + range as u32).saturating_sub(widths.table as u32);
+        let rest_bits = (widths.radial as u32 + covered(range)).saturating_sub(widths.table as u32);
         let interpolation = widths.interpolation as u32;
         let kept = if interpolation < rest_bits {
             interpolation
@@ -61,6 +82,7 @@ impl<'a> FootprintTable<'a> {
             entries,
             rest_bits,
             kept,
+            narrow: widths.weight as u32 + kept <= 30,
         })
     }
 
@@ -74,6 +96,13 @@ impl<'a> FootprintTable<'a> {
         }
         let high = self.entries.get(index + 1).copied().unwrap_or(0);
         let rest = (radial >> (self.rest_bits - self.kept)) & ((1 << self.kept) - 1);
+        if self.narrow {
+            let step = (high as i32)
+                .wrapping_sub(low as i32)
+                .wrapping_mul(rest as i32);
+            let step = step.wrapping_add(1 << (self.kept - 1)) >> self.kept;
+            return low.wrapping_add(step as u32);
+        }
         let step = (i64::from(high) - i64::from(low)) * rest as i64;
         (i64::from(low) + shift_round(step, self.kept)) as u32
     }
@@ -84,11 +113,12 @@ impl<'a> FootprintTable<'a> {
 /// Each entry is rounded to nearest from 60 fraction bits.
 pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
     // One interval is h = 2^(range - table), so an entry's factor to the next is exp(-h/2).
-    let half_step = (1u64 << 60) >> (widths.table as u32 + 1 - range as u32);
+    let step = (1u128 << (60 + covered(range))) >> widths.table;
+    let half_step = (step / 2) as u64;
     let factor = exp_negative(half_step);
     let mut value = if widths.interpolation > 0 {
-        // 1 - h^2/48 with h^2 = 2^(2 (range - table)).
-        (1u64 << 60) - ((1u64 << 60) >> (2 * (widths.table - range))) / 48
+        // 1 - h^2/48.
+        (1u64 << 60) - (((step * step) >> 60) / 48) as u64
     } else {
         exp_negative(half_step / 2)
     };
@@ -98,6 +128,17 @@ pub const fn fill_gaussian(table: &mut [u32], widths: &Widths, range: u8) {
         table[i] = ((value + (1 << (drop - 1))) >> drop) as u32;
         value = ((value as u128 * factor as u128 + (1 << 59)) >> 60) as u64;
         i += 1;
+    }
+}
+
+/// Fills a table with any profile (Q.40 in and out); entry positions as for the Gaussian, without its centring of the mean.
+fn shape_entries(table: &mut [u32], widths: &Widths, range: u8, profile: impl Fn(i64) -> i64) {
+    let half = u32::from(widths.interpolation == 0);
+    let half_step = 1i64 << (39 + u32::from(range.min(4)) - u32::from(widths.table));
+    let drop = 40 - u32::from(widths.weight);
+    for (entry, index) in table.iter_mut().zip(0i64..) {
+        let radial = half_step * (2 * index + i64::from(half));
+        *entry = shift_round(profile(radial), drop) as u32;
     }
 }
 
@@ -183,6 +224,34 @@ mod tests {
         let mut memory = [0; 1025];
         fill_gaussian(&mut memory, &Standard24::WIDTHS, 4);
         assert_eq!(TABLE, memory);
+    }
+
+    #[test]
+    fn the_narrow_interpolator_changes_no_bit() {
+        let mut tested = 0;
+        for (weight, interpolation) in [(13, 8), (8, 20), (16, 14), (28, 2)] {
+            let widths = Widths {
+                weight,
+                interpolation,
+                ..Standard24::WIDTHS
+            };
+            let mut memory = vec![0; entries(&widths)];
+            fill_gaussian(&mut memory, &widths, 4);
+            let narrow = FootprintTable::new(&memory, &widths, 4).unwrap();
+            let wide = FootprintTable {
+                narrow: false,
+                ..narrow
+            };
+            tested += u32::from(narrow.narrow);
+            for radial in (0..16u64 << 27).step_by(9973) {
+                assert_eq!(
+                    narrow.weight(radial),
+                    wide.weight(radial),
+                    "{weight} {interpolation} {radial}"
+                );
+            }
+        }
+        assert_eq!(tested, 4);
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! Setup works in block floating point: mantissas of [`mantissa`](crate::format::Widths::mantissa) bits, exponents that are
 //! aligned once per sum. Nothing is lost by range, so the relative error of every product is at most
 //! `2^-mantissa`, whatever the scene's scale. A sum of products is aligned in 64 bits and rounded once.
+//!
+//! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
 use super::shift::{shift_round, shift_signed};
 
@@ -35,7 +37,8 @@ impl Scaled {
     };
 
     /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
-    #[inline]
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> Scaled {
         if value == 0 {
             return Scaled::ZERO;
@@ -124,7 +127,8 @@ impl Product {
 /// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
 ///
 /// Alignment error: at most half of `2^-60` of the largest term for each term.
-#[inline]
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
     const { assert!(N <= 4) };
     let mut leading = i32::MIN;

@@ -2,11 +2,14 @@
 //!
 //! A shift by `s` divides by `2^s`. Rounding to nearest adds half of `2^s` first, so halves go up; the sum
 //! wraps only for values within half of `2^s` of the type's end, which no caller produces (all keep a spare bit).
+//!
+//! Where 64-bit shifts are library calls (32-bit processors) the saturating shift is a function of its own: half of the code of setup
+//! would otherwise be copies of it. Shifts by constants still fold.
 
 use crate::format::Rounding;
 
 /// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
-#[inline(always)]
+#[inline]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
         return value;
@@ -18,7 +21,8 @@ pub const fn shift_round(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^shift` saturated to the type. `shift >= 63` saturates anything but 0.
-#[inline(always)]
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_left(value: i64, shift: u32) -> i64 {
     let head_room = value.unsigned_abs().leading_zeros();
     if value == 0 || shift < head_room {
@@ -28,7 +32,7 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
-#[inline(always)]
+#[inline]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
     if shift >= 0 {
         shift_round(value, shift as u32)

@@ -6,9 +6,13 @@
 
 mod conic;
 mod spans;
+mod stamp;
 
 pub use conic::ConicRows;
 pub use spans::{BLOCK, SpanRows};
+pub use stamp::{
+    MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
+};
 
 use crate::format::Lane;
 
@@ -59,13 +63,19 @@ impl<L: Lane> Run<L> {
     /// The run's radial indices, pixel by pixel: two additions each.
     #[inline(always)]
     pub fn radials(self) -> impl Iterator<Item = L> {
+        self.sequence().take(self.length.into())
+    }
+
+    /// The same, without end: for a loop that counts its pixels itself.
+    #[inline(always)]
+    pub fn sequence(self) -> impl Iterator<Item = L> {
         let Run {
             mut radial,
             mut first,
             second,
             ..
         } = self;
-        (0..self.length).map(move |_| {
+        core::iter::repeat_with(move || {
             let here = radial;
             radial = radial.add(first);
             first = first.add(second);

@@ -116,9 +116,10 @@ impl<L: Lane> SpanRows<L> {
                 >> 32;
             let high = (row.centre.saturating_add(half) >> 32).saturating_add(1);
             let [first, last] = self.bounds.map(i64::from);
-            let low = low.clamp(first, last) as u16;
+            // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
+            let low = low.min(last).max(first) as u16;
             row.x = low.max(self.visible[0] - self.visible[0] % BLOCK);
-            row.end = (high.clamp(first, last) as u16).min(self.visible[1]);
+            row.end = (high.min(last).max(first) as u16).min(self.visible[1]);
         }
         self.row = row;
         self.y += 1;

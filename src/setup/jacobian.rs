@@ -51,7 +51,7 @@ fn column(widths: &Widths, view: &View, projected: &Projected, axis: Axis) -> Co
 }
 
 /// W a: exact products and sum, each component rounded to the mantissa.
-fn turn(widths: &Widths, view: &View, axis: Axis) -> [Scaled; 3] {
+pub(super) fn turn(widths: &Widths, view: &View, axis: Axis) -> [Scaled; 3] {
     let exponent = axis.exponent.clamp(-512, 511) - 30;
     let mut turned = [Scaled::ZERO; 3];
     for (component, entries) in turned.iter_mut().zip(&view.rotation) {

@@ -7,16 +7,23 @@
 //! Each unit is one file with its equation at its head. Positions are fixed point; everything after the
 //! reciprocal of the depth is block floating point with the design's mantissa.
 
+pub mod distance;
 mod jacobian;
 mod peak;
+mod point;
 mod project;
 mod shape;
+mod sphere;
+mod surface;
 mod variance;
 
 pub use jacobian::{Column, columns};
 pub use peak::{cutoff, peak, peak_fixed};
+pub use point::{PointFilter, is_minified, setup_point};
 pub use project::{Projected, project};
 pub use shape::{conic, scan};
+pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
+pub use surface::{depth_gradient, setup_surface, surface_peak};
 pub use variance::{Variance, variance};
 
 use crate::footprint::Footprint;
@@ -67,11 +74,16 @@ pub fn setup<D: Design>(
 ) -> Result<Footprint, Cull> {
     let widths = design.widths();
     let projected = project(&widths, view, rules, splat.centre)?;
-    let columns = columns(&widths, view, &projected, &splat.axes);
+    let mut columns = columns(&widths, view, &projected, &splat.axes);
+    let mut weight = splat.weight;
+    if let Some(factor) = distance::enlargement(&widths, rules, &projected) {
+        columns = distance::enlarge(&widths, columns, factor);
+        weight = distance::dim(&widths, rules, weight, factor);
+    }
     let variance = variance(&widths, rules.low_pass, &columns);
     let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
     let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
-    let peak = peak(&widths, rules, splat.weight, &projected, &variance);
+    let peak = peak(&widths, rules, weight, &projected, &variance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let (first, last) = bounding_box(
         widths.subpixel.into(),

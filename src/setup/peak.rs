@@ -3,22 +3,17 @@
 //! Normalised kernels ([EWA] eq. 26-31): the footprint is a Gaussian of unit volume in ray space, so its peak is
 //!
 //! ```text
-//! g |J W| / (2 pi sqrt(det)),   |J| = fx/z fy/z |t|/z = gain_x gain_y sqrt(1 + (x/z)^2 + (y/z)^2)
+//! g |J W| / (pi I sqrt(det)),   |J| = fx/z fy/z |t|/z = gain_x gain_y sqrt(1 + (x/z)^2 + (y/z)^2)
 //! ```
 //!
-//! with J in pixels and |W| = 1. Orthographic views have |t|/z = 1. All other rules take the weight itself.
+//! with J in pixels, |W| = 1 and I the integral of the kernel's profile (2 for the Gaussian). Orthographic views have |t|/z = 1. All other rules take the weight itself.
 
 use super::project::Projected;
 use super::variance::Variance;
 use crate::format::Widths;
+use crate::kernel::Kernel;
 use crate::math::{Product, Scaled, log2_upper, reciprocal, square_root, sum_of_products};
 use crate::rules::{Cutoff, Rules};
-
-/// 1 / (2 pi) with 31 bits.
-const INVERSE_TWO_PI: Scaled = Scaled {
-    mantissa: 1_367_130_551,
-    exponent: -33,
-};
 
 /// Peak opacity; 0 for negative weights.
 pub fn peak(
@@ -49,7 +44,7 @@ pub fn peak(
     weight
         .multiply(area, bits)
         .multiply(density, bits)
-        .multiply(INVERSE_TWO_PI, bits)
+        .multiply(rules.kernel.inverse_integral(), bits)
 }
 
 /// The peak in UQ4.peak, saturated; `None` if it rounds to 0.
@@ -74,7 +69,8 @@ pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
     const TWO_LN_2: i64 = 90_852; // UQ1.16
     const END: i64 = 15 << 28;
     match rules.cutoff {
-        Cutoff::Radial(cutoff) => Some(cutoff.min(END as u32)),
+        Cutoff::Radial(cutoff) => Some(cutoff.min(rules.kernel.end())),
+        Cutoff::Opacity if rules.kernel != Kernel::Gaussian => Some(rules.kernel.end()),
         Cutoff::Opacity => {
             let smallest = Scaled::from_wide(rules.alpha_min.into(), -31, 31);
             // log2_upper exceeds the logarithm by less than 2^-11: 32 units of 2^-16.

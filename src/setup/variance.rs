@@ -63,7 +63,7 @@ pub fn variance(widths: &Widths, low_pass: Scaled, columns: &[Column; 3]) -> Var
 }
 
 /// The 2x2 minor m_j x m_k.
-fn minor(j: &Column, k: &Column, bits: u32) -> Scaled {
+pub(super) fn minor(j: &Column, k: &Column, bits: u32) -> Scaled {
     let crossed = j.y.times(k.x);
     let crossed = Product {
         value: crossed.value.wrapping_neg(),

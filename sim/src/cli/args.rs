@@ -4,8 +4,10 @@ use super::machine_args;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
+use splatline_sim::hybrid::Points;
 use splatline_sim::picture::Depth;
-use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::rules::{Compositing, Kernel, Rules};
+use splatline_sim::surface::LAYERS;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -32,7 +34,8 @@ Examples:
   splatline render guitar.splat -o guitar.png
   splatline render guitar.ply --camera camera.json --design lean18 --traversal box -o guitar.png
   splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
-  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png";
+  splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
+  splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -40,6 +43,7 @@ Examples:
   splatline compare guitar.ply --camera camera.json --design lean18 --only -o out
   splatline compare fuel.nhdr --design my_design.toml --repeat 5 --size 800x600 -o out
   splatline compare guitar.ply --engine exact -o out      against the ray integral instead of EWA
+  splatline compare lion.ply --as surface -o out          a point cloud as surface splats
 
 Writes fixed.png, float.png, error.png, report.json and report.html.";
 
@@ -49,6 +53,23 @@ Examples:
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
 Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
+
+const RESULTS_EXAMPLES: &str = "\
+Examples:
+  splatline results --data ../shared/data -o docs/results
+  splatline results --data ../shared/data --only golden -o /tmp/results";
+const VECTORS_EXAMPLES: &str = "\
+Examples:
+  splatline vectors export out/vectors --design lean18
+  splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
+  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
+const GALLERY_EXAMPLES: &str = "\
+Examples:
+  splatline gallery surface -o docs/gallery/surface
+  splatline gallery kernels -o docs/gallery/kernels
+  splatline gallery kernels --only antialias -o out
+
+Groups of kernels: shapes, antialias, spheres, hybrid, stamps.";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -71,6 +92,12 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Draw the exhibits that show each system, with their numbers beside the pictures.
+    #[command(after_help = GALLERY_EXAMPLES)]
+    Gallery(GalleryOptions),
+    /// Measure every figure that the documentation states and write its pages.
+    #[command(after_help = RESULTS_EXAMPLES)]
+    Results(ResultsOptions),
     /// Cycles of a scene on a machine.
     #[command(after_help = machine_args::MODEL_EXAMPLES)]
     Model(machine_args::ModelOptions),
@@ -89,15 +116,110 @@ pub enum Command {
     /// Write the raster phase cycle by cycle for a trace viewer.
     #[command(after_help = machine_args::TRACE_EXAMPLES)]
     Trace(machine_args::TraceOptions),
-    /// Measure every table of docs/results.
-    #[command(after_help = machine_args::RESULTS_EXAMPLES)]
-    Results(machine_args::ResultsOptions),
+    /// Measure every stage on hard cases, against exact arithmetic and single precision.
+    #[command(after_help = STABILITY_EXAMPLES)]
+    Stability(StabilityOptions),
+    /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
+    #[command(after_help = VECTORS_EXAMPLES)]
+    Vectors {
+        #[command(subcommand)]
+        action: VectorsAction,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub enum VectorsAction {
+    /// Write one $readmemh file per stage and manifest.json.
+    Export(VectorsExportOptions),
+    /// Compute everything anew from DIR's splats and name the first difference; stages without a file are left out.
+    Verify {
+        /// Folder with manifest.json, splats.hex and the stages to check
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+}
+
+#[derive(Debug, Args)]
+pub struct VectorsExportOptions {
+    /// Folder to write into
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
+    #[arg(long, value_name = "SCENE")]
+    pub scene: Option<PathBuf>,
+    /// Splats at most
+    #[arg(long, value_name = "N", default_value = "144")]
+    pub splats: usize,
+    /// Seed of the built-in splats
+    #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]
+    pub seed: u32,
+    /// Size of the picture
+    #[arg(long, value_name = "WxH", default_value = "96x64")]
+    pub size: Size,
+    /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
+    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
+    pub rules: Option<Rules>,
+    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
+    pub design: DesignName,
+    /// How a footprint's pixels are walked [default: the design's own]
+    #[arg(long, value_enum)]
+    pub traversal: Option<TraversalChoice>,
+    /// Order and operator of blending
+    #[arg(long, value_enum, default_value = "front-to-back")]
+    pub compositing: CompositingChoice,
+}
+
+#[derive(Debug, Args)]
+pub struct GalleryOptions {
+    /// Which collection
+    #[arg(value_enum)]
+    pub collection: Collection,
+    /// One group of the collection only
+    #[arg(long, value_name = "GROUP")]
+    pub only: Option<String>,
+    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
+    #[arg(long, value_name = "dir", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder to write README.md and the pictures into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// A collection of exhibits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Collection {
+    /// Surface splats, layers, edges, deferred shading
+    Surface,
+    /// Kernels, antialiasing, spheres, hybrid points, stamps
+    Kernels,
+}
+
+const STABILITY_EXAMPLES: &str = "\
+Examples:
+  splatline stability
+  splatline stability --markdown docs/stability.md
+  splatline stability --quick --json stability.json";
+
+#[derive(Debug, Args)]
+pub struct StabilityOptions {
+    /// A short stack of splats instead of 100,000
+    #[arg(long)]
+    pub quick: bool,
+    /// JSON file to write as well
+    #[arg(long, value_name = "s.json")]
+    pub json: Option<PathBuf>,
+    /// Markdown page to write; the summary alone is then printed
+    #[arg(long, value_name = "s.md")]
+    pub markdown: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
 pub struct RenderOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
     /// PNG file to write
@@ -109,6 +231,8 @@ pub struct RenderOptions {
 pub struct CompareOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
     #[command(flatten)]
@@ -139,7 +263,7 @@ pub struct FootprintsOptions {
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, or a volume as .nrrd or .nhdr
+    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
     /// Camera file (JSON); without it and without --eye the whole scene is shown
@@ -178,12 +302,42 @@ pub struct ViewOptions {
     /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
+    /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
+    #[arg(long, value_enum)]
+    pub antialias: Option<AntialiasChoice>,
+    /// Shape of footprints
+    #[arg(long, value_enum, default_value = "gaussian")]
+    pub kernel: KernelChoice,
     /// Transfer function of a volume (TOML)
     #[arg(long, value_name = "file.toml")]
     pub transfer: Option<PathBuf>,
     /// Direction towards the light that shades a volume
     #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
     pub light: Option<Vector>,
+}
+
+/// How a point cloud is drawn as a surface.
+#[derive(Debug, Args)]
+pub struct SurfaceOptions {
+    /// What the scene's points are: `surface` draws a .ply or .xyz cloud as surface splats
+    #[arg(long = "as", value_name = "surface", value_enum)]
+    pub kind: Option<SceneKind>,
+    /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
+    #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
+    pub layers: Option<usize>,
+    /// Depths closer than this are one surface, scene units [default: three radii]
+    #[arg(long, value_name = "Z", value_parser = positive, requires = "kind")]
+    pub z_threshold: Option<f64>,
+    /// Antialias edges by the weight sum
+    #[arg(long, requires = "kind")]
+    pub edges: bool,
+}
+
+/// What the points of a scene are taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SceneKind {
+    /// Points of a surface
+    Surface,
 }
 
 /// By what and how often it is drawn.
@@ -199,6 +353,12 @@ pub struct DrawingOptions {
     /// How a footprint's pixels are walked [default: the design's own]
     #[arg(long, value_enum)]
     pub traversal: Option<TraversalChoice>,
+    /// Which samples of a volume become points, gathered in depth ranges; needs --antialias swan
+    #[arg(long, value_enum)]
+    pub points: Option<PointsChoice>,
+    /// Phases per pixel and axis of --traversal stamp, as a power of two
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u8).range(0..=6))]
+    pub phase_bits: u8,
     /// Order and operator of blending
     #[arg(long, value_enum, default_value = "front-to-back")]
     pub compositing: CompositingChoice,
@@ -245,13 +405,72 @@ pub enum TraversalChoice {
     Box,
     /// Only the pixels of each row inside the ellipse
     Spans,
+    /// Samples closer together than pixels by copying a precomputed footprint, others by spans; needs --antialias swan
+    Stamp,
+}
+
+/// Protection against aliasing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AntialiasChoice {
+    /// No low-pass filter
+    None,
+    /// The low-pass filter of the rules
+    Ewa,
+    /// Distance scaling by the volume's sample spacing, without a low-pass filter
+    Swan,
+}
+
+/// Shape of footprints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum KernelChoice {
+    /// exp(-r/2)
+    Gaussian,
+    /// Footprint of the cubic spline of Crawfis and Max
+    Cubic,
+    /// 1 - r/6 (Epanechnikov)
+    Quadratic,
+    /// Constant
+    Disc,
+}
+
+impl From<KernelChoice> for Kernel {
+    fn from(choice: KernelChoice) -> Self {
+        match choice {
+            KernelChoice::Gaussian => Kernel::Gaussian,
+            KernelChoice::Cubic => Kernel::Cubic,
+            KernelChoice::Quadratic => Kernel::Quadratic,
+            KernelChoice::Disc => Kernel::Disc,
+        }
+    }
+}
+
+/// Which samples become points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PointsChoice {
+    /// Those closer together than pixels
+    Auto,
+    /// All
+    All,
+    /// None
+    None,
+}
+
+impl From<PointsChoice> for Points {
+    fn from(choice: PointsChoice) -> Self {
+        match choice {
+            PointsChoice::Auto => Points::Auto,
+            PointsChoice::All => Points::All,
+            PointsChoice::None => Points::None,
+        }
+    }
 }
 
 impl From<TraversalChoice> for Traversal {
     fn from(choice: TraversalChoice) -> Self {
         match choice {
             TraversalChoice::Box => Traversal::Box,
-            TraversalChoice::Spans => Traversal::Spans,
+            // Beyond the points, stamped drawings walk spans.
+            TraversalChoice::Spans | TraversalChoice::Stamp => Traversal::Spans,
         }
     }
 }
@@ -361,6 +580,23 @@ fn field_of_view(text: &str) -> Result<f64, String> {
     }
 }
 
+fn layers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if LAYERS.contains(&count) => Ok(count),
+        _ => Err(format!(
+            "expected one of {}",
+            LAYERS.map(|count| count.to_string()).join(", ")
+        )),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 => Ok(value),
+        _ => Err("must be larger than 0".to_owned()),
+    }
+}
+
 fn depth(text: &str) -> Result<Depth, String> {
     match text {
         "8" => Ok(Depth::Eight),
@@ -375,4 +611,30 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=1024).contains(&count) => Ok(count),
         _ => Err("expected a whole number from 1 to 1024".to_owned()),
     }
+}
+
+#[derive(Debug, Args)]
+pub struct ResultsOptions {
+    /// Folder of the scenes (with gaussians, volumes and golden in it).
+    #[arg(long, value_name = "DIR")]
+    pub data: PathBuf,
+    /// Folder to write the pages to.
+    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
+    pub output: PathBuf,
+    /// Only the pages named.
+    #[arg(long, value_enum, value_name = "PAGE")]
+    pub only: Vec<ResultsPage>,
+}
+
+/// Pages of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ResultsPage {
+    /// Fixed point against float on scenes.
+    Accuracy,
+    /// Both engines against independent data.
+    Golden,
+    /// Bit layout of the footprint packet.
+    Packet,
+    /// Cycles: throughput, lane layouts, designs.
+    Hardware,
 }

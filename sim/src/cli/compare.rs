@@ -16,10 +16,13 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
     create_folder(&options.output)?;
     drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    if options.surface.kind.is_some() {
+        return super::surface::compare_with_float(options);
+    }
     let view = View::from_options(&options.view)?;
     let manner = Manner {
         machine: machine(&options.machine)?,
-        ..Manner::from_options(drawing)
+        ..Manner::from_options(drawing, &view)?
     };
     // The fixed picture is always drawn; the option can only say what it is compared with.
     let reference = if drawing.engine == Engine::Exact {
@@ -28,7 +31,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         Engine::Float
     };
     let chosen = Entry::from_options(drawing)?;
-    let others = if options.only {
+    // Points and stamps have one traversal only.
+    let others = if options.only || manner.hybrid.is_some() {
         Vec::new()
     } else {
         all_entries(&chosen.design)
@@ -65,7 +69,7 @@ pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
 }
 
 /// The chosen design's errors.
-fn summary(report: &Report, folder: &Path) -> String {
+pub fn summary(report: &Report, folder: &Path) -> String {
     let line = |name: &str, error: &ChannelFacts| {
         format!(
             "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}\n",

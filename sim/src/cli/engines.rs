@@ -2,7 +2,7 @@
 
 use super::args::Engine;
 use super::drawing::{Drawing, FootprintLine};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use rayon::ThreadPoolBuilder;
 use splatline::footprint::Footprint;
 use splatline::format::{Traversal, Widths};
@@ -10,6 +10,7 @@ use splatline::setup::Cull;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
+use splatline_sim::hybrid::Hybrid;
 use splatline_sim::machine::workload::extract;
 use splatline_sim::machine::{Config, Timing, simulate_alone};
 use splatline_sim::reference::{self, exact, float};
@@ -43,18 +44,22 @@ pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
         rules,
         compositing,
     } = task;
-    let reference::Drawing { picture, counts } = match engine {
+    Ok(of_reference(match engine {
         Engine::Float => float::draw(scene, camera, rules, compositing),
         Engine::Exact => exact::draw(scene, camera, rules, compositing),
         Engine::Fixed => bail!("engine 'fixed' is not a reference"),
-    };
-    Ok(Drawing {
+    }))
+}
+
+/// A reference's drawing in the commands' terms.
+fn of_reference(reference::Drawing { picture, counts }: reference::Drawing) -> Drawing {
+    Drawing {
         picture,
         culled: reference_culled(&counts),
         clamped: 0,
         pixels: None,
         stages: HostTimes::default(),
-    })
+    }
 }
 
 /// Draws through the kernel.
@@ -66,6 +71,39 @@ pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Dr
         traversal,
     };
     let drawing = fixed::draw(task.scene, task.camera, &options);
+    described(drawing)
+}
+
+/// Points and splats through the kernel.
+pub fn draw_hybrid(task: Task, design: &DesignChoice, hybrid: &Hybrid) -> Result<Drawing> {
+    let options = fixed::Options {
+        rules: task.rules,
+        compositing: task.compositing,
+        design,
+        traversal: Traversal::Spans,
+    };
+    let drawn = fixed::draw_hybrid(task.scene, task.camera, &options, hybrid);
+    Ok(described(drawn.map_err(Error::msg)?.drawing))
+}
+
+/// Points and splats in double precision, centres of points where they are and not at a stamp's phase.
+pub fn draw_hybrid_reference(engine: Engine, task: Task, hybrid: &Hybrid) -> Result<Drawing> {
+    if engine != Engine::Float {
+        bail!(
+            "points and stamps have no engine '{}': use float",
+            engine.name()
+        );
+    }
+    let hybrid = Hybrid {
+        phase_bits: None,
+        ..*hybrid
+    };
+    let drawn = reference::hybrid::draw(task.scene, task.camera, task.rules, &hybrid);
+    Ok(of_reference(drawn))
+}
+
+/// The kernel's drawing in the commands' terms.
+fn described(drawing: fixed::Drawing) -> Drawing {
     let fixed::Times {
         setup,
         sort,
@@ -77,12 +115,9 @@ pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Dr
         raster_s: raster,
         ..HostTimes::default()
     };
-    let counts = Cull::ALL.iter().zip(drawing.culled);
     Drawing {
         picture: drawing.picture,
-        culled: counts
-            .map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64))
-            .collect(),
+        culled: cull_counts(drawing.culled),
         clamped: drawing.clamped as u64,
         pixels: Some(Pixels {
             covered: drawing.coverage.covered,
@@ -163,6 +198,14 @@ fn line_of(footprint: &Footprint, widths: &Widths, depth_log2: i32) -> Footprint
     }
 }
 
+/// The kernel's counts under the reports' names, in the order of [`Cull::ALL`].
+pub fn cull_counts(culled: [usize; Cull::ALL.len()]) -> Counts {
+    let counts = Cull::ALL.iter().zip(culled);
+    counts
+        .map(|(reason, count)| (cull_name(*reason).to_owned(), count as u64))
+        .collect()
+}
+
 /// The kernel's reasons in the words of the reports.
 fn cull_name(reason: Cull) -> &'static str {
     match reason {
@@ -175,7 +218,7 @@ fn cull_name(reason: Cull) -> &'static str {
     }
 }
 
-fn reference_culled(counts: &reference::Counts) -> Counts {
+pub fn reference_culled(counts: &reference::Counts) -> Counts {
     let reasons = [
         ("near", counts.near),
         ("far", counts.far),

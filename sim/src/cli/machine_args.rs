@@ -222,16 +222,6 @@ fn positive(text: &str) -> Result<f64, String> {
     }
 }
 
-#[derive(Debug, Args)]
-pub struct ResultsOptions {
-    /// Folder with the scenes (gaussians/, points/)
-    #[arg(long, value_name = "dir")]
-    pub data: PathBuf,
-    /// Folder to write the tables into
-    #[arg(short, long, value_name = "dir", default_value = "docs/results")]
-    pub output: PathBuf,
-}
-
 pub const MERGE_EXAMPLES: &str = "\
 Examples:
   splatline merge out -o out
@@ -241,7 +231,3 @@ pub const NEEDS_EXAMPLES: &str = "\
 Examples:
   splatline needs guitar.ply
   splatline needs guitar.ply --max-error 0.004 --json needs.json";
-
-pub const RESULTS_EXAMPLES: &str = "\
-Examples:
-  splatline results --data data -o docs/results";

@@ -11,6 +11,7 @@ mod engines;
 mod explore;
 mod fit;
 mod footprints;
+mod gallery;
 mod machine_args;
 mod model;
 mod needs;
@@ -18,10 +19,13 @@ mod progress;
 mod render;
 mod results;
 mod setup;
+mod stability;
+mod surface;
 mod sweep;
 #[cfg(test)]
 mod tests;
 mod trace;
+mod vectors;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -49,7 +53,7 @@ pub fn run() -> ExitCode {
     match dispatch(cli.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            complain(&format!("error: {error:#}\n"));
+            complain(&format!("error: {}\n", explain(&error)));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
@@ -67,6 +71,9 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Gallery(options)) => gallery::run(&options),
+        Some(Command::Vectors { action }) => vectors::run(&action),
+        Some(Command::Stability(options)) => stability::run(&options),
         Some(Command::Model(options)) => model::run(&options),
         Some(Command::Explore(options)) => explore::run(&options),
         Some(Command::Merge(options)) => explore::merge(&options),
@@ -75,6 +82,22 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Trace(options)) => trace::run(&options),
         Some(Command::Results(options)) => results::run(&options),
     }
+}
+
+/// The error and its causes, each said once: some errors already quote their cause.
+fn explain(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .map(ToString::to_string)
+        .fold(String::new(), |said, cause| {
+            if said.is_empty() {
+                cause
+            } else if said.contains(&cause) {
+                said
+            } else {
+                format!("{said}: {cause}")
+            }
+        })
 }
 
 /// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.

@@ -18,8 +18,11 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             "--traversal has no meaning for --engine {engine}"
         )));
     }
+    if options.surface.kind.is_some() {
+        return super::surface::render(options);
+    }
     let view = View::from_options(&options.view)?;
-    let manner = Manner::from_options(drawing);
+    let manner = Manner::from_options(drawing, &view)?;
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
     let (measured, report) = match drawing.engine {
@@ -48,25 +51,42 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 }
 
 /// What was drawn, what was left out and how long it took.
-fn summary(report: &Report) -> String {
-    let host = &report.host;
+pub fn summary(report: &Report) -> String {
+    let scene = &report.scene;
+    let clamped = if scene.clamped > 0 {
+        format!(", {} clamped", scene.clamped)
+    } else {
+        String::new()
+    };
     format!(
-        "{}: {} splats{}{}{}\n{:.1} ms (median of {}; setup {:.1}, sort {:.1}, raster {:.1})\n",
-        report.scene.name,
-        report.scene.splats,
-        reasons("skipped", &report.scene.skipped),
-        reasons("culled", &report.scene.culled),
-        if report.scene.clamped > 0 {
-            format!(", {} clamped", report.scene.clamped)
-        } else {
-            String::new()
-        },
-        host.total_s * 1e3,
-        host.repeat,
-        host.setup_s * 1e3,
-        host.sort_s * 1e3,
-        host.raster_s * 1e3,
+        "{}: {} splats{}{}{clamped}\n{}\n",
+        scene.name,
+        scene.splats,
+        reasons("skipped", &scene.skipped),
+        reasons("culled", &scene.culled),
+        times(report),
     )
+}
+
+/// Only the kernel's host side tells its stages apart.
+fn times(report: &Report) -> String {
+    let host = &report.host;
+    let runs = if host.repeat > 1 {
+        format!(", median of {} runs", host.repeat)
+    } else {
+        String::new()
+    };
+    let total = format!("{:.1} ms{runs}", host.total_s * 1e3);
+    if report.traversal.is_none() {
+        return total;
+    }
+    let stages = [
+        ("setup", host.setup_s),
+        ("sort", host.sort_s),
+        ("raster", host.raster_s),
+    ];
+    let stages = stages.map(|(name, seconds)| format!("{name} {:.1}", seconds * 1e3));
+    format!("{total} ({})", stages.join(", "))
 }
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.

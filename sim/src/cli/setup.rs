@@ -1,10 +1,11 @@
 //! From options to what the engines need: scene, camera, rules, threads, and a check of the output's folder.
 
 use super::Failure;
-use super::args::{Size, USUAL_FOV, Vector, ViewOptions};
+use super::args::{AntialiasChoice, Size, USUAL_FOV, Vector, ViewOptions};
 use anyhow::{Context, anyhow};
 use splatline_sim::camera::Camera;
-use splatline_sim::rules::Rules;
+use splatline_sim::hybrid::spacing;
+use splatline_sim::rules::{Antialias, Rules};
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::num::NonZero;
 use std::path::Path;
@@ -31,8 +32,10 @@ impl View {
             light,
         };
         let scene = scene::load(&options.scene, &load_options)?;
-        let camera = camera(options, &scene)?;
-        let rules = options.rules.unwrap_or(scene.natural_rules);
+        let camera = camera_or(options, scene.up, |size| {
+            scene.default_camera(size.width, size.height)
+        })?;
+        let rules = rules(options, &scene);
         Ok(View {
             scene,
             camera,
@@ -41,7 +44,23 @@ impl View {
     }
 }
 
-fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
+/// The rules asked for, with the kernel and the protection against aliasing asked for.
+fn rules(options: &ViewOptions, scene: &Scene) -> Rules {
+    let rules = options.rules.unwrap_or(scene.natural_rules);
+    let rules = rules.with_kernel(options.kernel.into());
+    match options.antialias {
+        None | Some(AntialiasChoice::Ewa) => rules,
+        Some(AntialiasChoice::None) => rules.with_antialias(Antialias::None),
+        Some(AntialiasChoice::Swan) => rules.with_antialias(Antialias::Swan(spacing(scene))),
+    }
+}
+
+/// The camera of the options, or the scene's own. `up` is used where the options do not say.
+pub fn camera_or(
+    options: &ViewOptions,
+    up: [f64; 3],
+    default: impl FnOnce(Size) -> Camera,
+) -> Result<Camera, Failure> {
     if let Some(path) = &options.camera {
         let camera = Camera::from_json_file(path)?;
         return match options.size {
@@ -51,9 +70,9 @@ fn camera(options: &ViewOptions, scene: &Scene) -> Result<Camera, Failure> {
     }
     let size = options.size.unwrap_or(USUAL_SIZE);
     let (Some(Vector(eye)), Some(Vector(target))) = (options.eye, options.target) else {
-        return Ok(scene.default_camera(size.width, size.height));
+        return Ok(default(size));
     };
-    let up = options.up.map_or(scene.up, |Vector(up)| up);
+    let up = options.up.map_or(up, |Vector(up)| up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     Camera::look_at(eye, target, up, fov, size.width, size.height).map_err(|error| {
         Failure::Usage(format!("--eye, --target and --up make no camera: {error}"))

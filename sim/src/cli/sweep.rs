@@ -1,7 +1,7 @@
 //! Draws one view by several designs and traversals and compares each with the reference.
 
 use super::Failure;
-use super::args::{DrawingOptions, Engine};
+use super::args::{DrawingOptions, Engine, TraversalChoice};
 use super::drawing::Drawing;
 use super::engines::{self, Task};
 use super::progress::Progress;
@@ -9,13 +9,15 @@ use super::setup::{View, threads, write};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
+use splatline_sim::hybrid::{Hybrid, Points, spacing};
 use splatline_sim::machine::{Config, Timing};
-use splatline_sim::metrics::{Errors, compare};
+use splatline_sim::metrics::compare;
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
-use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, html};
+use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
 use splatline_sim::rules::Compositing;
+use splatline_sim::scene::Scene;
 use std::path::Path;
 use std::time::Instant;
 
@@ -24,6 +26,9 @@ pub struct Manner {
     pub compositing: Compositing,
     pub threads: usize,
     pub repeat: usize,
+    /// Points and stamps instead of splats alone.
+    pub hybrid: Option<Hybrid>,
+    /// The machine whose cycles are counted.
     pub machine: Config,
 }
 
@@ -36,12 +41,63 @@ pub struct Entry {
 
 impl Manner {
     /// As the command line says.
-    pub fn from_options(options: &DrawingOptions) -> Manner {
+    ///
+    /// Points and stamps need distance scaling, which tells which samples are closer together than pixels.
+    pub fn from_options(options: &DrawingOptions, view: &View) -> Result<Manner, Failure> {
+        let hybrid = hybrid(options, &view.scene);
+        let compositing: Compositing = options.compositing.into();
+        if hybrid.is_some() && (view.rules.spacing <= 0.0 || !view.rules.cutoff.is_finite()) {
+            let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        if hybrid.is_some() && compositing != Compositing::FrontToBack {
+            let message = "--points and --traversal stamp composite front to back only";
+            return Err(Failure::Usage(message.to_owned()));
+        }
+        Ok(Manner {
+            hybrid,
+            ..Manner::without_points(options)
+        })
+    }
+
+    /// As the command line says, for scenes that know neither points nor stamps.
+    pub fn without_points(options: &DrawingOptions) -> Manner {
         Manner {
+            hybrid: None,
+            machine: Config::default(),
             compositing: options.compositing.into(),
             threads: threads(options.threads),
             repeat: options.repeat,
-            machine: Config::default(),
+        }
+    }
+}
+
+/// Depth range of gathered points, in sample spacings.
+const DEPTH_RANGE: f64 = 0.5;
+
+/// Points and stamps, if the options ask for them.
+fn hybrid(options: &DrawingOptions, scene: &Scene) -> Option<Hybrid> {
+    let stamped = options.traversal == Some(TraversalChoice::Stamp);
+    if options.points.is_none() && !stamped {
+        return None;
+    }
+    Some(Hybrid {
+        points: options.points.map_or(Points::Auto, Points::from),
+        depth_range: options.points.map(|_| DEPTH_RANGE * spacing(scene)),
+        phase_bits: stamped.then_some(options.phase_bits),
+    })
+}
+
+impl Manner {
+    /// Name of the traversal in reports.
+    fn traversal_name(&self, entry: &Entry) -> &'static str {
+        match self.hybrid {
+            Some(Hybrid {
+                phase_bits: Some(_),
+                ..
+            }) => "stamp",
+            Some(_) => "spans",
+            None => traversal_name(entry.traversal),
         }
     }
 }
@@ -70,6 +126,7 @@ pub struct Measured {
 pub struct Comparison {
     pub fixed: Picture,
     pub float: Picture,
+    pub map: ErrorMap,
     pub report: Report,
 }
 
@@ -102,31 +159,35 @@ pub fn measure(
 /// Draws by one of the double-precision engines.
 pub fn draw_reference(view: &View, manner: &Manner, engine: Engine) -> Result<Measured> {
     measure(manner, || {
-        engines::draw_reference(engine, task(view, manner))
+        let task = task(view, manner);
+        match &manner.hybrid {
+            Some(hybrid) => engines::draw_hybrid_reference(engine, task, hybrid),
+            None => engines::draw_reference(engine, task),
+        }
     })
 }
 
 /// Draws one entry through the kernel.
 pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measured> {
     measure(manner, || {
-        Ok(engines::draw_fixed(
-            task(view, manner),
-            &entry.design,
-            entry.traversal,
-        ))
+        let task = task(view, manner);
+        match &manner.hybrid {
+            Some(hybrid) => engines::draw_hybrid(task, &entry.design, hybrid),
+            None => Ok(engines::draw_fixed(task, &entry.design, entry.traversal)),
+        }
     })
 }
 
-/// Cycles of one entry on the manner's machine.
-fn cycles(view: &View, manner: &Manner, entry: &Entry) -> Result<Timing> {
-    engines::on_threads(manner.threads, || {
-        engines::cycles(
-            task(view, manner),
-            &entry.design,
-            entry.traversal,
-            &manner.machine,
-        )
-    })
+/// Cycles of one entry on the manner's machine, which knows neither points nor stamps.
+fn cycles(view: &View, manner: &Manner, entry: &Entry) -> Result<Option<Timing>> {
+    if manner.hybrid.is_some() {
+        return Ok(None);
+    }
+    let timing = engines::on_threads(manner.threads, || {
+        let task = task(view, manner);
+        engines::cycles(task, &entry.design, entry.traversal, &manner.machine)
+    })?;
+    Ok(Some(timing))
 }
 
 fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
@@ -157,6 +218,7 @@ pub fn run(
     // Once is enough: the reference's time is not reported.
     let once = Manner {
         repeat: 1,
+        machine: manner.machine.clone(),
         ..*manner
     };
     let float = draw_reference(view, &once, reference)?.drawing.picture;
@@ -170,7 +232,7 @@ pub fn run(
         let errors = compare(&measured.drawing.picture, &float)
             .with_context(|| format!("design {} cannot be compared", entry.title()))?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
-        let traversal = traversal_name(entry.traversal);
+        let traversal = manner.traversal_name(entry);
         let cycles = cycles(view, manner, entry)?;
         let row = Row::new(
             &entry.design.name,
@@ -180,7 +242,7 @@ pub fn run(
             measured.host,
         );
         table.push(Row {
-            cycles: Some(cycles.total),
+            cycles: cycles.as_ref().map(|cycles| cycles.total),
             ..row
         });
         if entry == chosen {
@@ -189,13 +251,19 @@ pub fn run(
         progress.advance();
     }
     let (measured, errors, cycles) = kept.context("the chosen design was not drawn")?;
+    let map = ErrorMap::new(&measured.drawing.picture, &float);
     let report = Report {
-        cycles: Some(serde_json::to_value(&cycles).context("cycles have no JSON form")?),
-        ..report(view, manner, reference, chosen, (&measured, &errors), table)?
+        reference: Some(reference.name().to_owned()),
+        error: Some(ErrorFacts::from(&errors)),
+        error_map: Some(ScaleFacts::from(&map)),
+        cycles: cycles.map(serde_json::to_value).transpose()?,
+        table,
+        ..report_of_entry(view, manner, chosen, &measured)?
     };
     Ok(Comparison {
         fixed: measured.drawing.picture,
         float,
+        map,
         report,
     })
 }
@@ -209,22 +277,6 @@ fn entries(chosen: &Entry, others: &[Entry]) -> Vec<Entry> {
     entries
 }
 
-fn report(
-    view: &View,
-    manner: &Manner,
-    reference: Engine,
-    chosen: &Entry,
-    (measured, errors): (&Measured, &Errors),
-    table: Vec<Row>,
-) -> Result<Report> {
-    Ok(Report {
-        reference: Some(reference.name().to_owned()),
-        error: Some(ErrorFacts::from(errors)),
-        table,
-        ..report_of_entry(view, manner, chosen, measured)?
-    })
-}
-
 /// The report of one picture through the kernel that was compared with nothing.
 pub fn report_of_entry(
     view: &View,
@@ -234,7 +286,7 @@ pub fn report_of_entry(
 ) -> Result<Report> {
     Ok(Report {
         design: serde_json::to_value(entry.design.resolved())?,
-        traversal: Some(traversal_name(entry.traversal).to_owned()),
+        traversal: Some(manner.traversal_name(entry).to_owned()),
         ..report_of_drawing(view, manner, Engine::Fixed, measured)
     })
 }
@@ -261,6 +313,7 @@ pub fn report_of_drawing(
         rules: RulesFacts::from(&view.rules),
         compositing: compositing_name(manner.compositing).to_owned(),
         error: None,
+        error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,
         host: measured.host,
@@ -273,15 +326,14 @@ impl Comparison {
     pub fn write(&self, folder: &Path, depth: Depth) -> Result<(), Failure> {
         self.fixed.write_png(&folder.join("fixed.png"), depth)?;
         self.float.write_png(&folder.join("float.png"), depth)?;
-        let map = ErrorMap::new(&self.fixed, &self.float).to_rgb().to_png()?;
-        write(&folder.join("error.png"), &map)?;
+        write(&folder.join("error.png"), &self.map.to_rgb().to_png()?)?;
         write(
             &folder.join("report.json"),
             self.report.to_json()?.as_bytes(),
         )?;
         write(
             &folder.join("report.html"),
-            html::page(&self.report, &self.fixed, &self.float)?.as_bytes(),
+            html::page(&self.report, &self.fixed, &self.float, &self.map)?.as_bytes(),
         )
     }
 }

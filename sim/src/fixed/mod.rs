@@ -4,8 +4,16 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
+mod bands;
+pub mod deep;
+mod hybrid;
 mod quantise;
 mod render;
+pub mod sheets;
+mod sphere;
+pub mod surface;
 
+pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
-pub use render::{Drawing, Options, Times, draw, footprints};
+pub use render::{Drawing, Options, Times, conics, draw, footprints};
+pub use sphere::draw_spheres;

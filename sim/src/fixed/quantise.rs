@@ -4,9 +4,10 @@
 //! range; a power of two moves no bit of any result. Axes and weights carry their own exponents and lose nothing below 31 bits.
 
 use crate::camera::Camera;
-use crate::rules::{Compositing, Rules};
+use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::Scene;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use splatline::kernel as shapes;
 use splatline::math::Scaled;
 use splatline::rules as kernel;
 use splatline::splat::{Axis, VolumeSplat};
@@ -28,7 +29,7 @@ pub struct QuantisedScene {
 impl QuantisedScene {
     /// Quantises what both engines draw: the scene as `rules` weigh it, seen by `camera`.
     pub fn new(scene: &Scene, camera: &Camera, rules: &Rules) -> Self {
-        let scale_log2 = scale_log2(scene, camera);
+        let scale_log2 = scale_log2(scene.splats.iter().map(|s| s.centre), camera);
         let weight_log2 = if rules.normalised { 2 * scale_log2 } else { 0 };
         let (colours, weights) = (scene.colours(camera), scene.weights_for(rules));
         let mut clamped = 0;
@@ -56,17 +57,24 @@ impl QuantisedScene {
             clamped,
         }
     }
+
+    /// The kernel's statement of the rules, lengths in the kernel's scene units.
+    pub fn rules(&self, rules: &Rules) -> kernel::Rules {
+        let stated = kernel_rules(rules);
+        kernel::Rules {
+            spacing: stated.spacing.scaled_by(self.scale_log2),
+            ..stated
+        }
+    }
 }
 
 /// The largest power of two by which the splats stay below 128 and the eye's translation below 256 units.
 ///
 /// Positions of a few stray splats far outside would cost all others their precision; they are clamped, counted and reported
 /// instead once they are 2^10 times farther out than half of the splats.
-fn scale_log2(scene: &Scene, camera: &Camera) -> i32 {
-    let mut reach: Vec<f64> = scene
-        .splats
-        .iter()
-        .map(|s| s.centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
+pub(super) fn scale_log2(centres: impl Iterator<Item = [f64; 3]>, camera: &Camera) -> i32 {
+    let mut reach: Vec<f64> = centres
+        .map(|centre| centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
         .collect();
     reach.sort_by(f64::total_cmp);
     let median = reach.get(reach.len() / 2).copied().unwrap_or(1.0);
@@ -83,7 +91,7 @@ fn scale_log2(scene: &Scene, camera: &Camera) -> i32 {
     6 - largest.log2().floor() as i32
 }
 
-fn exp2(power: i32) -> f64 {
+pub(super) fn exp2(power: i32) -> f64 {
     f64::from(power).exp2()
 }
 
@@ -96,7 +104,7 @@ pub fn scaled(value: f64) -> Scaled {
     Scaled::from_wide((value * exp2(-exponent)) as i64, exponent, 31)
 }
 
-fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
+pub(super) fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
     let axis = Axis::from_components(axis.map(scaled));
     Axis {
         exponent: axis.exponent + scale_log2,
@@ -104,7 +112,7 @@ fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
     }
 }
 
-fn view(camera: &Camera, scale_log2: i32) -> View {
+pub(super) fn view(camera: &Camera, scale_log2: i32) -> View {
     let unit = exp2(scale_log2);
     let focal_unit = if camera.orthographic { -scale_log2 } else { 0 };
     let half_width = [
@@ -149,13 +157,21 @@ fn view(camera: &Camera, scale_log2: i32) -> View {
     }
 }
 
-/// The kernel's statement of the same rules.
+/// The kernel's statement of the same rules, lengths in the scene's own units.
 pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
     let unit = |value: f64| (value * 2f64.powi(31)).round().clamp(0.0, 2f64.powi(31)) as u32;
     let radial = rules.cutoff.is_finite();
-    kernel::Rules {
+    let shape = match rules.kernel {
+        Kernel::Gaussian => shapes::Kernel::Gaussian,
+        Kernel::Cubic => shapes::Kernel::Cubic,
+        Kernel::Quadratic => shapes::Kernel::Quadratic,
+        Kernel::Disc => shapes::Kernel::Disc,
+    };
+    let stated = kernel::Rules {
         normalised: rules.normalised,
         low_pass: scaled(rules.low_pass),
+        spacing: scaled(rules.spacing),
+        kernel: shape,
         cutoff: if radial {
             kernel::Cutoff::Radial(
                 (rules.cutoff * 2f64.powi(28))
@@ -171,7 +187,8 @@ pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
         stop_before: rules.stop_before,
         clamp_jacobian: rules.clamp_jacobian,
         table_range: if radial && rules.cutoff <= 4.0 { 2 } else { 4 },
-    }
+    };
+    stated.with_kernel(shape)
 }
 
 /// The kernel's name for the same compositing.

@@ -1,6 +1,6 @@
 //! Drawing a quantised scene: setup of every splat, depth order, tiles on all cores.
 
-use super::quantise::{QuantisedScene, kernel_compositing, kernel_rules};
+use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 use crate::picture::Picture;
@@ -11,10 +11,11 @@ use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::{Cull, setup};
+use splatline::setup::{Cull, columns, conic, distance, project, scan, setup, variance};
+use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use std::time::Instant;
 
@@ -22,7 +23,7 @@ use std::time::Instant;
 const TILE: [u16; 2] = [64, 16];
 
 /// Splats drawn into a tile between two checks whether all its pixels have finished.
-const CHECK_INTERVAL: usize = 64;
+pub(super) const CHECK_INTERVAL: usize = 64;
 
 /// How to draw.
 #[derive(Clone, Debug)]
@@ -83,7 +84,43 @@ pub fn footprints(
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     options
         .design
-        .dispatch(Job(&quantised, &kernel_rules(options.rules)))
+        .dispatch(Job(&quantised, &quantised.rules(options.rules)))
+}
+
+/// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape
+/// culls.
+pub fn conics(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    design: &DesignChoice,
+) -> Vec<Option<[f64; 3]>> {
+    struct Job<'a>(&'a QuantisedScene, kernel::Rules);
+    impl DesignJob for Job<'_> {
+        type Output = Vec<Option<[f64; 3]>>;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+            let Job(QuantisedScene { view, splats, .. }, rules) = self;
+            let widths = design.widths();
+            let conic_of = |splat: &VolumeSplat| {
+                let projected = project(&widths, view, &rules, splat.centre).ok()?;
+                let mut columns = columns(&widths, view, &projected, &splat.axes);
+                if let Some(factor) = distance::enlargement(&widths, &rules, &projected) {
+                    columns = distance::enlarge(&widths, columns, factor);
+                }
+                let variance = variance(&widths, rules.low_pass, &columns);
+                let conic = conic(&widths, &variance, scan(&widths, &variance)?.curvature)?;
+                Some(
+                    conic
+                        .mantissa
+                        .map(|m| f64::from(m) * f64::from(conic.exponent).exp2()),
+                )
+            };
+            splats.iter().map(conic_of).collect()
+        }
+    }
+    let quantised = QuantisedScene::new(scene, camera, rules);
+    let rules = quantised.rules(rules);
+    design.dispatch(Job(&quantised, rules))
 }
 
 fn set_up<D: Design + Send + Sync>(
@@ -117,7 +154,7 @@ fn draw_with<D: Design + Send + Sync>(
     camera: &Camera,
     options: &Options,
 ) -> Drawing {
-    let rules = kernel_rules(options.rules);
+    let rules = quantised.rules(options.rules);
     let started = Instant::now();
     let results = set_up(design, quantised, &rules);
     let mut culled = [0; Cull::ALL.len()];
@@ -152,7 +189,7 @@ fn draw_with<D: Design + Send + Sync>(
 }
 
 /// Indices of the footprints by depth, nearest first (farthest first for back to front), ties by index.
-fn depth_order(footprints: &[Footprint], compositing: Compositing) -> Vec<u32> {
+pub(super) fn depth_order(footprints: &[Footprint], compositing: Compositing) -> Vec<u32> {
     let mut order: Vec<u32> = (0..footprints.len() as u32).collect();
     order.par_sort_by_key(|index| footprints[*index as usize].depth);
     if compositing == Compositing::BackToFront {
@@ -162,14 +199,14 @@ fn depth_order(footprints: &[Footprint], compositing: Compositing) -> Vec<u32> {
 }
 
 /// For every tile the footprints whose box touches it, in drawing order.
-struct TileLists {
+pub(super) struct TileLists {
     viewport: [u16; 2],
     columns: usize,
     lists: Vec<Vec<u32>>,
 }
 
 impl TileLists {
-    fn new(footprints: &[Footprint], order: &[u32], viewport: [u16; 2]) -> Self {
+    pub(super) fn new(footprints: &[Footprint], order: &[u32], viewport: [u16; 2]) -> Self {
         let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(TILE[axis])));
         let mut lists = vec![Vec::new(); columns * rows];
         for index in order {
@@ -206,11 +243,8 @@ fn raster<D: Design + Send + Sync>(
     options: &Options,
 ) -> (Vec<Pixel>, Coverage) {
     let widths = design.widths();
-    let mut memory = vec![0; entries(&widths)];
-    fill_gaussian(&mut memory, &widths, rules.table_range);
-    let Ok(table) = FootprintTable::new(&memory, &widths, rules.table_range) else {
-        unreachable!("the table has just been made for these widths")
-    };
+    let memory = table_entries(&widths, rules);
+    let table = table(&memory, &widths, rules);
     let painter = Painter::new(
         design,
         rules,
@@ -218,20 +252,51 @@ fn raster<D: Design + Send + Sync>(
         kernel_compositing(options.compositing),
         options.traversal,
     );
+    paint_tiles(&widths, tiles, |list, target| {
+        let mut coverage = Coverage::default();
+        for part in list.chunks(CHECK_INTERVAL) {
+            for index in part {
+                coverage += painter.draw(&footprints[*index as usize], target);
+            }
+            if target.is_finished() {
+                break;
+            }
+        }
+        coverage
+    })
+}
+
+/// The footprint table's entries for the rules' kernel.
+pub(super) fn table_entries(widths: &Widths, rules: &kernel::Rules) -> Vec<u32> {
+    let mut memory = vec![0; entries(widths)];
+    fill(&mut memory, widths, rules.table_range, rules.kernel);
+    memory
+}
+
+/// The table over [`table_entries`].
+pub(super) fn table<'a>(
+    memory: &'a [u32],
+    widths: &Widths,
+    rules: &kernel::Rules,
+) -> FootprintTable<'a> {
+    match FootprintTable::new(memory, widths, rules.table_range) {
+        Ok(table) => table,
+        Err(_) => unreachable!("the entries have been made for these widths"),
+    }
+}
+
+/// Paints every tile by `paint`, which is given the tile's footprints in drawing order, and joins the tiles.
+pub(super) fn paint_tiles(
+    widths: &Widths,
+    tiles: &TileLists,
+    paint: impl Fn(&[u32], &mut Target) -> Coverage + Sync,
+) -> (Vec<Pixel>, Coverage) {
     let parts: Vec<(Vec<Pixel>, Coverage)> = (0..tiles.lists.len())
         .into_par_iter()
-        .map(|tile| {
-            paint_tile(
-                &painter,
-                &widths,
-                footprints,
-                &tiles.lists[tile],
-                tiles.window(tile),
-            )
-        })
+        .map(|tile| paint_tile(widths, &tiles.lists[tile], tiles.window(tile), &paint))
         .collect();
     let [width, height] = tiles.viewport.map(usize::from);
-    let mut frame = vec![Pixel::clear(&widths); width * height];
+    let mut frame = vec![Pixel::clear(widths); width * height];
     let mut coverage = Coverage::default();
     for (tile, (pixels, part)) in parts.iter().enumerate() {
         coverage += *part;
@@ -248,33 +313,24 @@ fn raster<D: Design + Send + Sync>(
     (frame, coverage)
 }
 
-fn paint_tile<D: Design>(
-    painter: &Painter<D>,
+fn paint_tile(
     widths: &Widths,
-    footprints: &[Footprint],
     list: &[u32],
     window: Window,
+    paint: impl Fn(&[u32], &mut Target) -> Coverage,
 ) -> (Vec<Pixel>, Coverage) {
     let columns = usize::from(window.last[0] - window.first[0]);
     let rows = usize::from(window.last[1] - window.first[1]);
     let mut pixels = vec![Pixel::clear(widths); columns * rows];
-    let mut coverage = Coverage::default();
     let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
         unreachable!("the tile's memory has just been made for its window")
     };
-    for part in list.chunks(CHECK_INTERVAL) {
-        for index in part {
-            coverage += painter.draw(&footprints[*index as usize], &mut target);
-        }
-        if target.is_finished() {
-            break;
-        }
-    }
+    let coverage = paint(list, &mut target);
     (pixels, coverage)
 }
 
 /// Colour and 1 - T in units of 1.0.
-fn to_picture(pixels: &[Pixel], camera: &Camera, widths: &Widths) -> Picture {
+pub(super) fn to_picture(pixels: &[Pixel], camera: &Camera, widths: &Widths) -> Picture {
     let colour_unit = f64::from(widths.accumulator).exp2();
     let opaque = f64::from(widths.transmittance).exp2();
     let mut picture = Picture::new(camera.width, camera.height);

@@ -55,7 +55,7 @@ pub fn order<Splat: Projected>(projected: &[Result<Splat, Culled>]) -> Vec<usize
 /// The opacity of a splat at a point of the picture, or nothing where the rules leave it out.
 pub fn opacity(splat: &impl Projected, point: [f64; 2], rules: &Rules) -> Option<f64> {
     let (radial_index, peak) = splat.radial_index_and_peak(point);
-    let opacity = rules.alpha_max.min(peak * (-0.5 * radial_index).exp());
+    let opacity = rules.alpha_max.min(peak * rules.kernel.at(radial_index));
     // Written so that a NaN, which f64::min would turn into alpha_max, is left out.
     let inside = radial_index < rules.cutoff && peak > 0.0;
     (inside && opacity > 0.0 && opacity >= rules.alpha_min).then_some(opacity)

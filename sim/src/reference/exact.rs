@@ -24,7 +24,7 @@
 use rayon::prelude::*;
 
 use super::compositor::{self, Projected};
-use super::float::{effective_cutoff, screen_position, visible_position};
+use super::float::{effective_cutoff, scaled_by_distance, screen_position, visible_position};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::{Culled, Drawing, PixelBox, pixel_range};
 use crate::camera::Camera;
@@ -47,6 +47,8 @@ pub struct ExactFootprint<'a> {
     weight: f64,
     /// Whether `weight` is a mass.
     normalised: bool,
+    /// Peak of the rules' kernel relative to the Gaussian's.
+    relative_peak: f64,
     /// Variance of the low-pass filter, square pixels.
     low_pass: f64,
     /// Pixels that may lie inside the cut-off.
@@ -64,7 +66,9 @@ pub fn project<'a>(
     rules: &Rules,
 ) -> Result<ExactFootprint<'a>, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
-    let axes = CameraAxes::new(&splat.axes, camera);
+    let jacobian = Jacobian::at(camera, [0.0; 2], position[2]);
+    let (axes, weight) = scaled_by_distance(splat, weight, &jacobian, rules);
+    let axes = CameraAxes::new(&axes, camera);
     let centre = screen_position(position, camera);
     let whole = PixelBox {
         x0: 0,
@@ -79,6 +83,7 @@ pub fn project<'a>(
         depth: position[2],
         weight,
         normalised: rules.normalised,
+        relative_peak: rules.kernel.relative_peak(),
         low_pass: rules.low_pass,
         bounds: whole,
         colour,
@@ -154,7 +159,10 @@ impl ExactFootprint<'_> {
         let jacobian = Jacobian::at(camera, slope, self.depth);
         let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
         let peak = match self.normalised {
-            true => self.weight * jacobian.determinant() * variance.normalised_peak(),
+            true => {
+                let peak = variance.normalised_peak() * self.relative_peak;
+                self.weight * jacobian.determinant() * peak
+            }
             false => self.weight,
         };
         (variance, peak)

@@ -8,11 +8,12 @@ use rayon::prelude::*;
 
 use super::compositor::{self, Projected};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
+use super::kernels::enlargement;
 use super::{Culled, Drawing, PixelBox, pixel_range};
 use crate::camera::Camera;
-use crate::rules::{Compositing, Rules};
+use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::{Scene, Splat};
-use crate::vector;
+use crate::vector::{self, Vector};
 
 /// How far, in half pictures, the clamp of the Jacobian's slopes reaches beyond the picture's edge.
 const CLAMP_MARGIN: f64 = 0.3;
@@ -68,7 +69,8 @@ pub fn project_beyond_viewport(
     let position = visible_position(splat, weight, colour, camera)?;
     let depth = position[2];
     let jacobian = Jacobian::at(camera, jacobian_slope(position, camera, rules), depth);
-    let axes = CameraAxes::new(&splat.axes, camera);
+    let (axes, weight) = scaled_by_distance(splat, weight, &jacobian, rules);
+    let axes = CameraAxes::new(&axes, camera);
     let variance = ScreenVariance::new(&axes, &jacobian, rules.low_pass);
     let centre = screen_position(position, camera);
     if !(variance.is_regular() && centre[0].is_finite() && centre[1].is_finite()) {
@@ -76,7 +78,12 @@ pub fn project_beyond_viewport(
     }
     // EWA eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
     let peak = match rules.normalised {
-        true => weight * jacobian.determinant() * variance.normalised_peak(),
+        true => {
+            weight
+                * jacobian.determinant()
+                * variance.normalised_peak()
+                * rules.kernel.relative_peak()
+        }
         false => weight,
     };
     let cutoff = effective_cutoff(peak, rules)?;
@@ -203,9 +210,29 @@ pub(super) fn effective_cutoff(peak: f64, rules: &Rules) -> Result<f64, Culled> 
     if peak <= 0.0 || peak < rules.alpha_min {
         return Err(Culled::Transparent);
     }
+    if rules.kernel != Kernel::Gaussian {
+        return Ok(rules.cutoff);
+    }
     // peak exp(-r/2) >= alpha_min; without a smallest opacity the logarithm is infinite, as it should be.
     let faint = 2.0 * (peak / rules.alpha_min).ln() + CUTOFF_SLACK;
     Ok(rules.cutoff.min(faint))
+}
+
+/// Axes and weight of a splat as [SWAN] 4.3 scales them beyond the distance k: radii grow by d/k, energy falls by
+/// (k/d)^2. A normalised kernel keeps its mass, and its peak falls by itself.
+pub(super) fn scaled_by_distance(
+    splat: &Splat,
+    weight: f64,
+    jacobian: &Jacobian,
+    rules: &Rules,
+) -> ([Vector; 3], f64) {
+    let factor = enlargement(rules, jacobian);
+    let axes = splat.axes.map(|axis| vector::scale(factor, axis));
+    let weight = match rules.normalised {
+        true => weight,
+        false => weight / (factor * factor),
+    };
+    (axes, weight)
 }
 
 /// The slopes at which J is taken: the centre's own, or clamped to the widened frustum as `3dgs` asks.

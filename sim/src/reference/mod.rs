@@ -12,7 +12,12 @@ pub mod compositor;
 pub mod exact;
 pub mod float;
 pub mod golden;
+pub mod hybrid;
 pub mod jacobian;
+pub mod kernels;
+pub mod sheets;
+pub mod sphere;
+pub mod surface;
 
 use crate::picture::Picture;
 

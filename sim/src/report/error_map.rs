@@ -1,8 +1,12 @@
 //! The signed error map: where fixed point is brighter than the reference (warm) and where it is darker (cool).
 //!
 //! Each pixel shows the one colour channel that differs most, with its sign, so that the largest error of the picture
-//! is on the map. The scale ends at that error. Colours depart from the dark middle with the square root of the error,
-//! because most errors are far smaller than the largest one; the scale bar's numbers are linear and show this.
+//! is on the map.
+//!
+//! The colour scale is chosen from the errors. It ends at the largest one, and between there and zero it follows
+//! `asinh(error / knee)`: linear for errors below the knee, logarithmic above. The knee is a quarter of the median
+//! error, so that a few stray pixels at a footprint's edge, which may err a thousand times as much as the rest, do not
+//! leave the rest black. Where all errors are alike the scale is nearly linear.
 
 use super::png::Rgb;
 use crate::metrics::stored;
@@ -23,6 +27,11 @@ const COOL: [[f64; 3]; 3] = [
     [190.0, 232.0, 255.0],
 ];
 
+/// The knee over the median error.
+const KNEE: f64 = 0.25;
+/// The median is taken to be at least this part of the largest error: nobody looks for more than eight decades.
+const SMALLEST_KNEE: f64 = 1e-8;
+
 /// Signed differences and where the colour scale ends.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorMap {
@@ -34,6 +43,8 @@ pub struct ErrorMap {
     pub differences: Vec<f64>,
     /// The largest absolute difference, where the colour scale ends; 0 for identical pictures.
     pub limit: f64,
+    /// The absolute difference at which the scale turns from linear to logarithmic; 0 for identical pictures.
+    pub knee: f64,
 }
 
 impl ErrorMap {
@@ -48,15 +59,17 @@ impl ErrorMap {
         let limit = differences
             .iter()
             .fold(0.0f64, |limit, d| limit.max(d.abs()));
+        let knee = KNEE * median_size(&differences).max(limit * SMALLEST_KNEE);
         ErrorMap {
             width: fixed.width,
             height: fixed.height,
             differences,
             limit,
+            knee,
         }
     }
 
-    /// How many times an error is magnified to reach full colour at an error of 1.0 / magnification.
+    /// By what factor the largest error is magnified to reach full colour; nothing for identical pictures.
     pub fn magnification(&self) -> Option<f64> {
         (self.limit > 0.0).then(|| 1.0 / self.limit)
     }
@@ -66,7 +79,7 @@ impl ErrorMap {
         let bytes = self
             .differences
             .iter()
-            .flat_map(|&d| colour(self.relative(d)))
+            .flat_map(|&d| colour(self.position(d)))
             .collect();
         Rgb {
             width: self.width,
@@ -75,20 +88,33 @@ impl ErrorMap {
         }
     }
 
-    /// -1 to 1.
-    fn relative(&self, difference: f64) -> f64 {
+    /// Where a difference stands on the scale, -1 to 1.
+    pub fn position(&self, difference: f64) -> f64 {
         if self.limit > 0.0 {
-            difference / self.limit
+            (difference / self.knee).asinh() / self.range()
         } else {
             0.0
         }
     }
+
+    /// The difference that stands at a position of the scale: the inverse of [`ErrorMap::position`].
+    pub fn difference_at(&self, position: f64) -> f64 {
+        if self.limit > 0.0 {
+            self.knee * (position * self.range()).sinh()
+        } else {
+            0.0
+        }
+    }
+
+    fn range(&self) -> f64 {
+        (self.limit / self.knee).asinh()
+    }
 }
 
-/// Colour of an error given as a fraction of the scale, -1 to 1.
-pub fn colour(relative: f64) -> [u8; 3] {
-    let stops = if relative < 0.0 { &COOL } else { &WARM };
-    let along = relative.abs().min(1.0).sqrt() * stops.len() as f64;
+/// Colour at a position of the scale, -1 to 1.
+pub fn colour(position: f64) -> [u8; 3] {
+    let stops = if position < 0.0 { &COOL } else { &WARM };
+    let along = position.abs().min(1.0) * stops.len() as f64;
     let index = (along as usize).min(stops.len() - 1);
     let start = if index == 0 {
         &MIDDLE
@@ -97,6 +123,20 @@ pub fn colour(relative: f64) -> [u8; 3] {
     };
     let part = along - index as f64;
     std::array::from_fn(|c| (start[c] + (stops[index][c] - start[c]) * part).round() as u8)
+}
+
+/// Median size of the differences that are not zero; 0 if there are none.
+fn median_size(differences: &[f64]) -> f64 {
+    let mut sizes: Vec<f64> = differences
+        .iter()
+        .map(|d| d.abs())
+        .filter(|&size| size > 0.0)
+        .collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let middle = sizes.len() / 2;
+    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Of red, green and blue, the difference that is largest in size.

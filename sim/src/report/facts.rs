@@ -97,6 +97,10 @@ pub struct RulesFacts {
     pub normalised: bool,
     /// Variance of the low-pass filter, square pixels.
     pub low_pass: f64,
+    /// Spacing of the samples that distance scaling goes by, scene units; 0 without it.
+    pub spacing: f64,
+    /// Shape of footprints.
+    pub kernel: String,
     /// Radial index where the footprint ends; null if only `alpha_min` ends it.
     pub cutoff: Option<f64>,
     /// Largest opacity of one splat at one pixel.
@@ -117,6 +121,8 @@ impl From<&Rules> for RulesFacts {
             name: rules.name.to_owned(),
             normalised: rules.normalised,
             low_pass: rules.low_pass,
+            spacing: rules.spacing,
+            kernel: format!("{:?}", rules.kernel).to_lowercase(),
             cutoff: rules.cutoff.is_finite().then_some(rules.cutoff),
             alpha_max: rules.alpha_max,
             alpha_min: rules.alpha_min,

@@ -33,12 +33,16 @@ const NARROW_PLOT: (u32, u32) = (380, 420);
 /// Pictures up to this width are enlarged pixel by pixel instead of smoothly.
 const SMALL_PICTURE: usize = 256;
 
-/// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked.
-pub fn page(report: &Report, fixed: &Picture, float: &Picture) -> Result<String, PageError> {
-    let map = ErrorMap::new(fixed, float);
+/// The whole page. Both pictures have the size that [`crate::metrics::compare`] has checked, and `map` is theirs.
+pub fn page(
+    report: &Report,
+    fixed: &Picture,
+    float: &Picture,
+    map: &ErrorMap,
+) -> Result<String, PageError> {
     let sections = [
         header(report),
-        pictures(report, fixed, float, &map)?,
+        pictures(report, fixed, float, map)?,
         sweep(report)?,
         details(report)?,
     ];
@@ -145,7 +149,7 @@ fn pictures(
     let map_note = match map.magnification() {
         Some(factor) => {
             format!(
-                "<b>error</b> fixed minus {}, magnified {} times",
+                "<b>error</b> fixed minus {}, magnified ×{}",
                 escape(reference),
                 magnified(factor)
             )
@@ -193,12 +197,22 @@ fn pictures_text(map: &ErrorMap) -> String {
     }
     format!(
         "{shown} In the map each pixel is its worst colour channel: <b>orange</b> where fixed point is brighter, <b>blue</b> \
-         where it is darker, dark where both agree. The scale ends at the largest error, {limit}, which is {steps:.2} \
-         steps of an 8-bit picture. Colour grows with the square root of the error so that faint patterns show; the \
-         numbers under the bar are linear.",
+         where it is darker, dark where both agree. The scale ends at the largest error: {limit}, or {steps} \
+         steps of an 8-bit picture, is magnified to full colour. Towards it the scale is logarithmic, so that a few stray pixels do not hide the rest: \
+         read colours by the numbers under the bar.",
         limit = table::scientific(map.limit),
-        steps = map.limit * 255.0,
+        steps = eight_bit_steps(map.limit),
     )
+}
+
+/// An error in steps of an 8-bit picture.
+fn eight_bit_steps(error: f64) -> String {
+    let steps = error * 255.0;
+    if steps < 0.01 {
+        table::scientific(steps)
+    } else {
+        format!("{steps:.2}")
+    }
 }
 
 /// Two significant digits, without an exponent where that is short.
@@ -237,12 +251,18 @@ fn scale_bar(map: &ErrorMap) -> String {
         .map(|step| error_map::colour(f64::from(step) / 20.0 - 1.0))
         .map(|[red, green, blue]| format!("rgb({red},{green},{blue})"))
         .collect();
+    let ticks: String = [-1.0, -0.5, 0.0, 0.5, 1.0]
+        .map(|position| {
+            format!(
+                "<span>{}</span>",
+                table::signed(map.difference_at(position))
+            )
+        })
+        .concat();
     format!(
         "<div class=\"bar\" role=\"img\" aria-label=\"colour scale\" style=\"background:linear-gradient(to right,{})\"></div>\n\
-         <div class=\"ticks\"><span>{low} darker</span><span>0</span><span>brighter {high}</span></div>\n",
+         <div class=\"ticks\">{ticks}</div>\n<div class=\"ticks ends\"><span>darker</span><span>brighter</span></div>\n",
         stops.join(","),
-        low = table::signed(-map.limit),
-        high = table::signed(map.limit),
     )
 }
 

@@ -14,6 +14,7 @@ pub mod table;
 
 use crate::atomic;
 use crate::metrics::{ChannelError, Errors};
+use error_map::ErrorMap;
 use facts::{CameraFacts, RulesFacts, SceneFacts};
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -45,6 +46,8 @@ pub struct Report {
     pub compositing: String,
     /// Null if nothing was compared.
     pub error: Option<ErrorFacts>,
+    /// How the colours of error.png are to be read; null if nothing was compared.
+    pub error_map: Option<ScaleFacts>,
     /// Cycles of the hardware model (total, phases, accounts per unit); null if it was not run, and for a float engine.
     pub cycles: Option<serde_json::Value>,
     /// Work of the rasterizer; null for a float engine, which counts no visits.
@@ -79,6 +82,18 @@ pub struct ChannelFacts {
     pub bias: f64,
     /// Mean structural similarity of luminance (`rgb`) or of A (`alpha`).
     pub ssim: f64,
+}
+
+/// The colour scale of error.png: position `asinh(error / knee) / asinh(limit / knee)`, dark at 0, cool towards -1 (fixed
+/// is darker), warm towards 1 (fixed is brighter). See [`error_map`].
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScaleFacts {
+    /// The error of full colour: the largest one; 0 for identical pictures.
+    pub limit: f64,
+    /// Where the scale turns from linear to logarithmic; 0 for identical pictures.
+    pub knee: f64,
+    /// `1 / limit`; null for identical pictures.
+    pub magnification: Option<f64>,
 }
 
 /// One sample of a picture.
@@ -169,6 +184,16 @@ impl From<&Errors> for ErrorFacts {
         ErrorFacts {
             rgb: (&errors.colour).into(),
             alpha: (&errors.alpha).into(),
+        }
+    }
+}
+
+impl From<&ErrorMap> for ScaleFacts {
+    fn from(map: &ErrorMap) -> Self {
+        ScaleFacts {
+            limit: map.limit,
+            knee: map.knee,
+            magnification: map.magnification(),
         }
     }
 }

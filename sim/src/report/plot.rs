@@ -173,7 +173,7 @@ impl Axes {
         let margin = (0.3 - (slowest - fastest)).max(0.0) / 2.0 + 0.08;
         let (lowest, highest) =
             range(rows.iter().filter_map(|row| row.error.psnr_db)).unwrap_or((0.0, 50.0));
-        let step = round_step((highest - lowest).max(4.0) / 4.0);
+        let step = round_step((highest - lowest).max(4.0) / 7.0);
         let bottom = ((lowest - step * 0.3) / step).floor() * step;
         let top = ((highest + step * 0.3) / step).ceil() * step;
         let identical = rows

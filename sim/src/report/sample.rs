@@ -117,6 +117,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         rules: RulesFacts::from(&Rules::GAUSSIAN_3D),
         compositing: compositing_name(Compositing::FrontToBack).to_owned(),
         error: compare(fixed, float).ok().as_ref().map(ErrorFacts::from),
+        error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
         pixels: Some(Pixels {
             covered: 18_204_331,

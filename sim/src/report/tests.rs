@@ -5,6 +5,10 @@ use super::*;
 use crate::picture::Picture;
 use proptest::prelude::*;
 
+fn page(report: &Report, fixed: &Picture, float: &Picture) -> String {
+    html::page(report, fixed, float, &ErrorMap::new(fixed, float)).unwrap()
+}
+
 #[test]
 fn json_round_trips_and_is_written_whole() {
     let (fixed, float) = sample::pictures(40, 30);
@@ -32,6 +36,9 @@ fn json_has_the_keys_that_scripts_read() {
         "/error/rgb/bias",
         "/error/rgb/ssim",
         "/error/alpha/psnr_db",
+        "/error_map/limit",
+        "/error_map/knee",
+        "/error_map/magnification",
         "/cycles",
         "/pixels/covered",
         "/pixels/visited",
@@ -119,7 +126,7 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
 #[test]
 fn the_page_is_one_file_without_any_address() {
     let (fixed, float) = sample::pictures(64, 48);
-    let page = html::page(&sample::report(&fixed, &float), &fixed, &float).unwrap();
+    let page = page(&sample::report(&fixed, &float), &fixed, &float);
     for outside in [
         "http:", "https:", "//", "url(", "@import", "<script", "<link", "<iframe",
     ] {
@@ -141,7 +148,7 @@ fn the_page_survives_odd_names_and_identical_pictures() {
     let mut report = sample::report(&float, &float);
     report.scene.name = "<script>alert('x')</script> & \"co\"".to_owned();
     report.table.clear();
-    let page = html::page(&report, &float, &float).unwrap();
+    let page = page(&report, &float, &float);
     assert!(!page.contains("<script"));
     assert!(page.contains("&lt;script&gt;"));
     assert!(page.contains("the pictures are identical"));
@@ -166,6 +173,25 @@ fn the_error_map_is_signed_and_the_largest_error_fills_the_scale() {
     assert_eq!(rgb.bytes[3..6], error_map::colour(0.0));
     assert!(rgb.bytes[6] > rgb.bytes[8], "brighter is warm");
     assert_eq!(rgb.to_png().unwrap()[1..4], *b"PNG");
+}
+
+#[test]
+fn stray_pixels_do_not_hide_the_rest_and_the_scale_is_invertible() {
+    let float = Picture {
+        width: 100,
+        height: 10,
+        pixels: vec![[0.5; 4]; 1000],
+    };
+    let mut fixed = float.clone();
+    for (index, pixel) in fixed.pixels.iter_mut().enumerate() {
+        pixel[0] += if index == 7 { -0.1 } else { 1e-5 };
+    }
+    let map = ErrorMap::new(&fixed, &float);
+    assert_eq!(map.position(map.differences[7]), -1.0);
+    assert!(map.position(1e-5) > 0.15, "{}", map.position(1e-5));
+    for difference in [-0.1, -1e-7, 0.0, 1e-5, 0.03] {
+        assert!((map.difference_at(map.position(difference)) - difference).abs() < 1e-12);
+    }
 }
 
 #[test]
@@ -224,11 +250,7 @@ fn look() {
     let folder = Path::new(&folder);
     let (fixed, float) = sample::pictures(512, 512);
     let report = sample::report(&fixed, &float);
-    std::fs::write(
-        folder.join("report.html"),
-        html::page(&report, &fixed, &float).unwrap(),
-    )
-    .unwrap();
+    std::fs::write(folder.join("report.html"), page(&report, &fixed, &float)).unwrap();
     std::fs::write(
         folder.join("plot.svg"),
         plot::svg(&report.table, 760, 440).unwrap(),

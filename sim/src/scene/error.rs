@@ -24,7 +24,7 @@ pub enum Problem {
     NotAFile,
     /// Neither the extension nor the first bytes are known.
     #[error(
-        "is of no known format; expected .ply, .splat, .spz, .nrrd or .nhdr (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
+        "is of no known format; expected .ply, .splat, .spz, .nrrd or .nhdr, a point cloud with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
     )]
     UnknownFormat,
     /// A field needs more bytes than there are.

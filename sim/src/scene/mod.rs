@@ -12,6 +12,7 @@ mod gaussian;
 mod load;
 mod nrrd;
 mod ply;
+pub mod points;
 pub mod shade;
 mod splat_file;
 mod spz;

@@ -38,6 +38,7 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
             traversal: Traversal::Spans,
         };
         let manner = Manner {
+            hybrid: None,
             compositing: Compositing::FrontToBack,
             threads: threads(None),
             repeat: 1,

@@ -1,135 +1,58 @@
-//! `splatline results`: every table and plot of docs/results, by one command.
-//!
-//! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
+//! `splatline results`: the pages of docs/results, measured afresh.
 
 mod designs;
+mod hardware;
 mod layouts;
 mod points;
 mod throughput;
 
+use super::args::{ResultsOptions, ResultsPage};
 use super::compare::create_folder;
-use super::machine_args::ResultsOptions;
 use super::progress::Progress;
 use super::setup::write;
 use super::{Failure, say};
-use anyhow::Result;
-use splatline_sim::camera::Camera;
-use splatline_sim::rules::Rules;
-use splatline_sim::scene::{self, LoadOptions, Scene};
-use std::path::Path;
-
-/// Columns and rows of every picture.
-const SIZE: usize = 512;
-
-/// The command as it stands beside its results.
-pub const COMMAND: &str =
-    "cargo run --release -p splatline-sim -- results --data DATA -o docs/results";
-
-/// A scene as it is measured.
-pub struct Subject {
-    pub name: &'static str,
-    pub scene: Scene,
-    pub camera: Camera,
-    pub rules: Rules,
-}
-
-/// Where a captured scene is seen from.
-struct Place {
-    name: &'static str,
-    file: &'static str,
-    eye: [f64; 3],
-    target: [f64; 3],
-    up: [f64; 3],
-    fov: f64,
-}
-
-const UP: [f64; 3] = [0.0, -1.0, 0.0];
-
-/// The captured scenes.
-const PLACES: [Place; 4] = [
-    Place {
-        name: "guitar",
-        file: "gaussians/guitar.ply",
-        eye: [5.5, -2.1, 0.2],
-        target: [0.1, -2.1, 0.1],
-        up: UP,
-        fov: 50.0,
-    },
-    Place {
-        name: "guitar, close",
-        file: "gaussians/guitar.ply",
-        eye: [2.2, -1.2, 0.5],
-        target: [0.1, -1.2, 0.1],
-        up: UP,
-        fov: 50.0,
-    },
-    Place {
-        name: "playbot",
-        file: "gaussians/playbot_lod4.ply",
-        eye: [2.2, -1.4, 2.2],
-        target: [0.0, -0.45, 0.0],
-        up: UP,
-        fov: 45.0,
-    },
-    Place {
-        name: "lion",
-        file: points::FILE,
-        eye: [4.11, 3.88, -0.16],
-        target: [-2.89, 3.88, -1.16],
-        up: [0.0, 0.0, 1.0],
-        fov: 45.0,
-    },
-];
+use clap::ValueEnum;
+use hardware::Subject;
+use splatline_sim::results::{COMMAND, Page, accuracy, golden, packet, picture, views};
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
-    let mut subjects = vec![demo()?];
-    let mut missing = Vec::new();
-    for place in &PLACES {
-        match subject(&options.data, place)? {
-            Some(subject) => subjects.push(subject),
-            None => missing.push(place.name),
+    if options.only.is_empty() {
+        let panels = picture::panels(300)?.to_png()?;
+        write(&options.output.join(picture::FILE), &panels)?;
+    }
+    for page in ResultsPage::value_variants() {
+        if options.only.is_empty() || options.only.contains(page) {
+            if let Some(Page { file, text }) = measure(*page, options)? {
+                write(&options.output.join(file), text.as_bytes())?;
+                say(&format!("{text}\n"));
+            }
         }
     }
-    let progress = Progress::new(subjects.len());
-    let tables = throughput::measure(&subjects, &progress)?;
-    drop(progress);
-    let text = throughput::text(&tables, &missing);
-    write(&options.output.join("throughput.md"), text.as_bytes())?;
-    say(&text);
-    layouts::write_all(&subjects, &options.output)?;
-    designs::write_all(subjects, &options.output)
+    Ok(())
 }
 
-fn demo() -> Result<Subject> {
-    let scene = scene::demo()?;
-    let (camera, rules) = (scene.default_camera(SIZE, SIZE), scene.natural_rules);
-    Ok(Subject {
-        name: "MR head (demo)",
-        scene,
-        camera,
-        rules,
-    })
-}
-
-/// A captured scene, unless its file is missing.
-fn subject(data: &Path, place: &Place) -> Result<Option<Subject>> {
-    let path = data.join(place.file);
-    if !path.exists() {
-        return Ok(None);
+/// The page's text, unless it writes its files itself.
+fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, Failure> {
+    match page {
+        ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
+        ResultsPage::Packet => Ok(Some(packet::page())),
+        ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
+        ResultsPage::Hardware => {
+            hardware::run(&options.data, &options.output)?;
+            Ok(None)
+        }
     }
-    let (scene, rules) = if place.file == points::FILE {
-        (points::load(&path)?, points::RULES)
-    } else {
-        let scene = scene::load(&path, &LoadOptions::default())?;
-        let rules = scene.natural_rules;
-        (scene, rules)
-    };
-    let camera = Camera::look_at(place.eye, place.target, place.up, place.fov, SIZE, SIZE)?;
-    Ok(Some(Subject {
-        name: place.name,
-        scene,
-        camera,
-        rules,
-    }))
+}
+
+fn measure_accuracy(options: &ResultsOptions) -> Result<Page, Failure> {
+    let views = views::load_all(&options.data, 512)?;
+    let progress = Progress::new(views.len());
+    let mut measurements = Vec::new();
+    for view in &views {
+        progress.doing(view.name.to_owned());
+        measurements.extend(accuracy::measure(view)?);
+        progress.advance();
+    }
+    Ok(accuracy::page(&measurements))
 }

@@ -6,6 +6,7 @@
 
 mod body;
 mod header;
+pub(super) mod points;
 #[cfg(test)]
 mod tests;
 
@@ -153,7 +154,7 @@ fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
         return Err(Problem::malformed(
             "element vertex",
             "it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud",
-            "surface splats from points come later; give a 3D Gaussian PLY",
+            "add --as surface, or give a 3D Gaussian PLY",
         ));
     }
     Ok(())

@@ -240,7 +240,7 @@ fn a_point_cloud_is_told_that_surface_splats_come_later() {
     assert_eq!(
         message(bytes.as_bytes()),
         "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud; \
-         surface splats from points come later; give a 3D Gaussian PLY"
+         add --as surface, or give a 3D Gaussian PLY"
     );
     let Some(path) = super::super::tests::shared_data("points/lion_takanawa.ply") else {
         return;

@@ -1,0 +1,435 @@
+//! Plain structs with documented Q-formats, and their conversions to and from the kernel's types.
+
+use crate::status::Error;
+use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use splatline::footprint::{Conic, Footprint, Scan};
+use splatline::format::{Custom, Rounding, Traversal, Widths};
+use splatline::kernel::Kernel;
+use splatline::math::Scaled;
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Cutoff, Rules};
+use splatline::splat::{Axis, VolumeSplat};
+use splatline::view::{Projection, RatioLimits, View};
+
+/// Every pixel of the bounding box by conic forward differencing.
+pub const SPLATLINE_TRAVERSAL_BOX: u32 = 0;
+/// Only each row's span, by LDL forward differencing.
+pub const SPLATLINE_TRAVERSAL_SPANS: u32 = 1;
+
+/// Nearest splat first, "over"; finished pixels skip the rest.
+pub const SPLATLINE_FRONT_TO_BACK: u32 = 0;
+/// Farthest splat first, "over".
+pub const SPLATLINE_BACK_TO_FRONT: u32 = 1;
+/// Plain summation.
+pub const SPLATLINE_XRAY: u32 = 2;
+
+/// Columns and rows of a viewport are at most this.
+pub const SPLATLINE_LARGEST_VIEWPORT: u32 = 32768;
+
+/// A design: how many bits every quantity has. Ranges in brackets.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplatlineWidths {
+    /// Magnitude bits of mantissas from camera space to the centre, fraction bits of the rotation [8, 31].
+    pub view: u8,
+    /// Magnitude bits of the mantissas of setup and row seeds [8, 31].
+    pub mantissa: u8,
+    /// Fraction bits of a footprint's centre, in pixels [2, 24].
+    pub subpixel: u8,
+    /// Fraction bits of the radial index [8, 44].
+    pub radial: u8,
+    /// Base-2 logarithm of the number of intervals of the footprint table [2, 14].
+    pub table: u8,
+    /// Bits of the interpolator's multiplier, 0 for no interpolation [0, 20].
+    pub interpolation: u8,
+    /// Fraction bits of a footprint table entry [4, 28].
+    pub weight: u8,
+    /// Fraction bits of a footprint's peak opacity [4, 28].
+    pub peak: u8,
+    /// Fraction bits of a splat's opacity at a pixel [4, 28].
+    pub alpha: u8,
+    /// Fraction bits of the pixel's transmittance [4, 30].
+    pub transmittance: u8,
+    /// Fraction bits of a splat's colour [4, 28].
+    pub colour: u8,
+    /// Fraction bits of the pixel's accumulated colour [4, 27].
+    pub accumulator: u8,
+    /// Rounding in the pixel path: 0 to nearest (halves up), 1 truncation.
+    pub truncate: u8,
+}
+
+/// `mantissa * 2^exponent`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlineScaled {
+    /// Signed mantissa of at most 31 bits of magnitude.
+    pub mantissa: i32,
+    /// Power of two.
+    pub exponent: i32,
+}
+
+/// A vector in scene units: `mantissa[i] * 2^exponent`; the largest component should use 31 bits.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlineAxis {
+    /// Components.
+    pub mantissa: [i32; 3],
+    /// Power of two, -512 to 511 (others are clamped).
+    pub exponent: i32,
+}
+
+/// A volume splat: a Gaussian whose variance is the sum of its axes' outer products.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplatlineSplat {
+    /// Centre in scene units, Q7.24.
+    pub centre: [i32; 3],
+    /// Three axes, each one standard deviation long.
+    pub axes: [SplatlineAxis; 3],
+    /// Peak opacity, or extinction times volume in square scene units under normalised rules. Negative counts as 0.
+    pub weight: SplatlineScaled,
+    /// Linear red, green, blue, UQ4.28.
+    pub colour: [u32; 3],
+}
+
+/// The camera. Camera space is x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplatlineView {
+    /// World-to-camera rotation, row-major, Q1.30.
+    pub rotation: [i32; 9],
+    /// World-to-camera translation, scene units, Q9.54, magnitude at most 256.
+    pub translation: [i64; 3],
+    /// Focal lengths in pixels (orthographic: pixels per scene unit), positive.
+    pub focal: [SplatlineScaled; 2],
+    /// Principal point in pixels, Q31.32.
+    pub principal: [i64; 2],
+    /// Splats with z <= near are culled; scene units, Q9.54.
+    pub near_depth: i64,
+    /// Splats with z >= far are culled; scene units, Q9.54.
+    pub far_depth: i64,
+    /// Smallest x/z and y/z in the Jacobian under rules that clamp them, Q31.32.
+    pub ratio_low: [i64; 2],
+    /// Largest x/z and y/z, Q31.32.
+    pub ratio_high: [i64; 2],
+    /// Columns and rows, at most SPLATLINE_LARGEST_VIEWPORT.
+    pub viewport: [u16; 2],
+    /// 0 perspective, 1 orthographic.
+    pub orthographic: u32,
+}
+
+/// Rules of blending. `splatline_rules` gives the named ones.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SplatlineRules {
+    /// Variance of the low-pass filter in square pixels; mantissa 0 switches it off.
+    pub low_pass: SplatlineScaled,
+    /// 1: kernels of unit volume; 0: the weight is the peak opacity.
+    pub normalised: u32,
+    /// 1: a footprint ends where its opacity falls below alpha_min; 0: at `cutoff`.
+    pub cutoff_by_opacity: u32,
+    /// Radial index at which a footprint ends, UQ4.28.
+    pub cutoff: u32,
+    /// Opacities are clamped to this, UQ1.31.
+    pub alpha_max: u32,
+    /// Smaller opacities are skipped, UQ1.31.
+    pub alpha_min: u32,
+    /// A pixel is finished when its transmittance is at most this, UQ1.31.
+    pub stop: u32,
+    /// 1: the splat that would bring the transmittance to `stop` is left out.
+    pub stop_before: u32,
+    /// 1: x/z and y/z are clamped in the Jacobian.
+    pub clamp_jacobian: u32,
+    /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
+    pub table_range: u32,
+}
+
+/// A projected splat: what setup hands to the rasterizer.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlineFootprint {
+    /// Centre in pixels, Q27.subpixel.
+    pub centre: [i64; 2],
+    /// Sort key: depth in scene units, UQ9.23.
+    pub depth: u32,
+    /// First column and row of the bounding box.
+    pub first: [u16; 2],
+    /// One past the last column and row.
+    pub last: [u16; 2],
+    /// A = Vyy / det, per square pixel.
+    pub curvature: SplatlineScaled,
+    /// 1 / A, square pixels.
+    pub spread: SplatlineScaled,
+    /// S = Vxy / Vyy, pixels per row.
+    pub slope: SplatlineScaled,
+    /// C = 1 / Vyy, per square pixel.
+    pub stretch: SplatlineScaled,
+    /// Conic a, b, c, per square pixel: mantissas.
+    pub conic_mantissa: [i32; 3],
+    /// Conic: power of two of all three.
+    pub conic_exponent: i32,
+    /// The footprint is r < cutoff, UQ4.28.
+    pub cutoff: u32,
+    /// Opacity at r = 0, UQ4.peak.
+    pub peak: u32,
+    /// Linear red, green, blue, UQ4.colour.
+    pub colour: [u32; 3],
+}
+
+/// Columns and rows `first .. last`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlineWindow {
+    /// First column and row.
+    pub first: [u16; 2],
+    /// One past the last column and row.
+    pub last: [u16; 2],
+}
+
+/// One pixel of a target.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlinePixel {
+    /// Linear red, green, blue, premultiplied, UQ4.accumulator.
+    pub colour: [u32; 3],
+    /// Transmittance, UQ1.transmittance; bit 31 marks a pixel that takes no more splats.
+    pub transmittance: u32,
+}
+
+impl From<Scaled> for SplatlineScaled {
+    fn from(value: Scaled) -> Self {
+        SplatlineScaled {
+            mantissa: value.mantissa,
+            exponent: value.exponent,
+        }
+    }
+}
+
+impl From<SplatlineScaled> for Scaled {
+    fn from(value: SplatlineScaled) -> Self {
+        Scaled {
+            mantissa: value.mantissa,
+            exponent: value.exponent,
+        }
+    }
+}
+
+impl From<&Widths> for SplatlineWidths {
+    fn from(widths: &Widths) -> Self {
+        SplatlineWidths {
+            view: widths.view,
+            mantissa: widths.mantissa,
+            subpixel: widths.subpixel,
+            radial: widths.radial,
+            table: widths.table,
+            interpolation: widths.interpolation,
+            weight: widths.weight,
+            peak: widths.peak,
+            alpha: widths.alpha,
+            transmittance: widths.transmittance,
+            colour: widths.colour,
+            accumulator: widths.accumulator,
+            truncate: u8::from(widths.rounding == Rounding::Truncate),
+        }
+    }
+}
+
+impl SplatlineWidths {
+    pub(crate) fn widths(&self) -> Result<Widths, Error> {
+        let widths = Widths {
+            view: self.view,
+            mantissa: self.mantissa,
+            subpixel: self.subpixel,
+            radial: self.radial,
+            table: self.table,
+            interpolation: self.interpolation,
+            weight: self.weight,
+            peak: self.peak,
+            alpha: self.alpha,
+            transmittance: self.transmittance,
+            colour: self.colour,
+            accumulator: self.accumulator,
+            rounding: if flag(self.truncate.into())? {
+                Rounding::Truncate
+            } else {
+                Rounding::Nearest
+            },
+        };
+        widths.check().map_err(|_| Error::Widths)?;
+        Ok(widths)
+    }
+
+    pub(crate) fn design(&self) -> Result<Custom, Error> {
+        Custom::new(self.widths()?).map_err(|_| Error::Widths)
+    }
+}
+
+impl From<&SplatlineSplat> for VolumeSplat {
+    fn from(splat: &SplatlineSplat) -> Self {
+        VolumeSplat {
+            centre: splat.centre.map(I8F24::from_bits),
+            axes: splat.axes.map(|axis| Axis {
+                mantissa: axis.mantissa,
+                exponent: axis.exponent,
+            }),
+            weight: splat.weight.into(),
+            colour: splat.colour.map(U4F28::from_bits),
+        }
+    }
+}
+
+impl SplatlineView {
+    pub(crate) fn view(&self) -> Result<View, Error> {
+        if self
+            .viewport
+            .iter()
+            .any(|size| u32::from(*size) > SPLATLINE_LARGEST_VIEWPORT)
+        {
+            return Err(Error::Value);
+        }
+        let [a, b, c, d, e, f, g, h, i] = self.rotation.map(I2F30::from_bits);
+        Ok(View {
+            rotation: [[a, b, c], [d, e, f], [g, h, i]],
+            translation: self.translation.map(I10F54::from_bits),
+            focal: self.focal.map(Scaled::from),
+            principal: self.principal.map(I32F32::from_bits),
+            near: I10F54::from_bits(self.near_depth),
+            far: I10F54::from_bits(self.far_depth),
+            viewport: self.viewport,
+            projection: if flag(self.orthographic)? {
+                Projection::Orthographic
+            } else {
+                Projection::Perspective
+            },
+            limits: RatioLimits {
+                low: self.ratio_low.map(I32F32::from_bits),
+                high: self.ratio_high.map(I32F32::from_bits),
+            },
+        })
+    }
+}
+
+impl From<&Rules> for SplatlineRules {
+    fn from(rules: &Rules) -> Self {
+        SplatlineRules {
+            low_pass: rules.low_pass.into(),
+            normalised: rules.normalised.into(),
+            cutoff_by_opacity: (rules.cutoff == Cutoff::Opacity).into(),
+            cutoff: match rules.cutoff {
+                Cutoff::Radial(cutoff) => cutoff,
+                Cutoff::Opacity => 0,
+            },
+            alpha_max: rules.alpha_max,
+            alpha_min: rules.alpha_min,
+            stop: rules.stop,
+            stop_before: rules.stop_before.into(),
+            clamp_jacobian: rules.clamp_jacobian.into(),
+            table_range: rules.table_range.into(),
+        }
+    }
+}
+
+impl SplatlineRules {
+    pub(crate) fn rules(&self) -> Result<Rules, Error> {
+        if self.table_range > 4 {
+            return Err(Error::Value);
+        }
+        Ok(Rules {
+            normalised: flag(self.normalised)?,
+            low_pass: self.low_pass.into(),
+            // The C interface draws Gaussians with a low-pass filter only.
+            spacing: Scaled::ZERO,
+            kernel: Kernel::Gaussian,
+            cutoff: if flag(self.cutoff_by_opacity)? {
+                Cutoff::Opacity
+            } else {
+                Cutoff::Radial(self.cutoff)
+            },
+            alpha_max: self.alpha_max,
+            alpha_min: self.alpha_min,
+            stop: self.stop,
+            stop_before: flag(self.stop_before)?,
+            clamp_jacobian: flag(self.clamp_jacobian)?,
+            table_range: self.table_range as u8,
+        })
+    }
+}
+
+impl From<&Footprint> for SplatlineFootprint {
+    fn from(footprint: &Footprint) -> Self {
+        let Footprint { scan, conic, .. } = footprint;
+        SplatlineFootprint {
+            centre: footprint.centre,
+            depth: footprint.depth,
+            first: footprint.first,
+            last: footprint.last,
+            curvature: scan.curvature.into(),
+            spread: scan.spread.into(),
+            slope: scan.slope.into(),
+            stretch: scan.stretch.into(),
+            conic_mantissa: conic.mantissa,
+            conic_exponent: conic.exponent,
+            cutoff: footprint.cutoff,
+            peak: footprint.peak,
+            colour: footprint.colour,
+        }
+    }
+}
+
+impl From<&SplatlineFootprint> for Footprint {
+    fn from(footprint: &SplatlineFootprint) -> Self {
+        Footprint {
+            depth: footprint.depth,
+            centre: footprint.centre,
+            first: footprint.first,
+            last: footprint.last,
+            scan: Scan {
+                curvature: footprint.curvature.into(),
+                spread: footprint.spread.into(),
+                slope: footprint.slope.into(),
+                stretch: footprint.stretch.into(),
+            },
+            conic: Conic {
+                mantissa: footprint.conic_mantissa,
+                exponent: footprint.conic_exponent,
+            },
+            cutoff: footprint.cutoff,
+            peak: footprint.peak,
+            colour: footprint.colour,
+        }
+    }
+}
+
+impl From<&SplatlineWindow> for Window {
+    fn from(window: &SplatlineWindow) -> Self {
+        Window {
+            first: window.first,
+            last: window.last,
+        }
+    }
+}
+
+pub(crate) fn traversal(choice: u32) -> Result<Traversal, Error> {
+    match choice {
+        SPLATLINE_TRAVERSAL_BOX => Ok(Traversal::Box),
+        SPLATLINE_TRAVERSAL_SPANS => Ok(Traversal::Spans),
+        _ => Err(Error::Value),
+    }
+}
+
+pub(crate) fn compositing(choice: u32) -> Result<Compositing, Error> {
+    match choice {
+        SPLATLINE_FRONT_TO_BACK => Ok(Compositing::FrontToBack),
+        SPLATLINE_BACK_TO_FRONT => Ok(Compositing::BackToFront),
+        SPLATLINE_XRAY => Ok(Compositing::XRay),
+        _ => Err(Error::Value),
+    }
+}
+
+fn flag(value: u32) -> Result<bool, Error> {
+    match value {
+        0 => Ok(false),
+        1 => Ok(true),
+        _ => Err(Error::Value),
+    }
+}

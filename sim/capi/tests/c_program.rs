@@ -1,0 +1,161 @@
+//! A program in C, compiled and run: its pictures equal Rust's, word for word.
+
+use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use splatline::blend::Pixel;
+use splatline::draw::Painter;
+use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::math::Scaled;
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::setup;
+use splatline::splat::{Axis, VolumeSplat};
+use splatline::target::Target;
+use splatline::view::{Projection, RatioLimits, View};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const SIZE: [u16; 2] = [96, 64];
+const PIXELS: usize = 96 * 64;
+
+/// The generator of `examples/picture.c`.
+struct Random(u32);
+
+impl Random {
+    fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.0
+    }
+}
+
+fn splats() -> Vec<VolumeSplat> {
+    let mut random = Random(1);
+    let mut splat = || VolumeSplat {
+        centre: [(); 3].map(|()| I8F24::from_bits(((random.bits() >> 8) as i32 - (1 << 23)) * 4)),
+        axes: [(); 3].map(|()| Axis {
+            mantissa: [(); 3].map(|()| (random.bits() >> 1) as i32 - (1 << 30)),
+            exponent: -32 - (random.bits() >> 30) as i32,
+        }),
+        weight: Scaled {
+            mantissa: (random.bits() >> 2) as i32,
+            exponent: -30,
+        },
+        colour: [(); 3].map(|()| U4F28::from_bits(random.bits() >> 4)),
+    };
+    (0..200).map(|_| splat()).collect()
+}
+
+fn view() -> View {
+    let (zero, one) = (I2F30::ZERO, I2F30::ONE);
+    let limit = I32F32::from_bits(3_435_973_837);
+    let focal = Scaled {
+        mantissa: 80 << 24,
+        exponent: -24,
+    };
+    View {
+        rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
+        translation: [I10F54::ZERO, I10F54::ZERO, I10F54::from_num(4)],
+        focal: [focal; 2],
+        principal: SIZE.map(|size| I32F32::from_num(size / 2)),
+        near: I10F54::from_bits(180_143_985_094_820),
+        far: I10F54::from_num(200),
+        viewport: SIZE,
+        projection: Projection::Perspective,
+        limits: RatioLimits {
+            low: [-limit; 2],
+            high: [limit; 2],
+        },
+    }
+}
+
+fn picture<D: Design>(design: D, traversal: Traversal) -> Vec<Pixel> {
+    let (widths, rules) = (design.widths(), Rules::GAUSSIAN_3D);
+    let mut memory = vec![0; entries(&widths)];
+    fill_gaussian(&mut memory, &widths, rules.table_range);
+    let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+    let painter = Painter::new(design, &rules, table, Compositing::FrontToBack, traversal);
+    let mut footprints: Vec<_> = splats()
+        .iter()
+        .filter_map(|splat| setup(design, &view(), &rules, splat).ok())
+        .collect();
+    footprints.sort_by_key(|footprint| footprint.depth);
+    let mut pixels = vec![Pixel::clear(&widths); PIXELS];
+    let window = Window {
+        first: [0; 2],
+        last: SIZE,
+    };
+    let mut target = Target::new(&mut pixels, window, SIZE[0].into()).unwrap();
+    for footprint in &footprints {
+        painter.draw(footprint, &mut target);
+    }
+    pixels
+}
+
+/// What the C program writes: designs, in them both traversals.
+fn expected() -> Vec<u8> {
+    let pictures = [Traversal::Box, Traversal::Spans];
+    let pictures = [
+        pictures.map(|t| picture(Classic8, t)),
+        pictures.map(|t| picture(Lean18, t)),
+        pictures.map(|t| picture(Standard24, t)),
+        pictures.map(|t| picture(Deep32, t)),
+    ];
+    let words = |p: &Pixel| [p.colour[0], p.colour[1], p.colour[2], p.transmittance];
+    let pixels = pictures.iter().flatten().flatten();
+    pixels.flat_map(words).flat_map(u32::to_ne_bytes).collect()
+}
+
+/// Cargo leaves the static library beside this test.
+fn static_library() -> PathBuf {
+    let folder = std::env::current_exe().unwrap();
+    folder.with_file_name("libsplatline_capi.a")
+}
+
+#[test]
+fn a_program_in_c_draws_the_same_picture() {
+    let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+    if Command::new(&compiler).arg("--version").output().is_err() {
+        eprintln!("skipped: no C compiler '{compiler}'; install one or name it in CC");
+        return;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
+    let (program, output) = (folder.join("picture"), folder.join("picture.pixels"));
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let compiled = Command::new(&compiler)
+        .args([
+            "-std=c99",
+            "-O1",
+            "-Wall",
+            "-Wextra",
+            "-Werror",
+            "-pedantic",
+        ])
+        .arg("-I")
+        .arg(here.join("include"))
+        .args([
+            here.join("examples/main.c"),
+            here.join("examples/picture.c"),
+        ])
+        .arg(static_library())
+        .args(["-lpthread", "-ldl", "-lm", "-o"])
+        .arg(&program)
+        .status()
+        .unwrap();
+    assert!(compiled.success());
+    assert!(
+        Command::new(&program)
+            .arg(&output)
+            .status()
+            .unwrap()
+            .success()
+    );
+    let (got, expected) = (std::fs::read(&output).unwrap(), expected());
+    assert_eq!(got.len(), expected.len());
+    let differing = got.iter().zip(&expected).position(|(g, e)| g != e);
+    assert_eq!(differing, None, "first differing byte");
+    let covered = expected
+        .chunks(16)
+        .filter(|pixel| pixel[..4] != [0; 4])
+        .count();
+    assert!(covered > 8 * PIXELS / 2, "the picture is not empty");
+}

@@ -1,0 +1,266 @@
+//! Null pointers, wrong sizes and impossible choices are errors; any bits in the structs are drawn without a panic.
+
+use proptest::prelude::*;
+use splatline_capi::*;
+use std::ptr::{null, null_mut};
+
+const PIXELS: usize = 16 * 16;
+
+fn widths() -> SplatlineWidths {
+    let mut widths = std::mem::MaybeUninit::uninit();
+    // SAFETY: the pointer leads to memory for widths, which a successful call has written.
+    unsafe {
+        assert_eq!(
+            splatline_design(SPLATLINE_STANDARD24, widths.as_mut_ptr()),
+            SPLATLINE_OK
+        );
+        widths.assume_init()
+    }
+}
+
+fn rules(name: u32) -> SplatlineRules {
+    let mut rules = std::mem::MaybeUninit::uninit();
+    // SAFETY: as above.
+    unsafe {
+        assert_eq!(splatline_rules(name, rules.as_mut_ptr()), SPLATLINE_OK);
+        rules.assume_init()
+    }
+}
+
+fn painter(table: &[u32]) -> SplatlinePainter {
+    SplatlinePainter {
+        widths: widths(),
+        rules: rules(SPLATLINE_RULES_EWA),
+        compositing: SPLATLINE_FRONT_TO_BACK,
+        traversal: SPLATLINE_TRAVERSAL_SPANS,
+        table: table.as_ptr(),
+        table_count: table.len(),
+    }
+}
+
+fn table() -> Vec<u32> {
+    let mut table = vec![0; 1025];
+    // SAFETY: pointer and length of one vector.
+    let status = unsafe { splatline_table_gaussian(&widths(), 2, table.as_mut_ptr(), table.len()) };
+    assert_eq!(status, SPLATLINE_OK);
+    table
+}
+
+const WINDOW: SplatlineWindow = SplatlineWindow {
+    first: [0; 2],
+    last: [16; 2],
+};
+
+#[test]
+fn null_is_an_error_everywhere() {
+    let (w, r, mut fp) = (
+        widths(),
+        rules(SPLATLINE_RULES_EWA),
+        SplatlineFootprint::default(),
+    );
+    let mut words = [0u32; SPLATLINE_LONGEST_PACKET];
+    let mut run = SplatlineRun::default();
+    let table = table();
+    let painter = painter(&table);
+    // SAFETY: every pointer is null or leads to what its type says.
+    let codes = unsafe {
+        [
+            splatline_design(0, null_mut()),
+            splatline_design_check(null()),
+            splatline_rules(0, null_mut()),
+            splatline_table_entries(&w, null_mut()),
+            splatline_table_gaussian(&w, 2, null_mut(), 1025),
+            splatline_table_weight(&w, 2, null(), 1025, 0, &mut 0),
+            splatline_setup(&w, null(), &r, null(), &mut fp),
+            splatline_setup_many(&w, null(), &r, null(), 200, &mut fp, 200, null_mut(), 1),
+            splatline_packet_words(null(), &mut 0),
+            splatline_packet_encode(&w, null(), words.as_mut_ptr(), 16),
+            splatline_packet_field(null(), 0, null_mut()),
+            splatline_packet_decode(null(), words.as_ptr(), 16, &mut fp),
+            splatline_rows_begin(&w, &fp, 0, &WINDOW, null_mut()),
+            splatline_rows_next(null_mut(), &mut run),
+            splatline_run_step(null_mut()),
+            splatline_pixel_opacity(null(), &fp, &run, &mut 0),
+            splatline_pixel_composite(&painter, 1, null(), null_mut()),
+            splatline_clear(&w, null_mut(), 1),
+            splatline_draw(&painter, &fp, &WINDOW, null_mut(), PIXELS, 16, null_mut()),
+        ]
+    };
+    assert_eq!(codes, [SPLATLINE_ERROR_NULL; 19]);
+}
+
+#[test]
+fn sizes_strides_and_choices_are_checked() {
+    let (w, fp, table) = (widths(), SplatlineFootprint::default(), table());
+    let mut pixels = [SplatlinePixel::default(); PIXELS];
+    let mut words = [0u32; SPLATLINE_LONGEST_PACKET];
+    let mut out = SplatlineFootprint::default();
+    let mut draw = |painter: &SplatlinePainter, count: usize, stride: usize| {
+        // SAFETY: `count` is at most the number of pixels.
+        unsafe {
+            splatline_draw(
+                painter,
+                &fp,
+                &WINDOW,
+                pixels.as_mut_ptr(),
+                count,
+                stride,
+                null_mut(),
+            )
+        }
+    };
+    let good = painter(&table);
+    assert_eq!(draw(&good, PIXELS, 16), SPLATLINE_OK);
+    assert_eq!(draw(&good, PIXELS - 1, 16), SPLATLINE_ERROR_SIZE);
+    assert_eq!(draw(&good, PIXELS, 17), SPLATLINE_ERROR_SIZE);
+    assert_eq!(draw(&good, PIXELS, 15), SPLATLINE_ERROR_STRIDE);
+    assert_eq!(
+        draw(
+            &SplatlinePainter {
+                traversal: 2,
+                ..good
+            },
+            PIXELS,
+            16
+        ),
+        SPLATLINE_ERROR_VALUE
+    );
+    assert_eq!(
+        draw(
+            &SplatlinePainter {
+                compositing: 3,
+                ..good
+            },
+            PIXELS,
+            16
+        ),
+        SPLATLINE_ERROR_VALUE
+    );
+    assert_eq!(
+        draw(&painter(&table[1..]), PIXELS, 16),
+        SPLATLINE_ERROR_SIZE
+    );
+    let wide = SplatlineWidths { radial: 45, ..w };
+    assert_eq!(
+        draw(
+            &SplatlinePainter {
+                widths: wide,
+                ..good
+            },
+            PIXELS,
+            16
+        ),
+        SPLATLINE_ERROR_WIDTHS
+    );
+    let steep = SplatlineRules {
+        table_range: 5,
+        ..good.rules
+    };
+    assert_eq!(
+        draw(
+            &SplatlinePainter {
+                rules: steep,
+                ..good
+            },
+            PIXELS,
+            16
+        ),
+        SPLATLINE_ERROR_VALUE
+    );
+    // SAFETY: every pointer leads to at least as much as is said.
+    unsafe {
+        assert_eq!(splatline_design(4, &mut widths()), SPLATLINE_ERROR_VALUE);
+        assert_eq!(splatline_design_check(&wide), SPLATLINE_ERROR_WIDTHS);
+        assert_eq!(
+            splatline_packet_encode(&w, &fp, words.as_mut_ptr(), 3),
+            SPLATLINE_ERROR_SIZE
+        );
+        let mut needed = 0;
+        assert_eq!(splatline_packet_words(&w, &mut needed), SPLATLINE_OK);
+        words[0] = 15;
+        let decoded = splatline_packet_decode(&w, words.as_ptr(), needed, &mut out);
+        assert_eq!(decoded, SPLATLINE_ERROR_PACKET_VERSION);
+        let mut never_begun: SplatlineRows = std::mem::zeroed();
+        let next = splatline_rows_next(&mut never_begun, &mut SplatlineRun::default());
+        assert_eq!(next, SPLATLINE_ERROR_STATE);
+        let odd = words.as_mut_ptr().byte_add(1);
+        assert_eq!(
+            splatline_table_gaussian(&w, 2, odd, 1025),
+            SPLATLINE_ERROR_ALIGNMENT
+        );
+        let many = splatline_setup_many(
+            null(),
+            null(),
+            null(),
+            null(),
+            4,
+            null_mut(),
+            4,
+            null_mut(),
+            0,
+        );
+        assert_eq!(many, SPLATLINE_ERROR_STRIDE);
+    }
+}
+
+#[test]
+fn every_code_has_a_text() {
+    for code in -9..=6 {
+        // SAFETY: the text is static and ends with a zero.
+        let text = unsafe { std::ffi::CStr::from_ptr(splatline_error_text(code)) };
+        assert_eq!(text.to_str().unwrap() == "no error", code >= 0);
+        assert_eq!(text.to_str().unwrap() == "unknown error", code == -9);
+    }
+}
+
+/// Fields of the packet are found by name and lie side by side.
+#[test]
+fn the_layout_is_described() {
+    let mut end = 0;
+    for index in 0..SPLATLINE_PACKET_FIELDS {
+        // SAFETY: all integers, so zeros are valid.
+        let mut field: SplatlineField = unsafe { std::mem::zeroed() };
+        // SAFETY: pointers lead to what their types say.
+        let status = unsafe { splatline_packet_field(&widths(), index, &mut field) };
+        assert_eq!((status, field.offset), (SPLATLINE_OK, end));
+        end += u16::from(field.width);
+    }
+}
+
+fn number() -> impl Strategy<Value = SplatlineScaled> {
+    (any::<i32>(), prop_oneof![any::<i32>(), -60..60i32])
+        .prop_map(|(mantissa, exponent)| SplatlineScaled { mantissa, exponent })
+}
+
+prop_compose! {
+    fn footprint()(
+        centre in prop::array::uniform2(prop_oneof![any::<i64>(), -(1i64 << 26)..1 << 26]),
+        depth: u32, first in prop::array::uniform2(0u16..20), last in prop::array::uniform2(prop_oneof![any::<u16>(), 0u16..20]),
+        scan in [number(), number(), number(), number()],
+        conic_mantissa: [i32; 3], conic_exponent: i32, cutoff: u32, peak: u32, colour: [u32; 3],
+    ) -> SplatlineFootprint {
+        let [curvature, spread, slope, stretch] = scan;
+        SplatlineFootprint {
+            centre, depth, first, last, curvature, spread, slope, stretch,
+            conic_mantissa, conic_exponent, cutoff, peak, colour,
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #[test]
+    fn any_footprint_is_drawn_without_a_panic(
+        footprint in footprint(), traversal in 0u32..2, compositing in 0u32..3, rules_name in 0u32..2,
+    ) {
+        let mut table = vec![0; 1025];
+        let mut pixels = [SplatlinePixel { colour: [7; 3], transmittance: 1 << 30 }; PIXELS];
+        // SAFETY: pointers and counts belong together.
+        unsafe {
+            splatline_table_gaussian(&widths(), rules(rules_name).table_range, table.as_mut_ptr(), table.len());
+            let painter = SplatlinePainter { rules: rules(rules_name), traversal, compositing, ..painter(&table) };
+            let status = splatline_draw(&painter, &footprint, &WINDOW, pixels.as_mut_ptr(), PIXELS, 16, null_mut());
+            prop_assert_eq!(status, SPLATLINE_OK);
+        }
+    }
+}

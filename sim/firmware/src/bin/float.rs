@@ -1,0 +1,40 @@
+//! The same drawing in soft float.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+use splatline_firmware::float_picture::{Memory, Outcome, draw};
+
+#[cfg(target_os = "none")]
+mod image {
+    use super::{Memory, draw, report};
+    use core::cell::UnsafeCell;
+    use splatline_firmware::board;
+
+    struct Lent(UnsafeCell<Memory>);
+    // SAFETY: one core, no interrupts.
+    unsafe impl Sync for Lent {}
+    static MEMORY: Lent = Lent(UnsafeCell::new(Memory::new()));
+
+    #[unsafe(no_mangle)]
+    fn image_main() {
+        // SAFETY: called once.
+        let memory = unsafe { &mut *MEMORY.0.get() };
+        let outcome = draw(memory);
+        let stack = board::stack_used();
+        report(&outcome, board::print);
+        board::print("stack", stack);
+    }
+}
+
+fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
+    print("visible", outcome.visible);
+    print("covered_box", outcome.covered[0]);
+    print("covered_spans", outcome.covered[1]);
+    print("sum_box", outcome.sum[0]);
+    print("sum_spans", outcome.sum[1]);
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    let outcome = draw(&mut Box::new(Memory::new()));
+    report(&outcome, |name, value| println!("{name}={value}"));
+}

@@ -1,0 +1,45 @@
+//! Splats on a microcontroller without an FPU: one scene, drawn in fixed point by the kernel and in soft float beside it.
+//!
+//! | file | what |
+//! |---|---|
+//! | `design` | a design of one's own: widths for which the pixel path needs no 64-bit product |
+//! | `scene` | the splats and the camera, constants in flash |
+//! | `fixed_picture` | the kernel: setup, depth order, strips |
+//! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
+//! | `board` | reset, semihosting output, stack gauge; the only `unsafe` code |
+//!
+//! The picture is drawn in strips, as one would for a display on a serial bus: setup once, then rows of
+//! eight lines each in a buffer that is sent off and used again. Here "sent off" is a checksum.
+#![cfg_attr(target_os = "none", no_std)]
+
+#[cfg(target_os = "none")]
+pub mod board;
+pub mod checksum;
+pub mod design;
+pub mod fixed_picture;
+pub mod float_picture;
+pub mod scene;
+
+/// What the instructions are counted for. The counter in `counter/` knows these functions by name.
+///
+/// Each must stay a function of its own with a body of its own, hence the different volatile writes.
+pub mod phase {
+    macro_rules! phases {
+        ($($name:ident = $number:literal, $what:literal;)*) => {$(
+            #[doc = $what]
+            #[unsafe(no_mangle)]
+            #[inline(never)]
+            pub extern "C" fn $name() {
+                let mut number = 0u8;
+                // SAFETY: a local variable.
+                unsafe { core::ptr::write_volatile(&mut number, $number) };
+            }
+        )*};
+    }
+    phases! {
+        phase_rest = 1, "Start, checksum, output: not counted for the drawing.";
+        phase_setup = 2, "Splats to footprints.";
+        phase_draw = 3, "Footprints to pixels.";
+        phase_draw_again = 4, "The second way of drawing.";
+    }
+}

@@ -1,0 +1,125 @@
+//! The pages about the machine: throughput, lane layouts, designs.
+//!
+//! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
+
+use super::super::progress::Progress;
+use super::super::setup::write;
+use super::super::{Failure, say};
+use super::{designs, layouts, points, throughput};
+use anyhow::Result;
+use splatline_sim::camera::Camera;
+use splatline_sim::rules::Rules;
+use splatline_sim::scene::{self, LoadOptions, Scene};
+use std::path::Path;
+
+/// Columns and rows of every picture.
+const SIZE: usize = 512;
+
+/// A scene as it is measured.
+pub struct Subject {
+    pub name: &'static str,
+    pub scene: Scene,
+    pub camera: Camera,
+    pub rules: Rules,
+}
+
+/// Where a captured scene is seen from.
+struct Place {
+    name: &'static str,
+    file: &'static str,
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    fov: f64,
+}
+
+const UP: [f64; 3] = [0.0, -1.0, 0.0];
+
+/// The captured scenes.
+const PLACES: [Place; 4] = [
+    Place {
+        name: "guitar",
+        file: "gaussians/guitar.ply",
+        eye: [5.5, -2.1, 0.2],
+        target: [0.1, -2.1, 0.1],
+        up: UP,
+        fov: 50.0,
+    },
+    Place {
+        name: "guitar, close",
+        file: "gaussians/guitar.ply",
+        eye: [2.2, -1.2, 0.5],
+        target: [0.1, -1.2, 0.1],
+        up: UP,
+        fov: 50.0,
+    },
+    Place {
+        name: "playbot",
+        file: "gaussians/playbot_lod4.ply",
+        eye: [2.2, -1.4, 2.2],
+        target: [0.0, -0.45, 0.0],
+        up: UP,
+        fov: 45.0,
+    },
+    Place {
+        name: "lion",
+        file: points::FILE,
+        eye: [4.11, 3.88, -0.16],
+        target: [-2.89, 3.88, -1.16],
+        up: [0.0, 0.0, 1.0],
+        fov: 45.0,
+    },
+];
+
+/// Writes the tables about the machine into `output`.
+pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
+    let mut subjects = vec![demo()?];
+    let mut missing = Vec::new();
+    for place in &PLACES {
+        match subject(data, place)? {
+            Some(subject) => subjects.push(subject),
+            None => missing.push(place.name),
+        }
+    }
+    let progress = Progress::new(subjects.len());
+    let tables = throughput::measure(&subjects, &progress)?;
+    drop(progress);
+    let text = throughput::text(&tables, &missing);
+    write(&output.join("throughput.md"), text.as_bytes())?;
+    say(&text);
+    layouts::write_all(&subjects, output)?;
+    designs::write_all(subjects, output)
+}
+
+fn demo() -> Result<Subject> {
+    let scene = scene::demo()?;
+    let (camera, rules) = (scene.default_camera(SIZE, SIZE), scene.natural_rules);
+    Ok(Subject {
+        name: "MR head (demo)",
+        scene,
+        camera,
+        rules,
+    })
+}
+
+/// A captured scene, unless its file is missing.
+fn subject(data: &Path, place: &Place) -> Result<Option<Subject>> {
+    let path = data.join(place.file);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let (scene, rules) = if place.file == points::FILE {
+        (points::load(&path)?, points::RULES)
+    } else {
+        let scene = scene::load(&path, &LoadOptions::default())?;
+        let rules = scene.natural_rules;
+        (scene, rules)
+    };
+    let camera = Camera::look_at(place.eye, place.target, place.up, place.fov, SIZE, SIZE)?;
+    Ok(Some(Subject {
+        name: place.name,
+        scene,
+        camera,
+        rules,
+    }))
+}

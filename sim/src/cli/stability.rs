@@ -1,0 +1,29 @@
+//! `splatline stability`: the hard-case suite, with the verdict on each bar.
+
+use super::args::StabilityOptions;
+use super::setup::write;
+use super::{Failure, say};
+use splatline_sim::stability::{measure, table};
+
+/// Heads the page that `--markdown` writes.
+const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`. \
+Truth is exact rational arithmetic; `f32` is the usual formulas in single precision. The last column compares\n\
+without any tolerance. Columns are explained in `sim/src/stability/mod.rs`.\n\n";
+
+pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
+    let lines = measure(options.quick);
+    if let Some(path) = &options.json {
+        write(path, serde_json::to_string_pretty(&lines)?.as_bytes())?;
+    }
+    match &options.markdown {
+        Some(path) => {
+            write(
+                path,
+                (HEADING.to_owned() + &table::markdown(&lines)).as_bytes(),
+            )?;
+            say(&table::summary(&lines));
+        }
+        None => say(&table::markdown(&lines)),
+    }
+    Ok(())
+}

@@ -1,0 +1,296 @@
+//! `render` and `compare` with `--as surface`: a point cloud drawn as surface splats, in fixed point and in double precision.
+
+use super::args::{
+    CompareOptions, DrawingOptions, Engine, KernelChoice, RenderOptions, SurfaceOptions, Vector,
+    ViewOptions,
+};
+use super::compare::{all_entries, summary as comparison_summary};
+use super::drawing::Drawing;
+use super::engines::{cull_counts, reference_culled};
+use super::progress::Progress;
+use super::render::summary;
+use super::setup::{camera_or, write};
+use super::sweep::{Comparison, Entry, Manner, Measured, measure};
+use super::{Failure, say};
+use anyhow::Context;
+use splatline_sim::camera::Camera;
+use splatline_sim::design::traversal_name;
+use splatline_sim::metrics::compare;
+use splatline_sim::report::error_map::ErrorMap;
+use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts};
+use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Pixels, Report, Row, ScaleFacts};
+use splatline_sim::scene::points::{self, SurfaceScene};
+use splatline_sim::surface::{Buffer, Style, USUAL_EDGE};
+use splatline_sim::{fixed, reference};
+
+/// Light of a cloud that has no colours of its own, from above the default camera's left shoulder.
+const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
+
+/// What is looked at, from where and how.
+struct SurfaceView {
+    scene: SurfaceScene,
+    camera: Camera,
+    style: Style,
+}
+
+impl SurfaceView {
+    fn from_options(view: &ViewOptions, surface: &SurfaceOptions) -> Result<SurfaceView, Failure> {
+        refuse_volume_options(view)?;
+        let scene = points::load(&view.scene)?;
+        let camera = camera_or(view, scene.up, |size| {
+            scene.default_camera(size.width, size.height)
+        })?;
+        let style = style(surface, view.light, &scene);
+        for note in &scene.notes {
+            super::complain(&format!("{}: {note}\n", scene.name));
+        }
+        Ok(SurfaceView {
+            scene,
+            camera,
+            style,
+        })
+    }
+}
+
+/// The style that the options and the scene ask for.
+fn style(options: &SurfaceOptions, light: Option<Vector>, scene: &SurfaceScene) -> Style {
+    let threshold = options.z_threshold.unwrap_or(scene.usual_threshold());
+    Style {
+        buffer: options.layers.map_or(Buffer::Accumulation, Buffer::Layers),
+        edge: options.edges.then_some(USUAL_EDGE),
+        light: light
+            .map(|Vector(light)| light)
+            .or((!scene.coloured).then_some(USUAL_LIGHT)),
+        ..Style::opaque(threshold)
+    }
+}
+
+fn refuse_volume_options(view: &ViewOptions) -> Result<(), Failure> {
+    let refused = [
+        (view.rules.is_some(), "--rules"),
+        (view.transfer.is_some(), "--transfer"),
+        (view.antialias.is_some(), "--antialias"),
+        (view.kernel != KernelChoice::Gaussian, "--kernel"),
+    ];
+    match refused.iter().find(|(given, _)| *given) {
+        Some((_, option)) => Err(Failure::Usage(format!(
+            "{option} has no meaning with --as surface"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// `render --as surface`.
+pub fn render(options: &RenderOptions) -> Result<(), Failure> {
+    let drawing = &options.drawing;
+    if drawing.engine == Engine::Exact {
+        return Err(no_exact());
+    }
+    let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    let manner = Manner::without_points(drawing);
+    let progress = Progress::new(1);
+    progress.doing(format!("drawing {}", view.scene.name));
+    let (measured, report) = match drawing.engine {
+        Engine::Fixed => {
+            let entry = Entry::from_options(drawing)?;
+            let measured = draw_fixed(&view, &manner, &entry)?;
+            let report = report_of_entry(&view, &entry, &measured)?;
+            (measured, report)
+        }
+        Engine::Float | Engine::Exact => {
+            let measured = draw_float(&view, &manner)?;
+            let report = report(&view, Engine::Float, &measured);
+            (measured, report)
+        }
+    };
+    measured
+        .drawing
+        .picture
+        .write_png(&options.output, drawing.depth)?;
+    write_json(drawing, &report)?;
+    drop(progress);
+    say(&summary(&report));
+    Ok(())
+}
+
+/// `compare --as surface`.
+pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
+    let drawing = &options.drawing;
+    if drawing.engine == Engine::Exact {
+        return Err(no_exact());
+    }
+    let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    let manner = Manner::without_points(drawing);
+    let chosen = Entry::from_options(drawing)?;
+    let mut entries = if options.only {
+        Vec::new()
+    } else {
+        all_entries(&chosen.design)
+    };
+    if !entries.contains(&chosen) {
+        entries.push(chosen.clone());
+    }
+    let comparison = sweep(&view, &manner, &chosen, &entries)?;
+    comparison.write(&options.output, drawing.depth)?;
+    write_json(drawing, &comparison.report)?;
+    say(&comparison_summary(&comparison.report, &options.output));
+    Ok(())
+}
+
+/// Draws all entries against the reference and keeps the chosen one's picture.
+fn sweep(
+    view: &SurfaceView,
+    manner: &Manner,
+    chosen: &Entry,
+    entries: &[Entry],
+) -> Result<Comparison, Failure> {
+    let progress = Progress::new(entries.len() + 1);
+    progress.doing("float reference".to_owned());
+    let float = draw_float(view, manner)?.drawing.picture;
+    progress.advance();
+    let mut table = Vec::new();
+    let mut kept = None;
+    for entry in entries {
+        let (design, traversal) = (&entry.design.name, traversal_name(entry.traversal));
+        progress.doing(format!("{design} by {traversal}"));
+        let measured = draw_fixed(view, manner, entry)?;
+        let errors = compare(&measured.drawing.picture, &float)
+            .with_context(|| format!("design {design} by {traversal} cannot be compared"))?;
+        let pixels = measured.drawing.pixels.unwrap_or_default();
+        table.push(Row::new(design, traversal, &errors, pixels, measured.host));
+        if entry == chosen {
+            kept = Some((measured, errors));
+        }
+        progress.advance();
+    }
+    let (measured, errors) = kept.context("the chosen design was not drawn")?;
+    let map = ErrorMap::new(&measured.drawing.picture, &float);
+    let report = Report {
+        error_map: Some(ScaleFacts::from(&map)),
+        reference: Some(Engine::Float.name().to_owned()),
+        error: Some(ErrorFacts::from(&errors)),
+        table,
+        ..report_of_entry(view, chosen, &measured)?
+    };
+    Ok(Comparison {
+        fixed: measured.drawing.picture,
+        float,
+        map,
+        report,
+    })
+}
+
+fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Result<Measured> {
+    let SurfaceView {
+        scene,
+        camera,
+        style,
+    } = view;
+    measure(manner, || {
+        let drawing = fixed::surface::draw(scene, camera, style, &entry.design, entry.traversal);
+        if drawing.merged > 0 {
+            let count = drawing.merged;
+            super::complain(&format!(
+                "{count} pixels had more layers than --layers keeps\n"
+            ));
+        }
+        let [setup_s, raster_s] = drawing.times;
+        Ok(Drawing {
+            picture: drawing.picture,
+            culled: cull_counts(drawing.culled),
+            clamped: drawing.clamped as u64,
+            pixels: Some(Pixels {
+                covered: drawing.coverage.covered,
+                visited: drawing.coverage.visited,
+            }),
+            stages: HostTimes {
+                setup_s,
+                raster_s,
+                ..HostTimes::default()
+            },
+        })
+    })
+}
+
+fn draw_float(view: &SurfaceView, manner: &Manner) -> anyhow::Result<Measured> {
+    measure(manner, || {
+        let drawing = reference::surface::draw(&view.scene, &view.camera, &view.style);
+        Ok(Drawing {
+            picture: drawing.picture,
+            culled: reference_culled(&drawing.counts),
+            clamped: 0,
+            pixels: None,
+            stages: HostTimes::default(),
+        })
+    })
+}
+
+fn report_of_entry(
+    view: &SurfaceView,
+    entry: &Entry,
+    measured: &Measured,
+) -> anyhow::Result<Report> {
+    Ok(Report {
+        design: serde_json::to_value(entry.design.resolved())?,
+        traversal: Some(traversal_name(entry.traversal).to_owned()),
+        ..report(view, Engine::Fixed, measured)
+    })
+}
+
+fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
+    let SurfaceView {
+        scene,
+        camera,
+        style,
+    } = view;
+    let skipped = (scene.skipped > 0).then(|| ("unusable".to_owned(), scene.skipped as u64));
+    Report {
+        format: FORMAT.to_owned(),
+        engine: engine.name().to_owned(),
+        reference: None,
+        design: serde_json::Value::Null,
+        traversal: None,
+        scene: SceneFacts {
+            name: scene.name.clone(),
+            splats: scene.points.len() as u64,
+            skipped: skipped.into_iter().collect(),
+            culled: measured.drawing.culled.clone(),
+            clamped: measured.drawing.clamped,
+        },
+        camera: CameraFacts::from(camera),
+        rules: RulesFacts {
+            name: "surf".to_owned(),
+            normalised: false,
+            low_pass: style.low_pass,
+            spacing: 0.0,
+            kernel: "gaussian".to_owned(),
+            cutoff: Some(style.cutoff),
+            alpha_max: 1.0,
+            alpha_min: 0.0,
+            stop: 0.0,
+            stop_before: false,
+            clamp_jacobian: false,
+        },
+        compositing: match style.buffer {
+            Buffer::Accumulation => "accumulation".to_owned(),
+            Buffer::Layers(count) => format!("{count} layers"),
+        },
+        error: None,
+        error_map: None,
+        cycles: None,
+        pixels: measured.drawing.pixels,
+        host: measured.host,
+        table: Vec::new(),
+    }
+}
+
+fn write_json(drawing: &DrawingOptions, report: &Report) -> Result<(), Failure> {
+    match &drawing.json {
+        Some(path) => write(path, report.to_json()?.as_bytes()),
+        None => Ok(()),
+    }
+}
+
+fn no_exact() -> Failure {
+    Failure::Usage("--engine exact has no meaning with --as surface: use fixed or float".to_owned())
+}

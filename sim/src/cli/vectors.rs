@@ -1,0 +1,75 @@
+//! `splatline vectors`: test vectors for every stage boundary, written and checked.
+
+use super::args::{VectorsAction, VectorsExportOptions};
+use super::{Failure, say};
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed::QuantisedScene;
+use splatline_sim::scene::{self, LoadOptions};
+use splatline_sim::vectors::{self, Subject};
+use std::path::Path;
+
+pub fn run(action: &VectorsAction) -> Result<(), Failure> {
+    match action {
+        VectorsAction::Export(options) => export(options),
+        VectorsAction::Verify { folder } => verify(folder),
+    }
+}
+
+fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
+    let mut design = DesignChoice::load(&options.design.0)?;
+    if let Some(traversal) = options.traversal {
+        design.traversal = traversal.into();
+    }
+    let size = [options.size.width, options.size.height]
+        .map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+    let (view, splats, rules) = match &options.scene {
+        None => {
+            let (view, splats) = vectors::hard_cases(options.splats, size, options.seed);
+            (view, splats, splatline_sim::rules::Rules::GAUSSIAN_3D)
+        }
+        Some(file) => {
+            let loaded = scene::load(
+                file,
+                &LoadOptions {
+                    transfer: None,
+                    light: None,
+                },
+            )?;
+            let camera = loaded.default_camera(options.size.width, options.size.height);
+            let rules = options.rules.unwrap_or(loaded.natural_rules);
+            let mut quantised = QuantisedScene::new(&loaded, &camera, &rules);
+            quantised.splats.truncate(options.splats);
+            (quantised.view, quantised.splats, rules)
+        }
+    };
+    let subject = Subject {
+        design,
+        rules: options.rules.unwrap_or(rules),
+        compositing: options.compositing.into(),
+        view,
+        splats,
+    };
+    let manifest = vectors::export(&options.folder, &subject)?;
+    let counts: Vec<String> = manifest
+        .stages
+        .iter()
+        .map(|stage| format!("{} {}", stage.name, stage.records))
+        .collect();
+    say(&format!(
+        "{}: {}\n",
+        options.folder.display(),
+        counts.join(", ")
+    ));
+    Ok(())
+}
+
+fn verify(folder: &Path) -> Result<(), Failure> {
+    let verified = vectors::verify(folder)?;
+    for (stage, records) in &verified.stages {
+        say(&format!("{stage}: {records} records equal the kernel's\n"));
+    }
+    for stage in &verified.missing {
+        say(&format!("{stage}: no file, not checked\n"));
+    }
+    Ok(())
+}

@@ -1,0 +1,91 @@
+//! Spherical kernels in perspective through the kernel ([HYBRID] 4.2).
+
+use super::quantise::{QuantisedScene, kernel_compositing, scaled};
+use super::render::{
+    Drawing, Options, TileLists, Times, depth_order, paint_tiles, table, table_entries, to_picture,
+};
+use crate::camera::Camera;
+use crate::design::DesignJob;
+use crate::scene::Scene;
+use crate::vector;
+use splatline::draw::{Coverage, Painter, Perspective};
+use splatline::format::{Design, Traversal};
+use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
+use splatline::setup::{Cull, Ellipse, Index, SphereFootprint, setup_sphere};
+use splatline::splat::SphereSplat;
+
+/// Draws a scene whose splats are taken as spheres of their first axis' length.
+pub fn draw_spheres(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    shape: (Ellipse, Index),
+) -> Drawing {
+    struct Job<'a>(&'a Scene, &'a Camera, &'a Options<'a>, (Ellipse, Index));
+    impl DesignJob for Job<'_> {
+        type Output = Drawing;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Drawing {
+            draw_with(design, self.0, self.1, self.2, self.3)
+        }
+    }
+    options.design.dispatch(Job(scene, camera, options, shape))
+}
+
+fn draw_with<D: Design + Send + Sync>(
+    design: D,
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    shape: (Ellipse, Index),
+) -> Drawing {
+    let widths = design.widths();
+    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    let rules = quantised.rules(options.rules);
+    let mut culled = [0; Cull::ALL.len()];
+    let mut spheres: Vec<SphereFootprint> = Vec::new();
+    for (splat, sphere) in scene.splats.iter().zip(&quantised.splats) {
+        let sphere = SphereSplat {
+            centre: sphere.centre,
+            deviation: scaled(vector::length(splat.axes[0])).scaled_by(quantised.scale_log2),
+            weight: sphere.weight,
+            colour: sphere.colour,
+        };
+        match setup_sphere(design, &quantised.view, &rules, &sphere, shape) {
+            Ok(footprint) => spheres.push(footprint),
+            Err(reason) => culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1,
+        }
+    }
+    let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
+    let order = depth_order(&footprints, options.compositing);
+    let tiles = TileLists::new(&footprints, &order, quantised.view.viewport);
+    let memory = table_entries(&widths, &rules);
+    let mut perspective = [0; PERSPECTIVE_ENTRIES];
+    fill_perspective(&mut perspective);
+    let perspective = Perspective {
+        table: PerspectiveTable::new(&perspective),
+        rays: Rays::new(&quantised.view),
+    };
+    let painter = Painter::new(
+        design,
+        &rules,
+        table(&memory, &widths, &rules),
+        kernel_compositing(options.compositing),
+        Traversal::Spans,
+    );
+    let (pixels, coverage) = paint_tiles(&widths, &tiles, |list, target| {
+        let mut coverage = Coverage::default();
+        for number in list {
+            coverage += painter.draw_sphere(&spheres[*number as usize], &perspective, target);
+        }
+        coverage
+    });
+    Drawing {
+        picture: to_picture(&pixels, camera, &widths),
+        pixels,
+        splats: scene.splats.len(),
+        culled,
+        clamped: quantised.clamped,
+        coverage,
+        times: Times::default(),
+    }
+}

@@ -1,0 +1,376 @@
+//! The engine `fixed` for surfaces: points quantised once, then gathered by the kernel, tile by tile, in the scene's order.
+//!
+//! ```text
+//! quantise -> setup (kernel) -> tiles (kernel's painter) -> resolve (kernel) -> picture
+//! ```
+//!
+//! There is no sorting: the accumulation buffer decides by depth and the layered buffer takes any order.
+
+use super::quantise::{axis, exp2, scale_log2, scaled, view};
+use crate::camera::Camera;
+use crate::design::{DesignChoice, DesignJob};
+use crate::picture::Picture;
+use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
+use crate::surface::{Buffer, Style};
+use crate::vector;
+use fixed::types::{I8F24, U4F28};
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::blend::edge::EdgeFilter;
+use splatline::blend::layers::Layers;
+use splatline::blend::resolve::Resolve;
+use splatline::blend::shading::{self, Shading};
+use splatline::blend::surface::{Accumulation, Cell, Gather};
+use splatline::draw::Coverage;
+use splatline::draw::surface::SurfacePainter;
+use splatline::footprint::surface::SurfaceFootprint;
+use splatline::format::{Design, Traversal};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::rules as kernel;
+use splatline::setup::{Cull, setup_surface};
+use splatline::splat::surface::SurfaceSplat;
+use splatline::target::cells::CellTarget;
+use splatline::view::View;
+use std::time::Instant;
+
+/// Columns and rows of a tile; any size gives the same picture.
+const TILE: [u16; 2] = [64, 16];
+
+/// Points in the kernel's formats.
+#[derive(Clone, Debug)]
+pub struct QuantisedPoints {
+    /// The camera.
+    pub view: View,
+    /// The splats, in the scene's order.
+    pub splats: Vec<SurfaceSplat>,
+    /// Kernel scene units per scene unit, as a power of two.
+    pub scale_log2: i32,
+    /// Points of which a coordinate had to be clamped to its format.
+    pub clamped: usize,
+}
+
+impl QuantisedPoints {
+    /// Quantises what both engines draw.
+    pub fn new(scene: &SurfaceScene, camera: &Camera) -> Self {
+        let scale_log2 = scale_log2(scene.points.iter().map(|point| point.centre), camera);
+        let beyond = |p: &&SurfacePoint| {
+            p.centre
+                .iter()
+                .any(|c| (c * exp2(scale_log2)).abs() >= 128.0)
+        };
+        QuantisedPoints {
+            view: view(camera, scale_log2),
+            splats: scene.points.iter().map(|p| splat(p, scale_log2)).collect(),
+            scale_log2,
+            clamped: scene.points.iter().filter(beyond).count(),
+        }
+    }
+}
+
+fn splat(point: &SurfacePoint, scale_log2: i32) -> SurfaceSplat {
+    let coordinate = |value: f64| I8F24::saturating_from_num(value * exp2(scale_log2));
+    SurfaceSplat {
+        centre: point.centre.map(coordinate),
+        frame: point.frame.map(|tangent| axis(tangent, scale_log2)),
+        normal: axis(point.normal, 0),
+        weight: scaled(point.weight),
+        colour: point.colour.map(U4F28::saturating_from_num),
+        opacity: U4F28::saturating_from_num(point.opacity),
+        material: point.material,
+    }
+}
+
+/// What a drawing gives.
+#[derive(Clone, Debug)]
+pub struct SurfaceDrawing {
+    /// The picture, converted to double precision without further rounding.
+    pub picture: Picture,
+    /// The kernel's pixels, row-major.
+    pub pixels: Vec<Pixel>,
+    /// Weight sums of all fragments of each pixel, in units of 1.0.
+    pub weights: Vec<f64>,
+    /// Points culled, by reason, in the order of [`Cull::ALL`].
+    pub culled: [usize; Cull::ALL.len()],
+    /// Points of which a coordinate was clamped to its format.
+    pub clamped: usize,
+    /// Pixels visited and covered.
+    pub coverage: Coverage,
+    /// Pixels at which fragments had to be merged.
+    pub merged: usize,
+    /// Seconds for setup, and for everything after it.
+    pub times: [f64; 2],
+}
+
+/// Footprints of all points, in the scene's order.
+pub fn footprints(
+    points: &QuantisedPoints,
+    style: &Style,
+    design: &DesignChoice,
+) -> Vec<Result<SurfaceFootprint, Cull>> {
+    struct Job<'a>(&'a QuantisedPoints, kernel::Rules);
+    impl DesignJob for Job<'_> {
+        type Output = Vec<Result<SurfaceFootprint, Cull>>;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+            let Job(points, rules) = self;
+            let set_up = |splat| setup_surface(design, &points.view, &rules, splat);
+            points.splats.par_iter().map(set_up).collect()
+        }
+    }
+    design.dispatch(Job(points, kernel_rules(style)))
+}
+
+/// The rules of surfaces with the style's filter and cut-off.
+pub fn kernel_rules(style: &Style) -> kernel::Rules {
+    let cutoff = (style.cutoff * exp2(28))
+        .round()
+        .clamp(0.0, 15.0 * exp2(28));
+    kernel::Rules {
+        low_pass: scaled(style.low_pass),
+        cutoff: kernel::Cutoff::Radial(cutoff as u32),
+        table_range: if style.cutoff <= 4.0 { 2 } else { 4 },
+        ..kernel::Rules::SURFACE
+    }
+}
+
+/// Draws `scene` as `camera` sees it. A number of layers that [`crate::surface::LAYERS`] lacks counts as the next larger one.
+pub fn draw(
+    scene: &SurfaceScene,
+    camera: &Camera,
+    style: &Style,
+    design: &DesignChoice,
+    traversal: Traversal,
+) -> SurfaceDrawing {
+    let started = Instant::now();
+    let points = QuantisedPoints::new(scene, camera);
+    let results = footprints(&points, style, design);
+    let mut culled = [0; Cull::ALL.len()];
+    let mut drawn = Vec::with_capacity(results.len());
+    for result in results {
+        match result {
+            Ok(footprint) => drawn.push(footprint),
+            Err(reason) => culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1,
+        }
+    }
+    let setup_time = started.elapsed().as_secs_f64();
+    let frame = Frame {
+        view: &points.view,
+        footprints: &drawn,
+        materials: scene.materials.iter().map(material).collect(),
+        light: style.light.map(|light| direction(camera, light)),
+        edges: style
+            .edge
+            .and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32)),
+        threshold: (style.threshold * exp2(points.scale_log2 + 23)).round() as u32,
+        rules: kernel_rules(style),
+        traversal,
+    };
+    let raster = match style.buffer {
+        Buffer::Accumulation => design.dispatch(Job::<Accumulation>::new(&frame)),
+        Buffer::Layers(0 | 1) => design.dispatch(Job::<Layers<1>>::new(&frame)),
+        Buffer::Layers(2) => design.dispatch(Job::<Layers<2>>::new(&frame)),
+        Buffer::Layers(3) => design.dispatch(Job::<Layers<3>>::new(&frame)),
+        Buffer::Layers(4) => design.dispatch(Job::<Layers<4>>::new(&frame)),
+        Buffer::Layers(_) => design.dispatch(Job::<Layers<8>>::new(&frame)),
+    };
+    SurfaceDrawing {
+        picture: to_picture(&raster.pixels, camera, design),
+        pixels: raster.pixels,
+        weights: raster.weights,
+        culled,
+        clamped: points.clamped,
+        coverage: raster.coverage,
+        merged: raster.merged,
+        times: [setup_time, started.elapsed().as_secs_f64() - setup_time],
+    }
+}
+
+/// A material in the kernel's UQ8.24.
+fn material(material: &Material) -> shading::Material {
+    let unit = exp2(shading::COEFFICIENT as i32);
+    let coefficient = |value: f64| (value.clamp(0.0, 100.0) * unit).round() as u32;
+    shading::Material {
+        ambient: coefficient(material.ambient),
+        diffuse: coefficient(material.diffuse),
+        specular: coefficient(material.specular),
+        exponent: material.exponent,
+    }
+}
+
+/// A direction of the scene as a unit vector in camera space, Q1.30.
+fn direction(camera: &Camera, world: vector::Vector) -> shading::Direction {
+    let turned = vector::transform(&camera.rotation, world);
+    let length = vector::length(turned);
+    turned.map(|part| (part / length * exp2(30)).round() as i32)
+}
+
+/// What all tiles of a picture share.
+struct Frame<'a> {
+    view: &'a View,
+    footprints: &'a [SurfaceFootprint],
+    materials: Vec<shading::Material>,
+    light: Option<shading::Direction>,
+    edges: Option<EdgeFilter>,
+    threshold: u32,
+    rules: kernel::Rules,
+    traversal: Traversal,
+}
+
+/// What gathering and resolving give.
+struct Raster {
+    pixels: Vec<Pixel>,
+    weights: Vec<f64>,
+    coverage: Coverage,
+    merged: usize,
+}
+
+/// A cell type that tells whether its fragments had to be merged.
+trait HostCell: Cell + Send {
+    fn merged(&self) -> bool {
+        false
+    }
+}
+
+impl HostCell for Accumulation {}
+
+impl<const L: usize> HostCell for Layers<L> {
+    fn merged(&self) -> bool {
+        self.merges() > 0
+    }
+}
+
+struct Job<'a, C> {
+    frame: &'a Frame<'a>,
+    cell: std::marker::PhantomData<C>,
+}
+
+impl<'a, C> Job<'a, C> {
+    fn new(frame: &'a Frame<'a>) -> Self {
+        Job {
+            frame,
+            cell: std::marker::PhantomData,
+        }
+    }
+}
+
+impl<C: HostCell> DesignJob for Job<'_, C> {
+    type Output = Raster;
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> Raster {
+        let frame = self.frame;
+        let widths = design.widths();
+        let mut memory = vec![0; entries(&widths)];
+        fill_gaussian(&mut memory, &widths, frame.rules.table_range);
+        let Ok(table) = FootprintTable::new(&memory, &widths, frame.rules.table_range) else {
+            unreachable!("the table has just been made for these widths")
+        };
+        let gather = Gather::new(&widths, frame.threshold);
+        let painter = SurfacePainter::new(design, &frame.rules, table, gather, frame.traversal);
+        let shading = frame
+            .light
+            .map(|light| Shading::new(&widths, &frame.materials, light, frame.view));
+        let resolve = Resolve::new(&widths, gather, shading, frame.edges);
+        let unit = exp2(i32::from(splatline::blend::surface::sum_fraction(&widths)));
+        frame.assemble(|window, list| {
+            let columns = usize::from(window.last[0] - window.first[0]);
+            let rows = usize::from(window.last[1] - window.first[1]);
+            let mut cells = vec![C::EMPTY; columns * rows];
+            let mut coverage = Coverage::default();
+            let Ok(mut target) = CellTarget::new(&mut cells, window) else {
+                unreachable!("the tile's memory has just been made for its window")
+            };
+            for index in list {
+                coverage += painter.draw(&frame.footprints[*index as usize], &mut target);
+            }
+            let place = |index: usize| {
+                let (x, y) = ((index % columns) as u16, (index / columns) as u16);
+                [window.first[0] + x, window.first[1] + y]
+            };
+            let resolved = cells.iter().enumerate().map(|(index, cell)| {
+                let [x, y] = place(index);
+                resolve.pixel(cell, x, y)
+            });
+            let weight = |cell: &C| {
+                cell.fragments()
+                    .iter()
+                    .map(|f| f64::from(f.weight))
+                    .sum::<f64>()
+                    / unit
+            };
+            Raster {
+                pixels: resolved.collect(),
+                weights: cells.iter().map(weight).collect(),
+                coverage,
+                merged: cells.iter().filter(|cell| cell.merged()).count(),
+            }
+        })
+    }
+}
+
+impl Frame<'_> {
+    /// Draws all tiles side by side and puts them together.
+    fn assemble(&self, tile: impl Fn(Window, &[u32]) -> Raster + Sync) -> Raster {
+        let [width, height] = self.view.viewport;
+        let [columns, rows] = [width.div_ceil(TILE[0]), height.div_ceil(TILE[1])].map(usize::from);
+        let window = |index: usize| {
+            let first = [
+                (index % columns) as u16 * TILE[0],
+                (index / columns) as u16 * TILE[1],
+            ];
+            let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(self.view.viewport[axis]));
+            Window { first, last }
+        };
+        let lists = self.tile_lists(columns, rows);
+        let parts = lists.par_iter().enumerate();
+        let parts: Vec<Raster> = parts
+            .map(|(index, list)| tile(window(index), list))
+            .collect();
+        let size = usize::from(width) * usize::from(height);
+        let mut whole = Raster {
+            pixels: vec![Pixel::default(); size],
+            weights: vec![0.0; size],
+            coverage: Coverage::default(),
+            merged: 0,
+        };
+        for (index, part) in parts.iter().enumerate() {
+            whole.coverage += part.coverage;
+            whole.merged += part.merged;
+            let window = window(index);
+            let across = usize::from(window.last[0] - window.first[0]);
+            for (row, y) in (window.first[1]..window.last[1]).enumerate() {
+                let start = usize::from(y) * usize::from(width) + usize::from(window.first[0]);
+                let source = row * across..(row + 1) * across;
+                whole.pixels[start..start + across].copy_from_slice(&part.pixels[source.clone()]);
+                whole.weights[start..start + across].copy_from_slice(&part.weights[source]);
+            }
+        }
+        whole
+    }
+
+    /// For every tile the footprints whose box touches it, in the scene's order.
+    fn tile_lists(&self, columns: usize, rows: usize) -> Vec<Vec<u32>> {
+        let mut lists = vec![Vec::new(); columns * rows];
+        for (index, surface) in self.footprints.iter().enumerate() {
+            let (first, last) = (surface.footprint.first, surface.footprint.last);
+            let tile = |pixel: u16, axis: usize| usize::from(pixel / TILE[axis]);
+            for y in tile(first[1], 1)..=tile(last[1] - 1, 1) {
+                for x in tile(first[0], 0)..=tile(last[0] - 1, 0) {
+                    lists[y * columns + x].push(index as u32);
+                }
+            }
+        }
+        lists
+    }
+}
+
+/// Colour and 1 - T in units of 1.0.
+fn to_picture(pixels: &[Pixel], camera: &Camera, design: &DesignChoice) -> Picture {
+    let colour_unit = exp2(design.widths.accumulator.into());
+    let opaque = exp2(design.widths.transmittance.into());
+    let mut picture = Picture::new(camera.width, camera.height);
+    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
+        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
+        *out = [r, g, b, 1.0 - f64::from(pixel.clear_share()) / opaque];
+    }
+    picture
+}

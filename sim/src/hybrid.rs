@@ -1,0 +1,62 @@
+//! How samples become points or splats ([HYBRID] 2 and 4), said once for both engines.
+
+use crate::rules::Rules;
+use crate::scene::Scene;
+
+/// Which samples are drawn as points, by the picture's one circular footprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Points {
+    /// Those closer together than pixels (beyond the distance k).
+    #[default]
+    Auto,
+    /// All; magnified samples then leave holes.
+    All,
+    /// None: all are splats.
+    None,
+}
+
+/// How points are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Hybrid {
+    /// Which samples are points.
+    pub points: Points,
+    /// Points within this depth range (scene units) are summed before they are composited; none: each is composited.
+    pub depth_range: Option<f64>,
+    /// Points are stamped at `2^bits` phases per pixel and axis; none: by the traversal `spans`.
+    pub phase_bits: Option<u8>,
+}
+
+/// Standard deviation of a volume's kernels, in voxels, by which a spacing follows from a deviation.
+const DEVIATION_PER_SPACING: f64 = 0.82;
+
+/// The standard deviation of a scene's kernels taken as spheres: the median over the splats of their volume's cube root.
+///
+/// 0 for a scene without splats.
+pub fn deviation(scene: &Scene) -> f64 {
+    let mut deviations: Vec<f64> = scene
+        .splats
+        .iter()
+        .map(|splat| {
+            let [a, b, c] = splat.axes.map(crate::vector::length);
+            (a * b * c).cbrt()
+        })
+        .collect();
+    if deviations.is_empty() {
+        return 0.0;
+    }
+    let middle = deviations.len() / 2;
+    *deviations.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+/// The distance between samples that belongs to the kernels' deviation: a volume's voxel spacing.
+pub fn spacing(scene: &Scene) -> f64 {
+    deviation(scene) / DEVIATION_PER_SPACING
+}
+
+/// The rules with distance scaling, which points need, at the scene's own spacing unless they have one.
+pub fn rules_for_points(scene: &Scene, rules: &Rules) -> Rules {
+    if rules.spacing > 0.0 {
+        return *rules;
+    }
+    rules.with_antialias(crate::rules::Antialias::Swan(spacing(scene)))
+}

@@ -1,0 +1,253 @@
+//! Points and splats in double precision ([HYBRID] 2 and 4), by one plain loop over fragments.
+//!
+//! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the points
+//! that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs to a splat.
+
+use super::compositor::{self, Projected, opacity};
+use super::float::{self, Footprint, screen_position, visible_position};
+use super::jacobian::{Jacobian, ScreenVariance};
+use super::kernels::enlargement;
+use super::{Counts, Culled, Drawing, PixelBox, pixel_range};
+use crate::camera::Camera;
+use crate::hybrid::{Hybrid, Points, deviation};
+use crate::picture::Picture;
+use crate::rules::Rules;
+use crate::scene::{Scene, Splat};
+
+/// Draws front to back. The rules need a spacing and a constant cut-off.
+///
+/// With phase bits, the centres of points are rounded as a stamp rounds them.
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> Drawing {
+    let deviation = deviation(scene);
+    let weights = scene.weights_for(rules);
+    let colours = scene.colours(camera);
+    let projected: Vec<_> = scene
+        .splats
+        .iter()
+        .zip(weights)
+        .zip(colours)
+        .map(|((splat, weight), colour)| {
+            if is_point(splat, camera, rules, hybrid.points) {
+                let point = point(splat, weight, colour, camera, rules, deviation)?;
+                Ok(Primitive {
+                    footprint: stamped(point, hybrid.phase_bits, rules, camera),
+                    is_point: true,
+                })
+            } else {
+                let footprint = float::project(splat, weight, colour, camera, rules)?;
+                Ok(Primitive {
+                    footprint,
+                    is_point: false,
+                })
+            }
+        })
+        .collect();
+    let mut counts = Counts::of_projected(&projected);
+    let mut cells = vec![Cell::EMPTY; camera.width * camera.height];
+    for index in compositor::order(&projected) {
+        if let Ok(primitive) = &projected[index] {
+            counts.covered_pixels += splat_into(&mut cells, camera, primitive, rules, hybrid);
+        }
+    }
+    let mut picture = Picture::new(camera.width, camera.height);
+    for (out, cell) in picture.pixels.iter_mut().zip(&mut cells) {
+        cell.close(rules);
+        let [r, g, b] = cell.colour;
+        *out = [r, g, b, 1.0 - cell.transmittance];
+    }
+    Drawing { picture, counts }
+}
+
+/// Points are the samples beyond the distance k.
+fn is_point(splat: &Splat, camera: &Camera, rules: &Rules, points: Points) -> bool {
+    let depth = camera.to_camera(splat.centre)[2];
+    let jacobian = Jacobian::at(camera, [0.0; 2], depth);
+    match points {
+        Points::All => true,
+        Points::None => false,
+        Points::Auto => enlargement(rules, &jacobian) > 1.0,
+    }
+}
+
+fn point(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+    deviation: f64,
+) -> Result<Footprint, Culled> {
+    let position = visible_position(splat, weight, colour, camera)?;
+    if weight <= 0.0 {
+        return Err(Culled::Transparent);
+    }
+    let [across, down] = Jacobian::at(camera, [0.0; 2], position[2]).scale;
+    let area = (deviation / rules.spacing).powi(2);
+    let share = match rules.normalised {
+        true => rules.kernel.circular_peak(area),
+        false => rules.spacing * rules.spacing,
+    };
+    let variance = ScreenVariance {
+        a: area,
+        b: 0.0,
+        c: area,
+        determinant: area * area,
+    };
+    let footprint = Footprint {
+        centre: screen_position(position, camera),
+        depth: position[2],
+        variance,
+        conic: variance.conic(),
+        peak: weight * across * down * share,
+        cutoff: rules.cutoff,
+        bounds: PixelBox {
+            x0: 0,
+            y0: 0,
+            x1: 0,
+            y1: 0,
+        },
+        colour,
+    };
+    let footprint = bounded(footprint, camera);
+    match footprint.bounds.is_empty() {
+        true => Err(Culled::OutsideViewport),
+        false => Ok(footprint),
+    }
+}
+
+fn bounded(mut footprint: Footprint, camera: &Camera) -> Footprint {
+    let half = (footprint.cutoff * footprint.variance.a).sqrt();
+    let range = |centre: f64, size| pixel_range(centre - half, centre + half, centre.abs(), size);
+    let (x0, x1) = range(footprint.centre[0], camera.width);
+    let (y0, y1) = range(footprint.centre[1], camera.height);
+    footprint.bounds = PixelBox { x0, y0, x1, y1 };
+    footprint
+}
+
+/// The point with its centre at the nearest of the stamp's phases.
+fn stamped(mut point: Footprint, bits: Option<u8>, _rules: &Rules, camera: &Camera) -> Footprint {
+    let Some(bits) = bits else { return point };
+    let phases = f64::from(bits).exp2();
+    point.centre = point
+        .centre
+        .map(|coordinate| (coordinate * phases + 0.5).floor() / phases);
+    bounded(point, camera)
+}
+
+struct Primitive {
+    footprint: Footprint,
+    is_point: bool,
+}
+
+impl Projected for Primitive {
+    fn bounds(&self) -> PixelBox {
+        self.footprint.bounds
+    }
+
+    fn depth(&self) -> f64 {
+        self.footprint.depth
+    }
+
+    fn colour(&self) -> [f64; 3] {
+        self.footprint.colour
+    }
+
+    fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {
+        self.footprint.radial_index_and_peak(point)
+    }
+}
+
+/// Blends one primitive into its pixels; returns how many it covered.
+fn splat_into(
+    cells: &mut [Cell],
+    camera: &Camera,
+    primitive: &Primitive,
+    rules: &Rules,
+    hybrid: &Hybrid,
+) -> u64 {
+    let bounds = primitive.bounds();
+    let mut covered = 0;
+    for y in bounds.y0..bounds.y1 {
+        for x in bounds.x0..bounds.x1 {
+            let cell = &mut cells[y * camera.width + x];
+            let point = [x as f64 + 0.5, y as f64 + 0.5];
+            if cell.finished {
+                continue;
+            }
+            let Some(alpha) = opacity(primitive, point, rules) else {
+                continue;
+            };
+            covered += 1;
+            match hybrid.depth_range {
+                Some(range) if primitive.is_point => {
+                    cell.gather(alpha, primitive, range, rules);
+                }
+                _ => {
+                    cell.close(rules);
+                    cell.over(alpha, primitive.colour().map(|c| c * alpha), rules);
+                }
+            }
+        }
+    }
+    covered
+}
+
+/// A pixel with what it has gathered and not yet composited.
+#[derive(Clone, Copy)]
+struct Cell {
+    colour: [f64; 3],
+    transmittance: f64,
+    finished: bool,
+    /// Sums of opacity and of opacity times colour, and the depth of the first point.
+    slab: Option<(f64, [f64; 3], f64)>,
+}
+
+impl Cell {
+    const EMPTY: Cell = Cell {
+        colour: [0.0; 3],
+        transmittance: 1.0,
+        finished: false,
+        slab: None,
+    };
+
+    fn gather(&mut self, alpha: f64, point: &Primitive, range: f64, rules: &Rules) {
+        if self
+            .slab
+            .is_some_and(|(_, _, first)| point.depth() - first > range)
+        {
+            self.close(rules);
+            if self.finished {
+                return;
+            }
+        }
+        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.depth()));
+        *opacity += alpha;
+        for (sum, channel) in colour.iter_mut().zip(point.colour()) {
+            *sum += alpha * channel;
+        }
+    }
+
+    fn close(&mut self, rules: &Rules) {
+        let Some((opacity, colour, _)) = self.slab.take() else {
+            return;
+        };
+        let excess = opacity.max(1.0);
+        self.over(opacity / excess, colour.map(|c| c / excess), rules);
+    }
+
+    /// Premultiplied colour behind what is there.
+    fn over(&mut self, alpha: f64, colour: [f64; 3], rules: &Rules) {
+        if self.finished {
+            return;
+        }
+        let next = self.transmittance * (1.0 - alpha);
+        self.finished = next <= rules.stop;
+        if self.finished && rules.stop_before {
+            return;
+        }
+        for (sum, channel) in self.colour.iter_mut().zip(colour) {
+            *sum += self.transmittance * channel;
+        }
+        self.transmittance = next;
+    }
+}

@@ -1,0 +1,149 @@
+//! Sheet buffers in double precision ([EWA] 4.1, [SWAN] 3): splats of a slab are added, sheets are composited.
+//!
+//! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 - A_i).
+
+use super::compositor::{self, Projected};
+use super::float::{self, Footprint};
+use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::rules::Rules;
+use crate::scene::{Scene, Splat};
+use crate::sheets::{SheetKind, SheetPlan};
+use crate::vector;
+use rayon::prelude::*;
+
+/// Rows that one thread draws together.
+const BAND: usize = 16;
+
+/// Standard deviations of depth beyond which a kernel is not cut any more.
+const REACH: f64 = 3.0;
+
+/// A splat in one sheet: the sheet's number, growing away from the eye, the splat's index and the share of its opacity.
+type Part = (i64, usize, f64);
+
+/// Draws the scene sheet by sheet, nearest first.
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> Picture {
+    let footprints = float::footprints(scene, camera, rules);
+    let mut parts: Vec<Part> = Vec::new();
+    for (index, (splat, footprint)) in scene.splats.iter().zip(&footprints).enumerate() {
+        if footprint.is_ok() {
+            parts_of(splat, index, camera, plan, &mut parts);
+        }
+    }
+    parts.sort_by_key(|(slab, index, _)| (*slab, *index));
+    let drawn: Vec<(i64, Footprint)> = parts
+        .iter()
+        .filter_map(|(slab, index, share)| {
+            let footprint = footprints[*index].as_ref().ok()?;
+            let peak = footprint.peak * share;
+            Some((*slab, Footprint { peak, ..*footprint }))
+        })
+        .collect();
+    let mut picture = Picture::new(camera.width, camera.height);
+    picture
+        .pixels
+        .par_chunks_mut(camera.width.max(1) * BAND)
+        .enumerate()
+        .for_each(|(band, pixels)| draw_band(&drawn, band * BAND, camera.width, pixels, rules));
+    picture
+}
+
+/// The sheets that a splat takes part in.
+fn parts_of(splat: &Splat, index: usize, camera: &Camera, plan: &SheetPlan, parts: &mut Vec<Part>) {
+    let depth = (camera.to_camera(splat.centre)[2] - plan.first) / plan.thickness;
+    match plan.kind {
+        SheetKind::AxisAligned => parts.push((axis_slab(splat, plan), index, 1.0)),
+        SheetKind::ImageAligned => parts.push((depth.max(0.0).floor() as i64, index, 1.0)),
+        SheetKind::ImageAlignedCut => {
+            let along = |axis: &[f64; 3]| vector::dot(camera.rotation[2], *axis).powi(2);
+            let spread = splat.axes.iter().map(along).sum::<f64>().sqrt() / plan.thickness;
+            let slab = |place: f64| place.max(0.0).floor() as i64;
+            let (first, last) = (slab(depth - REACH * spread), slab(depth + REACH * spread));
+            let below = |edge: i64| match edge {
+                edge if edge <= first => 0.0,
+                edge if edge > last => 1.0,
+                edge => normal_integral((edge as f64 - depth) / spread),
+            };
+            parts.extend((first..=last).map(|s| (s, index, below(s + 1) - below(s))));
+        }
+    }
+}
+
+fn axis_slab(splat: &Splat, plan: &SheetPlan) -> i64 {
+    let mut axis = 0;
+    for other in 1..3 {
+        if plan.direction[other].abs() > plan.direction[axis].abs() {
+            axis = other;
+        }
+    }
+    let slab = ((splat.centre[axis] - plan.first) / plan.thickness).floor() as i64;
+    if plan.direction[axis] >= 0.0 {
+        slab
+    } else {
+        -slab
+    }
+}
+
+/// Integral of the normal distribution up to `t`.
+fn normal_integral(t: f64) -> f64 {
+    0.5 * (1.0 + libm::erf(t / std::f64::consts::SQRT_2))
+}
+
+/// Sums and composites one band of rows that begins at `y0`.
+fn draw_band(
+    parts: &[(i64, Footprint)],
+    y0: usize,
+    width: usize,
+    pixels: &mut [[f64; 4]],
+    rules: &Rules,
+) {
+    let rows = pixels.len() / width;
+    // [r, g, b, transmittance] until the last sheet.
+    pixels.fill([0.0, 0.0, 0.0, 1.0]);
+    let mut sheet = vec![[0.0; 4]; pixels.len()];
+    for of_slab in parts.chunk_by(|a, b| a.0 == b.0) {
+        let mut touched = false;
+        for (_, splat) in of_slab {
+            let bounds = splat.bounds();
+            for y in bounds.y0.max(y0)..bounds.y1.min(y0 + rows) {
+                touched = true;
+                add_row(&mut sheet[(y - y0) * width..][..width], splat, y, rules);
+            }
+        }
+        if touched {
+            for (pixel, sums) in pixels.iter_mut().zip(&mut sheet) {
+                lay_behind(pixel, std::mem::take(sums), rules);
+            }
+        }
+    }
+    for pixel in pixels {
+        pixel[3] = 1.0 - pixel[3];
+    }
+}
+
+fn add_row(sheet: &mut [[f64; 4]], splat: &Footprint, y: usize, rules: &Rules) {
+    let centre_y = y as f64 + 0.5;
+    let (x0, x1) = splat.row_span(centre_y);
+    for (x, sums) in sheet.iter_mut().enumerate().take(x1).skip(x0) {
+        if let Some(opacity) = compositor::opacity(splat, [x as f64 + 0.5, centre_y], rules) {
+            for (sum, colour) in sums.iter_mut().zip(splat.colour) {
+                *sum += opacity * colour;
+            }
+            sums[3] += opacity;
+        }
+    }
+}
+
+fn lay_behind(pixel: &mut [f64; 4], sheet: [f64; 4], rules: &Rules) {
+    if pixel[3] <= rules.stop {
+        return;
+    }
+    let rest = pixel[3] * (1.0 - sheet[3].min(1.0));
+    if rest <= rules.stop && rules.stop_before {
+        return;
+    }
+    for channel in 0..3 {
+        pixel[channel] += pixel[3] * sheet[channel];
+    }
+    pixel[3] = rest;
+}

@@ -1,0 +1,225 @@
+//! Spherical kernels in perspective in double precision ([HYBRID] 4.2 and appendix A).
+//!
+//! The exact ellipse comes from the angles themselves: with b the angle between the centre's direction and the
+//! optical axis and sin a = R/|C|, the tangent cone cuts the image plane between tan(b - a) and tan(b + a), and the minor
+//! half-axis is sin a / sqrt(cos^2 b - sin^2 a). The corrected index is the paper's d = sin(atan(i tan a)) / tan a.
+
+use super::compositor::{self, Projected};
+use super::float::{effective_cutoff, screen_position, visible_position};
+use super::jacobian::ScreenVariance;
+use super::{Culled, Drawing, PixelBox, pixel_range};
+use crate::camera::Camera;
+use crate::rules::{Compositing, Rules};
+use crate::scene::{Scene, Splat};
+use crate::vector;
+
+/// Which ellipse and index a sphere is drawn with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    /// The tangent cone's ellipse instead of the affine one.
+    pub exact_ellipse: bool,
+    /// How a pixel's place becomes a radial index.
+    pub index: Index,
+}
+
+/// How a pixel's place becomes a radial index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Index {
+    /// In proportion to the ellipse's radius.
+    Affine,
+    /// The paper's correction, exact in the middle of the picture.
+    Perspective,
+    /// The distance of the pixel's own ray from the centre.
+    Ray,
+}
+
+/// A sphere on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereFootprint {
+    centre: [f64; 2],
+    depth: f64,
+    /// Quadratic form with value 1 on the outline.
+    outline: ScreenVariance,
+    /// Radial index on the outline.
+    cutoff: f64,
+    index: PixelIndex,
+    peak: f64,
+    bounds: PixelBox,
+    colour: [f64; 3],
+}
+
+/// What a pixel's index is computed from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum PixelIndex {
+    Affine,
+    Perspective(Angle),
+    /// Centre in camera space, deviation, and focal lengths and principal point.
+    Ray {
+        position: [f64; 3],
+        deviation: f64,
+        focal: [f64; 2],
+        principal: [f64; 2],
+    },
+}
+
+/// The half-angle of the cone, in the two measures that the index needs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Angle {
+    /// Tangent of the half-angle that i = 1 is seen under.
+    tangent: f64,
+    /// What d must be multiplied by to be the ray's distance in radii R.
+    scale: f64,
+}
+
+/// Draws a scene whose splats are taken as spheres of their first axis' length.
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    compositing: Compositing,
+    shape: Shape,
+) -> Drawing {
+    let weights = scene.weights_for(rules);
+    let colours = scene.colours(camera);
+    let spheres: Vec<_> = scene
+        .splats
+        .iter()
+        .zip(weights)
+        .zip(colours)
+        .map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules, shape))
+        .collect();
+    compositor::draw(&spheres, camera, rules, compositing, &|_, _| ())
+}
+
+fn project(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+    shape: Shape,
+) -> Result<SphereFootprint, Culled> {
+    let position = visible_position(splat, weight, colour, camera)?;
+    let deviation = vector::length(splat.axes[0]);
+    let peak = match rules.normalised {
+        true => weight * rules.kernel.circular_peak(deviation * deviation),
+        false => weight,
+    };
+    let cutoff = effective_cutoff(peak, rules)?;
+    let radius = deviation * cutoff.sqrt();
+    let [x, y, z] = position;
+    if z <= radius {
+        return Err(Culled::Near);
+    }
+    let distance = vector::length(position);
+    let sine = radius / distance;
+    let tangent = sine / (1.0 - sine * sine).sqrt();
+    let aside = x.hypot(y);
+    let axis_angle = aside.atan2(z);
+    let cone = sine.asin();
+    // The ray's own index needs no ellipse but to bound the pixels, for which the exact one serves.
+    let exact = shape.exact_ellipse || shape.index == Index::Ray;
+    let (middle, major, minor) = if exact {
+        let (near, far) = ((axis_angle - cone).tan(), (axis_angle + cone).tan());
+        let minor = sine / (axis_angle.cos().powi(2) - sine * sine).sqrt();
+        (0.5 * (near + far), 0.5 * (far - near), minor)
+    } else {
+        // First order in R/z. Under the corrected index the outline lies where the affine radius is R / cos a.
+        let stretch = if shape.index == Index::Perspective {
+            1.0 / cone.cos()
+        } else {
+            1.0
+        };
+        let flat = radius / z * stretch;
+        (aside / z, flat * distance / z, flat)
+    };
+    let direction = if aside > 0.0 {
+        [x / aside, y / aside]
+    } else {
+        [1.0, 0.0]
+    };
+    let centre = screen_position([direction[0] * middle, direction[1] * middle, 1.0], camera);
+    let form = |i: usize, j: usize| {
+        let along = major * major * direction[i] * direction[j];
+        let across = [direction[1], -direction[0]];
+        along + minor * minor * across[i] * across[j]
+    };
+    let outline = ScreenVariance {
+        a: form(0, 0) * camera.fx * camera.fx,
+        b: form(0, 1) * camera.fx * camera.fy,
+        c: form(1, 1) * camera.fy * camera.fy,
+        determinant: (major * minor * camera.fx * camera.fy).powi(2),
+    };
+    if !outline.is_regular() {
+        return Err(Culled::Degenerate);
+    }
+    let index = match shape.index {
+        Index::Affine => PixelIndex::Affine,
+        Index::Perspective => PixelIndex::Perspective(Angle {
+            tangent,
+            scale: tangent / sine,
+        }),
+        Index::Ray => PixelIndex::Ray {
+            position,
+            deviation,
+            focal: [camera.fx, camera.fy],
+            principal: [camera.cx, camera.cy],
+        },
+    };
+    let range = |centre: f64, half: f64, size| {
+        pixel_range(centre - half, centre + half, centre.abs() + half, size)
+    };
+    let (x0, x1) = range(centre[0], outline.a.sqrt(), camera.width);
+    let (y0, y1) = range(centre[1], outline.c.sqrt(), camera.height);
+    let bounds = PixelBox { x0, y0, x1, y1 };
+    if bounds.is_empty() {
+        return Err(Culled::OutsideViewport);
+    }
+    Ok(SphereFootprint {
+        centre,
+        depth: z,
+        outline,
+        cutoff,
+        index,
+        peak,
+        bounds,
+        colour,
+    })
+}
+
+impl Projected for SphereFootprint {
+    fn bounds(&self) -> PixelBox {
+        self.bounds
+    }
+
+    fn depth(&self) -> f64 {
+        self.depth
+    }
+
+    fn colour(&self) -> [f64; 3] {
+        self.colour
+    }
+
+    fn radial_index_and_peak(&self, point: [f64; 2]) -> (f64, f64) {
+        let offset = [point[0] - self.centre[0], point[1] - self.centre[1]];
+        let index = self.outline.radial_index(offset).sqrt();
+        let distance = match self.index {
+            PixelIndex::Affine => index,
+            PixelIndex::Perspective(Angle { tangent, scale }) => {
+                (index * tangent).atan().sin() / tangent * scale
+            }
+            PixelIndex::Ray {
+                position,
+                deviation,
+                focal,
+                principal,
+            } => {
+                let slope = |axis: usize| (point[axis] - principal[axis]) / focal[axis];
+                let ray = [slope(0), slope(1), 1.0];
+                let apart = vector::length(vector::cross(position, ray)) / vector::length(ray);
+                return ((apart / deviation).powi(2), self.peak);
+            }
+        };
+        (distance * distance * self.cutoff, self.peak)
+    }
+}

@@ -1,0 +1,502 @@
+//! Surface splatting in double precision, from the formulas of SURF: the counterpart of the kernel's systems 2 and 9 to 12.
+//!
+//! Screen-space basis function (SURF eq. 8), attributes filtered and divided by the weight sum (eq. 9), depth of the tangent
+//! plane, accumulation by a depth threshold (section 4) or in layers (section 6, eq. 12), Phong shading per pixel and
+//! coverage from the weight sum (section 7). [`inverse_jacobian`] is the other way to the same ellipse, by intersecting
+//! pixel rays with the tangent plane (section 4); the tests hold both against each other.
+
+use super::{Counts, Culled, PixelBox, pixel_range};
+use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
+use crate::surface::{Buffer, Style};
+use crate::vector::{self, Vector};
+use rayon::prelude::*;
+
+/// Rows of a band that one thread draws.
+const BAND: usize = 16;
+
+/// A surface splat on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceFootprint {
+    /// Centre, pixels.
+    pub centre: [f64; 2],
+    /// Camera-space z of the centre.
+    pub depth: f64,
+    /// Change of the tangent plane's depth per column and row, as the filtered kernel sees it.
+    pub gradient: [f64; 2],
+    /// Variance (xx, xy, yy) with the low-pass filter, square pixels.
+    pub variance: [f64; 3],
+    /// Conic (A, B, C): r = A x^2 + 2 B x y + C y^2.
+    pub conic: [f64; 3],
+    /// Weight at r = 0.
+    pub peak: f64,
+    /// Pixels that may lie inside the cut-off.
+    pub bounds: PixelBox,
+    /// Unit normal in camera space.
+    pub normal: Vector,
+    /// Premultiplied colour.
+    pub colour: [f64; 3],
+    /// Opacity.
+    pub opacity: f64,
+    /// Row of the material table.
+    pub material: u8,
+}
+
+/// The columns of M = J W S, pixels, and the depth components of W S.
+pub fn screen_axes(point: &SurfacePoint, camera: &Camera) -> ([[f64; 2]; 2], [f64; 2]) {
+    let [x, y, z] = camera.to_camera(point.centre);
+    let turned = point
+        .frame
+        .map(|axis| vector::transform(&camera.rotation, axis));
+    let column = |[dx, dy, dz]: Vector| match camera.orthographic {
+        true => [camera.fx * dx, camera.fy * dy],
+        false => [
+            camera.fx * (dx / z - x * dz / (z * z)),
+            camera.fy * (dy / z - y * dz / (z * z)),
+        ],
+    };
+    (turned.map(column), turned.map(|axis| axis[2]))
+}
+
+/// Projects one point.
+pub fn project(
+    point: &SurfacePoint,
+    camera: &Camera,
+    style: &Style,
+) -> Result<SurfaceFootprint, Culled> {
+    let position = camera.to_camera(point.centre);
+    if !vector::is_finite(position) {
+        return Err(Culled::NonFinite);
+    }
+    match position[2] {
+        z if z <= camera.near => return Err(Culled::Near),
+        z if z >= camera.far => return Err(Culled::Far),
+        _ => {}
+    }
+    let centre = super::float::screen_position(position, camera);
+    let ([m1, m2], [z1, z2]) = screen_axes(point, camera);
+    let h = style.low_pass;
+    let area = m1[0] * m2[1] - m1[1] * m2[0];
+    let squares = |k: usize| m1[k] * m1[k] + m2[k] * m2[k];
+    let [xx, yy] = [squares(0) + h, squares(1) + h];
+    let xy = m1[0] * m1[1] + m2[0] * m2[1];
+    let determinant = area * area + h * (squares(0) + squares(1)) + h * h;
+    if !(determinant > 0.0 && determinant.is_finite()) {
+        return Err(Culled::Degenerate);
+    }
+    let conic = [yy / determinant, -xy / determinant, xx / determinant];
+    // Covariance of depth and screen position, and its regression.
+    let covariance = [m1[0] * z1 + m2[0] * z2, m1[1] * z1 + m2[1] * z2];
+    let gradient = [
+        conic[0] * covariance[0] + conic[1] * covariance[1],
+        conic[1] * covariance[0] + conic[2] * covariance[1],
+    ];
+    let peak = point.weight * area.abs() / determinant.sqrt();
+    if peak <= 0.0 {
+        return Err(Culled::Transparent);
+    }
+    let range = |axis: usize, spread: f64, size: usize| {
+        let half = (style.cutoff * spread).sqrt();
+        pixel_range(
+            centre[axis] - half,
+            centre[axis] + half,
+            centre[axis].abs() + half,
+            size,
+        )
+    };
+    let ((x0, x1), (y0, y1)) = (range(0, xx, camera.width), range(1, yy, camera.height));
+    let bounds = PixelBox { x0, y0, x1, y1 };
+    if bounds.is_empty() {
+        return Err(Culled::OutsideViewport);
+    }
+    Ok(SurfaceFootprint {
+        centre,
+        depth: position[2],
+        gradient,
+        variance: [xx, xy, yy],
+        conic,
+        peak,
+        bounds,
+        normal: facing_normal(point, position, camera),
+        colour: point.colour.map(|c| c * point.opacity),
+        opacity: point.opacity,
+        material: point.material,
+    })
+}
+
+/// The normal in camera space, turned towards the eye: surfaces are two-sided.
+fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> Vector {
+    let normal = vector::transform(&camera.rotation, point.normal);
+    let ray = if camera.orthographic {
+        [0.0, 0.0, 1.0]
+    } else {
+        position
+    };
+    let away = vector::dot(normal, ray) > 0.0;
+    vector::scale(if away { -1.0 } else { 1.0 }, normal)
+}
+
+/// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the tangent
+/// plane (SURF 4). Columns are the change per column and per row, in standard deviations; none for a plane seen edge-on.
+pub fn inverse_jacobian(point: &SurfacePoint, camera: &Camera) -> Option<[[f64; 2]; 2]> {
+    let centre = camera.to_camera(point.centre);
+    let [s1, s2] = point
+        .frame
+        .map(|axis| vector::transform(&camera.rotation, axis));
+    let normal = vector::cross(s1, s2);
+    let foot = super::float::screen_position(centre, camera);
+    let towards = |u: f64, v: f64| -> (Vector, Vector) {
+        let (x, y) = ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
+        match camera.orthographic {
+            true => ([x, y, 0.0], [0.0, 0.0, 1.0]),
+            false => ([0.0; 3], [x, y, 1.0]),
+        }
+    };
+    let cut = |du: f64, dv: f64| -> Option<[f64; 2]> {
+        let (start, direction) = towards(foot[0] + du, foot[1] + dv);
+        let along = vector::dot(normal, direction);
+        let distance = vector::dot(normal, vector::subtract(centre, start)) / along;
+        let hit = vector::add(start, vector::scale(distance, direction));
+        let offset = vector::subtract(hit, centre);
+        let coordinate = |s: Vector| vector::dot(offset, s) / vector::dot(s, s);
+        let found = [coordinate(s1), coordinate(s2)];
+        found.iter().all(|c| c.is_finite()).then_some(found)
+    };
+    // Central differences of a smooth map: the error falls with the square of the step.
+    let step = 1e-4;
+    let difference = |du: f64, dv: f64| -> Option<[f64; 2]> {
+        let (ahead, behind) = (cut(du, dv)?, cut(-du, -dv)?);
+        Some([0, 1].map(|k: usize| (ahead[k] - behind[k]) / (2.0 * step)))
+    };
+    Some([difference(step, 0.0)?, difference(0.0, step)?])
+}
+
+/// Depth of the true tangent plane at a place of the screen, by the ray: what the affine depth approximates.
+pub fn exact_depth(point: &SurfacePoint, camera: &Camera, place: [f64; 2]) -> f64 {
+    let centre = camera.to_camera(point.centre);
+    let normal = vector::transform(&camera.rotation, point.normal);
+    let x = (place[0] - camera.cx) / camera.fx;
+    let y = (place[1] - camera.cy) / camera.fy;
+    match camera.orthographic {
+        true => centre[2] - (normal[0] * (x - centre[0]) + normal[1] * (y - centre[1])) / normal[2],
+        false => vector::dot(normal, centre) / vector::dot(normal, [x, y, 1.0]),
+    }
+}
+
+/// Weighted sums of one surface at one pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fragment {
+    /// Sum of the weights.
+    pub weight: f64,
+    /// Weighted premultiplied colour.
+    pub colour: [f64; 3],
+    /// Weighted opacity.
+    pub opacity: f64,
+    /// Weighted normal.
+    pub normal: Vector,
+    /// Least and greatest depth.
+    pub range: [f64; 2],
+    /// Material of the nearest sample.
+    pub material: u8,
+}
+
+impl Fragment {
+    fn of(weight: f64, depth: f64, splat: &SurfaceFootprint) -> Fragment {
+        Fragment {
+            weight,
+            colour: splat.colour.map(|c| weight * c),
+            opacity: weight * splat.opacity,
+            normal: vector::scale(weight, splat.normal),
+            range: [depth, depth],
+            material: splat.material,
+        }
+    }
+
+    fn sum(&self, other: &Fragment) -> Fragment {
+        let nearer = if self.range[0] <= other.range[0] {
+            self
+        } else {
+            other
+        };
+        Fragment {
+            weight: self.weight + other.weight,
+            colour: vector::add(self.colour, other.colour),
+            opacity: self.opacity + other.opacity,
+            normal: vector::add(self.normal, other.normal),
+            range: [
+                self.range[0].min(other.range[0]),
+                self.range[1].max(other.range[1]),
+            ],
+            material: nearer.material,
+        }
+    }
+
+    /// SURF eq. 12 in premultiplied form, `self` in front.
+    fn over(&self, back: &Fragment) -> Fragment {
+        let weight = self.weight.max(back.weight);
+        let (front_alpha, back_alpha) = (self.opacity / self.weight, back.opacity / back.weight);
+        let blend = |front: f64, behind: f64| {
+            weight * (front / self.weight + (1.0 - front_alpha) * behind / back.weight)
+        };
+        let turn = |front: f64, behind: f64| {
+            weight
+                * (front_alpha * front / self.weight
+                    + (1.0 - front_alpha) * back_alpha * behind / back.weight)
+        };
+        Fragment {
+            weight,
+            colour: [0, 1, 2].map(|c: usize| blend(self.colour[c], back.colour[c])),
+            opacity: blend(self.opacity, back.opacity),
+            normal: [0, 1, 2].map(|c: usize| turn(self.normal[c], back.normal[c])),
+            range: [
+                self.range[0].min(back.range[0]),
+                self.range[1].max(back.range[1]),
+            ],
+            material: self.material,
+        }
+    }
+}
+
+/// What a pixel has gathered, nearest first.
+pub type Pixel = Vec<Fragment>;
+
+/// Accumulate, replace or discard (SURF 4).
+fn accumulate(pixel: &mut Pixel, sample: Fragment, threshold: f64) {
+    let Some(kept) = pixel.first_mut() else {
+        pixel.push(sample);
+        return;
+    };
+    match sample.range[0] - kept.range[0] {
+        behind if behind > threshold => {}
+        behind if behind < -threshold => *kept = sample,
+        _ => *kept = kept.sum(&sample),
+    }
+}
+
+/// Accumulate or separate, insert, merge the nearest pair (SURF 6).
+fn layer(pixel: &mut Pixel, sample: Fragment, threshold: f64, count: usize) {
+    let gap = |a: &Fragment, b: &Fragment| (b.range[0] - a.range[1]).max(a.range[0] - b.range[1]);
+    // A sample may bridge fragments that were apart: everything within reach becomes one.
+    let mut grown = sample;
+    while let Some(index) = pixel.iter().position(|kept| gap(kept, &grown) <= threshold) {
+        grown = pixel.remove(index).sum(&grown);
+    }
+    let place = pixel.partition_point(|kept| kept.range[0] <= grown.range[0]);
+    pixel.insert(place, grown);
+    if pixel.len() > count {
+        let gaps = pixel.windows(2).map(|pair| gap(&pair[0], &pair[1]));
+        let nearest = gaps
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |(index, _)| index);
+        let back = pixel.remove(nearest + 1);
+        pixel[nearest] = pixel[nearest].over(&back);
+    }
+}
+
+/// A picture with what it was resolved from.
+#[derive(Clone, Debug)]
+pub struct SurfaceDrawing {
+    /// The picture.
+    pub picture: Picture,
+    /// What became of the points.
+    pub counts: Counts,
+    /// Fragments of every pixel, row-major.
+    pub fragments: Vec<Pixel>,
+}
+
+/// Draws the scene in its own order.
+pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDrawing {
+    let projected: Vec<Result<SurfaceFootprint, Culled>> = scene
+        .points
+        .par_iter()
+        .map(|point| project(point, camera, style))
+        .collect();
+    let mut counts = Counts::of_projected(&projected);
+    let footprints: Vec<&SurfaceFootprint> = projected.iter().flatten().collect();
+    let mut fragments = vec![Pixel::new(); camera.width * camera.height];
+    let bands = fragments
+        .par_chunks_mut((camera.width * BAND).max(1))
+        .enumerate();
+    let covered = bands.map(|(band, pixels)| {
+        let y0 = band * BAND;
+        let rows = y0..y0 + pixels.len() / camera.width;
+        let touches = |f: &&&SurfaceFootprint| f.bounds.y0 < rows.end && f.bounds.y1 > rows.start;
+        let visible = footprints.iter().filter(touches);
+        visible
+            .map(|footprint| gather(footprint, pixels, camera.width, rows.clone(), style))
+            .sum::<u64>()
+    });
+    counts.covered_pixels = covered.sum();
+    let mut picture = Picture::new(camera.width, camera.height);
+    let outputs = picture.pixels.par_iter_mut().zip(&fragments).enumerate();
+    outputs.for_each(|(index, (out, pixel))| {
+        let place = [
+            (index % camera.width) as f64 + 0.5,
+            (index / camera.width) as f64 + 0.5,
+        ];
+        *out = resolve(pixel, place, camera, scene, style);
+    });
+    SurfaceDrawing {
+        picture,
+        counts,
+        fragments,
+    }
+}
+
+/// Gathers one splat into a band of rows; returns the pixels inside its cut-off.
+fn gather(
+    splat: &SurfaceFootprint,
+    pixels: &mut [Pixel],
+    width: usize,
+    rows: std::ops::Range<usize>,
+    style: &Style,
+) -> u64 {
+    let mut covered = 0;
+    let first = rows.start;
+    visit(splat, rows, style.cutoff, |x, y, weight, depth| {
+        covered += 1;
+        let sample = Fragment::of(weight, depth, splat);
+        let pixel = &mut pixels[(y - first) * width + x];
+        match style.buffer {
+            Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
+            Buffer::Layers(count) => layer(pixel, sample, style.threshold, count),
+        }
+    });
+    covered
+}
+
+/// Calls `see` with column, row, weight and depth of every pixel of the rows that lies inside the splat's cut-off.
+fn visit(
+    splat: &SurfaceFootprint,
+    rows: std::ops::Range<usize>,
+    cutoff: f64,
+    mut see: impl FnMut(usize, usize, f64, f64),
+) {
+    let [a, b, c] = splat.conic;
+    for y in rows.start.max(splat.bounds.y0)..rows.end.min(splat.bounds.y1) {
+        for x in splat.bounds.x0..splat.bounds.x1 {
+            let dx = x as f64 + 0.5 - splat.centre[0];
+            let dy = y as f64 + 0.5 - splat.centre[1];
+            let r = a * dx * dx + 2.0 * b * dx * dy + c * dy * dy;
+            if r < cutoff {
+                let depth = splat.depth + splat.gradient[0] * dx + splat.gradient[1] * dy;
+                see(x, y, splat.peak * (-0.5 * r).exp(), depth);
+            }
+        }
+    }
+}
+
+/// Per pixel how many layers overlap: the largest number of its samples that are pairwise farther apart than the threshold.
+///
+/// No order of drawing can have more fragments open than that, because open fragments are that far apart.
+pub fn overlapping_layers(scene: &SurfaceScene, camera: &Camera, style: &Style) -> Vec<usize> {
+    let mut depths = vec![Vec::new(); camera.width * camera.height];
+    for splat in scene
+        .points
+        .iter()
+        .flat_map(|point| project(point, camera, style))
+    {
+        visit(&splat, 0..camera.height, style.cutoff, |x, y, _, depth| {
+            depths[y * camera.width + x].push(depth);
+        });
+    }
+    let count = |mut depths: Vec<f64>| {
+        depths.sort_by(f64::total_cmp);
+        let mut last = f64::NEG_INFINITY;
+        let apart = |depth: &f64| {
+            let apart = *depth - last > style.threshold;
+            last = if apart { *depth } else { last };
+            apart
+        };
+        depths.iter().copied().filter(apart).count()
+    };
+    depths.into_iter().map(count).collect()
+}
+
+/// Divides, shades, covers and composites a pixel's fragments.
+fn resolve(
+    pixel: &Pixel,
+    place: [f64; 2],
+    camera: &Camera,
+    scene: &SurfaceScene,
+    style: &Style,
+) -> [f64; 4] {
+    let mut colour = [0.0; 3];
+    let mut transmittance = 1.0;
+    for fragment in pixel {
+        let divided = fragment.colour.map(|c| c / fragment.weight);
+        let opacity = fragment.opacity / fragment.weight;
+        let shaded = match style.light {
+            Some(light) => {
+                let material = scene.materials.get(usize::from(fragment.material));
+                let view = towards_eye(place, camera);
+                let light = unit(vector::transform(&camera.rotation, light));
+                phong(
+                    material,
+                    divided,
+                    opacity,
+                    unit(fragment.normal),
+                    light,
+                    view,
+                )
+            }
+            None => divided,
+        };
+        let coverage = style
+            .edge
+            .map_or(1.0, |tau| (fragment.weight / tau).min(1.0));
+        let visible = transmittance * coverage;
+        colour = vector::add(colour, vector::scale(visible, shaded));
+        transmittance -= visible * opacity;
+    }
+    let [r, g, b] = colour;
+    [r, g, b, 1.0 - transmittance]
+}
+
+fn towards_eye([u, v]: [f64; 2], camera: &Camera) -> Vector {
+    match camera.orthographic {
+        true => [0.0, 0.0, -1.0],
+        false => unit([
+            -(u - camera.cx) / camera.fx,
+            -(v - camera.cy) / camera.fy,
+            -1.0,
+        ]),
+    }
+}
+
+/// Phong: I = (ka + kd max(0, n.l)) c + ks max(0, r.v)^s a.
+fn phong(
+    material: Option<&Material>,
+    colour: [f64; 3],
+    opacity: f64,
+    normal: Vector,
+    light: Vector,
+    view: Vector,
+) -> [f64; 3] {
+    let Some(material) = material else {
+        return colour;
+    };
+    let diffuse = vector::dot(normal, light).max(0.0);
+    let reflected = vector::subtract(vector::scale(2.0 * diffuse, normal), light);
+    let highlight = match diffuse > 0.0 {
+        true => vector::dot(reflected, view)
+            .max(0.0)
+            .powi(material.exponent.into()),
+        false => 0.0,
+    };
+    colour.map(|c| {
+        (material.ambient + material.diffuse * diffuse) * c
+            + material.specular * highlight * opacity
+    })
+}
+
+fn unit(a: Vector) -> Vector {
+    let length = vector::length(a);
+    if length > 0.0 {
+        vector::scale(1.0 / length, a)
+    } else {
+        a
+    }
+}

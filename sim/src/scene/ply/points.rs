@@ -1,0 +1,97 @@
+//! The vertices of a PLY file as points of a surface: place, normal, colour, opacity and radius, in any order.
+//!
+//! Colours of integer type are divided by the largest value of their type; floating-point colours are taken as they are.
+
+use super::super::bytes::Scalar;
+use super::super::error::Problem;
+use super::super::points::Record;
+use super::header::{self, Element, Kind};
+use super::{body, number, vertex_element};
+
+/// Where a record holds each field.
+struct Columns {
+    centre: [usize; 3],
+    normal: Option<[usize; 3]>,
+    colour: Option<[usize; 3]>,
+    opacity: Option<usize>,
+    radius: Option<usize>,
+    full_colour: f64,
+}
+
+/// Every vertex as a record.
+pub(in super::super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
+    let (header, body) = header::parse(bytes)?;
+    let columns = Columns::find(vertex_element(&header.elements)?)?;
+    let mut records = Vec::new();
+    body::for_each_record(&header, body, "vertex", &mut |values| {
+        records.push(columns.record(values));
+    })?;
+    Ok(records)
+}
+
+impl Columns {
+    fn find(vertex: &Element) -> Result<Columns, Problem> {
+        if vertex.column("scale_0").is_some() {
+            return Err(Problem::malformed(
+                "property scale_0",
+                "these are Gaussians with a volume, not points of a surface",
+                "leave out --as surface",
+            ));
+        }
+        let centre = all(vertex, ["x", "y", "z"])?.ok_or_else(|| {
+            Problem::malformed(
+                "element vertex",
+                "it has no x, y and z",
+                "export the points with their places",
+            )
+        })?;
+        let colour = match all(vertex, ["red", "green", "blue"])? {
+            Some(columns) => Some(columns),
+            None => all(vertex, ["diffuse_red", "diffuse_green", "diffuse_blue"])?,
+        };
+        Ok(Columns {
+            centre,
+            normal: all(vertex, ["nx", "ny", "nz"])?,
+            colour,
+            opacity: vertex.column("alpha").or(vertex.column("opacity")),
+            radius: vertex.column("radius"),
+            full_colour: colour.map_or(1.0, |columns| full_scale(vertex, columns[0])),
+        })
+    }
+
+    fn record(&self, values: &[f64]) -> Record {
+        let three = |columns: [usize; 3]| columns.map(|column| number(values, column));
+        let channel = |value: f64| value / self.full_colour;
+        Record {
+            centre: three(self.centre),
+            normal: self.normal.map(three),
+            colour: self.colour.map(|columns| three(columns).map(channel)),
+            opacity: self.opacity.map(|column| channel(number(values, column))),
+            radius: self.radius.map(|column| number(values, column)),
+        }
+    }
+}
+
+/// Three properties that make sense together only: nothing if none is there, an error if some are.
+fn all(vertex: &Element, names: [&str; 3]) -> Result<Option<[usize; 3]>, Problem> {
+    let columns = names.map(|name| vertex.column(name));
+    match columns {
+        [Some(a), Some(b), Some(c)] => Ok(Some([a, b, c])),
+        [None, None, None] => Ok(None),
+        _ => Err(Problem::malformed(
+            format!("properties {}", names.join(", ")),
+            "only some of them are there",
+            "export all three or none",
+        )),
+    }
+}
+
+/// The value of full intensity for the type of a property.
+fn full_scale(vertex: &Element, column: usize) -> f64 {
+    match vertex.properties.get(column).map(|property| property.kind) {
+        Some(Kind::Number(Scalar::U8 | Scalar::I8)) => 255.0,
+        Some(Kind::Number(Scalar::U16 | Scalar::I16)) => 65_535.0,
+        Some(Kind::Number(Scalar::U32 | Scalar::I32)) => f64::from(u32::MAX),
+        _ => 1.0,
+    }
+}

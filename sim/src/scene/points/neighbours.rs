@@ -1,0 +1,118 @@
+//! What a point's neighbours tell: how far apart points are, and which plane they lie in.
+
+use crate::vector::{self, Vector};
+use kd_tree::KdIndexTree;
+use rayon::prelude::*;
+
+/// Neighbours that a basis function reaches with its standard deviation. The farthest of them counts, not their mean: where the density of a
+/// scan jumps, the mean follows the dense side and leaves holes on the sparse one (docs/surface-splats.md).
+const RADIUS_NEIGHBOURS: usize = 6;
+/// Neighbours that a plane is laid through.
+const PLANE_NEIGHBOURS: usize = 12;
+/// Sweeps of Jacobi rotations; three are enough for 3x3.
+const SWEEPS: usize = 8;
+
+/// A search tree over places.
+pub(super) struct Neighbours<'a> {
+    places: &'a [Vector],
+    tree: KdIndexTree<'a, Vector>,
+}
+
+impl<'a> Neighbours<'a> {
+    /// Builds the tree; all coordinates must be finite.
+    pub(super) fn new(places: &'a [Vector]) -> Self {
+        Neighbours {
+            places,
+            tree: KdIndexTree::build_by_ordered_float(places),
+        }
+    }
+
+    /// Per place the distance to the farthest of its six nearest neighbours; 0 where all of them lie on the same spot.
+    pub(super) fn radii(&self) -> Vec<f64> {
+        let radius = |place: &Vector| {
+            let found = self.tree.nearests(place, RADIUS_NEIGHBOURS + 1);
+            // The nearest of these is the place itself.
+            let squares = found.iter().map(|other| other.squared_distance);
+            squares.fold(0.0, f64::max).sqrt()
+        };
+        self.places.par_iter().map(radius).collect()
+    }
+
+    /// Per place the direction in which its neighbours spread least.
+    pub(super) fn normals(&self) -> Vec<Vector> {
+        let normal = |place: &Vector| {
+            let found = self.tree.nearests(place, PLANE_NEIGHBOURS + 1);
+            let offsets = found
+                .iter()
+                .map(|other| vector::subtract(self.places[*other.item], *place));
+            least_direction(&offsets.collect::<Vec<_>>())
+        };
+        self.places.par_iter().map(normal).collect()
+    }
+}
+
+/// Eigenvector of the smallest eigenvalue of the offsets' covariance, by cyclic Jacobi rotations.
+fn least_direction(offsets: &[Vector]) -> Vector {
+    let mean = offsets.iter().fold([0.0; 3], |sum, o| vector::add(sum, *o));
+    let mean = vector::scale(1.0 / offsets.len().max(1) as f64, mean);
+    let mut matrix = [[0.0; 3]; 3];
+    for offset in offsets {
+        let d = vector::subtract(*offset, mean);
+        for (i, row) in matrix.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += d[i] * d[j];
+            }
+        }
+    }
+    let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for _ in 0..SWEEPS {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            rotate(&mut matrix, &mut vectors, p, q);
+        }
+    }
+    let least = (0..3)
+        .min_by(|&a, &b| matrix[a][a].total_cmp(&matrix[b][b]))
+        .unwrap_or(2);
+    [vectors[0][least], vectors[1][least], vectors[2][least]]
+}
+
+/// Turns rows and columns p and q so that entry (p, q) becomes 0.
+fn rotate(matrix: &mut [[f64; 3]; 3], vectors: &mut [[f64; 3]; 3], p: usize, q: usize) {
+    let angle = 0.5 * f64::atan2(2.0 * matrix[p][q], matrix[q][q] - matrix[p][p]);
+    let (sine, cosine) = angle.sin_cos();
+    for row in matrix.iter_mut().chain(vectors.iter_mut()) {
+        let (a, b) = (row[p], row[q]);
+        row[p] = cosine * a - sine * b;
+        row[q] = sine * a + cosine * b;
+    }
+    let (upper, lower) = (matrix[p], matrix[q]);
+    matrix[p] = [0, 1, 2].map(|c: usize| cosine * upper[c] - sine * lower[c]);
+    matrix[q] = [0, 1, 2].map(|c: usize| sine * upper[c] + cosine * lower[c]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tilted_plane_has_its_normal_and_its_spacing() {
+        let (u, v) = ([0.6, 0.0, 0.8], [0.0, 1.0, 0.0]);
+        let place = |i: usize, j: usize| {
+            vector::add(vector::scale(i as f64, u), vector::scale(j as f64, v))
+        };
+        let places: Vec<Vector> = (0..400).map(|n| place(n % 20, n / 20)).collect();
+        let neighbours = Neighbours::new(&places);
+        let middle = 210;
+        let normal = neighbours.normals()[middle];
+        let cosine = vector::dot(normal, [-0.8, 0.0, 0.6]).abs();
+        assert!((cosine - 1.0).abs() < 1e-12, "{normal:?}");
+        // Four neighbours at 1 and two of four at sqrt(2).
+        assert!((neighbours.radii()[middle] - 2f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn points_on_one_spot_have_no_radius() {
+        let places = [[1.0, 2.0, 3.0]; 9];
+        assert_eq!(Neighbours::new(&places).radii(), vec![0.0; 9]);
+    }
+}

@@ -1,0 +1,109 @@
+//! Point clouds: what is read, what is made up and what is refused.
+
+use super::*;
+
+fn ply(properties: &str, rows: &str) -> Result<SurfaceScene, Problem> {
+    let count = rows.lines().count();
+    let header = format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n");
+    let records = parse((header + rows).as_bytes(), Path::new("cloud.ply"))?;
+    from_records("cloud.ply", &records)
+}
+
+fn xyz(text: &str) -> Result<SurfaceScene, Problem> {
+    let records = parse(text.as_bytes(), Path::new("cloud.xyz"))?;
+    from_records("cloud.xyz", &records)
+}
+
+const PLACES: &str = "property float x\nproperty float y\nproperty float z\n";
+const GRID: &str = "0 0 5\n1 0 5\n0 1 5\n1 1 5\n2 0 5\n2 1 5\n";
+
+#[test]
+fn a_ply_with_everything_is_taken_as_it_is() {
+    let rest = "property float nx\nproperty float ny\nproperty float nz\nproperty uchar red\nproperty uchar green\n\
+                property uchar blue\nproperty float radius\n";
+    let row = "1 2 3 0 0 2 255 51 0 0.5\n";
+    let scene = ply(&format!("{PLACES}{rest}"), &row.repeat(3)).unwrap();
+    let point = scene.points[0];
+    assert_eq!(point.centre, [1.0, 2.0, 3.0]);
+    assert_eq!(point.normal, [0.0, 0.0, 1.0]);
+    assert_eq!(point.colour, [1.0, 0.2, 0.0]);
+    assert!((vector::length(point.frame[0]) - 0.5).abs() < 1e-15);
+    assert!(vector::dot(point.frame[0], point.frame[1]).abs() < 1e-15);
+    assert!(scene.notes.is_empty());
+}
+
+#[test]
+fn what_is_missing_is_made_up_and_told() {
+    let scene = ply(PLACES, GRID).unwrap();
+    assert_eq!(scene.notes.len(), 3);
+    for point in &scene.points {
+        assert!((point.normal[2].abs() - 1.0).abs() < 1e-12, "{point:?}");
+        assert!(vector::length(point.frame[0]) >= 1.0);
+    }
+}
+
+#[test]
+fn xyz_columns_are_told_apart() {
+    let normals = xyz("# comment\n0 0 0 0 0 1\n1,0,0,0,0,1\n0;1;0;0;0;1\n").unwrap();
+    assert_eq!(normals.points[1].normal, [0.0, 0.0, 1.0]);
+    let colours = xyz("3\n0 0 0 255 0 0\n1 0 0 255 0 51\n0 1 0 0 0 0\n").unwrap();
+    assert_eq!(colours.points[1].colour, [1.0, 0.0, 0.2]);
+}
+
+#[test]
+fn errors_name_the_field_and_the_fix() {
+    let message = |result: Result<SurfaceScene, Problem>| result.unwrap_err().to_string();
+    let partial = ply(&format!("{PLACES}property float nx\n"), "0 0 0 1\n");
+    assert_eq!(
+        message(partial),
+        "properties nx, ny, nz: only some of them are there; export all three or none"
+    );
+    assert_eq!(
+        message(xyz("0 0 x\n")),
+        "line 1, number 3: 'x' is no number; write a number such as 0.5"
+    );
+    assert!(message(xyz("0 0 0\n1 1\n")).starts_with("line 2: it has 2 numbers"));
+    assert!(message(xyz("0 0 nan\n")).contains("only 0 of 1 are usable"));
+    assert!(message(xyz("")).contains("only 0 of 0"));
+    assert!(
+        message(ply(
+            &format!("{PLACES}property float scale_0\n"),
+            "0 0 0 1\n"
+        ))
+        .contains("Gaussians")
+    );
+}
+
+#[test]
+fn stray_points_are_counted() {
+    let scene = xyz("0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 0 0 0\ninf 0 0 0 0 1\n").unwrap();
+    assert_eq!((scene.points.len(), scene.skipped), (3, 2));
+}
+
+/// Basis functions on a hexagonal grid sum to 1 everywhere, within the ripple that the cut-off leaves.
+#[test]
+fn the_share_of_area_makes_a_partition_of_unity() {
+    let row_height = 3f64.sqrt() / 2.0;
+    let sum = |x: f64, y: f64| {
+        let mut sum = 0.0;
+        for j in -6i32..=6 {
+            for i in -6i32..=6 {
+                let dx = f64::from(i) + 0.5 * f64::from(j.rem_euclid(2)) - x;
+                let dy = f64::from(j) * row_height - y;
+                let r = dx * dx + dy * dy;
+                sum += if r < 2.0 {
+                    share_of_area() * (-0.5 * r).exp()
+                } else {
+                    0.0
+                };
+            }
+        }
+        sum
+    };
+    let samples: Vec<f64> = (0..400)
+        .map(|n| sum(f64::from(n % 20) / 20.0, f64::from(n / 20) / 20.0))
+        .collect();
+    let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+    assert!((mean - 1.0).abs() < 0.02, "{mean}");
+    assert!(samples.iter().all(|s| (0.85..1.15).contains(s)));
+}

@@ -1,0 +1,94 @@
+//! Lines of numbers: `x y z`, `x y z nx ny nz` or `x y z nx ny nz red green blue`, separated by blanks, commas or semicolons.
+//!
+//! Empty lines and lines that begin with `#` or `//` are passed over, and so is a first line that is a single number (the count of a
+//! `.pts` file). Three numbers after the place are a normal if they have about unit length in the first line, otherwise a colour.
+//! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
+
+use super::Record;
+use crate::scene::error::Problem;
+use crate::vector;
+
+/// Squared lengths that are taken for a unit normal's.
+const UNIT_LENGTHS: std::ops::Range<f64> = 0.9..1.1;
+
+/// Every line's numbers as a record.
+pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') || line.starts_with("//") {
+            continue;
+        }
+        let row = numbers(line, index + 1)?;
+        if rows.is_empty() && row.len() == 1 {
+            continue;
+        }
+        let expected = rows.first().map_or(row.len(), Vec::len);
+        if ![3, 6, 9].contains(&row.len()) || row.len() != expected {
+            return Err(Problem::malformed(
+                format!("line {}", index + 1),
+                format!("it has {} numbers", row.len()),
+                "write 3 (place), 6 (with a normal) or 9 (with a colour) numbers in every line",
+            ));
+        }
+        rows.push(row);
+    }
+    let normals = rows
+        .first()
+        .is_some_and(|row| row.len() == 9 || is_unit(row));
+    let mut records: Vec<Record> = rows.iter().map(|row| record(row, normals)).collect();
+    scale_colours(&mut records);
+    Ok(records)
+}
+
+fn numbers(line: &str, number: usize) -> Result<Vec<f64>, Problem> {
+    let words = line.split(|c: char| c.is_whitespace() || c == ',' || c == ';');
+    let words = words.filter(|word| !word.is_empty());
+    words
+        .enumerate()
+        .map(|(index, word)| {
+            word.parse().map_err(|_| {
+                let shown: String = word.chars().filter(|c| !c.is_control()).take(40).collect();
+                Problem::malformed(
+                    format!("line {number}, number {}", index + 1),
+                    format!("'{shown}' is no number"),
+                    "write a number such as 0.5",
+                )
+            })
+        })
+        .collect()
+}
+
+fn is_unit(row: &[f64]) -> bool {
+    three(row, 3).is_some_and(|normal| UNIT_LENGTHS.contains(&vector::dot(normal, normal)))
+}
+
+fn three(row: &[f64], first: usize) -> Option<[f64; 3]> {
+    row.get(first..first + 3)?.try_into().ok()
+}
+
+fn record(row: &[f64], normals: bool) -> Record {
+    let colour = if normals { 6 } else { 3 };
+    Record {
+        centre: three(row, 0).unwrap_or([f64::NAN; 3]),
+        normal: three(row, 3).filter(|_| normals),
+        colour: three(row, colour),
+        ..Record::default()
+    }
+}
+
+fn scale_colours(records: &mut [Record]) {
+    let channels = records.iter().filter_map(|record| record.colour).flatten();
+    let full = if channels.fold(0.0, f64::max) > 1.0 {
+        255.0
+    } else {
+        1.0
+    };
+    for colour in records
+        .iter_mut()
+        .filter_map(|record| record.colour.as_mut())
+    {
+        *colour = colour.map(|channel| channel / full);
+    }
+}

@@ -1,0 +1,288 @@
+//! The hard cases: small scenes that each push one quantity to where arithmetic breaks.
+//!
+//! All inputs are single-precision numbers, so that no arithmetic under test starts with an input that it cannot hold.
+
+use crate::camera::Camera;
+use crate::reference::golden::rotated_axes;
+use crate::rules::Rules;
+use crate::scene::{Scene, Skipped, Splat, Weight};
+
+/// Columns and rows of the pictures.
+const SIZE: usize = 64;
+/// Focal length of the camera, pixels.
+const FOCAL: f64 = 64.0;
+/// Rules without a smallest opacity, for splats fainter than 1/255.
+const FAINT: Rules = Rules {
+    name: "faint",
+    alpha_min: 0.0,
+    cutoff: 9.0,
+    ..Rules::GAUSSIAN_3D
+};
+/// Rules without a low-pass filter.
+const SHARP: Rules = Rules {
+    name: "sharp",
+    low_pass: 0.0,
+    ..Rules::GAUSSIAN_3D
+};
+
+/// One hard case.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// What is hard about it.
+    pub name: String,
+    /// Is it a needle of the bar "at least ten times better than single precision"?
+    pub needle: bool,
+    /// The splats.
+    pub scene: Scene,
+    /// From where.
+    pub camera: Camera,
+    /// Under which rules.
+    pub rules: Rules,
+}
+
+/// Every case; `quick` shortens the deep stack for the test suite.
+pub fn all(quick: bool) -> Vec<Case> {
+    let mut cases = Vec::new();
+    for (ratio, shown) in [
+        (1e1, "10"),
+        (1e2, "10^2"),
+        (1e3, "10^3"),
+        (1e4, "10^4"),
+        (1e5, "10^5"),
+    ] {
+        cases.push(needle(
+            &format!("needle {shown}:1"),
+            ratio,
+            Rules::GAUSSIAN_3D,
+        ));
+    }
+    for (ratio, shown) in [(1e2, "10^2"), (1e3, "10^3"), (1e5, "10^5")] {
+        cases.push(needle(
+            &format!("needle {shown}:1, low-pass 0"),
+            ratio,
+            SHARP,
+        ));
+    }
+    cases.extend(shapes());
+    cases.extend(places());
+    cases.extend(orders());
+    cases.push(deep_stack(if quick { 2_000 } else { 100_000 }));
+    cases
+}
+
+/// Sixteen needles in all directions; the long axis spans four screens.
+fn needle(name: &str, ratio: f64, rules: Rules) -> Case {
+    let long = 16.0;
+    let mut case = many(name, rules, |turn| {
+        let axes = rotated_axes(turn, [long, long / ratio, long / ratio]);
+        splat([0.1, -0.05, 8.0], axes, 0.8)
+    });
+    case.needle = true;
+    case
+}
+
+fn shapes() -> Vec<Case> {
+    let gaussian = Rules::GAUSSIAN_3D;
+    let ball = |radius: f64| [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, radius]];
+    vec![
+        many("round, ordinary", gaussian, |turn| {
+            splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
+        }),
+        many("round, ordinary, ewa", Rules::EWA, |turn| {
+            splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
+        }),
+        many("discs edge-on", gaussian, |turn| {
+            splat(
+                [0.0, 0.0, 6.0],
+                [[turn[0], turn[1], 0.0], [0.0, 0.0, 1.0], [0.0; 3]],
+                0.8,
+            )
+        }),
+        many("larger than the screen by 1000", gaussian, |turn| {
+            splat(
+                [0.3, 0.2, 6.0],
+                rotated_axes(turn, [6000.0, 5000.0, 4000.0]),
+                0.6,
+            )
+        }),
+        many("smaller than a pixel by 1000", gaussian, |turn| {
+            splat([turn[1], turn[2], 6.0], ball(1e-4), 0.9)
+        }),
+        many("smaller than a pixel by 1000, ewa", Rules::EWA, |turn| {
+            splat([turn[1], turn[2], 6.0], ball(1e-4), 0.02)
+        }),
+        many("singular: one axis only", gaussian, |turn| {
+            splat(
+                [0.0, 0.0, 6.0],
+                [[turn[1], turn[2], turn[3]], [0.0; 3], [0.0; 3]],
+                0.8,
+            )
+        }),
+        many("singular: a point", gaussian, |turn| {
+            splat([turn[1], turn[2], 6.0], [[0.0; 3]; 3], 0.8)
+        }),
+        many("singular, low-pass 0", SHARP, |turn| {
+            splat(
+                [0.0, 0.0, 6.0],
+                [[turn[1], turn[2], turn[3]], [0.0; 3], [0.0; 3]],
+                0.8,
+            )
+        }),
+    ]
+}
+
+fn places() -> Vec<Case> {
+    let gaussian = Rules::GAUSSIAN_3D;
+    let ball = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
+    let small = |radius: f64| ball.map(|axis| axis.map(|x| x * radius));
+    vec![
+        many("just beyond the near plane", gaussian, |turn| {
+            splat(
+                [turn[1] * 0.004, turn[2] * 0.004, 0.010_001],
+                small(0.01),
+                0.8,
+            )
+        }),
+        many("on and behind the near plane", gaussian, |turn| {
+            splat([0.0, 0.0, 0.01 - turn[0].abs().floor() * 3.0], ball, 0.8)
+        }),
+        many("far off axis", gaussian, |turn| {
+            splat(
+                [turn[1] * 50.0, turn[2] * 50.0, 1.0],
+                ball.map(|axis| axis.map(|x| x * 200.0)),
+                0.8,
+            )
+        }),
+        many("at the far end of the positions", gaussian, |turn| {
+            splat([turn[1] * 1e6, turn[2] * 1e6, 4e6], small(1e7), 0.8)
+        }),
+        many("at the near end of the positions", gaussian, |turn| {
+            splat([turn[1] * 0.01, turn[2] * 0.01, 0.02], small(0.02), 0.8)
+        }),
+        many("centres on pixel edges and corners", gaussian, |turn| {
+            splat(
+                [
+                    (turn[1] * 8.0).round() / 8.0,
+                    (turn[2] * 8.0).round() / 8.0,
+                    8.0,
+                ],
+                small(2.0),
+                0.8,
+            )
+        }),
+    ]
+}
+
+fn orders() -> Vec<Case> {
+    let gaussian = Rules::GAUSSIAN_3D;
+    let ball = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
+    let opacity = |name: &str, value: f64| {
+        many(name, gaussian, |turn| {
+            splat([turn[1], turn[2], 6.0], ball, value)
+        })
+    };
+    vec![
+        many("equal depths", gaussian, |turn| {
+            splat([turn[1] * 0.2, turn[2] * 0.2, 6.0], ball, 0.5)
+        }),
+        many("identical splats", gaussian, |_| {
+            splat([0.1, 0.2, 6.0], ball, 0.3)
+        }),
+        opacity("opacity 0", 0.0),
+        opacity("opacity 1/255", f64::from(1.0f32 / 255.0 + 1e-9)),
+        opacity("opacity 1", 1.0),
+    ]
+}
+
+/// Identical splats of opacity 2^-16 on top of each other, as wide as the picture.
+fn deep_stack(count: usize) -> Case {
+    let one = splat(
+        [0.01, 0.02, 6.0],
+        [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]],
+        2f64.powi(-16),
+    );
+    let mut case = case(
+        &format!("stack of {count} of alpha 2^-16"),
+        FAINT,
+        vec![one; count],
+    );
+    (case.camera.width, case.camera.height) = (8, 8);
+    (case.camera.cx, case.camera.cy) = (4.0, 4.0);
+    case
+}
+
+/// Sixteen splats, each from one fixed unit quaternion.
+fn many(name: &str, rules: Rules, make: impl Fn([f64; 4]) -> Splat) -> Case {
+    let mut state = 7u64;
+    let mut next = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f64 / (1u64 << 23) as f64 - 1.0
+    };
+    let splats = (0..16).map(|_| {
+        let turn = [next(), next(), next(), next()];
+        let length = turn.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let mut splat = make(turn.map(|x| x / length));
+        splat.colour = turn.map(f64::abs)[..3].try_into().unwrap_or_default();
+        rounded(splat)
+    });
+    case(name, rules, splats.collect())
+}
+
+fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
+    let weight = if rules.normalised {
+        Weight::Mass
+    } else {
+        Weight::Opacity
+    };
+    let camera = Camera {
+        width: SIZE,
+        height: SIZE,
+        fx: FOCAL,
+        fy: FOCAL,
+        cx: SIZE as f64 / 2.0,
+        cy: SIZE as f64 / 2.0,
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+        near: f64::from(0.01f32),
+        far: 1e10,
+        orthographic: false,
+    };
+    let scene = Scene {
+        name: name.to_owned(),
+        natural_rules: rules,
+        weight,
+        splats,
+        harmonics: None,
+        skipped: Skipped::default(),
+        up: [0.0, -1.0, 0.0],
+    };
+    Case {
+        name: name.to_owned(),
+        needle: false,
+        scene,
+        camera,
+        rules,
+    }
+}
+
+fn splat(centre: [f64; 3], axes: [[f64; 3]; 3], weight: f64) -> Splat {
+    rounded(Splat {
+        centre,
+        axes,
+        weight,
+        colour: [0.75, 0.5, 0.25],
+    })
+}
+
+/// The same splat in numbers that single precision holds.
+fn rounded(splat: Splat) -> Splat {
+    let single = |x: f64| f64::from(x as f32);
+    Splat {
+        centre: splat.centre.map(single),
+        axes: splat.axes.map(|axis| axis.map(single)),
+        weight: single(splat.weight),
+        colour: splat.colour.map(single),
+    }
+}

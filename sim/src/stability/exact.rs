@@ -1,0 +1,146 @@
+//! The footprint in exact rational arithmetic, rounded once to double precision at the end.
+//!
+//! From doubles on, every step of setup up to the quadratic form is rational: t = W u + d, the Jacobian at the (clamped)
+//! slope, M = J W A, V = M M^T + h I, its determinant, and the LDL coefficients. Only the peak of normalised
+//! kernels needs a root, and is taken in double precision from exact arguments. \[EWA\] 6.2, eq. 22-31.
+
+use crate::camera::Camera;
+use crate::rules::Rules;
+use crate::scene::Splat;
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive, Zero};
+
+/// A footprint as it should be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExactFootprint {
+    /// Centre, pixels.
+    pub centre: [f64; 2],
+    /// Depth, scene units.
+    pub depth: f64,
+    /// A = Vyy / det, per square pixel.
+    pub curvature: f64,
+    /// S = Vxy / Vyy, pixels per row.
+    pub slope: f64,
+    /// C = 1 / Vyy, per square pixel.
+    pub stretch: f64,
+    /// Opacity at r = 0, not yet clamped.
+    pub peak: f64,
+    /// r at which the footprint ends.
+    pub cutoff: f64,
+}
+
+impl ExactFootprint {
+    /// The radial index at a point, a sum of two positive terms.
+    pub fn radial(&self, x: f64, y: f64) -> f64 {
+        let [dx, dy] = [x - self.centre[0], y - self.centre[1]];
+        let across = dx - self.slope * dy;
+        self.curvature * across * across + self.stretch * dy * dy
+    }
+}
+
+/// Projects one splat; `None` if it is culled by depth, singular or transparent.
+pub fn project(
+    splat: &Splat,
+    weight: f64,
+    camera: &Camera,
+    rules: &Rules,
+) -> Option<ExactFootprint> {
+    let rotation = camera.rotation.map(|row| row.map(exact));
+    let turn = |v: &[BigRational; 3]| -> [BigRational; 3] {
+        std::array::from_fn(|row| (0..3).map(|k| &rotation[row][k] * &v[k]).sum())
+    };
+    let turned = turn(&splat.centre.map(exact));
+    let t: [BigRational; 3] =
+        std::array::from_fn(|row| &turned[row] + exact(camera.translation[row]));
+    let z = &t[2];
+    if *z <= exact(camera.near)
+        || *z >= exact(camera.far)
+        || (!camera.orthographic && !z.is_positive())
+    {
+        return None;
+    }
+    let focal = [camera.fx, camera.fy].map(exact);
+    let on_plane = [0, 1].map(|i| {
+        if camera.orthographic {
+            t[i].clone()
+        } else {
+            &t[i] / z
+        }
+    });
+    let centre = [camera.cx, camera.cy].map(exact);
+    let centre = [0, 1].map(|i| &focal[i] * &on_plane[i] + &centre[i]);
+    let gain = [0, 1].map(|i| {
+        if camera.orthographic {
+            focal[i].clone()
+        } else {
+            &focal[i] / z
+        }
+    });
+    let slope = slopes(&on_plane, camera, rules);
+    let columns = splat.axes.map(|axis| {
+        let turned = turn(&axis.map(exact));
+        [0, 1].map(|i| &gain[i] * (&turned[i] - &slope[i] * &turned[2]))
+    });
+    let product =
+        |i: usize, j: usize| -> BigRational { columns.iter().map(|m| &m[i] * &m[j]).sum() };
+    let low_pass = exact(rules.low_pass);
+    let (xx, xy, yy) = (
+        product(0, 0) + &low_pass,
+        product(0, 1),
+        product(1, 1) + &low_pass,
+    );
+    let determinant = &xx * &yy - &xy * &xy;
+    if determinant.is_zero() || yy.is_zero() {
+        return None;
+    }
+    let peak = match rules.normalised {
+        false => weight,
+        true => {
+            let slant = double(&(&slope[0] * &slope[0] + &slope[1] * &slope[1])) + 1.0;
+            let area = double(&(&gain[0] * &gain[1]));
+            weight * area * (slant / double(&determinant)).sqrt() / std::f64::consts::TAU
+        }
+    };
+    if peak <= 0.0 || peak < rules.alpha_min {
+        return None;
+    }
+    let faint = 2.0 * (peak / rules.alpha_min).ln();
+    Some(ExactFootprint {
+        centre: centre.each_ref().map(double),
+        depth: double(z),
+        curvature: double(&(&yy / &determinant)),
+        slope: double(&(&xy / &yy)),
+        stretch: double(&yy.recip()),
+        peak,
+        cutoff: rules.cutoff.min(faint),
+    })
+}
+
+/// The slopes of the Jacobian, clamped to the widened frustum if the rules say so; 0 in parallel projection.
+fn slopes(on_plane: &[BigRational; 2], camera: &Camera, rules: &Rules) -> [BigRational; 2] {
+    let frustum = [
+        (camera.width, camera.cx, camera.fx),
+        (camera.height, camera.cy, camera.fy),
+    ];
+    [0, 1].map(|i| {
+        let (size, centre, focal) = frustum[i];
+        if camera.orthographic {
+            return BigRational::zero();
+        }
+        if !rules.clamp_jacobian {
+            return on_plane[i].clone();
+        }
+        let margin = 0.15 * size as f64 / focal;
+        let low = exact(-(centre / focal + margin));
+        let high = exact((size as f64 - centre) / focal + margin);
+        on_plane[i].clone().min(high).max(low)
+    })
+}
+
+fn exact(value: f64) -> BigRational {
+    BigRational::from_float(value).unwrap_or_else(BigRational::zero)
+}
+
+fn double(value: &BigRational) -> f64 {
+    value.to_f64().unwrap_or(f64::NAN)
+}

@@ -1,0 +1,123 @@
+//! The suite as text: one line per engine and case, a verdict per case, and the summary of the bars.
+
+use super::{Line, StageErrors};
+use std::fmt::Write;
+
+/// The named design that the bars are about.
+const JUDGED: &str = "standard24";
+/// How much better than single precision the form of a needle must be.
+const NEEDLE_BAR: f64 = 10.0;
+
+/// Bound of the form's error in units of u (1 + G), derived in `docs/error-analysis.md` for the LDL form.
+pub const FORM_BOUND: f64 = 24.0;
+
+/// Stages in the order of the columns.
+const STAGES: [(&str, fn(&StageErrors) -> f64); 4] = [
+    ("centre", |e| e.centre),
+    ("form", |e| e.form),
+    ("r", |e| e.radial),
+    ("picture", |e| e.picture),
+];
+
+/// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
+pub fn markdown(lines: &[Line]) -> String {
+    let mut text = String::from(
+        "| case | engine | centre px | form rel | form / u(1+G) | r abs | picture | bias | PSNR dB | wrong culls | worse than f32 in |\n\
+         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
+    );
+    let mut single = StageErrors::default();
+    for line in lines {
+        let e = &line.errors;
+        let verdict = if line.engine == "f32" {
+            single = line.errors;
+            String::new()
+        } else {
+            worse_stages(e, &single)
+        };
+        let psnr = e
+            .psnr_db
+            .map_or_else(|| "exact".to_owned(), |db| format!("{db:.1}"));
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {} | {verdict} |",
+            line.case,
+            line.engine,
+            e.centre,
+            e.form,
+            e.form_units,
+            e.radial,
+            e.picture,
+            e.bias,
+            e.culled_wrongly
+        );
+    }
+    text + "\n" + &summary(lines)
+}
+
+/// The stages in which `fixed` has the larger error; `-` if there is none.
+fn worse_stages(fixed: &StageErrors, single: &StageErrors) -> String {
+    let names: Vec<&str> = STAGES
+        .iter()
+        .filter(|(_, of)| of(fixed) > of(single))
+        .map(|(name, _)| *name)
+        .collect();
+    if names.is_empty() {
+        "-".to_owned()
+    } else {
+        names.join(", ")
+    }
+}
+
+/// The bars, each with the number of cases that meet it.
+pub fn summary(lines: &[Line]) -> String {
+    let mut text = format!("Bars of {JUDGED}, {} cases:\n\n", pairs(lines).count());
+    for (name, of) in STAGES {
+        let worse: Vec<&str> = pairs(lines)
+            .filter(|(single, fixed)| of(&fixed.errors) > of(&single.errors))
+            .map(|(_, fixed)| fixed.case.as_str())
+            .collect();
+        let _ = writeln!(
+            text,
+            "- {name} worse than f32 in {} cases: {}",
+            worse.len(),
+            worse.join("; ")
+        );
+    }
+    for name in crate::design::NAMES {
+        let units = lines
+            .iter()
+            .filter(|line| line.engine == name)
+            .map(|line| line.errors.form_units);
+        let _ = writeln!(
+            text,
+            "- {name}: largest form / u(1+G) = {:.1e} (bound {FORM_BOUND})",
+            units.fold(0.0, f64::max)
+        );
+    }
+    for (single, fixed) in pairs(lines).filter(|(single, _)| single.needle) {
+        let gain = needle_gain(&single.errors, &fixed.errors);
+        let verdict = if gain >= NEEDLE_BAR {
+            "pass"
+        } else {
+            "FALLS SHORT"
+        };
+        let _ = writeln!(
+            text,
+            "- {}: form {gain:.1e} times better than f32 (bar {NEEDLE_BAR}): {verdict}",
+            fixed.case
+        );
+    }
+    text
+}
+
+/// How many times smaller the form's error is than in single precision.
+pub fn needle_gain(single: &StageErrors, fixed: &StageErrors) -> f64 {
+    single.form / fixed.form
+}
+
+/// For each case the line of single precision and the judged design's.
+pub fn pairs(lines: &[Line]) -> impl Iterator<Item = (&Line, &Line)> {
+    let singles = lines.iter().filter(|line| line.engine == "f32");
+    singles.zip(lines.iter().filter(|line| line.engine == JUDGED))
+}

@@ -1,0 +1,3 @@
+//! Studies: experiments whose numbers stand in docs/, each run by a command of its own.
+
+pub mod popping;

@@ -1,0 +1,414 @@
+//! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
+
+use super::{Stage, Subject};
+use crate::design::DesignJob;
+use crate::fixed::{kernel_compositing, kernel_rules};
+use crate::rules::Compositing as Order;
+use splatline::blend::{Blend, Pixel};
+use splatline::draw::cutoff_in_lane;
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::Layout;
+use splatline::format::{Design, Lane, Traversal, Widths};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::math::{Scaled, shift_signed};
+use splatline::raster::{ConicRows, Rows, SpanRows, Window};
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::{self, Cull};
+use splatline::splat::VolumeSplat;
+
+/// All stages in the order of the data flow. The records of one stage refer to those of another by number.
+pub fn compute(subject: &Subject) -> Vec<Stage> {
+    struct Job<'a>(&'a Subject);
+    impl DesignJob for Job<'_> {
+        type Output = Vec<Stage>;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Vec<Stage> {
+            compute_with(design, self.0)
+        }
+    }
+    subject.design.dispatch(Job(subject))
+}
+
+fn compute_with<D: Design>(design: D, subject: &Subject) -> Vec<Stage> {
+    let widths = design.widths();
+    let rules = kernel_rules(&subject.rules);
+    let mut setup = SetupStages::new(&widths);
+    let mut visible = Vec::new();
+    for (index, splat) in subject.splats.iter().enumerate() {
+        if let Ok(footprint) = setup.record(design, subject, &rules, index, splat) {
+            visible.push((index, footprint));
+        }
+    }
+    visible.sort_by_key(|(_, footprint)| footprint.depth);
+    if subject.compositing == Order::BackToFront {
+        visible.reverse();
+    }
+    let packets = packet_stage(&widths, &visible);
+    let table = table_stage(&widths, rules.table_range);
+    let mut raster = RasterStages::new(design, subject, &rules);
+    for (number, (_, footprint)) in visible.iter().enumerate() {
+        match subject.design.traversal {
+            Traversal::Spans => {
+                raster.record(number, footprint, |d, w| SpanRows::new(d, footprint, w))
+            }
+            Traversal::Box => {
+                raster.record(number, footprint, |d, w| ConicRows::new(d, footprint, w))
+            }
+        }
+    }
+    let tile = raster.tile();
+    let SetupStages {
+        splats,
+        projected,
+        columns,
+        variance,
+    } = setup;
+    vec![
+        splats,
+        projected,
+        columns,
+        variance,
+        packets,
+        table,
+        raster.runs,
+        raster.pixels,
+        tile,
+    ]
+}
+
+type Spec = (String, usize, bool, usize);
+
+fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> Spec {
+    (name.to_owned(), bits, signed, fraction.into())
+}
+
+/// Mantissa and exponent.
+fn number(name: &str) -> [Spec; 2] {
+    ["mantissa", "exponent"].map(|part| field(&format!("{name}_{part}"), 32, true, 0))
+}
+
+fn numbers<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = Spec> {
+    names.into_iter().flat_map(number)
+}
+
+fn values(numbers: impl IntoIterator<Item = Scaled>) -> impl Iterator<Item = i64> {
+    numbers
+        .into_iter()
+        .flat_map(|n| [n.mantissa.into(), n.exponent.into()])
+}
+
+/// One record per splat each.
+struct SetupStages {
+    splats: Stage,
+    projected: Stage,
+    columns: Stage,
+    variance: Stage,
+}
+
+/// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
+fn reason<T>(result: &Result<T, Cull>) -> i64 {
+    let place = |cull: &Cull| {
+        Cull::ALL
+            .iter()
+            .position(|c| c == cull)
+            .map_or(0, |i| i + 1)
+    };
+    result.as_ref().err().map_or(0, place) as i64
+}
+
+impl SetupStages {
+    fn new(widths: &Widths) -> Self {
+        let subpixel = widths.subpixel;
+        let centre = 28 + usize::from(subpixel);
+        SetupStages {
+            splats: Stage::new(
+                "splats",
+                "one input splat a record",
+                ["x", "y", "z"]
+                    .map(|n| field(n, 32, true, 24))
+                    .into_iter()
+                    .chain(["a", "b", "c"].into_iter().flat_map(|axis| {
+                        let part = |n: &str| field(&format!("axis_{axis}_{n}"), 32, true, 0);
+                        ["x", "y", "z", "exponent"].map(part)
+                    }))
+                    .chain(number("weight"))
+                    .chain(["red", "green", "blue"].map(|n| field(n, 32, false, 28))),
+            ),
+            projected: Stage::new(
+                "projected",
+                "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
+                [
+                    field("culled", 4, false, 0),
+                    field("depth", 32, false, 23),
+                    field("centre_u", centre, true, subpixel),
+                    field("centre_v", centre, true, subpixel),
+                ]
+                .into_iter()
+                .chain(numbers(["ratio_x", "ratio_y", "gain_x", "gain_y"])),
+            ),
+            columns: Stage::new(
+                "columns",
+                "M = J W A, one splat a record; zeros if it was culled before",
+                numbers(["a_x", "a_y", "b_x", "b_y", "c_x", "c_y"]),
+            ),
+            variance: Stage::new(
+                "variance",
+                "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
+                numbers(["xx", "xy", "yy", "determinant"]),
+            ),
+        }
+    }
+
+    fn record<D: Design>(
+        &mut self,
+        design: D,
+        subject: &Subject,
+        rules: &Rules,
+        index: usize,
+        splat: &VolumeSplat,
+    ) -> Result<Footprint, Cull> {
+        let (widths, view) = (design.widths(), &subject.view);
+        self.splats.records.push(splat_values(splat));
+        let result = setup::setup(design, view, rules, splat);
+        let mut projected = vec![reason(&result)];
+        if let Ok(found) = setup::project(&widths, view, rules, splat.centre) {
+            projected.extend([found.depth.into(), found.centre[0], found.centre[1]]);
+            projected.extend(values(found.ratio.into_iter().chain(found.gain)));
+            let columns = setup::columns(&widths, view, &found, &splat.axes);
+            let variance = setup::variance(&widths, rules.low_pass, &columns);
+            self.columns
+                .records
+                .push(values(columns.iter().flat_map(|c| [c.x, c.y])).collect());
+            let terms = [variance.xx, variance.xy, variance.yy, variance.determinant];
+            self.variance.records.push(values(terms).collect());
+        }
+        self.projected.records.push(projected);
+        for stage in [&mut self.projected, &mut self.columns, &mut self.variance] {
+            stage.records.resize(index + 1, Vec::new());
+            if let Some(last) = stage.records.last_mut() {
+                last.resize(stage.fields.len(), 0);
+            }
+        }
+        result
+    }
+}
+
+fn splat_values(splat: &VolumeSplat) -> Vec<i64> {
+    let mut record: Vec<i64> = splat.centre.map(|c| c.to_bits().into()).to_vec();
+    for axis in &splat.axes {
+        record.extend(axis.mantissa.map(i64::from));
+        record.push(axis.exponent.into());
+    }
+    record.extend(values([splat.weight]));
+    record.extend(splat.colour.map(|c| i64::from(c.to_bits())));
+    record
+}
+
+fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> Stage {
+    let layout = Layout::new(widths);
+    let fields = layout
+        .fields()
+        .iter()
+        .map(|f| field(f.name, f.width.into(), f.signed, f.fraction));
+    // Behind the packet proper, so that its bits keep their places.
+    let fields = fields.chain([field("splat", 32, false, 0)]);
+    let mut stage = Stage::new(
+        "packets",
+        "footprint packets in the order of drawing, then the splat's number",
+        fields,
+    );
+    for (index, footprint) in visible {
+        let packet = layout.encode(footprint);
+        let bit = |at: usize| i64::from(packet[at / 32] >> (at % 32) & 1);
+        let (splat, own) = stage
+            .fields
+            .split_last()
+            .map_or((None, &[][..]), |(s, o)| (Some(s), o));
+        let mut record: Vec<i64> = own
+            .iter()
+            .map(|field| {
+                let value = (0..field.bits).fold(0i64, |v, at| v | bit(field.offset + at) << at);
+                let spare = 64 - field.bits as u32;
+                if field.signed {
+                    value << spare >> spare
+                } else {
+                    value
+                }
+            })
+            .collect();
+        record.extend(splat.map(|_| *index as i64));
+        stage.records.push(record);
+    }
+    stage
+}
+
+fn table_stage(widths: &Widths, range: u8) -> Stage {
+    let bits = usize::from(widths.weight) + 1;
+    let mut stage = Stage::new(
+        "table",
+        "entries of the footprint table",
+        [field("entry", bits, false, widths.weight)],
+    );
+    let mut memory = vec![0; entries(widths)];
+    fill_gaussian(&mut memory, widths, range);
+    stage.records = memory.iter().map(|entry| vec![(*entry).into()]).collect();
+    stage
+}
+
+/// Runs, pixels and the picture.
+struct RasterStages<D> {
+    design: D,
+    blend: Blend,
+    compositing: Compositing,
+    table: Vec<u32>,
+    range: u8,
+    window: Window,
+    picture: Vec<Pixel>,
+    runs: Stage,
+    pixels: Stage,
+}
+
+impl<D: Design> RasterStages<D> {
+    fn new(design: D, subject: &Subject, rules: &Rules) -> Self {
+        let widths = design.widths();
+        let mut table = vec![0; entries(&widths)];
+        fill_gaussian(&mut table, &widths, rules.table_range);
+        let window = Window {
+            first: [0; 2],
+            last: subject.view.viewport,
+        };
+        let count = window.last.iter().map(|side| usize::from(*side)).product();
+        let (lane, fraction) = match subject.design.traversal {
+            Traversal::Spans => (8 * size_of::<D::Lane>(), widths.radial),
+            Traversal::Box => (64, 36),
+        };
+        let place = ["packet", "row", "column"]
+            .map(|n| field(n, if n == "packet" { 32 } else { 16 }, false, 0));
+        RasterStages {
+            design,
+            blend: Blend::new(&widths, rules),
+            compositing: kernel_compositing(subject.compositing),
+            table,
+            range: rules.table_range,
+            window,
+            picture: vec![Pixel::clear(&widths); count],
+            runs: Stage::new(
+                "runs",
+                "runs of adjacent pixels: radial index at the first, its difference, the difference's difference",
+                place
+                    .clone()
+                    .into_iter()
+                    .chain([field("length", 16, false, 0)])
+                    .chain(["radial", "first", "second"].map(|n| field(n, lane, true, fraction))),
+            ),
+            pixels: Stage::new(
+                "pixels",
+                "pixels inside a footprint: radial index, opacity (0: skipped), and the pixel's word afterwards",
+                place.into_iter().chain([
+                    field(
+                        "radial",
+                        usize::from(widths.radial) + 4,
+                        false,
+                        widths.radial,
+                    ),
+                    field(
+                        "opacity",
+                        usize::from(widths.alpha) + 1,
+                        false,
+                        widths.alpha,
+                    ),
+                    field("red", 32, false, widths.accumulator),
+                    field("green", 32, false, widths.accumulator),
+                    field("blue", 32, false, widths.accumulator),
+                    field("transmittance", 31, false, widths.transmittance),
+                    field("finished", 1, false, 0),
+                ]),
+            ),
+        }
+    }
+
+    fn record<R: Rows>(
+        &mut self,
+        number: usize,
+        footprint: &Footprint,
+        start: impl Fn(D, &Window) -> R,
+    ) {
+        let mut rows = start(self.design, &self.window);
+        let widths = self.design.widths();
+        let drop = rows.fraction() as i32 - i32::from(widths.radial);
+        let end = cutoff_in_lane(footprint.cutoff, widths.radial);
+        while let Some(run) = rows.next_run() {
+            let place = [number as i64, run.y.into(), run.x.into()];
+            let lanes = [run.radial, run.first, run.second].map(Lane::to_wide);
+            let record = place.into_iter().chain([run.length.into()]).chain(lanes);
+            self.runs.records.push(record.collect());
+            for (column, lane) in (run.x..).zip(run.radials()) {
+                let radial = shift_signed(lane.to_wide(), drop).max(0) as u64;
+                if radial < end {
+                    self.pixel(number, footprint, [column, run.y], radial);
+                }
+            }
+        }
+    }
+
+    fn pixel(&mut self, number: usize, footprint: &Footprint, [x, y]: [u16; 2], radial: u64) {
+        let widths = self.design.widths();
+        let at = usize::from(y) * usize::from(self.window.last[0]) + usize::from(x);
+        let table = FootprintTable::new(&self.table, &widths, self.range);
+        let (Ok(table), Some(pixel)) = (table, self.picture.get_mut(at)) else {
+            return;
+        };
+        let alpha = self.blend.opacity(footprint.peak, table.weight(radial));
+        if alpha > 0 && !pixel.is_finished() {
+            match self.compositing {
+                Compositing::FrontToBack => {
+                    self.blend.front_to_back(pixel, alpha, &footprint.colour)
+                }
+                Compositing::BackToFront => {
+                    self.blend.back_to_front(pixel, alpha, &footprint.colour)
+                }
+                Compositing::XRay => self.blend.x_ray(pixel, alpha, &footprint.colour),
+            }
+        }
+        let mut record = vec![
+            number as i64,
+            y.into(),
+            x.into(),
+            radial as i64,
+            alpha.into(),
+        ];
+        record.extend(pixel_values(pixel));
+        self.pixels.records.push(record);
+    }
+
+    fn tile(&self) -> Stage {
+        let widths = self.design.widths();
+        let mut stage = Stage::new(
+            "tile",
+            "the finished picture, row by row",
+            ["red", "green", "blue"]
+                .map(|n| field(n, 32, false, widths.accumulator))
+                .into_iter()
+                .chain([
+                    field("transmittance", 31, false, widths.transmittance),
+                    field("finished", 1, false, 0),
+                ]),
+        );
+        stage.records = self
+            .picture
+            .iter()
+            .map(|p| pixel_values(p).to_vec())
+            .collect();
+        stage
+    }
+}
+
+fn pixel_values(pixel: &Pixel) -> [i64; 5] {
+    let [r, g, b] = pixel.colour.map(i64::from);
+    [
+        r,
+        g,
+        b,
+        pixel.clear_share().into(),
+        pixel.is_finished().into(),
+    ]
+}

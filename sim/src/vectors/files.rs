@@ -1,0 +1,236 @@
+//! A folder of vectors: written by [`export`], checked by [`verify`].
+
+use super::manifest::{Manifest, StageRecord, digest};
+use super::{Stage, Subject, compute};
+use crate::atomic;
+use fixed::types::{I8F24, U4F28};
+use splatline::math::Scaled;
+use splatline::splat::{Axis, VolumeSplat};
+use std::fs;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Largest viewport side that vectors are computed for: a manifest from a stranger cannot ask for gigabytes.
+const LARGEST_SIDE: u16 = 4096;
+
+/// Why vectors cannot be written or do not agree.
+#[derive(Debug, Error)]
+pub enum VectorError {
+    /// A file cannot be read or written.
+    #[error("{file}: {source}")]
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A file's content is not what it should be.
+    #[error("{file}: {message}")]
+    Content {
+        /// The file.
+        file: PathBuf,
+        /// Names the line or field and what is expected.
+        message: String,
+    },
+    /// A value differs from the kernel's.
+    #[error("{file}: {difference}")]
+    Difference {
+        /// The file.
+        file: PathBuf,
+        /// Stage, record, splat, field, expected, got.
+        difference: String,
+    },
+}
+
+/// What was checked.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Verified {
+    /// Name and number of records of each stage that agrees.
+    pub stages: Vec<(String, usize)>,
+    /// Stages of which the folder has no file.
+    pub missing: Vec<String>,
+}
+
+/// Writes the manifest and one file per stage into `folder`, which is made if need be.
+pub fn export(folder: &Path, subject: &Subject) -> Result<Manifest, VectorError> {
+    fs::create_dir_all(folder).map_err(|source| VectorError::File {
+        file: folder.to_owned(),
+        source,
+    })?;
+    let stages = compute(subject);
+    let manifest = Manifest::new(subject, &stages);
+    for (stage, record) in stages.iter().zip(&manifest.stages) {
+        write(&folder.join(&record.file), &stage.to_text())?;
+    }
+    let file = folder.join("manifest.json");
+    let text = serde_json::to_string_pretty(&manifest)
+        .map_err(|error| content(&file, error.to_string()))?;
+    write(&file, &text)?;
+    Ok(manifest)
+}
+
+/// Computes all stages anew from the manifest and the splats in `folder` and compares every file that is there, in the order of the
+/// data flow. The first difference is the error.
+pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
+    let file = folder.join("manifest.json");
+    let manifest: Manifest =
+        serde_json::from_str(&read(&file)?).map_err(|error| content(&file, error.to_string()))?;
+    let mut subject = manifest
+        .subject()
+        .map_err(|message| content(&file, message))?;
+    if subject
+        .view
+        .viewport
+        .iter()
+        .any(|side| *side > LARGEST_SIDE)
+    {
+        let message = format!(
+            "view.viewport is {:?}, at most {LARGEST_SIDE} a side",
+            subject.view.viewport
+        );
+        return Err(content(&file, message));
+    }
+    // Without splats this gives the stages' fields, which is what it takes to read the splats.
+    let empty = compute(&subject);
+    let splats = empty.first().map_or(Ok(Vec::new()), |stage| {
+        read_splats(folder, &manifest, stage)
+    })?;
+    subject.splats = splats;
+    let expected = compute(&subject);
+    let owners = Owners::new(&expected);
+    let mut verified = Verified::default();
+    for stage in &expected {
+        let file = folder.join(format!("{}.hex", stage.name));
+        if !file.exists() {
+            verified.missing.push(stage.name.to_owned());
+            continue;
+        }
+        let got = stage
+            .parse(&read(&file)?)
+            .map_err(|message| content(&file, message))?;
+        compare(stage, &got, &owners)
+            .map_err(|difference| VectorError::Difference { file, difference })?;
+        verified.stages.push((stage.name.to_owned(), got.len()));
+    }
+    Ok(verified)
+}
+
+/// The inputs must be those of the manifest: otherwise two different things would be compared.
+fn read_splats(
+    folder: &Path,
+    manifest: &Manifest,
+    stage: &Stage,
+) -> Result<Vec<VolumeSplat>, VectorError> {
+    let file = folder.join("splats.hex");
+    let text = read(&file)?;
+    let listed: Option<&StageRecord> = manifest.stages.iter().find(|s| s.name == stage.name);
+    let (found, expected) = (digest(text.as_bytes()), listed.map_or("", |s| &s.digest));
+    if found != expected {
+        let message = format!(
+            "digest is {found}, the manifest says '{expected}': these are not the splats of these vectors"
+        );
+        return Err(content(&file, message));
+    }
+    let records = stage
+        .parse(&text)
+        .map_err(|message| content(&file, message))?;
+    Ok(records.iter().map(|record| splat(record)).collect())
+}
+
+fn splat(record: &[i64]) -> VolumeSplat {
+    let mut values = record.iter().copied();
+    let mut next = || values.next().unwrap_or_default();
+    VolumeSplat {
+        centre: [(); 3].map(|()| I8F24::from_bits(next() as i32)),
+        axes: [(); 3].map(|()| Axis {
+            mantissa: [(); 3].map(|()| next() as i32),
+            exponent: next() as i32,
+        }),
+        weight: Scaled {
+            mantissa: next() as i32,
+            exponent: next() as i32,
+        },
+        colour: [(); 3].map(|()| U4F28::from_bits(next() as u32)),
+    }
+}
+
+/// Which splat a record of a stage belongs to.
+struct Owners {
+    of_packet: Vec<i64>,
+}
+
+impl Owners {
+    fn new(stages: &[Stage]) -> Self {
+        let packets = stages.iter().find(|stage| stage.name == "packets");
+        let splat = |record: &Vec<i64>| record.last().copied().unwrap_or(-1);
+        Owners {
+            of_packet: packets.map_or(Vec::new(), |stage| {
+                stage.records.iter().map(splat).collect()
+            }),
+        }
+    }
+
+    fn describe(&self, stage: &Stage, index: usize) -> String {
+        let splat = match stage.name {
+            "table" => return String::new(),
+            "tile" => return String::new(),
+            "packets" => self.of_packet.get(index).copied(),
+            "runs" | "pixels" => {
+                let packet = stage.records.get(index).and_then(|record| record.first());
+                packet.and_then(|packet| self.of_packet.get(*packet as usize).copied())
+            }
+            _ => Some(index as i64),
+        };
+        splat.map_or(String::new(), |splat| format!(" (splat {splat})"))
+    }
+}
+
+fn compare(stage: &Stage, got: &[Vec<i64>], owners: &Owners) -> Result<(), String> {
+    for (index, (expected, got)) in stage.records.iter().zip(got).enumerate() {
+        let mut values = stage.fields.iter().zip(expected.iter().zip(got));
+        if let Some((field, (expected, got))) = values.find(|(_, (expected, got))| expected != got)
+        {
+            let whose = owners.describe(stage, index);
+            let (stage, name) = (stage.name, &field.name);
+            let mask = u64::MAX >> (64 - field.bits);
+            let hex = |value: i64| format!("{value} (0x{:x})", value as u64 & mask);
+            return Err(format!(
+                "stage {stage}, record {index}{whose}, field {name}: expected {}, got {}",
+                hex(*expected),
+                hex(*got)
+            ));
+        }
+    }
+    if stage.records.len() != got.len() {
+        let whose = owners.describe(stage, got.len().min(stage.records.len().saturating_sub(1)));
+        return Err(format!(
+            "stage {}: expected {} records, got {}; the first that is missing or too many is {}{whose}",
+            stage.name,
+            stage.records.len(),
+            got.len(),
+            stage.records.len().min(got.len())
+        ));
+    }
+    Ok(())
+}
+
+fn read(file: &Path) -> Result<String, VectorError> {
+    fs::read_to_string(file).map_err(|source| VectorError::File {
+        file: file.to_owned(),
+        source,
+    })
+}
+
+fn write(file: &Path, text: &str) -> Result<(), VectorError> {
+    atomic::write(file, text.as_bytes()).map_err(|source| VectorError::File {
+        file: file.to_owned(),
+        source,
+    })
+}
+
+fn content(file: &Path, message: String) -> VectorError {
+    VectorError::Content {
+        file: file.to_owned(),
+        message,
+    }
+}

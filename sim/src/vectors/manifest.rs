@@ -1,0 +1,228 @@
+//! The manifest: `manifest.json`, which says what the files hold and what they were computed from.
+
+use super::{Field, Stage, Subject};
+use crate::design::{DesignChoice, ResolvedDesign};
+use crate::rules::{Compositing, Rules};
+use fixed::types::{I2F30, I10F54, I32F32};
+use serde::{Deserialize, Serialize};
+use splatline::math::Scaled;
+use splatline::view::{Projection, RatioLimits, View};
+use std::fmt::Write;
+use std::str::FromStr;
+
+/// Version of the folder's format; another version is refused.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// The content of `manifest.json`.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Manifest {
+    /// [`FORMAT_VERSION`].
+    pub format_version: u32,
+    /// Version of the packet's layout.
+    pub packet_version: u32,
+    /// Name, traversal, rounding and widths.
+    pub design: DesignRecord,
+    /// `ewa` or `3dgs`.
+    pub rules: String,
+    /// `front-to-back`, `back-to-front` or `x-ray`.
+    pub compositing: String,
+    /// The camera.
+    pub view: ViewRecord,
+    /// The stages in the order of the data flow.
+    pub stages: Vec<StageRecord>,
+}
+
+/// A resolved design.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DesignRecord {
+    name: String,
+    traversal: String,
+    rounding: String,
+    widths: serde_json::Map<String, serde_json::Value>,
+}
+
+/// The camera in the kernel's formats: integers, see the kernel's `view`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewRecord {
+    rotation_q1_30: [[i32; 3]; 3],
+    translation_q9_54: [i64; 3],
+    focal_mantissa_exponent: [[i32; 2]; 2],
+    principal_q31_32: [i64; 2],
+    near_q9_54: i64,
+    far_q9_54: i64,
+    viewport: [u16; 2],
+    orthographic: bool,
+    ratio_low_q31_32: [i64; 2],
+    ratio_high_q31_32: [i64; 2],
+}
+
+/// One file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StageRecord {
+    /// Name of the stage.
+    pub name: String,
+    /// What a record is.
+    pub about: String,
+    /// Name of the file.
+    pub file: String,
+    /// Records in it.
+    pub records: usize,
+    /// Bits of a record.
+    pub bits: usize,
+    /// FNV-1a, 64 bits, of the file's bytes.
+    pub digest: String,
+    /// The fields of a record.
+    pub fields: Vec<Field>,
+}
+
+/// FNV-1a: not against forgery, but for finding out that a file has changed.
+pub fn digest(bytes: &[u8]) -> String {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, step))
+}
+
+impl Manifest {
+    /// Describes the stages of a subject.
+    pub fn new(subject: &Subject, stages: &[Stage]) -> Self {
+        let ResolvedDesign {
+            name,
+            traversal,
+            rounding,
+            widths,
+        } = subject.design.resolved();
+        let record = |stage: &Stage| StageRecord {
+            name: stage.name.to_owned(),
+            about: stage.about.to_owned(),
+            file: format!("{}.hex", stage.name),
+            records: stage.records.len(),
+            bits: stage.bits(),
+            digest: digest(stage.to_text().as_bytes()),
+            fields: stage.fields.clone(),
+        };
+        Manifest {
+            format_version: FORMAT_VERSION,
+            packet_version: splatline::footprint::packet::VERSION,
+            design: DesignRecord {
+                name,
+                traversal: traversal.to_owned(),
+                rounding: rounding.to_owned(),
+                widths,
+            },
+            rules: subject.rules.name.to_owned(),
+            compositing: compositing_name(subject.compositing).to_owned(),
+            view: ViewRecord::from(&subject.view),
+            stages: stages.iter().map(record).collect(),
+        }
+    }
+
+    /// The subject again, without its splats. The message names the field that is wrong.
+    pub fn subject(&self) -> Result<Subject, String> {
+        if self.format_version != FORMAT_VERSION {
+            return Err(format!(
+                "format_version is {}, expected {FORMAT_VERSION}: export the vectors again with this version",
+                self.format_version
+            ));
+        }
+        Ok(Subject {
+            design: self.design.choice()?,
+            rules: Rules::from_str(&self.rules).map_err(|error| format!("rules: {error}"))?,
+            compositing: compositing_of(&self.compositing)?,
+            view: self.view.view(),
+            splats: Vec::new(),
+        })
+    }
+}
+
+impl DesignRecord {
+    /// Named designs as their own types; others through the text of a design file, which checks all ranges.
+    fn choice(&self) -> Result<DesignChoice, String> {
+        if let Some(named) = DesignChoice::named(&self.name) {
+            let resolved = named.resolved();
+            if (resolved.rounding, &resolved.widths) == (self.rounding.as_str(), &self.widths) {
+                return self.with_traversal(named);
+            }
+        }
+        let mut text = format!("base = \"standard24\"\nrounding = \"{}\"\n", self.rounding);
+        for (name, value) in &self.widths {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "{name} = {value}");
+        }
+        let mut choice =
+            DesignChoice::from_toml("design", &text).map_err(|error| error.to_string())?;
+        choice.name.clone_from(&self.name);
+        self.with_traversal(choice)
+    }
+
+    fn with_traversal(&self, mut choice: DesignChoice) -> Result<DesignChoice, String> {
+        choice.traversal = match self.traversal.as_str() {
+            "box" => splatline::format::Traversal::Box,
+            "spans" => splatline::format::Traversal::Spans,
+            other => {
+                return Err(format!(
+                    "design.traversal is '{other}', expected box or spans"
+                ));
+            }
+        };
+        Ok(choice)
+    }
+}
+
+const COMPOSITINGS: [(&str, Compositing); 3] = [
+    ("front-to-back", Compositing::FrontToBack),
+    ("back-to-front", Compositing::BackToFront),
+    ("x-ray", Compositing::XRay),
+];
+
+fn compositing_name(compositing: Compositing) -> &'static str {
+    let found = COMPOSITINGS.iter().find(|(_, c)| *c == compositing);
+    found.map_or("", |(name, _)| name)
+}
+
+fn compositing_of(name: &str) -> Result<Compositing, String> {
+    let found = COMPOSITINGS.iter().find(|(n, _)| *n == name);
+    found.map(|(_, c)| *c).ok_or_else(|| {
+        format!("compositing is '{name}', expected front-to-back, back-to-front or x-ray")
+    })
+}
+
+impl From<&View> for ViewRecord {
+    fn from(view: &View) -> Self {
+        ViewRecord {
+            rotation_q1_30: view.rotation.map(|row| row.map(I2F30::to_bits)),
+            translation_q9_54: view.translation.map(I10F54::to_bits),
+            focal_mantissa_exponent: view.focal.map(|f| [f.mantissa, f.exponent]),
+            principal_q31_32: view.principal.map(I32F32::to_bits),
+            near_q9_54: view.near.to_bits(),
+            far_q9_54: view.far.to_bits(),
+            viewport: view.viewport,
+            orthographic: view.projection == Projection::Orthographic,
+            ratio_low_q31_32: view.limits.low.map(I32F32::to_bits),
+            ratio_high_q31_32: view.limits.high.map(I32F32::to_bits),
+        }
+    }
+}
+
+impl ViewRecord {
+    fn view(&self) -> View {
+        View {
+            rotation: self.rotation_q1_30.map(|row| row.map(I2F30::from_bits)),
+            translation: self.translation_q9_54.map(I10F54::from_bits),
+            focal: self
+                .focal_mantissa_exponent
+                .map(|[mantissa, exponent]| Scaled { mantissa, exponent }),
+            principal: self.principal_q31_32.map(I32F32::from_bits),
+            near: I10F54::from_bits(self.near_q9_54),
+            far: I10F54::from_bits(self.far_q9_54),
+            viewport: self.viewport,
+            projection: if self.orthographic {
+                Projection::Orthographic
+            } else {
+                Projection::Perspective
+            },
+            limits: RatioLimits {
+                low: self.ratio_low_q31_32.map(I32F32::from_bits),
+                high: self.ratio_high_q31_32.map(I32F32::from_bits),
+            },
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! One stage's records: fields, their places, and the text form.
+
+use serde::{Deserialize, Serialize};
+use std::fmt::Write;
+
+/// A field of a record.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Field {
+    /// Name.
+    pub name: String,
+    /// First bit, counted from the record's least significant.
+    pub offset: usize,
+    /// Bits, at most 64.
+    pub bits: usize,
+    /// Two's complement?
+    pub signed: bool,
+    /// Fraction bits; 0 for integers, mantissas and exponents.
+    pub fraction: usize,
+}
+
+/// A stage's table.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Stage {
+    /// Name; the file is `NAME.hex`.
+    pub name: &'static str,
+    /// What a record is.
+    pub about: &'static str,
+    /// The fields.
+    pub fields: Vec<Field>,
+    /// One value per field and record.
+    pub records: Vec<Vec<i64>>,
+}
+
+impl Stage {
+    /// A stage without records; fields are `(name, bits, signed, fraction)` in order.
+    pub fn new(
+        name: &'static str,
+        about: &'static str,
+        fields: impl IntoIterator<Item = (String, usize, bool, usize)>,
+    ) -> Self {
+        let mut offset = 0;
+        let place = |(name, bits, signed, fraction)| {
+            let field = Field {
+                name,
+                offset,
+                bits,
+                signed,
+                fraction,
+            };
+            offset += bits;
+            field
+        };
+        Stage {
+            name,
+            about,
+            fields: fields.into_iter().map(place).collect(),
+            records: Vec::new(),
+        }
+    }
+
+    /// Bits of a record.
+    pub fn bits(&self) -> usize {
+        self.fields.last().map_or(0, |last| last.offset + last.bits)
+    }
+
+    /// The file's text.
+    pub fn to_text(&self) -> String {
+        let mut text = format!("// {}: {}\n", self.name, self.about);
+        for record in &self.records {
+            self.write_record(&mut text, record);
+        }
+        text
+    }
+
+    fn write_record(&self, text: &mut String, record: &[i64]) {
+        let digits = self.bits().div_ceil(4);
+        let mut bits = vec![false; 4 * digits];
+        for (field, value) in self.fields.iter().zip(record) {
+            for (bit, place) in bits
+                .iter_mut()
+                .skip(field.offset)
+                .take(field.bits)
+                .enumerate()
+            {
+                *place = value >> bit & 1 == 1;
+            }
+        }
+        for digit in bits.chunks(4).rev() {
+            let value = digit.iter().rev().fold(0, |v, bit| 2 * v + u32::from(*bit));
+            // Writing to a String cannot fail.
+            let _ = write!(text, "{value:x}");
+        }
+        text.push('\n');
+    }
+
+    /// Reads the records of a file's text. The message names the line and what is wrong with it.
+    pub fn parse(&self, text: &str) -> Result<Vec<Vec<i64>>, String> {
+        let mut records = Vec::new();
+        for (index, line) in text.lines().enumerate() {
+            let line = line.split("//").next().unwrap_or_default();
+            for word in line.split_whitespace() {
+                let record = self.parse_record(word);
+                records.push(record.map_err(|message| format!("line {}: {message}", index + 1))?);
+            }
+        }
+        Ok(records)
+    }
+
+    fn parse_record(&self, word: &str) -> Result<Vec<i64>, String> {
+        let mut bits = Vec::with_capacity(self.bits() + 3);
+        for digit in word.chars().rev().filter(|c| *c != '_') {
+            let Some(value) = digit.to_digit(16) else {
+                return Err(format!(
+                    "'{digit}' is not a hexadecimal digit (x and z mean that a bit is undefined)"
+                ));
+            };
+            bits.extend((0..4).map(|bit| value >> bit & 1 == 1));
+        }
+        if bits.iter().skip(self.bits()).any(|bit| *bit) {
+            return Err(format!("the record has more than {} bits", self.bits()));
+        }
+        let bit = |at: usize| i64::from(bits.get(at).copied().unwrap_or(false));
+        let value = |field: &Field| {
+            let value = (0..field.bits).fold(0i64, |v, at| v | bit(field.offset + at) << at);
+            let spare = 64 - field.bits as u32;
+            if field.signed {
+                value << spare >> spare
+            } else {
+                value
+            }
+        };
+        Ok(self.fields.iter().map(value).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stage() -> Stage {
+        let fields = [("a", 3, true, 0), ("b", 64, true, 0), ("c", 5, false, 2)];
+        Stage::new(
+            "test",
+            "",
+            fields.map(|(n, b, s, f)| (n.to_owned(), b, s, f)),
+        )
+    }
+
+    #[test]
+    fn records_are_written_least_significant_field_first() {
+        let mut stage = stage();
+        stage.records = vec![vec![-1, 0, 0], vec![0, i64::MIN, 0x11], vec![3, -2, 31]];
+        let text = stage.to_text();
+        assert_eq!(
+            text,
+            "// test: \n000000000000000007\n8c0000000000000000\nfffffffffffffffff3\n"
+        );
+        assert_eq!(stage.parse(&text), Ok(stage.records.clone()));
+    }
+
+    #[test]
+    fn what_is_not_a_record_is_named() {
+        assert_eq!(
+            stage().parse("\n// only a comment\n00_07\n"),
+            Ok(vec![vec![-1, 0, 0]])
+        );
+        assert!(
+            stage()
+                .parse("1\nxx")
+                .unwrap_err()
+                .starts_with("line 2: 'x' is not")
+        );
+        assert_eq!(
+            stage().parse("1ff0000000000000000000"),
+            Err("line 1: the record has more than 72 bits".to_owned())
+        );
+    }
+}

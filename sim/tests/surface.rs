@@ -1,0 +1,282 @@
+//! Surface splats: the reference against other ways to the same thing, and the kernel against the reference.
+
+use splatline::format::Traversal;
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::metrics::compare;
+use splatline_sim::reference::surface::{
+    draw, exact_depth, inverse_jacobian, overlapping_layers, project,
+};
+use splatline_sim::scene::points::synthetic::{Paint, scene, sheet, sphere};
+use splatline_sim::scene::points::{self, SurfaceScene};
+use splatline_sim::surface::{Buffer, Style};
+use splatline_sim::{fixed, vector};
+use std::path::Path;
+
+/// Least PSNR (dB) and largest bias of colour and alpha against the reference, by design.
+const BARS: [(&str, f64, f64); 3] = [
+    ("lean18", 60.0, 5e-4),
+    ("standard24", 90.0, 1e-5),
+    ("deep32", 95.0, 1e-5),
+];
+
+/// A tinted ball through a translucent sheet.
+fn ball_and_sheet() -> SurfaceScene {
+    let ball = Paint {
+        colour: [0.9, 0.4, 0.2],
+        opacity: 0.6,
+        material: 1,
+    };
+    let mut points = sphere([0.1, 0.0, 0.0], 0.8, 6_000, ball);
+    let tilted = [[1.2, 0.3, 0.1], [0.0, 0.5, 1.0]];
+    points.extend(sheet([0.0; 3], tilted, 0.05, |a, b| Paint {
+        colour: [0.5 + 0.4 * a, 0.5 - 0.4 * b, 0.6],
+        opacity: 0.5,
+        material: 0,
+    }));
+    scene("ball and sheet", points)
+}
+
+fn camera(size: usize) -> Camera {
+    Camera::look_at(
+        [0.5, -4.0, 1.0],
+        [0.0; 3],
+        [0.0, 0.0, 1.0],
+        35.0,
+        size,
+        size,
+    )
+    .unwrap()
+}
+
+fn parallel(size: usize) -> Camera {
+    let perspective = camera(size);
+    let pixels_per_unit = 0.35 * size as f64;
+    Camera {
+        orthographic: true,
+        fx: pixels_per_unit,
+        fy: pixels_per_unit,
+        ..perspective
+    }
+}
+
+fn styles(threshold: f64) -> [(&'static str, Style); 4] {
+    let opaque = Style::opaque(threshold);
+    let light = Some([0.5, -1.0, 0.8]);
+    [
+        ("accumulation", opaque),
+        (
+            "edges",
+            Style {
+                edge: Some(0.4),
+                ..opaque
+            },
+        ),
+        ("shaded", Style { light, ..opaque }),
+        (
+            "layers",
+            Style {
+                light,
+                ..Style::layered(threshold, 8)
+            },
+        ),
+    ]
+}
+
+#[test]
+fn the_kernel_is_near_the_reference() {
+    let scene = ball_and_sheet();
+    let mut table = String::new();
+    for (view, camera) in [("perspective", camera(96)), ("orthographic", parallel(96))] {
+        for (name, style) in styles(scene.usual_threshold()) {
+            let float = draw(&scene, &camera, &style).picture;
+            for (design, least, bias) in BARS {
+                let choice = DesignChoice::named(design).unwrap();
+                for traversal in [Traversal::Spans, Traversal::Box] {
+                    let drawn = fixed::surface::draw(&scene, &camera, &style, &choice, traversal);
+                    let errors = compare(&drawn.picture, &float).unwrap();
+                    for error in [errors.colour, errors.alpha] {
+                        let line = format!(
+                            "{view} {name} {design} {traversal:?}: {:.1} dB, largest {:.1e}, bias {:.1e}\n",
+                            error.psnr_db, error.max_abs, error.bias
+                        );
+                        assert!(error.psnr_db >= least && error.bias.abs() <= bias, "{line}");
+                        table += &line;
+                    }
+                }
+            }
+        }
+    }
+    println!("{table}");
+}
+
+#[test]
+fn constants_and_fields_give_the_same_bits() {
+    let scene = ball_and_sheet();
+    let style = Style::layered(scene.usual_threshold(), 3);
+    for choice in DesignChoice::all() {
+        let draw = |choice: &DesignChoice| {
+            fixed::surface::draw(&scene, &camera(48), &style, choice, Traversal::Spans).pixels
+        };
+        assert_eq!(
+            draw(&choice),
+            draw(&choice.at_run_time()),
+            "{}",
+            choice.name
+        );
+    }
+}
+
+/// SURF 4: V' from M = J W S, and from the rays through neighbouring pixels, are inverse to each other.
+#[test]
+fn both_ways_to_the_ellipse_agree() {
+    let scene = ball_and_sheet();
+    for camera in [camera(96), parallel(96)] {
+        let style = Style {
+            low_pass: 1e-12,
+            ..Style::opaque(1.0)
+        };
+        let mut compared = 0;
+        for point in &scene.points {
+            let Ok(splat) = project(point, &camera, &style) else {
+                continue;
+            };
+            let normal = vector::transform(&camera.rotation, point.normal);
+            let position = camera.to_camera(point.centre);
+            let ray = if camera.orthographic {
+                [0.0, 0.0, 1.0]
+            } else {
+                position
+            };
+            let cosine = vector::dot(normal, ray).abs() / vector::length(ray);
+            if cosine < 0.1 {
+                continue;
+            }
+            let [x, y] = inverse_jacobian(point, &camera).unwrap();
+            let expected = [
+                x[0] * x[0] + x[1] * x[1],
+                x[0] * y[0] + x[1] * y[1],
+                y[0] * y[0] + y[1] * y[1],
+            ];
+            let trace = expected[0] + expected[2];
+            for (got, expected) in splat.conic.iter().zip(expected) {
+                assert!(
+                    (got - expected).abs() < 1e-6 * trace,
+                    "{got} {expected} {trace}"
+                );
+            }
+            compared += 1;
+        }
+        assert!(compared > 5_000, "{compared}");
+    }
+}
+
+/// In parallel projection the affine depth is the plane's own.
+#[test]
+fn affine_depth_is_exact_without_perspective() {
+    let scene = ball_and_sheet();
+    let camera = parallel(96);
+    let style = Style {
+        low_pass: 1e-12,
+        ..Style::opaque(1.0)
+    };
+    for point in scene.points.iter().step_by(7) {
+        let Ok(splat) = project(point, &camera, &style) else {
+            continue;
+        };
+        if splat.normal[2].abs() > 0.05 {
+            let place = [splat.centre[0] + 0.7, splat.centre[1] - 1.3];
+            let affine = splat.depth + 0.7 * splat.gradient[0] - 1.3 * splat.gradient[1];
+            let exact = exact_depth(point, &camera, place);
+            assert!((affine - exact).abs() < 1e-6, "{affine} {exact}");
+        }
+    }
+}
+
+/// Where no more layers overlap than the buffer holds, more layers change nothing; elsewhere something is merged.
+#[test]
+fn layers_matter_only_where_they_overlap() {
+    let scene = ball_and_sheet();
+    let camera = camera(96);
+    let style = Style::layered(scene.usual_threshold(), 2);
+    let overlapping = overlapping_layers(&scene, &camera, &style);
+    let few = draw(&scene, &camera, &style).picture;
+    let all = draw(
+        &scene,
+        &camera,
+        &Style {
+            buffer: Buffer::Layers(99),
+            ..style
+        },
+    )
+    .picture;
+    let mut different = 0;
+    for (index, count) in overlapping.iter().enumerate() {
+        if *count <= 2 {
+            assert_eq!(few.pixels[index], all.pixels[index]);
+        }
+        different += usize::from(few.pixels[index] != all.pixels[index]);
+    }
+    assert!(different > 100, "{different}");
+}
+
+/// A closed, evenly sampled surface has no hole at any distance: minified to a few pixels or one splat many pixels wide.
+#[test]
+fn a_ball_has_no_hole_near_and_far() {
+    let ball = scene(
+        "ball",
+        sphere([0.0; 3], 1.0, 4_000, Paint::opaque([0.5; 3])),
+    );
+    let design = DesignChoice::named("standard24").unwrap();
+    for distance in [1.6, 3.0, 10.0, 60.0] {
+        let camera = Camera::look_at(
+            [0.0, -distance, 0.0],
+            [0.0; 3],
+            [0.0, 0.0, 1.0],
+            30.0,
+            128,
+            128,
+        )
+        .unwrap();
+        let style = Style::opaque(ball.usual_threshold());
+        let drawn = fixed::surface::draw(&ball, &camera, &style, &design, Traversal::Spans);
+        let limit = 1.0 / (distance * distance - 1.0);
+        for (index, pixel) in drawn.picture.pixels.iter().enumerate() {
+            let slope = |c: usize, centre: f64| (c as f64 + 0.5 - centre) / camera.fx;
+            let (x, y) = (slope(index % 128, camera.cx), slope(index / 128, camera.cy));
+            if x * x + y * y < limit {
+                assert!(
+                    (pixel[3] - 1.0).abs() < 1e-6,
+                    "{distance}: {index} {pixel:?}"
+                );
+                assert!(
+                    (pixel[0] - 0.5).abs() < 1e-5,
+                    "{distance}: {index} {pixel:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn scanned_clouds_load() {
+    let folder = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../shared/data/points"
+    ));
+    if !folder.is_dir() {
+        println!("no scanned clouds beside the project: nothing tested");
+        return;
+    }
+    let kitten = points::load(&folder.join("cgal_kitten.xyz")).unwrap();
+    assert_eq!(
+        (kitten.points.len(), kitten.skipped, kitten.coloured),
+        (5_210, 0, false)
+    );
+    let lion = points::load(&folder.join("lion_takanawa.ply")).unwrap();
+    assert_eq!(
+        (lion.points.len(), lion.skipped, lion.coloured),
+        (341_989, 0, true)
+    );
+    assert!((0.005..0.03).contains(&lion.radius), "{}", lion.radius);
+}

@@ -1,0 +1,206 @@
+//! Vectors: a round trip, the first difference in words, and agreement of the stepped picture with the kernel's painter.
+
+use splatline::blend::Pixel;
+use splatline::draw::Painter;
+use splatline::format::{Design, Traversal};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::setup::setup;
+use splatline::target::Target;
+use splatline_sim::design::{DesignChoice, DesignJob};
+use splatline_sim::fixed::{kernel_compositing, kernel_rules};
+use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::vectors::{Subject, compute, export, hard_cases, verify};
+use std::fs;
+use std::path::Path;
+
+fn subject(design: &str, traversal: Traversal, rules: Rules, compositing: Compositing) -> Subject {
+    let mut design = DesignChoice::named(design).unwrap();
+    design.traversal = traversal;
+    let (view, splats) = hard_cases(72, [80, 40], 3);
+    Subject {
+        design,
+        rules,
+        compositing,
+        view,
+        splats,
+    }
+}
+
+fn small() -> Subject {
+    subject(
+        "lean18",
+        Traversal::Spans,
+        Rules::GAUSSIAN_3D,
+        Compositing::FrontToBack,
+    )
+}
+
+/// The picture by the painter, whole footprints at a time.
+struct Painted<'a>(&'a Subject);
+
+impl DesignJob for Painted<'_> {
+    type Output = Vec<[i64; 5]>;
+    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+        let (subject, widths, rules) = (self.0, design.widths(), kernel_rules(&self.0.rules));
+        let mut memory = vec![0; entries(&widths)];
+        fill_gaussian(&mut memory, &widths, rules.table_range);
+        let table = FootprintTable::new(&memory, &widths, rules.table_range).unwrap();
+        let compositing = kernel_compositing(subject.compositing);
+        let painter = Painter::new(design, &rules, table, compositing, subject.design.traversal);
+        let view = &subject.view;
+        let mut footprints: Vec<_> = subject
+            .splats
+            .iter()
+            .flat_map(|s| setup(design, view, &rules, s))
+            .collect();
+        footprints.sort_by_key(|footprint| footprint.depth);
+        if subject.compositing == Compositing::BackToFront {
+            footprints.reverse();
+        }
+        let window = Window {
+            first: [0; 2],
+            last: view.viewport,
+        };
+        let mut pixels = vec![Pixel::clear(&widths); 80 * 40];
+        let mut target = Target::new(&mut pixels, window, 80).unwrap();
+        for footprint in &footprints {
+            painter.draw(footprint, &mut target);
+        }
+        let words = |p: &Pixel| {
+            let [r, g, b] = p.colour.map(i64::from);
+            [r, g, b, p.clear_share().into(), p.is_finished().into()]
+        };
+        pixels.iter().map(words).collect()
+    }
+}
+
+#[test]
+fn the_stepped_picture_is_the_painted_one() {
+    for design in ["classic8", "lean18", "standard24", "deep32"] {
+        for traversal in [Traversal::Box, Traversal::Spans] {
+            for rules in [Rules::EWA, Rules::GAUSSIAN_3D] {
+                for compositing in [
+                    Compositing::FrontToBack,
+                    Compositing::BackToFront,
+                    Compositing::XRay,
+                ] {
+                    let subject = subject(design, traversal, rules, compositing);
+                    let stages = compute(&subject);
+                    let tile = stages.iter().find(|stage| stage.name == "tile").unwrap();
+                    let painted = subject.design.dispatch(Painted(&subject));
+                    assert!(
+                        tile.records.iter().eq(painted.iter()),
+                        "{design} {traversal:?} {} {compositing:?}",
+                        rules.name
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_reason_for_culling_but_degenerate_occurs() {
+    let mut subject = small();
+    (subject.view, subject.splats) = hard_cases(600, [80, 40], 1);
+    let stages = compute(&subject);
+    let projected = stages
+        .iter()
+        .find(|stage| stage.name == "projected")
+        .unwrap();
+    let count = |reason: i64| projected.records.iter().filter(|r| r[0] == reason).count();
+    let counts: Vec<usize> = (0..7).map(count).collect();
+    for reason in [0, 1, 5, 6] {
+        assert!(counts[reason] > 0, "{counts:?}");
+    }
+}
+
+#[test]
+fn what_is_exported_verifies() {
+    let folder = tempfile::tempdir().unwrap();
+    let manifest = export(folder.path(), &small()).unwrap();
+    let verified = verify(folder.path()).unwrap();
+    let expected: Vec<_> = manifest
+        .stages
+        .iter()
+        .map(|s| (s.name.clone(), s.records))
+        .collect();
+    assert_eq!((verified.stages, verified.missing.len()), (expected, 0));
+    assert!(manifest.stages.iter().all(|stage| stage.records > 0));
+    fs::remove_file(folder.path().join("columns.hex")).unwrap();
+    assert_eq!(verify(folder.path()).unwrap().missing, ["columns"]);
+}
+
+#[test]
+fn a_design_from_a_file_verifies() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut subject = small();
+    subject.design =
+        DesignChoice::from_toml("mine.toml", "base = \"lean18\"\nalpha = 15\n").unwrap();
+    export(folder.path(), &subject).unwrap();
+    verify(folder.path()).unwrap();
+}
+
+/// Replaces the first record (the line after the heading) by what `change` makes of it.
+fn change_record(file: &Path, line: usize, change: impl Fn(&str) -> String) {
+    let text = fs::read_to_string(file).unwrap();
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines[line] = change(&lines[line]);
+    fs::write(file, lines.join("\n")).unwrap();
+}
+
+fn message_after(file: &str, line: usize, change: impl Fn(&str) -> String) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), &small()).unwrap();
+    change_record(&folder.path().join(file), line, change);
+    let message = verify(folder.path()).unwrap_err().to_string();
+    message.replace(&folder.path().display().to_string(), "DIR")
+}
+
+#[test]
+fn the_first_difference_is_named_in_words() {
+    let flip_last = |line: &str| {
+        let (rest, last) = line.split_at(line.len() - 1);
+        let digit = u32::from_str_radix(last, 16).unwrap() ^ 1;
+        format!("{rest}{digit:x}")
+    };
+    let message = message_after("tile.hex", 100, flip_last);
+    assert!(
+        message.starts_with("DIR/tile.hex: stage tile, record 99, field red: expected "),
+        "{message}"
+    );
+    let message = message_after("runs.hex", 1, flip_last);
+    assert!(
+        message.contains("stage runs, record 0 (splat "),
+        "{message}"
+    );
+    assert!(
+        message.ends_with("), field packet: expected 0 (0x0), got 1 (0x1)"),
+        "{message}"
+    );
+    let message = message_after("splats.hex", 1, flip_last);
+    assert!(
+        message.contains("these are not the splats of these vectors"),
+        "{message}"
+    );
+    let message = message_after("pixels.hex", 3, |_| "0xq".to_owned());
+    assert!(
+        message.starts_with("DIR/pixels.hex: line 4: 'q' is not a hexadecimal digit"),
+        "{message}"
+    );
+    let message = message_after("pixels.hex", 1, |_| String::new());
+    assert!(message.contains("stage pixels, record 0"), "{message}");
+    let message = message_after("manifest.json", 1, |_| "\"format_version\": 9,".to_owned());
+    assert!(
+        message.contains("format_version is 9, expected 1"),
+        "{message}"
+    );
+}
+
+#[test]
+fn an_empty_folder_is_an_error_that_names_the_manifest() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = verify(folder.path()).unwrap_err().to_string();
+    assert!(message.contains("manifest.json"), "{message}");
+}

@@ -1,0 +1,139 @@
+//! Sheets against their formulas in double precision, and slabs that partition space.
+
+use super::*;
+use crate::format::Standard24;
+use crate::math::Scaled;
+use crate::rules::Rules;
+use fixed::types::{I2F30, I8F24};
+use proptest::prelude::*;
+
+const WIDTHS: Widths = Standard24::WIDTHS;
+
+fn value(pixel: &Pixel) -> [f64; 4] {
+    let [r, g, b] = pixel.colour.map(|c| f64::from(c) / 2f64.powi(24));
+    [r, g, b, f64::from(pixel.clear_share()) / 2f64.powi(30)]
+}
+
+fn pixel() -> impl Strategy<Value = Pixel> {
+    (proptest::array::uniform3(0u32..1 << 24), 0u32..=1 << 30).prop_map(
+        |(colour, transmittance)| Pixel {
+            colour,
+            transmittance,
+        },
+    )
+}
+
+proptest! {
+    #[test]
+    fn sheets_follow_the_formula(back in pixel(), sheet in pixel()) {
+        let mut rules = Rules::EWA;
+        rules.stop = 0;
+        let blend = Blend::new(&WIDTHS, &rules);
+        let (b, s) = (value(&back), value(&sheet));
+        let (mut behind, mut over) = (back, back);
+        blend.sheet_behind(&mut behind, &sheet);
+        blend.sheet_over(&mut over, &sheet);
+        for channel in 0..3 {
+            let expected = b[channel] + b[3] * s[channel];
+            prop_assert!((value(&behind)[channel] - expected).abs() < 2f64.powi(-24));
+            let expected = b[channel] * s[3] + s[channel];
+            prop_assert!((value(&over)[channel] - expected).abs() < 2f64.powi(-24));
+        }
+        prop_assert!((value(&behind)[3] - b[3] * s[3]).abs() < 2f64.powi(-30));
+        prop_assert!((value(&over)[3] - b[3] * s[3]).abs() < 2f64.powi(-30));
+    }
+
+    #[test]
+    fn no_bits_panic(
+        colour: [u32; 3], transmittance: u32, sheet: [u32; 3], opacity: u32,
+        depth: u32, nearest: u32, per_unit: u32, slab: u32, mantissa: i32, exponent: i32, centre: [i32; 3], axis: usize,
+    ) {
+        let blend = Blend::new(&WIDTHS, &Rules::EWA);
+        let mut pixel = Pixel { colour, transmittance };
+        let sheet = Pixel { colour: sheet, transmittance: opacity };
+        blend.sheet_behind(&mut pixel, &sheet);
+        blend.sheet_over(&mut pixel, &sheet);
+        let spread = Scaled { mantissa, exponent };
+        let slabs = DepthSlabs { nearest, per_unit };
+        prop_assert!(slabs.share(slab, depth, spread) <= 1 << 16);
+        let facing = Facing { axis, ascending: depth % 2 == 0 };
+        AxisSlabs { facing, first: I8F24::from_bits(mantissa), per_unit }.slab(centre.map(I8F24::from_bits));
+    }
+
+    #[test]
+    fn shares_of_a_kernel_sum_to_one(depth in 0u32..1 << 30, spread in 0.0f64..4.0, per_unit in 1u32..1 << 18) {
+        let slabs = DepthSlabs { nearest: 1 << 23, per_unit };
+        let spread = Scaled::from_wide((spread * 2f64.powi(30)) as i64, -30, 31);
+        let (first, last) = slabs.reach(depth, spread);
+        let sum: u32 = (first..=last).map(|slab| slabs.share(slab, depth, spread)).sum();
+        prop_assert_eq!(sum, 1 << 16);
+        prop_assert_eq!(slabs.share(last + 1, depth, spread), 0);
+    }
+}
+
+#[test]
+fn shares_are_the_normal_distribution() {
+    // A kernel of spread 1 slab in the middle of slab 5.
+    let slabs = DepthSlabs {
+        nearest: 0,
+        per_unit: 1 << 16,
+    };
+    let one = Scaled::from_wide(1, 0, 31);
+    let share = |slab| f64::from(slabs.share(slab, 11 << 22, one)) / 65536.0;
+    let expected = [0.0062, 0.0606, 0.2417, 0.3829, 0.2417, 0.0606, 0.0062];
+    for (slab, expected) in (2..9).zip(expected) {
+        assert!(
+            (share(slab) - expected).abs() < 2e-4,
+            "{slab}: {}",
+            share(slab)
+        );
+    }
+}
+
+#[test]
+fn the_facing_axis_is_the_largest_component() {
+    let table = [
+        ([0.0, 0.0, 1.0], (2, true)),
+        ([0.6, 0.0, -0.8], (2, false)),
+        ([0.8, 0.0, -0.6], (0, true)),
+        ([0.0, -0.9, 0.1], (1, false)),
+        ([0.5, 0.5, 0.5], (0, true)),
+    ];
+    for (direction, (axis, ascending)) in table {
+        let facing = Facing::new(direction.map(I2F30::from_num));
+        assert_eq!(facing, Facing { axis, ascending }, "{direction:?}");
+    }
+}
+
+#[test]
+fn slabs_count_away_from_the_eye() {
+    let slabs = |ascending| AxisSlabs {
+        facing: Facing { axis: 2, ascending },
+        first: I8F24::from_num(-4),
+        per_unit: 2 << 16,
+    };
+    let centre = |z: f64| [0.0, 0.0, z].map(I8F24::from_num);
+    assert_eq!(slabs(true).slab(centre(-4.0)), 0);
+    assert_eq!(slabs(true).slab(centre(-3.26)), 1);
+    assert_eq!(slabs(false).slab(centre(-3.26)), -1);
+    assert_eq!(slabs(true).slab(centre(2.0)), 12);
+}
+
+#[test]
+fn a_composited_sheet_is_empty_again() {
+    let window = Window {
+        first: [0, 0],
+        last: [3, 2],
+    };
+    let (mut memory, mut frame) = ([Pixel::default(); 6], [Pixel::clear(&WIDTHS); 6]);
+    let mut sheet = SheetBuffer::new(&mut memory, window, 3, &WIDTHS).unwrap();
+    let mut target = Target::new(&mut frame, window, 3).unwrap();
+    let blend = Blend::new(&WIDTHS, &Rules::EWA);
+    for pixel in sheet.target().row(1, 0, 2) {
+        blend.x_ray(pixel, 1 << 23, &[1 << 18; 3]);
+    }
+    assert_eq!(sheet.composite_behind(&blend, &mut target), 2);
+    assert_eq!(sheet.composite_behind(&blend, &mut target), 0);
+    assert_eq!(value(&target.row(1, 1, 1)[0]), [0.5; 4]);
+    assert_eq!(value(&target.row(0, 0, 1)[0]), [0.0, 0.0, 0.0, 1.0]);
+}

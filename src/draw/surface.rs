@@ -1,0 +1,123 @@
+//! The surface primitive: the units chained, from a surface footprint to the fragments of a target.
+//!
+//! Traversal and footprint table are those of the volume primitive; the plane's depth runs beside the radial
+//! index, one addition per pixel.
+
+use super::{Coverage, cutoff_in_lane};
+use crate::blend::Blend;
+use crate::blend::surface::{Cell, Gather, Sample};
+use crate::footprint::surface::{SurfaceFootprint, depth_in_pixel};
+use crate::format::{Design, Lane, Traversal};
+use crate::kernel::FootprintTable;
+use crate::raster::{ConicRows, Rows, Run, SpanRows};
+use crate::rules::Rules;
+use crate::target::cells::CellTarget;
+
+/// Everything that is constant for a picture of surfaces.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePainter<'a, D> {
+    design: D,
+    table: FootprintTable<'a>,
+    blend: Blend,
+    gather: Gather,
+    traversal: Traversal,
+}
+
+impl<'a, D: Design> SurfacePainter<'a, D> {
+    /// A painter for one design, rule set, footprint table, depth threshold and traversal.
+    pub fn new(
+        design: D,
+        rules: &Rules,
+        table: FootprintTable<'a>,
+        gather: Gather,
+        traversal: Traversal,
+    ) -> Self {
+        SurfacePainter {
+            design,
+            table,
+            blend: Blend::new(&design.widths(), rules),
+            gather,
+            traversal,
+        }
+    }
+
+    /// Draws one footprint into the target's window, in any order. [`Coverage::finished`] stays 0: no pixel finishes.
+    ///
+    /// At most as many steps as the window has pixels, plus one per row, whatever the footprint's bits.
+    pub fn draw<C: Cell>(
+        &self,
+        footprint: &SurfaceFootprint,
+        target: &mut CellTarget<C>,
+    ) -> Coverage {
+        let window = target.window();
+        let shape = &footprint.footprint;
+        match self.traversal {
+            Traversal::Spans => self.paint(
+                footprint,
+                SpanRows::new(self.design, shape, &window),
+                target,
+            ),
+            Traversal::Box => self.paint(
+                footprint,
+                ConicRows::new(self.design, shape, &window),
+                target,
+            ),
+        }
+    }
+
+    #[inline(always)]
+    fn paint<R: Rows, C: Cell>(
+        &self,
+        footprint: &SurfaceFootprint,
+        mut rows: R,
+        target: &mut CellTarget<C>,
+    ) -> Coverage {
+        let mut coverage = Coverage::default();
+        let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
+        while let Some(run) = rows.next_run() {
+            coverage += self.paint_run(footprint, run, drop, target);
+        }
+        coverage
+    }
+
+    /// The pixel lanes: radial index and depth, footprint table, weight, gathering.
+    #[inline(always)]
+    fn paint_run<L: Lane, C: Cell>(
+        &self,
+        footprint: &SurfaceFootprint,
+        run: Run<L>,
+        drop: i32,
+        target: &mut CellTarget<C>,
+    ) -> Coverage {
+        let mut coverage = Coverage {
+            visited: run.length.into(),
+            ..Coverage::default()
+        };
+        let end = cutoff_in_lane(footprint.footprint.cutoff, self.design.widths().radial);
+        let step = footprint.plane.step[0];
+        let mut depth = footprint.depth_at(run.x, run.y);
+        let cells = target.row(run.y, run.x, run.length);
+        for (cell, lane) in cells.iter_mut().zip(run.radials()) {
+            let here = depth;
+            depth = depth.wrapping_add(step);
+            let radial = crate::math::shift_signed(lane.to_wide(), drop).max(0) as u64;
+            if radial >= end {
+                continue;
+            }
+            coverage.covered += 1;
+            let alpha = self
+                .blend
+                .opacity(footprint.footprint.peak, self.table.weight(radial));
+            let weight = self.gather.weight(alpha);
+            if weight > 0 {
+                let sample = Sample {
+                    weight,
+                    depth: depth_in_pixel(here),
+                    attributes: &footprint.attributes,
+                };
+                cell.add(&self.gather, &sample);
+            }
+        }
+        coverage
+    }
+}

@@ -1,0 +1,66 @@
+//! The surface footprint: a footprint with the depth of its tangent plane and the attributes to be filtered.
+//!
+//! The plane's depth is a third lane of the rasterizer beside the radial index: an affine function of the pixel, so one
+//! addition per pixel. It is computed at a run's start as an exact integer expression of column and row, so that
+//! a picture is the same whatever its tiles.
+
+use super::Footprint;
+
+/// Fraction bits of the depth lane.
+pub const DEPTH_FRACTION: u32 = 32;
+
+/// A projected surface splat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SurfaceFootprint {
+    /// Where and how heavy it is. The footprint's own colour is [`Attributes::colour`].
+    pub footprint: Footprint,
+    /// Depth of the tangent plane.
+    pub plane: Plane,
+    /// What a pixel filters.
+    pub attributes: Attributes,
+}
+
+/// Depth of a tangent plane as a function of the pixel, scene units, Q31.32.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plane {
+    /// Depth at the sample point of the bounding box's first column and row.
+    pub origin: i64,
+    /// Difference to the next column and to the next row.
+    pub step: [i64; 2],
+}
+
+/// Attributes of a surface splat, constant over its footprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attributes {
+    /// Linear red, green, blue, premultiplied with the opacity, UQ1.colour, at most 1.
+    pub colour: [u32; 3],
+    /// Opacity, UQ1.colour, at most 1.
+    pub opacity: u32,
+    /// Normal in camera space towards the eye, Q1.colour, each component within [-1, 1].
+    pub normal: [i32; 3],
+    /// Row of the material table.
+    pub material: u8,
+}
+
+impl SurfaceFootprint {
+    /// Depth at column `x` and row `y`, Q31.32, modulo 2^64: exact for the plane's integers.
+    #[inline(always)]
+    pub fn depth_at(&self, x: u16, y: u16) -> i64 {
+        let [first_x, first_y] = self.footprint.first;
+        let [step_x, step_y] = self.plane.step;
+        let across = i64::from(x).wrapping_sub(first_x.into());
+        let down = i64::from(y).wrapping_sub(first_y.into());
+        self.plane
+            .origin
+            .wrapping_add(step_x.wrapping_mul(across))
+            .wrapping_add(step_y.wrapping_mul(down))
+    }
+}
+
+/// A lane's depth in UQ9.23, rounded to nearest, saturated: the format in which pixels keep depths.
+#[inline(always)]
+pub fn depth_in_pixel(lane: i64) -> u32 {
+    const DROP: u32 = DEPTH_FRACTION - 23;
+    let rounded = lane.saturating_add(1 << (DROP - 1)) >> DROP;
+    rounded.clamp(0, u32::MAX.into()) as u32
+}

@@ -1,0 +1,160 @@
+//! A picture of surfaces is the same whatever its tiles, and no cell outside the window is written.
+
+use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use proptest::prelude::*;
+use splatline::blend::edge::EdgeFilter;
+use splatline::blend::layers::Layers;
+use splatline::blend::resolve::Resolve;
+use splatline::blend::shading::{Material, Shading};
+use splatline::blend::surface::{Cell, Gather, Sample};
+use splatline::draw::surface::SurfacePainter;
+use splatline::footprint::surface::{Attributes, SurfaceFootprint};
+use splatline::format::{Design, Standard24, Traversal};
+use splatline::kernel::{FootprintTable, gaussian};
+use splatline::math::Scaled;
+use splatline::raster::Window;
+use splatline::rules::Rules;
+use splatline::setup::setup_surface;
+use splatline::splat::Axis;
+use splatline::splat::surface::SurfaceSplat;
+use splatline::target::cells::CellTarget;
+use splatline::view::{Projection, RatioLimits, View};
+
+const SIDE: u16 = 96;
+static TABLE: [u32; 1025] = gaussian(&Standard24::WIDTHS, 2);
+
+fn scaled(value: f64) -> Scaled {
+    Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
+}
+
+fn view() -> View {
+    let (one, zero) = (I2F30::from_bits(1 << 30), I2F30::ZERO);
+    View {
+        rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
+        translation: [I10F54::ZERO; 3],
+        focal: [scaled(90.0); 2],
+        principal: [I32F32::from_num(48); 2],
+        near: I10F54::from_num(0.01),
+        far: I10F54::from_num(500),
+        viewport: [SIDE; 2],
+        projection: Projection::Perspective,
+        limits: RatioLimits {
+            low: [I32F32::MIN; 2],
+            high: [I32F32::MAX; 2],
+        },
+    }
+}
+
+fn footprint(centre: [f64; 3], frame: [[f64; 3]; 2]) -> Option<SurfaceFootprint> {
+    let splat = SurfaceSplat {
+        centre: centre.map(I8F24::from_num),
+        frame: frame.map(|axis| Axis::from_components(axis.map(scaled))),
+        normal: Axis::from_components([0.3, -0.2, 0.9].map(scaled)),
+        weight: scaled(0.4),
+        colour: [0.2, 0.5, 0.9].map(U4F28::from_num),
+        opacity: U4F28::from_num(0.7),
+        material: 1,
+    };
+    setup_surface(Standard24, &view(), &Rules::SURFACE, &splat).ok()
+}
+
+/// Cells of a window after drawing all footprints; one cell more is lent and must stay empty.
+fn cells(footprints: &[SurfaceFootprint], window: Window, traversal: Traversal) -> Vec<Layers<3>> {
+    let widths = Standard24.widths();
+    let table = FootprintTable::new(&TABLE, &widths, 2).unwrap();
+    let gather = Gather::new(&widths, 1 << 20);
+    let painter = SurfacePainter::new(Standard24, &Rules::SURFACE, table, gather, traversal);
+    let size = [0, 1].map(|axis| usize::from(window.last[axis] - window.first[axis]));
+    let mut cells = vec![Layers::EMPTY; size[0] * size[1] + 1];
+    let mut target = CellTarget::new(&mut cells, window).unwrap();
+    for footprint in footprints {
+        painter.draw(footprint, &mut target);
+    }
+    assert_eq!(cells.pop(), Some(Layers::EMPTY));
+    cells
+}
+
+proptest! {
+    /// Resolving is total: fragments, materials, light and camera of any bits.
+    #[test]
+    fn every_fragment_resolves(
+        samples in proptest::collection::vec((any::<[u32; 6]>(), any::<[i32; 3]>(), any::<u8>()), 1..6),
+        coefficients: [u32; 3], exponent: u8, light: [i32; 3], focal: (i32, i32), principal: i64,
+        tau: u32, place: [u16; 2], orthographic: bool,
+    ) {
+        let widths = Standard24.widths();
+        let gather = Gather::new(&widths, 1000);
+        let mut cell = Layers::<3>::EMPTY;
+        for ([weight, depth, r, g, b, opacity], normal, material) in samples {
+            let attributes = Attributes { colour: [r, g, b], opacity, normal, material: material % 2 };
+            cell.add(&gather, &Sample { weight: weight >> 4, depth, attributes: &attributes });
+        }
+        let [ambient, diffuse, specular] = coefficients;
+        let materials = [Material { ambient, diffuse, specular, exponent }];
+        let view = View {
+            focal: [Scaled { mantissa: focal.0, exponent: focal.1 }; 2],
+            principal: [I32F32::from_bits(principal); 2],
+            projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
+            ..view()
+        };
+        let shading = Shading::new(&widths, &materials, light, &view);
+        let resolve = Resolve::new(&widths, gather, Some(shading), EdgeFilter::new(tau));
+        let [x, y] = place;
+        let pixel = resolve.pixel(&cell, x, y);
+        prop_assert!(pixel.transmittance <= 1 << widths.transmittance);
+    }
+
+    #[test]
+    fn tiles_make_the_whole(
+        places in proptest::collection::vec((proptest::array::uniform3(-2f64..2.0), proptest::array::uniform2(proptest::array::uniform3(-0.8f64..0.8))), 1..8),
+        cut in proptest::array::uniform2(1..SIDE),
+        by_box: bool,
+    ) {
+        let traversal = if by_box { Traversal::Box } else { Traversal::Spans };
+        let footprints: Vec<_> =
+            places.iter().filter_map(|([x, y, z], frame)| footprint([*x, *y, z + 4.0], *frame)).collect();
+        let whole = cells(&footprints, Window { first: [0; 2], last: [SIDE; 2] }, traversal);
+        let [x, y] = cut;
+        for (first, last) in [([0, 0], [x, y]), ([x, 0], [SIDE, y]), ([0, y], [x, SIDE]), ([x, y], [SIDE, SIDE])] {
+            let part = cells(&footprints, Window { first, last }, traversal);
+            let columns = usize::from(last[0] - first[0]);
+            for (index, cell) in part.iter().enumerate() {
+                let (column, row) = (index % columns + usize::from(first[0]), index / columns + usize::from(first[1]));
+                prop_assert_eq!(cell, &whole[row * usize::from(SIDE) + column], "column {} row {}", column, row);
+            }
+        }
+    }
+}
+
+/// Weights of one splat at the corner of the screen as digits, in ninths of the peak: exp(-1) at the edge.
+#[test]
+fn one_splat_as_text() {
+    let splat = footprint([-1.9, -1.95, 4.0], [[0.2, 0.05, 0.1], [-0.05, 0.12, 0.0]]).unwrap();
+    let window = Window {
+        first: [0, 0],
+        last: [14, 11],
+    };
+    let cells = cells(&[splat], window, Traversal::Spans);
+    let peak = f64::from(splat.footprint.peak) / 2f64.powi(28 - 24);
+    let sign = |cell: &Layers<3>| match cell.fragments().first() {
+        Some(fragment) => format!("{:.0}", 9.0 * f64::from(fragment.weight) / peak),
+        None => ".".to_owned(),
+    };
+    let rows: Vec<String> = cells
+        .chunks(14)
+        .map(|row| row.iter().map(sign).collect())
+        .collect();
+    let expected = "
+55555544......
+6677766543....
+67888877654...
+678999887654..
+6788999887654.
+5667888887654.
+3456777776654.
+..44556665544.
+....34444444..
+..............
+..............";
+    assert_eq!(rows.join("\n"), expected.trim());
+}
