@@ -198,8 +198,7 @@ fn judge(
             || manner.hybrid.is_none().then(cycles),
         )
     })?;
-    let errors =
-        errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
+    let errors = errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
     Ok((errors, timing))
 }
 
