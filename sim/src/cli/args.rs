@@ -637,4 +637,6 @@ pub enum ResultsPage {
     Packet,
     /// Cycles: throughput, lane layouts, designs.
     Hardware,
+    /// How fast comparing, sweeping and simulating are.
+    Speed,
 }

@@ -1,5 +1,7 @@
 //! What the engines hand to the commands, the same for all engines.
 
+use splatline::footprint::Footprint;
+use splatline::setup::Cull;
 use splatline_sim::picture::Picture;
 use splatline_sim::report::facts::Counts;
 use splatline_sim::report::{HostTimes, Pixels};
@@ -18,6 +20,8 @@ pub struct Drawing {
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
     /// total is measured around the engine by [`super::sweep::measure`].
     pub stages: HostTimes,
+    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for.
+    pub footprints: Vec<Result<Footprint, Cull>>,
 }
 
 /// Where one splat lands. Pixels; the conic is that of the radial index `r = a dx^2 + 2 b dx dy + c dy^2`.

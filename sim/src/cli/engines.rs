@@ -11,7 +11,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::hybrid::Hybrid;
-use splatline_sim::machine::workload::extract;
+use splatline_sim::machine::workload::extract_from;
 use splatline_sim::machine::{Config, Timing, simulate_alone};
 use splatline_sim::reference::{self, exact, float};
 use splatline_sim::report::facts::Counts;
@@ -59,6 +59,7 @@ fn of_reference(reference::Drawing { picture, counts }: reference::Drawing) -> D
         clamped: 0,
         pixels: None,
         stages: HostTimes::default(),
+        footprints: Vec::new(),
     }
 }
 
@@ -70,8 +71,11 @@ pub fn draw_fixed(task: Task, design: &DesignChoice, traversal: Traversal) -> Dr
         design,
         traversal,
     };
-    let drawing = fixed::draw(task.scene, task.camera, &options);
-    described(drawing)
+    let (drawing, footprints) = fixed::draw_with_footprints(task.scene, task.camera, &options);
+    Drawing {
+        footprints,
+        ..described(drawing)
+    }
 }
 
 /// Points and splats through the kernel.
@@ -124,25 +128,27 @@ fn described(drawing: fixed::Drawing) -> Drawing {
             visited: drawing.coverage.visited,
         }),
         stages,
+        footprints: Vec::new(),
     }
 }
 
-/// Cycles of a picture on a machine.
-pub fn cycles(task: Task, design: &DesignChoice, traversal: Traversal, machine: &Config) -> Timing {
-    let Task {
-        scene,
-        camera,
-        rules,
-        compositing,
-    } = task;
+/// Cycles on a machine of the picture that was drawn with these footprints.
+pub fn cycles(
+    task: Task,
+    footprints: &[Result<Footprint, Cull>],
+    design: &DesignChoice,
+    traversal: Traversal,
+    machine: &Config,
+) -> Timing {
     let options = fixed::Options {
-        rules,
-        compositing,
+        rules: task.rules,
+        compositing: task.compositing,
         design,
         traversal,
     };
     let tile = [machine.tile_width, machine.tile_height];
-    simulate_alone(&extract(scene, camera, &options, tile), machine)
+    let workload = extract_from(footprints, task.camera, &options, tile);
+    simulate_alone(&workload, machine)
 }
 
 /// Footprints by the kernel's setup, in splat order; nothing for culled splats.

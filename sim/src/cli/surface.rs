@@ -208,6 +208,7 @@ fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Res
                 raster_s,
                 ..HostTimes::default()
             },
+            footprints: Vec::new(),
         })
     })
 }
@@ -221,6 +222,7 @@ fn draw_float(view: &SurfaceView, manner: &Manner) -> anyhow::Result<Measured> {
             clamped: 0,
             pixels: None,
             stages: HostTimes::default(),
+            footprints: Vec::new(),
         })
     })
 }

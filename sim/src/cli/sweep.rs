@@ -11,7 +11,7 @@ use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::hybrid::{Hybrid, Points, spacing};
 use splatline_sim::machine::{Config, Timing};
-use splatline_sim::metrics::compare;
+use splatline_sim::metrics::{Errors, compare};
 use splatline_sim::picture::{Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
@@ -178,16 +178,28 @@ pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measure
     })
 }
 
-/// Cycles of one entry on the manner's machine, which knows neither points nor stamps.
-fn cycles(view: &View, manner: &Manner, entry: &Entry) -> Result<Option<Timing>> {
-    if manner.hybrid.is_some() {
-        return Ok(None);
-    }
-    let timing = engines::on_threads(manner.threads, || {
-        let task = task(view, manner);
-        engines::cycles(task, &entry.design, entry.traversal, &manner.machine)
+/// A drawing's errors and its cycles on the manner's machine, which knows neither points nor stamps.
+///
+/// Side by side, because each has parts that only one thread can do.
+fn judge(
+    view: &View,
+    manner: &Manner,
+    entry: &Entry,
+    drawing: &Drawing,
+    float: &Picture,
+) -> Result<(Errors, Option<Timing>)> {
+    let Entry { design, traversal } = entry;
+    let (task, machine) = (task(view, manner), &manner.machine);
+    let footprints = &drawing.footprints;
+    let cycles = || engines::cycles(task, footprints, design, *traversal, machine);
+    let (errors, timing) = engines::on_threads(manner.threads, || {
+        rayon::join(
+            || compare(&drawing.picture, float),
+            || manner.hybrid.is_none().then(cycles),
+        )
     })?;
-    Ok(Some(timing))
+    let errors = errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
+    Ok((errors, timing))
 }
 
 fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
@@ -228,11 +240,9 @@ pub fn run(
     for entry in &entries {
         progress.doing(entry.title());
         let measured = draw_entry(view, manner, entry)?;
-        let errors = compare(&measured.drawing.picture, &float)
-            .with_context(|| format!("design {} cannot be compared", entry.title()))?;
+        let (errors, cycles) = judge(view, manner, entry, &measured.drawing, &float)?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = manner.traversal_name(entry);
-        let cycles = cycles(view, manner, entry)?;
         let row = Row::new(
             &entry.design.name,
             traversal,

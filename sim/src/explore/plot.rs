@@ -45,18 +45,23 @@ impl Scale {
         self.from + (log - self.low) / (self.high - self.low) * (self.to - self.from)
     }
 
-    /// 1, 2 and 5 times powers of ten within the range.
+    /// 1, 2 and 5 times powers of ten within the range; only the powers if that is too many, all digits if too few.
     fn ticks(&self) -> Vec<f64> {
-        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-        let all = decades.flat_map(|decade| [1.0, 2.0, 5.0].map(|step| step * 10f64.powi(decade)));
-        let shown: Vec<f64> = all
-            .filter(|tick| (self.low..=self.high).contains(&tick.log10()))
-            .collect();
-        if shown.len() > 12 {
-            shown.into_iter().step_by(3).collect()
-        } else {
-            shown
+        let usual = self.multiples(&[1.0, 2.0, 5.0]);
+        match usual.len() {
+            0..4 => self.multiples(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
+            4..=12 => usual,
+            _ => self.multiples(&[1.0]),
         }
+    }
+
+    /// These digits times powers of ten within the range.
+    fn multiples(&self, digits: &[f64]) -> Vec<f64> {
+        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
+        decades
+            .flat_map(|decade| digits.iter().map(move |digit| digit * 10f64.powi(decade)))
+            .filter(|tick| (self.low..=self.high).contains(&tick.log10()))
+            .collect()
     }
 }
 
@@ -76,12 +81,23 @@ pub fn page(title: &str, candidates: &[Candidate]) -> String {
          table{{border-collapse:collapse;font-size:12px}}td{{border-top:1px solid #ddd;padding:3px 8px}}</style></head><body>\
          <h1>{title}</h1><p>{count} Point at a circle for its settings and results.</p>\n"
     );
-    page.push_str(&chart(
-        candidates,
-        &kept,
-        "error (rms, units of 1.0)",
-        |c| c.rms,
-    ));
+    match candidates {
+        // A sweep that measures no error leaves its column empty, which reads as 0.
+        all if all.iter().all(|c| c.rms == 0.0) => page.push_str("<p>No errors to show.</p>\n"),
+        [first, others @ ..] if others.iter().all(|other| other.rms == first.rms) => {
+            let _ = writeln!(
+                page,
+                "<p>All points have the same error, {:.3e} rms in units of 1.0.</p>",
+                first.rms
+            );
+        }
+        _ => page.push_str(&chart(
+            candidates,
+            &kept,
+            "error (rms, units of 1.0)",
+            |c| c.rms,
+        )),
+    }
     page.push_str(&chart(candidates, &kept, "area (LUTs)", |c| c.area));
     page.push_str("<h2>The front, fastest first</h2><table>\n");
     for candidate in &kept {
@@ -196,5 +212,21 @@ mod tests {
             page.contains("p &lt;2&gt;") && page.contains("a &amp; b") && !page.contains("NaN")
         );
         assert!(page.contains("3 points, 2 on the front"));
+        assert_eq!(page.matches("<svg").count(), 2);
+    }
+
+    #[test]
+    fn an_error_that_all_points_share_is_a_sentence() {
+        let all = [(1, 2e6), (2, 3e6)].map(|(point, cycles)| Candidate {
+            point,
+            rms: 2e-6,
+            cycles,
+            area: 7e4 * point as f64,
+            label: String::new(),
+        });
+        let page = page("t", &all);
+        assert!(page.contains("same error, 2.000e-6"));
+        assert_eq!(page.matches("<svg").count(), 1);
+        assert!(page.contains(">90k<"), "a short axis has all its digits");
     }
 }

@@ -42,7 +42,6 @@ struct Costs {
 /// A run in flight, for the read-after-write interlock.
 #[derive(Clone, Copy, Debug)]
 struct Flight {
-    y: u8,
     first: u8,
     last: u8,
     start: u64,
@@ -55,8 +54,19 @@ struct Flight {
 pub(super) struct Sequencer {
     pub account: Account,
     pub fifo: Fifo,
-    flights: VecDeque<Flight>,
+    rows: Vec<RowFlights>,
 }
+
+/// The runs in flight on one row of the tile, or on one pair of rows with quads.
+#[derive(Clone, Debug, Default)]
+struct RowFlights {
+    /// When the last of them has settled; they settle in the order in which they came.
+    settled: u64,
+    flights: Vec<Flight>,
+}
+
+/// Flights of a row beyond which those that have settled are thrown out.
+const MANY_FLIGHTS: usize = 16;
 
 /// One raster unit's state.
 #[derive(Clone, Debug)]
@@ -94,7 +104,7 @@ impl RasterUnit {
         let sequencer = Sequencer {
             account: Account::default(),
             fifo: Fifo::new(config.row_fifo),
-            flights: VecDeque::new(),
+            rows: vec![RowFlights::default(); usize::from(config.tile_height)],
         };
         let costs = Costs {
             serial: config.overlap == Overlap::Serial,
@@ -156,7 +166,8 @@ impl RasterUnit {
         // Another tile's pixels lie in another buffer.
         self.sequencers
             .iter_mut()
-            .for_each(|sequencer| sequencer.flights.clear());
+            .flat_map(|sequencer| &mut sequencer.rows)
+            .for_each(|row| row.settled = 0);
         let mut band = job.first_band;
         for pair in job.pairs {
             let bands = &job.bands[band..pair.bands_end as usize];
@@ -334,8 +345,9 @@ impl Sequencer {
         let cycles = u64::from(band.groups) * costs.stretch;
         self.account.work(cycles);
         let settled = start + cycles - costs.stretch + costs.blend_latency;
-        self.flights.push_back(Flight {
-            y: band.y,
+        let row = &mut self.rows[usize::from(band.y)];
+        row.settled = settled;
+        row.flights.push(Flight {
             first: band.first,
             last: band.last,
             start,
@@ -348,16 +360,18 @@ impl Sequencer {
     #[inline(always)]
     fn held_until(&mut self, band: &Band, costs: &Costs) -> u64 {
         let now = self.account.at();
-        while self
-            .flights
-            .front()
-            .is_some_and(|flight| flight.settled <= now)
-        {
-            self.flights.pop_front();
+        let row = &mut self.rows[usize::from(band.y)];
+        if row.settled <= now {
+            row.flights.clear();
+            return now;
         }
+        if row.flights.len() > MANY_FLIGHTS {
+            row.flights.retain(|flight| flight.settled > now);
+        }
+        // Those that have settled hold nothing back.
         let mut until = now;
-        for flight in &self.flights {
-            if flight.y != band.y || flight.first >= band.last || band.first >= flight.last {
+        for flight in &row.flights {
+            if flight.first >= band.last || band.first >= flight.last {
                 continue;
             }
             let ahead = u64::from(band.first)

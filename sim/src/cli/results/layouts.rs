@@ -12,6 +12,7 @@ use splatline_sim::explore::sweep::{self, Shard};
 use splatline_sim::explore::table::{Appender, Table, heading};
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::Calibration;
+use splatline_sim::picture::Picture;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 use std::path::Path;
@@ -36,7 +37,7 @@ pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
     );
     write(&folder.join("layouts.toml"), SPACE.as_bytes())?;
     for subject in subjects {
-        let table = sweep_of(subject, &space)?;
+        let table = sweep_of(subject, &space, None)?;
         let all = candidates(&table);
         let name: String = subject
             .name
@@ -63,7 +64,12 @@ pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
     write(&folder.join("layouts.md"), text.as_bytes())
 }
 
-fn sweep_of(subject: &Subject, space: &Space) -> Result<Table, Failure> {
+/// All points of a space; with errors where there is a reference.
+pub fn sweep_of(
+    subject: &Subject,
+    space: &Space,
+    reference: Option<&Picture>,
+) -> Result<Table, Failure> {
     let folder = std::env::temp_dir().join(format!("splatline-layouts-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot create '{}'", folder.display()))?;
@@ -78,7 +84,7 @@ fn sweep_of(subject: &Subject, space: &Space) -> Result<Table, Failure> {
         traversal: None,
         machine: Config::default(),
         calibration: Calibration::default(),
-        reference: None,
+        reference,
     };
     let done = sweep::run(
         &task,

@@ -4,6 +4,7 @@ mod designs;
 mod hardware;
 mod layouts;
 mod points;
+mod speed;
 mod throughput;
 
 use super::args::{ResultsOptions, ResultsPage};
@@ -40,6 +41,13 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         ResultsPage::Hardware => {
             hardware::run(&options.data, &options.output)?;
             Ok(None)
+        }
+        ResultsPage::Speed => {
+            let text = speed::run(&|| hardware::guitar(&options.data))?;
+            Ok(Some(Page {
+                file: "speed.md",
+                text,
+            }))
         }
     }
 }

@@ -1,7 +1,8 @@
 //! The scanned lion as round splats: enough of a scene to count pixels and cycles.
 //!
 //! Each point becomes an opaque sphere of half the scan's spacing as standard deviation, drawn with the cut-off and the low-pass
-//! filter of the rules `ewa`. Normals and tangent planes do not matter to how many pixels a footprint of two pixels' radius has.
+//! filter of the rules `ewa`. Normals and tangent planes do not matter to how many pixels a footprint of two pixels' radius has,
+//! and the machine models the volume splats' datapath: surface splats (`--as surface`) blend in their own unit, which it does not have.
 
 use anyhow::{Context, Result, ensure};
 use splatline_sim::rules::Rules;

@@ -108,7 +108,8 @@ fn table(subject: &Subject) -> Result<Table> {
     })
 }
 
-fn workload(subject: &Subject, traversal: Traversal) -> Workload {
+/// The work of a scene for the default machine's tiles.
+pub fn workload(subject: &Subject, traversal: Traversal) -> Workload {
     let config = Config::default();
     let design = DesignChoice::all()
         .into_iter()

@@ -6,7 +6,7 @@
 use super::{Bins, Pair, Row, TilePart, Workload, assemble};
 use crate::camera::Camera;
 use crate::design::DesignJob;
-use crate::fixed::{self, Options, kernel_compositing, kernel_rules};
+use crate::fixed::{self, Options, kernel_compositing, kernel_rules, table, table_entries};
 use crate::rules::Compositing;
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -15,20 +15,27 @@ use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Rounding, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::math::{shift_signed, shift_unsigned};
 use splatline::raster::{ConicRows, Rows, Run, SpanRows, Window};
+use splatline::setup::Cull;
 use splatline::target::Target;
 
 /// The work of drawing `scene` in tiles of `tile` columns (at most 64) and rows.
 pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]) -> Workload {
-    let footprints: Vec<Option<Footprint>> = fixed::footprints(scene, camera, options)
-        .into_iter()
-        .map(Result::ok)
-        .collect();
+    let footprints = fixed::footprints(scene, camera, options);
+    extract_from(&footprints, camera, options, tile)
+}
+
+/// The same where setup has been done: `footprints` in the scene's order, as the drawing with these options left them.
+pub fn extract_from(
+    footprints: &[Result<Footprint, Cull>],
+    camera: &Camera,
+    options: &Options,
+    tile: [u16; 2],
+) -> Workload {
     let viewport = [camera.width as u16, camera.height as u16];
     options.design.dispatch(Job {
-        footprints: &footprints,
+        footprints,
         viewport,
         options,
         tile,
@@ -36,7 +43,7 @@ pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]
 }
 
 struct Job<'a> {
-    footprints: &'a [Option<Footprint>],
+    footprints: &'a [Result<Footprint, Cull>],
     viewport: [u16; 2],
     options: &'a Options<'a>,
     tile: [u16; 2],
@@ -48,17 +55,15 @@ impl DesignJob for Job<'_> {
     fn run<D: Design + Send + Sync>(self, design: D) -> Workload {
         let widths = design.widths();
         let rules = kernel_rules(self.options.rules);
-        let mut memory = vec![0; entries(&widths)];
-        fill_gaussian(&mut memory, &widths, rules.table_range);
-        let Ok(table) = FootprintTable::new(&memory, &widths, rules.table_range) else {
-            unreachable!("the table has just been made for these widths")
-        };
+        let memory = table_entries(&widths, &rules);
+        let table = table(&memory, &widths, &rules);
         let compositing = kernel_compositing(self.options.compositing);
         let painter = Painter::new(design, &rules, table, compositing, self.options.traversal);
         let order = self.order();
         let boxes = order.iter().filter_map(|index| {
             self.footprints[*index as usize]
                 .as_ref()
+                .ok()
                 .map(|footprint| (*index, footprint.first, footprint.last))
         });
         let bins = Bins::new(boxes, self.viewport, self.tile);
@@ -88,10 +93,12 @@ impl DesignJob for Job<'_> {
 impl Job<'_> {
     /// Visible splats in drawing order: by depth, ties by index.
     fn order(&self) -> Vec<u32> {
-        let depth =
-            |index: &u32| self.footprints[*index as usize].map_or(0, |footprint| footprint.depth);
+        let depth = |index: &u32| {
+            let footprint = self.footprints[*index as usize].as_ref();
+            footprint.map_or(0, |footprint| footprint.depth)
+        };
         let mut order: Vec<u32> = (0..self.footprints.len() as u32)
-            .filter(|index| self.footprints[*index as usize].is_some())
+            .filter(|index| self.footprints[*index as usize].is_ok())
             .collect();
         order.par_sort_by_key(depth);
         if self.options.compositing == Compositing::BackToFront {
@@ -116,7 +123,7 @@ impl Job<'_> {
         };
         let mut part = TilePart::default();
         for index in list {
-            let Some(footprint) = &self.footprints[*index as usize] else {
+            let Ok(footprint) = &self.footprints[*index as usize] else {
                 continue;
             };
             let visible = Window {

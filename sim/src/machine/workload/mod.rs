@@ -7,7 +7,7 @@
 mod extract;
 mod table;
 
-pub use extract::extract;
+pub use extract::{extract, extract_from};
 pub use table::{TableError, TableOptions, read_table};
 
 /// Pixels of a row of a tile: bit i is column i.
