@@ -77,6 +77,11 @@ fn stacks_exhibit(stacks: &[Stack]) -> Exhibit {
             narrow as f64,
             "",
         );
+        exhibit.number(
+            name("of the others, no word of up to 32 bits is wide enough"),
+            unmet(stacks, error) as f64,
+            "",
+        );
         exhibit.number(name("rule less measured, least"), f64::from(least), "bits");
         exhibit.number(
             name("rule less measured, mean"),
@@ -110,6 +115,21 @@ fn slack(stacks: &[Stack], error: f64) -> Vec<i32> {
         }
     }
     slack
+}
+
+/// Channels and opacities for which the rule names a word of at most 32 bits, but none was measured to be wide enough.
+fn unmet(stacks: &[Stack], error: f64) -> usize {
+    let is_unmet = |representation, rounding, log2_alpha: i32| {
+        let depth = f64::from(-log2_alpha).exp2();
+        let measured = measured_width(stacks, representation, rounding, log2_alpha, error);
+        measured.is_none() && rule_width(representation, rounding, depth, error) <= WIDEST
+    };
+    kinds()
+        .map(|(representation, rounding)| {
+            let unmet = |log2_alpha: &&i32| is_unmet(representation, rounding, **log2_alpha);
+            LOG2_ALPHAS.iter().filter(unmet).count()
+        })
+        .sum()
 }
 
 fn kinds() -> impl Iterator<Item = (Representation, ChannelRounding)> {
@@ -224,7 +244,9 @@ fn drawn(
     let mut exhibit = exhibit(name, EQUATION, String::new());
     for (representation, rounding) in kinds() {
         let rule = rule_width(representation, rounding, layers as f64, BAR);
-        for width in [12, rule, 24] {
+        let mut widths = vec![12, rule, 24];
+        widths.dedup();
+        for width in widths {
             let picture = draw(scene, camera, rules, representation, rounding, width)?;
             let errors = compare(&picture, &float)?;
             let by = if width == rule { " (rule)" } else { "" };

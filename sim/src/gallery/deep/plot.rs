@@ -41,6 +41,7 @@ pub fn svg(stacks: &[Stack]) -> Result<String, String> {
             "bits of the word",
             (8.0, 32.0),
             &against_width(stacks),
+            SeriesLabelPosition::LowerLeft,
         )
         .map_err(|e| e.to_string())?;
         let title = format!("error, opacity 2^{RIGHT_LOG2_ALPHA}, {RIGHT_WIDTH} bits");
@@ -50,6 +51,7 @@ pub fn svg(stacks: &[Stack]) -> Result<String, String> {
             "layers, 10^",
             (0.0, 5.0),
             &against_layers(stacks),
+            SeriesLabelPosition::LowerRight,
         )
         .map_err(|e| e.to_string())?;
         canvas.present().map_err(|e| e.to_string())?;
@@ -106,6 +108,7 @@ fn panel(
     across: &str,
     (from, to): (f64, f64),
     curves: &[Curve],
+    legend: SeriesLabelPosition,
 ) -> Result<(), DrawingError> {
     let ink = colour(INK.light);
     let text = ("sans-serif", 13).into_font().color(&ink);
@@ -131,7 +134,7 @@ fn panel(
     }
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::LowerLeft)
+        .position(legend)
         .background_style(WHITE.mix(0.85))
         .label_font(text)
         .draw()
