@@ -193,6 +193,8 @@ pub enum Collection {
     Surface,
     /// Kernels, antialiasing, spheres, hybrid points, stamps
     Kernels,
+    /// Deep alpha channel, sheet buffers
+    Deep,
 }
 
 const STABILITY_EXAMPLES: &str = "\

@@ -5,7 +5,7 @@ use super::compare::create_folder;
 use super::progress::Progress;
 use super::setup::write;
 use super::{Failure, say};
-use splatline_sim::gallery::{Exhibit, kernels, page, surface};
+use splatline_sim::gallery::{Exhibit, deep, kernels, page, surface};
 use splatline_sim::picture::Depth;
 
 pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
@@ -18,6 +18,7 @@ pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
         exhibits.extend(match options.collection {
             Collection::Surface => surface::surface(&options.data)?,
             Collection::Kernels => kernels::some(&options.data, group),
+            Collection::Deep => deep_group(options, group)?,
         });
         progress.advance();
     }
@@ -25,11 +26,21 @@ pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
     store(options, &exhibits)
 }
 
+/// A group that brings files of its own: a plot, a table.
+fn deep_group(options: &GalleryOptions, group: &str) -> Result<Vec<Exhibit>, Failure> {
+    let group = deep::some(&options.data, group);
+    for (name, text) in &group.files {
+        write(&options.output.join(name), text.as_bytes())?;
+    }
+    Ok(group.exhibits)
+}
+
 /// The groups of a collection that are asked for.
 fn chosen_groups(options: &GalleryOptions) -> Result<Vec<&'static str>, Failure> {
     let groups: &[&str] = match options.collection {
         Collection::Surface => &["surface"],
         Collection::Kernels => &kernels::NAMES,
+        Collection::Deep => &deep::NAMES,
     };
     match &options.only {
         None => Ok(groups.to_vec()),
@@ -59,6 +70,7 @@ fn store(options: &GalleryOptions, exhibits: &[Exhibit]) -> Result<(), Failure> 
             "kernels",
             "Gallery: kernels, antialiasing, hybrid points, spheres and stamps",
         ),
+        Collection::Deep => ("deep", "Gallery: deep alpha and sheet buffers"),
     };
     let only = options
         .only

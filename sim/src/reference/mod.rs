@@ -9,6 +9,7 @@
 //! independent data that the reference itself is measured against.
 
 pub mod compositor;
+pub mod deep;
 pub mod exact;
 pub mod float;
 pub mod golden;
