@@ -1,8 +1,16 @@
 #!/bin/sh
-# Runs every fuzz target for a few seconds (first argument, default 5). Memory is limited to 512 MB.
+# Runs every fuzz target for a few seconds (first argument, default 5) from the seeds beside it, with memory limited to 512 MB.
+# FUZZ_TARGETS="ply spz" runs these only. A crash is kept in artifacts/, and the exit code is 1.
 cd "$(dirname "$0")" || exit 1
 cargo +nightly --version >/dev/null 2>&1 || { echo "fuzz smoke skipped: no nightly toolchain (rustup toolchain install nightly)"; exit 0; }
 cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "fuzz smoke skipped: no cargo-fuzz (cargo install cargo-fuzz)"; exit 0; }
-for target in ${FUZZ_TARGETS:-setup packet draw ply splat spz nrrd}; do
-    cargo +nightly fuzz run --fuzz-dir . "$target" -- -max_total_time="${1:-5}" -max_len=2048 -rss_limit_mb=512 || exit 1
+cargo +nightly fuzz build --fuzz-dir . || exit 1
+for target in ${FUZZ_TARGETS:-setup packet draw ply splat spz nrrd detached points}; do
+    mkdir -p "corpus/$target"
+    seeds=""
+    [ -d "seeds/$target" ] && seeds="seeds/$target"
+    # shellcheck disable=SC2086 # No seeds is no argument.
+    cargo +nightly fuzz run --fuzz-dir . "$target" "corpus/$target" $seeds -- \
+        -dict=words.dict -max_total_time="${1:-5}" -max_len=2048 -rss_limit_mb=512 -timeout=10 -print_final_stats=1 || exit 1
 done
+echo "fuzz smoke passed"

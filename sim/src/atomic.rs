@@ -85,6 +85,26 @@ mod tests {
         assert!(names_in(folder.path()).is_empty());
     }
 
+    /// A reader at any moment is what is left if the writer dies at that moment.
+    #[test]
+    fn a_reader_never_sees_half_a_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let whole = [vec![b'a'; 300_000], vec![b'b'; 500_000]];
+        write(&path, &whole[0]).unwrap();
+        std::thread::scope(|scope| {
+            let writer = scope.spawn(|| {
+                for turn in 0..20 {
+                    write(&path, &whole[turn % 2]).unwrap();
+                }
+            });
+            while !writer.is_finished() {
+                let seen = fs::read(&path).unwrap();
+                assert!(whole.contains(&seen), "{} bytes", seen.len());
+            }
+        });
+    }
+
     #[cfg(unix)]
     #[test]
     fn devices_are_written_and_links_are_followed() {

@@ -3,7 +3,7 @@
 use super::args::StabilityOptions;
 use super::setup::write;
 use super::{Failure, say};
-use splatline_sim::stability::{measure, table};
+use splatline_sim::stability::{measure, repairs, table};
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`. \
@@ -15,15 +15,14 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     if let Some(path) = &options.json {
         write(path, serde_json::to_string_pretty(&lines)?.as_bytes())?;
     }
+    let repairs = repairs::markdown(&repairs::measure(&lines, options.quick));
+    let page = format!("{}\n{repairs}", table::markdown(&lines));
     match &options.markdown {
         Some(path) => {
-            write(
-                path,
-                (HEADING.to_owned() + &table::markdown(&lines)).as_bytes(),
-            )?;
-            say(&table::summary(&lines));
+            write(path, (HEADING.to_owned() + &page).as_bytes())?;
+            say(&format!("{}\n{repairs}", table::summary(&lines)));
         }
-        None => say(&table::markdown(&lines)),
+        None => say(&page),
     }
     Ok(())
 }

@@ -1,8 +1,10 @@
 //! The sweep's table: one CSV line per finished point, written as soon as it is known.
 //!
-//! A line is appended in one write and flushed, so an interrupted sweep leaves at most one broken last line, which reading drops.
+//! A line is appended in one write and flushed, so an interrupted sweep leaves at most one broken last line, which reading drops and
+//! going on cuts off.
 
 use super::space::Space;
+use crate::atomic;
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
@@ -131,13 +133,14 @@ impl Appender {
         } else {
             String::new()
         };
-        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
-        match text.rfind('\n') {
-            Some(end) => file.set_len(end as u64 + 1)?,
-            None => {
-                file.set_len(0)?;
-                file.write_all(format!("{heading}\n").as_bytes())?;
-            }
+        let whole = text.rfind('\n').map_or(0, |end| end as u64 + 1);
+        if whole == 0 {
+            // A table that exists has its heading, whenever the sweep is interrupted.
+            atomic::write(path, format!("{heading}\n").as_bytes())?;
+        }
+        let file = OpenOptions::new().append(true).open(path)?;
+        if whole > 0 {
+            file.set_len(whole)?;
         }
         Ok(Appender(Mutex::new(file)))
     }
@@ -172,6 +175,35 @@ mod tests {
             std::fs::read_to_string(&path).unwrap(),
             "point,a\n0,5\n1,6\n"
         );
+    }
+
+    /// Whatever byte an interruption cuts the table at, the sweep goes on with the whole lines, and ends with the same table.
+    #[test]
+    fn a_table_cut_anywhere_is_continued() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        let (heading, lines) = ("point,a", ["0,5", "1,16", "2,270"]);
+        let whole = format!("{heading}\n{}\n", lines.join("\n"));
+        for length in heading.len() + 1..=whole.len() {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            let done = Table::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+            let out = Appender::open(&path, heading).unwrap();
+            for (point, line) in lines.iter().enumerate() {
+                match done.lines.get(&point) {
+                    Some(kept) => assert_eq!(kept, line, "cut at {length}"),
+                    None => out.append(line).unwrap(),
+                }
+            }
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), whole, "{length}");
+        }
+    }
+
+    #[test]
+    fn a_new_table_has_its_heading() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("points.csv");
+        Appender::open(&path, "point,a").unwrap();
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "point,a\n");
     }
 
     #[test]

@@ -1,16 +1,20 @@
 //! The hard-case suite: every stage of every named design against exact arithmetic, beside the same in single precision.
 //!
-//! [`cases`] makes the scenes, [`exact`] the truth in rationals, [`single`] the yardstick in f32, [`table`] the text.
+//! [`cases`] makes the scenes, [`exact`] the truth in rationals, [`single`] the yardstick in f32, [`table`] the text,
+//! [`repairs`] the width to blame where a design falls short of the yardstick.
 //!
 //! | stage | error, the worst of a case |
 //! |---|---|
 //! | centre | pixels |
+//! | depth | relative |
+//! | peak | relative, before any clamping |
 //! | form | relative change of r = x^T Q x in its worst direction, whatever the ellipse's shape and size |
 //! | r | absolute, over all pixels with r < c, as the traversal's lanes hold it |
 //! | picture | absolute, per channel, in units of 1.0; with its mean (bias) and PSNR |
 
 pub mod cases;
 pub mod exact;
+pub mod repairs;
 pub mod single;
 pub mod table;
 
@@ -32,6 +36,10 @@ use splatline::raster::{ConicRows, Rows, SpanRows, Window};
 pub struct StageErrors {
     /// Centre, pixels.
     pub centre: f64,
+    /// Depth, relative.
+    pub depth: f64,
+    /// Opacity at r = 0, relative.
+    pub peak: f64,
     /// Quadratic form, relative, in its worst direction.
     pub form: f64,
     /// Quadratic form in units of its bound's shape: form / (u (1 + G)), see `docs/error-analysis.md`.
@@ -123,6 +131,7 @@ fn single_errors(
             continue;
         };
         errors.worsen_centre(single.centre.map(f64::from), truth);
+        errors.worsen_depth_and_peak(single.depth.into(), single.peak.into(), truth);
         errors.worsen_form(
             form_error_of_conic(single.conic.map(f64::from), truth),
             24,
@@ -153,6 +162,8 @@ fn fixed_errors(
     };
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
     let mut errors = picture_errors(&drawing.picture, exact);
+    let quantised = fixed::QuantisedScene::new(&case.scene, &case.camera, &case.rules);
+    let depth_unit = value(1, -23 - quantised.scale_log2);
     let mut last = None;
     for (fixed, truth) in fixed::footprints(&case.scene, &case.camera, &options)
         .iter()
@@ -169,6 +180,8 @@ fn fixed_errors(
         last = Some(*fixed);
         let unit = f64::from(design.widths.subpixel).exp2();
         errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
+        let peak = f64::from(fixed.peak) / f64::from(design.widths.peak).exp2();
+        errors.worsen_depth_and_peak(f64::from(fixed.depth) * depth_unit, peak, truth);
         let form = match design.traversal {
             Traversal::Spans => form_error_of_scan(fixed, truth),
             Traversal::Box => form_error_of_conic(
@@ -241,9 +254,12 @@ impl StageErrors {
             self.centre = worse(self.centre, (got - expected).abs());
         }
     }
-}
 
-impl StageErrors {
+    fn worsen_depth_and_peak(&mut self, depth: f64, peak: f64, truth: &ExactFootprint) {
+        self.depth = worse(self.depth, (depth / truth.depth - 1.0).abs());
+        self.peak = worse(self.peak, (peak / truth.peak - 1.0).abs());
+    }
+
     /// u = 2^-mantissa; G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
     fn worsen_form(&mut self, form: f64, mantissa: u8, truth: &ExactFootprint) {
         let gain = (1.0 + truth.slope * truth.slope * truth.curvature / truth.stretch).sqrt();

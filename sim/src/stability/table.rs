@@ -11,12 +11,14 @@ const NEEDLE_BAR: f64 = 10.0;
 /// Bound of the form's error in units of u (1 + G), derived in `docs/error-analysis.md` for the LDL form.
 pub const FORM_BOUND: f64 = 24.0;
 
-/// A stage's heading and its error.
+/// A stage's name and its error.
 type Stage = (&'static str, fn(&StageErrors) -> f64);
 
 /// Stages in the order of the columns.
-const STAGES: [Stage; 4] = [
+pub(super) const STAGES: [Stage; 6] = [
     ("centre", |e| e.centre),
+    ("depth", |e| e.depth),
+    ("peak", |e| e.peak),
     ("form", |e| e.form),
     ("r", |e| e.radial),
     ("picture", |e| e.picture),
@@ -25,8 +27,8 @@ const STAGES: [Stage; 4] = [
 /// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
 pub fn markdown(lines: &[Line]) -> String {
     let mut text = String::from(
-        "| case | engine | centre px | form rel | form / u(1+G) | r abs | picture | bias | PSNR dB | wrong culls | worse than f32 in |\n\
-         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
+        "| case | engine | centre px | depth rel | peak rel | form rel | form / u(1+G) | r abs | picture | bias | PSNR dB | wrong culls | worse than f32 in |\n\
+         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
     );
     let mut single = StageErrors::default();
     for line in lines {
@@ -43,10 +45,12 @@ pub fn markdown(lines: &[Line]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {} | {verdict} |",
+            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {} | {verdict} |",
             line.case,
             line.engine,
             e.centre,
+            e.depth,
+            e.peak,
             e.form,
             e.form_units,
             e.radial,

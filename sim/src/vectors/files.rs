@@ -12,6 +12,8 @@ use thiserror::Error;
 
 /// Largest viewport side that vectors are computed for: a manifest from a stranger cannot ask for gigabytes.
 const LARGEST_SIDE: u16 = 4096;
+/// Pixels of a viewport that are computed even if the folder has no picture of that many (72 bytes each).
+const FREE_PIXELS: u64 = 1 << 20;
 
 /// Why vectors cannot be written or do not agree.
 #[derive(Debug, Error)]
@@ -90,6 +92,7 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
         );
         return Err(content(&file, message));
     }
+    refuse_absurd_picture(folder, &file, subject.view.viewport)?;
     // Without splats this gives the stages' fields, which is what it takes to read the splats.
     let empty = compute(&subject);
     let splats = empty.first().map_or(Ok(Vec::new()), |stage| {
@@ -113,6 +116,25 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
         verified.stages.push((stage.name.to_owned(), got.len()));
     }
     Ok(verified)
+}
+
+/// Memory is bounded by the folder's size: a large viewport must come with a picture that has a line for each of its pixels.
+fn refuse_absurd_picture(
+    folder: &Path,
+    manifest: &Path,
+    viewport: [u16; 2],
+) -> Result<(), VectorError> {
+    let pixels: u64 = viewport.iter().map(|side| u64::from(*side)).product();
+    let stored = fs::metadata(folder.join("tile.hex")).map_or(0, |metadata| metadata.len());
+    match pixels <= stored.max(FREE_PIXELS) {
+        true => Ok(()),
+        false => Err(content(
+            manifest,
+            format!(
+                "view.viewport has {pixels} pixels, but tile.hex has {stored} bytes: correct the viewport or export the vectors again"
+            ),
+        )),
+    }
 }
 
 /// The inputs must be those of the manifest: otherwise two different things would be compared.

@@ -45,7 +45,24 @@ pub enum TableError {
         /// What is expected.
         expected: &'static str,
     },
+    /// The boxes ask for more work than any picture has.
+    #[error(
+        "line {line}: the boxes up to here have {rows} rows in tiles and {tiles} tiles, at most {LARGEST_WORK} each are modelled: \
+         correct x0,y0,x1,y1, or give the screen's size"
+    )]
+    TooLarge {
+        /// Line, counted from 1.
+        line: usize,
+        /// Rows of splat-tile pairs so far.
+        rows: u64,
+        /// Tiles of the screen so far.
+        tiles: u64,
+    },
 }
+
+/// Rows of splat-tile pairs at most (24 bytes each), and tiles at most. Real pictures have a hundredth of it, while one short line
+/// can ask for a billion: without a limit a small file would take all memory.
+const LARGEST_WORK: u64 = 1 << 25;
 
 /// One footprint of the table.
 struct Entry {
@@ -80,6 +97,7 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableE
     let optional = [place("cutoff"), place("tiles")];
     let mut entries = Vec::new();
     let mut splats = 0;
+    let mut work = Work::default();
     for (number, line) in lines
         .enumerate()
         .filter(|(_, line)| !line.trim().is_empty())
@@ -92,12 +110,45 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableE
             optional,
         };
         if let Some(entry) = reader.entry(splats, options)? {
+            work.add(&entry, options, reader.line)?;
             entries.push(entry);
         }
         splats += 1;
     }
     entries.sort_by(|a, b| a.depth.total_cmp(&b.depth));
     Ok(workload(&entries, splats as usize, options))
+}
+
+/// What the entries read so far will take, counted before anything is made of them.
+#[derive(Default)]
+struct Work {
+    rows: u64,
+    last: [u16; 2],
+}
+
+impl Work {
+    fn add(
+        &mut self,
+        entry: &Entry,
+        options: &TableOptions,
+        line: usize,
+    ) -> Result<(), TableError> {
+        let columns = (entry.last[0] - 1) / options.tile[0] - entry.first[0] / options.tile[0] + 1;
+        self.rows += u64::from(columns) * u64::from(entry.last[1] - entry.first[1]);
+        let mut tiles = 1;
+        for axis in [0, 1] {
+            self.last[axis] = self.last[axis].max(entry.last[axis]);
+            tiles *= u64::from(self.last[axis].div_ceil(options.tile[axis]));
+        }
+        match self.rows.max(tiles) <= LARGEST_WORK {
+            true => Ok(()),
+            false => Err(TableError::TooLarge {
+                line,
+                rows: self.rows,
+                tiles,
+            }),
+        }
+    }
 }
 
 struct Reader<'a> {
@@ -360,5 +411,29 @@ mod tests {
         );
         assert!(message(&format!("{HEADING}\n0,8,4,1,1,0,1,-6,2,10,6\n")).contains("x0 = '-6'"));
         assert!(message(&format!("{HEADING}\n0,8\n")).contains("x0 = ''"));
+    }
+    #[test]
+    fn one_line_cannot_ask_for_all_memory() {
+        let huge = format!("{HEADING}\n0,8,4,1,1,0,1,0,0,32768,32768\n");
+        let options = TableOptions {
+            viewport: [0, 0],
+            ..OPTIONS
+        };
+        let message = read_table(&huge, &options).unwrap_err().to_string();
+        assert!(
+            message.starts_with("line 2: the boxes up to here have 134217728 rows in tiles"),
+            "{message}"
+        );
+        assert!(read_table(&huge, &OPTIONS).is_ok(), "cut to the screen");
+    }
+
+    #[test]
+    fn no_truncation_panics() {
+        let whole = format!("{HEADING}\n0,8,4,1,1,0,1,6,2,10,6\n1,,,,,,,,,,\n");
+        for length in 0..whole.len() {
+            let cut = read_table(&whole[..length], &OPTIONS);
+            // What is cut inside the heading lacks a column; later cuts may leave a sound shorter table.
+            assert!(cut.is_err() || length >= HEADING.len(), "cut at {length}");
+        }
     }
 }
