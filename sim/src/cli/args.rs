@@ -1,6 +1,7 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
 use super::machine_args;
+use super::study_args;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
@@ -54,23 +55,6 @@ Examples:
 
 Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
 
-const RESULTS_EXAMPLES: &str = "\
-Examples:
-  splatline results --data ../shared/data -o docs/results
-  splatline results --data ../shared/data --only golden -o /tmp/results";
-const VECTORS_EXAMPLES: &str = "\
-Examples:
-  splatline vectors export out/vectors --design lean18
-  splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
-  splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
-const GALLERY_EXAMPLES: &str = "\
-Examples:
-  splatline gallery surface -o docs/gallery/surface
-  splatline gallery kernels -o docs/gallery/kernels
-  splatline gallery kernels --only antialias -o out
-
-Groups of kernels: shapes, antialias, spheres, hybrid, stamps.";
-
 /// Fixed-point splatting against a float reference.
 ///
 /// Without a command: the demo, which draws an embedded volume with four designs and writes out/report.html.
@@ -93,11 +77,11 @@ pub enum Command {
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
     /// Draw the exhibits that show each system, with their numbers beside the pictures.
-    #[command(after_help = GALLERY_EXAMPLES)]
-    Gallery(GalleryOptions),
+    #[command(after_help = study_args::GALLERY_EXAMPLES)]
+    Gallery(study_args::GalleryOptions),
     /// Measure every figure that the documentation states and write its pages.
-    #[command(after_help = RESULTS_EXAMPLES)]
-    Results(ResultsOptions),
+    #[command(after_help = study_args::RESULTS_EXAMPLES)]
+    Results(study_args::ResultsOptions),
     /// Cycles of a scene on a machine.
     #[command(after_help = machine_args::MODEL_EXAMPLES)]
     Model(machine_args::ModelOptions),
@@ -117,103 +101,14 @@ pub enum Command {
     #[command(after_help = machine_args::TRACE_EXAMPLES)]
     Trace(machine_args::TraceOptions),
     /// Measure every stage on hard cases, against exact arithmetic and single precision.
-    #[command(after_help = STABILITY_EXAMPLES)]
-    Stability(StabilityOptions),
+    #[command(after_help = study_args::STABILITY_EXAMPLES)]
+    Stability(study_args::StabilityOptions),
     /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
-    #[command(after_help = VECTORS_EXAMPLES)]
+    #[command(after_help = study_args::VECTORS_EXAMPLES)]
     Vectors {
         #[command(subcommand)]
-        action: VectorsAction,
+        action: study_args::VectorsAction,
     },
-}
-
-#[derive(Debug, Subcommand)]
-pub enum VectorsAction {
-    /// Write one $readmemh file per stage and manifest.json.
-    Export(VectorsExportOptions),
-    /// Compute everything anew from DIR's splats and name the first difference; stages without a file are left out.
-    Verify {
-        /// Folder with manifest.json, splats.hex and the stages to check
-        #[arg(value_name = "DIR")]
-        folder: PathBuf,
-    },
-}
-
-#[derive(Debug, Args)]
-pub struct VectorsExportOptions {
-    /// Folder to write into
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
-    /// Scene to take the first splats of, seen whole [default: built-in random splats and hard cases]
-    #[arg(long, value_name = "SCENE")]
-    pub scene: Option<PathBuf>,
-    /// Splats at most
-    #[arg(long, value_name = "N", default_value = "144")]
-    pub splats: usize,
-    /// Seed of the built-in splats
-    #[arg(long, value_name = "N", default_value = "1", conflicts_with = "scene")]
-    pub seed: u32,
-    /// Size of the picture
-    #[arg(long, value_name = "WxH", default_value = "96x64")]
-    pub size: Size,
-    /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
-    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
-    pub rules: Option<Rules>,
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
-    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
-    pub design: DesignName,
-    /// How a footprint's pixels are walked [default: the design's own]
-    #[arg(long, value_enum)]
-    pub traversal: Option<TraversalChoice>,
-    /// Order and operator of blending
-    #[arg(long, value_enum, default_value = "front-to-back")]
-    pub compositing: CompositingChoice,
-}
-
-#[derive(Debug, Args)]
-pub struct GalleryOptions {
-    /// Which collection
-    #[arg(value_enum)]
-    pub collection: Collection,
-    /// One group of the collection only
-    #[arg(long, value_name = "GROUP")]
-    pub only: Option<String>,
-    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
-    #[arg(long, value_name = "dir", default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// Folder to write README.md and the pictures into
-    #[arg(short, long, value_name = "dir")]
-    pub output: PathBuf,
-}
-
-/// A collection of exhibits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Collection {
-    /// Surface splats, layers, edges, deferred shading
-    Surface,
-    /// Kernels, antialiasing, spheres, hybrid points, stamps
-    Kernels,
-    /// Deep alpha channel, sheet buffers
-    Deep,
-}
-
-const STABILITY_EXAMPLES: &str = "\
-Examples:
-  splatline stability
-  splatline stability --markdown docs/stability.md
-  splatline stability --quick --json stability.json";
-
-#[derive(Debug, Args)]
-pub struct StabilityOptions {
-    /// A short stack of splats instead of 100,000
-    #[arg(long)]
-    pub quick: bool,
-    /// JSON file to write as well
-    #[arg(long, value_name = "s.json")]
-    pub json: Option<PathBuf>,
-    /// Markdown page to write; the summary alone is then printed
-    #[arg(long, value_name = "s.md")]
-    pub markdown: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]
@@ -613,32 +508,4 @@ fn at_least_one(text: &str) -> Result<usize, String> {
         Ok(count) if (1..=1024).contains(&count) => Ok(count),
         _ => Err("expected a whole number from 1 to 1024".to_owned()),
     }
-}
-
-#[derive(Debug, Args)]
-pub struct ResultsOptions {
-    /// Folder of the scenes (with gaussians, volumes and golden in it).
-    #[arg(long, value_name = "DIR")]
-    pub data: PathBuf,
-    /// Folder to write the pages to.
-    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
-    pub output: PathBuf,
-    /// Only the pages named.
-    #[arg(long, value_enum, value_name = "PAGE")]
-    pub only: Vec<ResultsPage>,
-}
-
-/// Pages of results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ResultsPage {
-    /// Fixed point against float on scenes.
-    Accuracy,
-    /// Both engines against independent data.
-    Golden,
-    /// Bit layout of the footprint packet.
-    Packet,
-    /// Cycles: throughput, lane layouts, designs.
-    Hardware,
-    /// How fast comparing, sweeping and simulating are.
-    Speed,
 }

@@ -1,9 +1,9 @@
 //! `splatline gallery`: exhibits of the papers' systems as pictures and numbers on one page.
 
-use super::args::{Collection, GalleryOptions};
 use super::compare::create_folder;
 use super::progress::Progress;
 use super::setup::write;
+use super::study_args::{Collection, GalleryOptions};
 use super::{Failure, say};
 use splatline_sim::gallery::{Exhibit, deep, kernels, page, surface};
 use splatline_sim::picture::Depth;

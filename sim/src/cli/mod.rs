@@ -20,6 +20,7 @@ mod render;
 mod results;
 mod setup;
 mod stability;
+mod study_args;
 mod surface;
 mod sweep;
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `splatline stability`: the hard-case suite, with the verdict on each bar.
 
-use super::args::StabilityOptions;
 use super::setup::write;
+use super::study_args::StabilityOptions;
 use super::{Failure, say};
 use splatline_sim::stability::{measure, repairs, table};
 

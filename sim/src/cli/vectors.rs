@@ -1,6 +1,6 @@
 //! `splatline vectors`: test vectors for every stage boundary, written and checked.
 
-use super::args::{VectorsAction, VectorsExportOptions};
+use super::study_args::{VectorsAction, VectorsExportOptions};
 use super::{Failure, say};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::QuantisedScene;

@@ -7,10 +7,10 @@ mod points;
 mod speed;
 mod throughput;
 
-use super::args::{ResultsOptions, ResultsPage};
 use super::compare::create_folder;
 use super::progress::Progress;
 use super::setup::write;
+use super::study_args::{ResultsOptions, ResultsPage};
 use super::{Failure, say};
 use clap::ValueEnum;
 use hardware::Subject;

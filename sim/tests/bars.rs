@@ -1,0 +1,65 @@
+//! The bars of accuracy as tests: on the embedded volume, the deep stack and golden_a, at a size that keeps them quick.
+//!
+//! `splatline results` prints the same figures at full size on all scenes.
+
+use splatline_sim::reference::golden::GoldenA;
+use splatline_sim::results::accuracy::{BARS, measure};
+use splatline_sim::results::golden::{fixed_conics, tiny};
+use splatline_sim::results::views::{DEEP_STACK, View};
+use splatline_sim::scene::{Scene, demo, synthetic};
+use std::path::Path;
+
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data/golden");
+
+fn check(name: &'static str, scene: Scene) {
+    let camera = scene.default_camera(160, 160);
+    let view = View {
+        name,
+        scene,
+        camera,
+    };
+    for measurement in measure(&view).unwrap() {
+        let (psnr_db, max_abs, bias) = measurement.worst();
+        let got = format!(
+            "{name}, {}: {psnr_db:.1} dB, {max_abs:.1e}, {bias:+.1e}",
+            measurement.design
+        );
+        match measurement.meets_bars() {
+            Some(met) => assert!(met, "{got}"),
+            // classic8 has no bar: it must be seen to fail those of the others.
+            None => assert!(psnr_db < BARS[0].deep_stack_db, "{got}"),
+        }
+    }
+}
+
+#[test]
+fn the_embedded_volume_meets_them() {
+    check("brainsmall", demo().unwrap());
+}
+
+#[test]
+fn the_deep_stack_meets_them() {
+    check(DEEP_STACK, synthetic::deep_stack(1));
+}
+
+#[test]
+fn conics_and_the_picture_of_independent_origin_meet_them() {
+    let folder = Path::new(GOLDEN);
+    if !folder.exists() {
+        println!("not tested: {GOLDEN} is missing");
+        return;
+    }
+    let found = fixed_conics(&GoldenA::load(folder).unwrap());
+    assert_eq!(
+        found
+            .iter()
+            .filter(|conics| conics.meets_bar() == Some(true))
+            .count(),
+        20
+    );
+    assert!(
+        found.iter().all(|conics| conics.meets_bar() != Some(false)),
+        "{found:?}"
+    );
+    assert!(tiny(folder).unwrap().iter().all(|(_, db)| *db >= 40.0));
+}
