@@ -1,6 +1,6 @@
-//! The deep alpha channel in double precision ([SWAN] 6): what all three representations stand for.
+//! The deep alpha channel in double precision (\[SWAN\] 6): what all three representations stand for.
 //!
-//! N layers of opacity a leave T = (1 - a)^N = exp(-N tau) with the optical depth tau = -ln(1 - a) of a layer ([EWA] eq. 4).
+//! N layers of opacity a leave T = (1 - a)^N = exp(-N tau) with the optical depth tau = -ln(1 - a) of a layer (\[EWA\] eq. 4).
 //! The recurrences A' = A + (1 - A) a, T' = T (1 - a) and D' = D + tau are the same number; a test compares them.
 
 /// Transmittance of `layers` layers of opacity `alpha` (0 to 1), 0 to 1.

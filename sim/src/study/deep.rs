@@ -1,4 +1,4 @@
-//! Error of the deep alpha channel against its width and the number of layers ([SWAN] 6), for each representation and rounding.
+//! Error of the deep alpha channel against its width and the number of layers (\[SWAN\] 6), for each representation and rounding.
 //!
 //! A stack of equal layers is composited by the kernel's channel and by the reference; the error is that of the
 //! transmittance. Dithered stacks are drawn at several pixels, and mean and root mean square are over these. What the
