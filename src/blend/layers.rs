@@ -114,15 +114,7 @@ impl<const L: usize> Layers<L> {
 
 impl<const L: usize> Cell for Layers<L> {
     const EMPTY: Self = Layers {
-        fragments: [Fragment {
-            weight: 0,
-            colour: [0; 3],
-            opacity: 0,
-            normal: [0; 3],
-            near: 0,
-            far: 0,
-            material: 0,
-        }; L],
+        fragments: [Fragment::EMPTY; L],
         count: 0,
         merges: 0,
     };

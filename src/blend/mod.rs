@@ -117,18 +117,9 @@ impl Blend {
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
     #[inline(always)]
     pub fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let share = self.product(
-            pixel.transmittance,
-            alpha,
-            self.share_narrow,
-            self.share_shift,
-        ) as u32;
-        let rest = pixel.transmittance.saturating_sub(share);
-        let stop = rest <= self.stop;
-        if stop && self.stop_before {
-            pixel.transmittance |= FINISHED;
+        let Some((share, after)) = self.absorb(pixel, alpha) else {
             return;
-        }
+        };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
             let layer = self.product(share, *c, self.colour_narrow, self.colour_shift) as u32;
             *sum = if self.sums_fit {
@@ -137,7 +128,22 @@ impl Blend {
                 sum.saturating_add(layer)
             };
         }
-        pixel.transmittance = if stop { rest | FINISHED } else { rest };
+        pixel.transmittance = after;
+    }
+
+    /// The share g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where the rules leave out
+    /// the layer that would finish the pixel; the pixel is then marked.
+    #[inline(always)]
+    fn absorb(&self, pixel: &mut Pixel, alpha: u32) -> Option<(u32, u32)> {
+        let transmittance = pixel.transmittance;
+        let share = self.product(transmittance, alpha, self.share_narrow, self.share_shift) as u32;
+        let rest = transmittance.saturating_sub(share);
+        let stop = rest <= self.stop;
+        if stop && self.stop_before {
+            pixel.transmittance |= FINISHED;
+            return None;
+        }
+        Some((share, if stop { rest | FINISHED } else { rest }))
     }
 
     /// "Over", farthest splat first: C' = C - alpha C + alpha c, T' = T - alpha T.

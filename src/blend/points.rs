@@ -13,7 +13,7 @@
 //!
 //! Pixels that have finished gather nothing.
 
-use super::{Blend, FINISHED, Pixel};
+use super::{Blend, Pixel};
 use crate::math::{Scaled, reciprocal, shift_unsigned};
 use crate::raster::Window;
 
@@ -110,22 +110,15 @@ impl Blend {
             colour
         };
         let transmittance = u64::from(pixel.transmittance);
-        let share = self.shift(
-            transmittance * u64::from(opacity.min(one)),
-            self.share_shift,
-        ) as u32;
-        let rest = pixel.transmittance.saturating_sub(share);
-        let stop = rest <= self.stop;
-        if stop && self.stop_before {
-            pixel.transmittance |= FINISHED;
+        let Some((_, after)) = self.absorb(pixel, opacity.min(one)) else {
             return;
-        }
+        };
         // UQ1.transmittance times UQ4.accumulator.
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
             let part = self.shift(transmittance * u64::from(c), self.transmittance_bits());
             *sum = sum.saturating_add(part as u32);
         }
-        pixel.transmittance = if stop { rest | FINISHED } else { rest };
+        pixel.transmittance = after;
     }
 
     /// colour / opacity for a slab whose opacities sum to more than 1: rare, so the reciprocal unit serves.

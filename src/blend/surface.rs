@@ -42,6 +42,19 @@ pub struct Fragment {
     pub material: u8,
 }
 
+impl Fragment {
+    /// Nothing accumulated.
+    pub const EMPTY: Fragment = Fragment {
+        weight: 0,
+        colour: [0; 3],
+        opacity: 0,
+        normal: [0; 3],
+        near: 0,
+        far: 0,
+        material: 0,
+    };
+}
+
 /// One splat at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample<'a> {
@@ -203,15 +216,7 @@ pub struct Accumulation {
 
 impl Cell for Accumulation {
     const EMPTY: Self = Accumulation {
-        fragment: [Fragment {
-            weight: 0,
-            colour: [0; 3],
-            opacity: 0,
-            normal: [0; 3],
-            near: 0,
-            far: 0,
-            material: 0,
-        }],
+        fragment: [Fragment::EMPTY],
     };
 
     /// Accumulate, replace or discard, against the least depth accumulated so far.
