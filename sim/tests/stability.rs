@@ -1,9 +1,10 @@
 //! The hard cases of `splatline stability`, quickly: what holds today stays so.
 
-use splatline_sim::stability::{Line, measure, table};
+use splatline_sim::design::DesignChoice;
+use splatline_sim::stability::{Extent, Line, measure, table};
 
 fn lines() -> Vec<Line> {
-    measure(true)
+    measure(&DesignChoice::all(), Extent::QUICK)
 }
 
 #[test]

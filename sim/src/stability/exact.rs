@@ -17,6 +17,8 @@ pub struct ExactFootprint {
     pub centre: [f64; 2],
     /// Depth, scene units.
     pub depth: f64,
+    /// Vxx, Vxy, Vyy, square pixels, and the determinant.
+    pub variance: [f64; 4],
     /// A = Vyy / det, per square pixel.
     pub curvature: f64,
     /// S = Vxy / Vyy, pixels per row.
@@ -108,6 +110,7 @@ pub fn project(
     Some(ExactFootprint {
         centre: centre.each_ref().map(double),
         depth: double(z),
+        variance: [&xx, &xy, &yy, &determinant].map(double),
         curvature: double(&(&yy / &determinant)),
         slope: double(&(&xy / &yy)),
         stretch: double(&yy.recip()),
