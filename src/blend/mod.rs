@@ -102,8 +102,14 @@ impl Blend {
             opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + 1,
             share_narrow: transmittance + alpha <= 31,
             colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + 1,
-            sums_fit: accumulator <= 20,
+            // Without rounding (a shift of 0) not even that unit.
+            sums_fit: accumulator <= 20 || transmittance + colour <= accumulator,
         }
+    }
+
+    /// Do all products of "over" fit 32 bits, and its sums stay below the word's end?
+    pub const fn is_narrow(&self) -> bool {
+        self.opacity_narrow && self.share_narrow && self.colour_narrow && self.sums_fit
     }
 
     /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
@@ -112,6 +118,13 @@ impl Blend {
         let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift);
         let alpha = alpha.min(self.alpha_max.into()) as u32;
         if alpha < self.alpha_min { 0 } else { alpha }
+    }
+
+    /// The same for a splat whose peak does not exceed the clamp ([`Blend::needs_clamp`]): no kernel is above 1.
+    #[inline(always)]
+    pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> Option<u32> {
+        let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift) as u32;
+        (alpha >= self.alpha_min).then_some(alpha)
     }
 
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
@@ -137,7 +150,8 @@ impl Blend {
     fn absorb(&self, pixel: &mut Pixel, alpha: u32) -> Option<(u32, u32)> {
         let transmittance = pixel.transmittance;
         let share = self.product(transmittance, alpha, self.share_narrow, self.share_shift) as u32;
-        let rest = transmittance.saturating_sub(share);
+        // Alpha is at most 1, so the share does not exceed the transmittance.
+        let rest = transmittance.wrapping_sub(share);
         let stop = rest <= self.stop;
         if stop && self.stop_before {
             pixel.transmittance |= FINISHED;

@@ -20,17 +20,17 @@ impl Firmware16 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
         view: 24,
-        mantissa: 16,
+        mantissa: 15,
         subpixel: 12,
-        radial: 24,
+        radial: 27,
         table: 7,
-        interpolation: 8,
-        weight: 13,
-        peak: 15,
+        interpolation: 17,
+        weight: 14,
+        peak: 14,
         alpha: 15,
         transmittance: 16,
         colour: 10,
-        accumulator: 16,
+        accumulator: 26,
         rounding: Rounding::Nearest,
     };
 }

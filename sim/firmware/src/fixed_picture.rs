@@ -5,20 +5,26 @@ use crate::design::Firmware16;
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::{Coverage, NarrowPainter};
 use splatline::footprint::Footprint;
-use splatline::format::Traversal;
-use splatline::kernel::{FootprintTable, gaussian};
+use splatline::kernel::{PackedTable, gaussian};
 use splatline::raster::Window;
-use splatline::rules::Compositing;
 use splatline::setup::setup;
 use splatline::target::Target;
 
-/// Entries of the footprint table.
-const ENTRIES: usize = (1 << Firmware16::WIDTHS.table) + 1;
+/// Intervals of the footprint table.
+const INTERVALS: usize = 1 << Firmware16::WIDTHS.table;
 
 /// The footprint table, made by the compiler.
-pub static TABLE: [u32; ENTRIES] = gaussian(&Firmware16::WIDTHS, RULES.table_range);
+pub static ENTRIES: [u32; INTERVALS + 1] = gaussian(&Firmware16::WIDTHS, RULES.table_range);
+
+/// The same packed for the pixel loop: the one that is in the image.
+static TABLE: PackedTable<INTERVALS> = {
+    match PackedTable::new(&ENTRIES, &Firmware16::WIDTHS, RULES.table_range) {
+        Ok(table) => table,
+        Err(_) => panic!("the widths have no packed table"),
+    }
+};
 
 /// Memory of a picture: all that drawing needs beside the stack.
 #[derive(Debug)]
@@ -128,27 +134,20 @@ fn draw_strip(
     first_row: u16,
     strip: &mut [Pixel; STRIP_PIXELS],
 ) -> Coverage {
-    let mut coverage = Coverage::default();
+    let coverage = Coverage::default();
     let window = Window {
         first: [0, first_row],
         last: [COLUMNS, first_row + STRIP],
     };
-    let table = FootprintTable::new(&TABLE, &Firmware16::WIDTHS, RULES.table_range);
-    let (Ok(mut target), Ok(table)) = (Target::new(strip, window, COLUMNS.into()), table) else {
+    let painter = NarrowPainter::new(Firmware16, &RULES, &TABLE);
+    let (Ok(mut target), Ok(painter)) = (Target::new(strip, window, COLUMNS.into()), painter) else {
         return coverage;
     };
     target.clear(&Firmware16::WIDTHS);
-    let painter = Painter::new(
-        Firmware16,
-        &RULES,
-        table,
-        Compositing::FrontToBack,
-        Traversal::Spans,
-    );
     for footprint in footprints.iter().flatten() {
         // Preparing the rows of a footprint costs more than a look at its box.
         if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
-            coverage += painter.draw(footprint, &mut target);
+            painter.draw(footprint, &mut target);
         }
     }
     coverage

@@ -4,7 +4,7 @@
 //! the kernel's own algorithm (spans, forward differencing, table), so that what the algorithm and what the arithmetic gains are told
 //! apart. Accumulators are f32; pixels finish as in the kernel.
 
-use crate::fixed_picture::{TABLE, insert};
+use crate::fixed_picture::{ENTRIES, insert};
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS};
 use libm::{ceilf, expf, floorf, logf, sqrtf};
@@ -276,7 +276,7 @@ fn draw_spans(
 /// The kernel's table (UQ1.13, 8 intervals per unit), without interpolation.
 fn looked_up(radial: f32) -> f32 {
     let index = (radial * 8.0) as usize;
-    TABLE.get(index).map_or(0.0, |w| *w as f32 * (1.0 / 8192.0))
+    ENTRIES.get(index).map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
 }
 
 #[inline(always)]

@@ -1,0 +1,94 @@
+//! The footprint table of small processors: an interval's value and its slope in one word, rounding included.
+//!
+//! Interpolation between the entries a and b of an interval, at the position f in units of 2^-k, is
+//!
+//! ```text
+//! w = floor((2^k a - (a - b) f + 2^(k-1)) / 2^k) = (word + (a - b) (2^k - 1 - f)) >> k
+//! word = 2^k b + 2^(k-1) + (a - b)
+//! ```
+//!
+//! so that one word holds all that a pixel needs: one load, one multiplication, one addition, one shift. The slope a - b lies in
+//! the word's low bits, where it doubles as the unit that the complement of f leaves out. Same bits as [`FootprintTable`](super::FootprintTable).
+//!
+//! Lanes must be aligned so that the largest radial index of the table is 2^31 (`radial + range == 31`): the index then is the
+//! word's leading bits, always below the number of entries, and no look-up can miss the table.
+
+use crate::format::Widths;
+
+/// Bits of a radial index that a lane word has.
+const LANE: u32 = 31;
+
+/// A table with `N` intervals (a power of two).
+#[derive(Clone, Copy, Debug)]
+pub struct PackedTable<const N: usize> {
+    words: [u32; N],
+}
+
+/// Why a design has no packed table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PackedError {
+    /// `N` is not the number of intervals, `2^table`.
+    Intervals,
+    /// The lanes are not aligned: `radial + range` must be 31.
+    Alignment,
+    /// Values rise, or value and slope have no room in one word: `2^k a + 2^(k-1)` must be below 2^32 and a - b below `2^(k-1)`.
+    Room,
+}
+
+impl<const N: usize> PackedTable<N> {
+    /// Packs the entries of a footprint table that was filled for the same widths and range ([`super::gaussian`], [`super::fill`]).
+    pub const fn new(entries: &[u32], widths: &Widths, range: u8) -> Result<Self, PackedError> {
+        if N != 1 << widths.table || entries.len() != N + 1 {
+            return Err(PackedError::Intervals);
+        }
+        if widths.radial as u32 + range as u32 != LANE {
+            return Err(PackedError::Alignment);
+        }
+        let position = widths.interpolation as u32;
+        if position > LANE - widths.table as u32 {
+            return Err(PackedError::Room);
+        }
+        let mut words = [0; N];
+        let mut i = 0;
+        while i < N {
+            match word(entries[i], entries[i + 1], position) {
+                Some(packed) => words[i] = packed,
+                None => return Err(PackedError::Room),
+            }
+            i += 1;
+        }
+        Ok(PackedTable { words })
+    }
+
+    /// Kernel at `radial` (UQ4.radial, below 2^31; the sign bit is ignored), UQ1.weight, rounded to nearest; `interpolation` is the width
+    /// that the table was packed for.
+    #[inline(always)]
+    pub fn weight(&self, radial: u32, interpolation: u8) -> u32 {
+        let radial = radial << 1 >> 1;
+        let below = LANE - N.ilog2();
+        let word = self.words.get((radial >> below) as usize).copied().unwrap_or(0);
+        let position = u32::from(interpolation);
+        if position == 0 {
+            return word;
+        }
+        let mask = (1 << position) - 1;
+        let after = (radial >> below.saturating_sub(position)) & mask;
+        let slope = word & (mask >> 1);
+        word.wrapping_sub(slope.wrapping_mul(after)) >> position
+    }
+}
+
+/// One interval from `a` to `b`; `None` if it does not fit.
+const fn word(a: u32, b: u32, position: u32) -> Option<u32> {
+    if position == 0 {
+        return Some(a);
+    }
+    if b > a || a - b >= 1 << (position - 1) {
+        return None;
+    }
+    let half = 1u64 << (position - 1);
+    if ((a as u64) << position) + half > u32::MAX as u64 {
+        return None;
+    }
+    Some((a << position) + half as u32 + (a - b))
+}
