@@ -6,6 +6,7 @@
 //! exact enough without. Designs of at most 16 bits skip the step.
 
 use super::scaled::Scaled;
+use super::words::leading_zeros;
 use super::shift::shift_round;
 
 const INTERVALS: usize = 256;
@@ -31,7 +32,7 @@ pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
     }
     // x in [1, 2) as UQ1.31: value = +-x * 2^leading.
     let magnitude = value.mantissa.unsigned_abs();
-    let x = magnitude << magnitude.leading_zeros();
+    let x = magnitude << leading_zeros(magnitude);
     let index = ((x >> 23) & 0xff) as usize;
     let rest = (x & 0x7f_ffff) as i64;
     let low = TABLE[index & 0xff] as i64;

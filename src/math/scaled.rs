@@ -6,7 +6,8 @@
 //!
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
-use super::shift::{shift_round, shift_signed};
+use super::shift::{shift_left, shift_signed};
+use super::words::{joined, leading_zeros, leading_zeros_wide, shift_word, shifted_up};
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,23 +44,26 @@ impl Scaled {
         if value == 0 {
             return Scaled::ZERO;
         }
-        let length = 64 - value.unsigned_abs().leading_zeros() as i32;
-        let shift = length - bits as i32;
-        // A magnitude of 2^63 has no spare bit for the rounding constant: drop one bit first.
-        let mantissa = if shift > 31 {
-            shift_round(value >> 1, shift as u32 - 1)
-        } else {
-            shift_signed(value, shift)
-        };
-        let exponent = exponent.saturating_add(shift);
-        if mantissa.unsigned_abs() >> bits != 0 {
-            return Scaled {
-                mantissa: (mantissa / 2) as i32,
-                exponent: exponent.saturating_add(1),
-            };
+        let magnitude = value.unsigned_abs();
+        let zeros = leading_zeros_wide(magnitude);
+        let (top, rest) = shifted_up(magnitude, zeros);
+        let kept = top.wrapping_shr(32u32.wrapping_sub(bits));
+        let below = top.wrapping_shl(bits);
+        // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
+        const HALF: u32 = 1 << 31;
+        let up = below > HALF || (below == HALF && (value > 0 || rest != 0));
+        let mut magnitude = kept.wrapping_add(up as u32);
+        let mut exponent = exponent.saturating_add(64 - zeros as i32 - bits as i32);
+        if magnitude.wrapping_shr(bits) != 0 {
+            magnitude >>= 1;
+            exponent = exponent.saturating_add(1);
         }
         Scaled {
-            mantissa: mantissa as i32,
+            mantissa: if value < 0 {
+                (magnitude as i32).wrapping_neg()
+            } else {
+                magnitude as i32
+            },
             exponent,
         }
     }
@@ -89,19 +93,24 @@ impl Scaled {
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[inline]
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
-        shift_signed(
-            self.mantissa as i64,
-            0i32.saturating_sub(self.exponent)
-                .saturating_sub(fraction as i32),
-        )
+        let up = self.exponent.saturating_add(fraction as i32);
+        match up {
+            ..=-1 => shift_word(self.mantissa, up.saturating_neg()) as i64,
+            0..=31 => {
+                let above = (self.mantissa >> 1).wrapping_shr(31 - up as u32);
+                joined(above as u32, (self.mantissa as u32).wrapping_shl(up as u32)) as i64
+            }
+            _ => shift_left(self.mantissa as i64, up as u32),
+        }
     }
 
     /// Position of the leading bit: `2^leading <= |self| < 2^(leading + 1)`; very negative for 0.
     #[inline(always)]
     pub const fn leading(self) -> i32 {
-        let length = 32 - self.mantissa.unsigned_abs().leading_zeros() as i32;
+        let length = 32 - leading_zeros(self.mantissa.unsigned_abs()) as i32;
         self.exponent.saturating_add(length - 1)
     }
 }
@@ -127,14 +136,20 @@ impl Product {
 /// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
 ///
 /// Alignment error: at most half of `2^-60` of the largest term for each term.
-#[cfg_attr(not(target_pointer_width = "32"), inline)]
-#[cfg_attr(target_pointer_width = "32", inline(never))]
+#[inline(always)]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
     const { assert!(N <= 4) };
+    sum(&terms, bits)
+}
+
+/// One function for any number of terms: a copy per number would be a tenth of a small image.
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn sum(terms: &[Product], bits: u32) -> Scaled {
     let mut leading = i32::MIN;
     for term in terms {
         if term.value != 0 {
-            let length = 64 - term.value.unsigned_abs().leading_zeros() as i32;
+            let length = 64 - leading_zeros_wide(term.value.unsigned_abs()) as i32;
             leading = leading.max(term.exponent.saturating_add(length));
         }
     }

@@ -6,7 +6,7 @@
 
 use super::reciprocal::reciprocal;
 use super::scaled::{Product, Scaled, sum_of_products};
-use super::shift::shift_round;
+use super::words::{leading_zeros_wide, shifted_up};
 
 const FIRST: usize = 64;
 const LAST: usize = 256;
@@ -31,14 +31,16 @@ pub fn root_seed(value: u64) -> (u32, i32) {
     if value == 0 {
         return (0, 0);
     }
-    let even = value.leading_zeros() & !1;
-    let normal = value << even; // top two bits not both 0: [1/4, 1) as UQ0.64
-    let index = (normal >> 56) as usize;
-    let rest = ((normal >> 40) & 0xffff) as i64;
-    let at = |i: usize| TABLE.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0) as i64;
+    let even = leading_zeros_wide(value) & !1;
+    let (normal, _) = shifted_up(value, even); // top two bits not both 0: [1/4, 1) as UQ0.32
+    let index = (normal >> 24) as usize;
+    let rest = (normal >> 8) & 0xffff;
+    let at = |i: usize| TABLE.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
     let (low, high) = (at(index), at(index + 1));
-    let root = low + shift_round((high - low) * rest, 16);
-    (root as u32, 8 - (even / 2) as i32)
+    // Entries are at most 65,282 apart (between 64/256 and 65/256), so that the product and half a unit fit 32 bits.
+    let step = high.wrapping_sub(low).wrapping_mul(rest);
+    let root = low.wrapping_add(step.wrapping_add(1 << 15) >> 16);
+    (root, 8 - (even / 2) as i32)
 }
 
 /// Square root rounded to `bits`; negative numbers and 0 give 0.
