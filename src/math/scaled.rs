@@ -7,7 +7,7 @@
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
 use super::shift::{shift_left, shift_signed};
-use super::words::{joined, leading_zeros, leading_zeros_wide, shift_word, shifted_up};
+use super::words::{joined, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up};
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +72,7 @@ impl Scaled {
     #[inline(always)]
     pub const fn times(self, other: Scaled) -> Product {
         Product {
-            value: self.mantissa as i64 * other.mantissa as i64,
+            value: product(self.mantissa, other.mantissa),
             exponent: self.exponent.saturating_add(other.exponent),
         }
     }

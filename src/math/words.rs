@@ -98,6 +98,45 @@ pub const fn rounded_down(value: i64, shift: u32) -> i64 {
     halves.wrapping_add(1) >> 1
 }
 
+/// Product of two words.
+#[cfg(not(all(target_arch = "arm", not(target_has_atomic = "32"))))]
+#[inline(always)]
+pub const fn product(a: i32, b: i32) -> i64 {
+    a as i64 * b as i64
+}
+
+/// Product of two words, where the processor multiplies only 32 bits to 32.
+#[cfg(all(target_arch = "arm", not(target_has_atomic = "32")))]
+#[inline(never)]
+pub const fn product(a: i32, b: i32) -> i64 {
+    product_by_halves(a, b)
+}
+
+#[cfg_attr(
+    not(any(test, all(target_arch = "arm", not(target_has_atomic = "32")))),
+    allow(dead_code)
+)]
+#[inline(always)]
+const fn product_by_halves(a: i32, b: i32) -> i64 {
+    const SHORT: i32 = 1 << 15;
+    if (a.wrapping_add(SHORT) as u32 | b.wrapping_add(SHORT) as u32) >> 16 == 0 {
+        return a.wrapping_mul(b) as i64;
+    }
+    let (a_low, a_high) = (a & 0xffff, a >> 16);
+    let (b_low, b_high) = (b & 0xffff, b >> 16);
+    let low = a_low.wrapping_mul(b_low) as u32;
+    let middle = a_high.wrapping_mul(b_low).wrapping_add((low >> 16) as i32);
+    let other = a_low.wrapping_mul(b_high).wrapping_add(middle & 0xffff);
+    let high = a_high.wrapping_mul(b_high).wrapping_add(middle >> 16).wrapping_add(other >> 16);
+    joined(high as u32, (other as u32) << 16 | low & 0xffff) as i64
+}
+
+/// `value * count` modulo 2^64.
+#[inline(always)]
+pub const fn multiplied(value: i64, count: i32) -> i64 {
+    if count == 0 { 0 } else { value.wrapping_mul(count as i64) }
+}
+
 /// Two words as one number.
 #[inline(always)]
 pub const fn joined(high: u32, low: u32) -> u64 {
@@ -138,6 +177,14 @@ mod tests {
         fn rounding_is_that_of_64_bits(value: i64, drop in 1u32..64, shift in 1u32..100) {
             let value = value >> drop;
             prop_assert_eq!(rounded_down(value, shift), shift_round(value, shift));
+        }
+
+        #[test]
+        fn products_are_those_of_64_bits(a: i32, b: i32, drop in 0u32..32) {
+            let (a, b) = (a, b >> drop);
+            for (a, b) in [(a, b), (b, a), (a >> drop, b), (i32::MIN, b), (i32::MIN, i32::MIN), (i32::MAX, b)] {
+                prop_assert_eq!(product_by_halves(a, b), i64::from(a) * i64::from(b));
+            }
         }
 
         #[test]
