@@ -120,7 +120,14 @@ impl Blend {
         if alpha < self.alpha_min { 0 } else { alpha }
     }
 
-    /// The same for a splat whose peak does not exceed the clamp ([`Blend::needs_clamp`]): no kernel is above 1.
+    /// Can the opacity of a splat with this peak (UQ4.peak) exceed the clamp? No kernel is above 1.
+    #[inline(always)]
+    pub fn is_clamped(&self, peak: u32, weight_bits: u8) -> bool {
+        let one = 1 << weight_bits;
+        self.product(peak, one, self.opacity_narrow, self.opacity_shift) > u64::from(self.alpha_max)
+    }
+
+    /// [`Blend::opacity`] of a splat that [is not clamped](Blend::is_clamped); `None` if the rules skip it.
     #[inline(always)]
     pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> Option<u32> {
         let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift) as u32;

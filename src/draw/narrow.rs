@@ -21,9 +21,24 @@ pub struct NarrowPainter<'a, D, const N: usize> {
     table: &'a PackedTable<N>,
 }
 
-/// A product of the design's pixel path does not fit 32 bits.
+/// Why a design cannot be drawn with 32-bit words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct NarrowError;
+pub enum NarrowError {
+    /// A product of the pixel path does not fit 32 bits, or a sum may leave its word.
+    Products,
+    /// The table was packed for other widths.
+    Table,
+}
+
+/// What the pixel loop needs of a footprint.
+#[derive(Clone, Copy, Debug)]
+struct Lanes {
+    radial: i32,
+    first: i32,
+    second: i32,
+    /// The largest radial index inside the footprint.
+    last: i32,
+}
 
 impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
     /// A painter for one design, rule set and footprint table.
@@ -33,8 +48,12 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         rules: &'a Rules,
         table: &'a PackedTable<N>,
     ) -> Result<Self, NarrowError> {
-        if !Blend::new(&design.widths(), rules).is_narrow() {
-            return Err(NarrowError);
+        let widths = design.widths();
+        if !Blend::new(&widths, rules).is_narrow() {
+            return Err(NarrowError::Products);
+        }
+        if !table.is_for(&widths) {
+            return Err(NarrowError::Table);
         }
         Ok(NarrowPainter {
             design,
@@ -43,42 +62,68 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         })
     }
 
-    /// Draws one footprint into the target's window. Footprints must come nearest first.
+    /// Draws one footprint of [`setup`](crate::setup::setup) into the target's window. Footprints must come nearest first.
+    ///
+    /// At most as many steps as the window has pixels, plus one per row, whatever the footprint's bits.
     #[inline(always)]
     pub fn draw(self, footprint: &Footprint, target: &mut Target) {
         let widths = self.design.widths();
+        let bias = PackedTable::<N>::bias(&widths);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
-        let bias = 1 << (31 - u32::from(widths.table) - u32::from(widths.interpolation));
-        let last = end.min(i32::MAX as u64) as i32 - 1 + bias;
+        if end == 0 {
+            return;
+        }
+        let last = (end - 1 + u64::from(bias)).min(i32::MAX as u64) as i32;
+        let blend = Blend::new(&widths, self.rules);
+        let clamped = blend.is_clamped(footprint.peak, widths.weight);
         let mut rows = SpanRows::new(self.design, footprint, &target.window());
         while let Some(run) = rows.next_run() {
             let pixels = target.row(run.y, run.x, run.length);
-            self.paint(pixels, run.radial.wrapping_add(bias), run.first, run.second, last, footprint);
+            let lanes = Lanes {
+                radial: run.radial.wrapping_add(bias as i32),
+                first: run.first,
+                second: run.second,
+                last,
+            };
+            if clamped {
+                self.paint::<true>(pixels, lanes, footprint);
+            } else {
+                self.paint::<false>(pixels, lanes, footprint);
+            }
         }
     }
 
-    /// The pixel loop: a function of its own, so that it has all registers.
+    /// The pixel loop: a function of its own, so that it has all registers, and one for each way of clamping.
     #[inline(never)]
-    fn paint(
-        self,
-        pixels: &mut [Pixel],
-        mut radial: i32,
-        mut first: i32,
-        second: i32,
-        last: i32,
-        footprint: &Footprint,
-    ) {
+    fn paint<const CLAMPED: bool>(self, pixels: &mut [Pixel], lanes: Lanes, footprint: &Footprint) {
         let widths = self.design.widths();
         let blend = Blend::new(&widths, self.rules);
         let Footprint { peak, colour, .. } = *footprint;
-        for pixel in pixels {
-            let here = radial.max(0);
-            if last.wrapping_sub(here) | pixel.transmittance as i32 >= 0 {
-                let weight = self.table.weight(here as u32, widths.interpolation);
-                if let Some(alpha) = blend.opacity_unclamped(peak, weight) {
-                    blend.front_to_back(pixel, alpha, &colour);
-                }
+        let Lanes {
+            mut radial,
+            mut first,
+            second,
+            last,
+        } = lanes;
+        let blend_in = |pixel: &mut Pixel, radial: i32| {
+            // Negative indices are rounding noise around 0.
+            let radial = radial.max(0);
+            // Outside, or finished: one look at two sign bits.
+            if (last.wrapping_sub(radial) | pixel.transmittance as i32) < 0 {
+                return;
             }
+            let weight = self.table.weight(radial as u32, widths.interpolation);
+            let alpha = if CLAMPED {
+                Some(blend.opacity(peak, weight)).filter(|alpha| *alpha > 0)
+            } else {
+                blend.opacity_unclamped(peak, weight)
+            };
+            if let Some(alpha) = alpha {
+                blend.front_to_back(pixel, alpha, &colour);
+            }
+        };
+        for pixel in pixels {
+            blend_in(pixel, radial);
             radial = radial.wrapping_add(first);
             first = first.wrapping_add(second);
         }

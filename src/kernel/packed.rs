@@ -3,12 +3,14 @@
 //! Interpolation between the entries a and b of an interval, at the position f in units of 2^-k, is
 //!
 //! ```text
-//! w = floor((2^k a - (a - b) f + 2^(k-1)) / 2^k) = (word + (a - b) (2^k - 1 - f)) >> k
-//! word = 2^k b + 2^(k-1) + (a - b)
+//! w = floor((2^k a - (a - b) f + 2^(k-1)) / 2^k) = (word - (a - b) (f + 1)) >> k
+//! word = 2^k a + 2^(k-1) + (a - b)
 //! ```
 //!
-//! so that one word holds all that a pixel needs: one load, one multiplication, one addition, one shift. The slope a - b lies in
-//! the word's low bits, where it doubles as the unit that the complement of f leaves out. Same bits as [`FootprintTable`](super::FootprintTable).
+//! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope a - b lies in
+//! the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane yields that runs one
+//! position ahead, by [`PackedTable::bias`]. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be.
+//! Same bits as [`FootprintTable`](super::FootprintTable).
 //!
 //! Lanes must be aligned so that the largest radial index of the table is 2^31 (`radial + range == 31`): the index then is the
 //! word's leading bits, always below the number of entries, and no look-up can miss the table.
@@ -22,6 +24,8 @@ const LANE: u32 = 31;
 #[derive(Clone, Copy, Debug)]
 pub struct PackedTable<const N: usize> {
     words: [u32; N],
+    table: u8,
+    interpolation: u8,
 }
 
 /// Why a design has no packed table.
@@ -57,22 +61,42 @@ impl<const N: usize> PackedTable<N> {
             }
             i += 1;
         }
-        Ok(PackedTable { words })
+        Ok(PackedTable {
+            words,
+            table: widths.table,
+            interpolation: widths.interpolation,
+        })
     }
 
-    /// Kernel at `radial` (UQ4.radial, below 2^31; the sign bit is ignored), UQ1.weight, rounded to nearest; `interpolation` is the width
-    /// that the table was packed for.
+    /// Was the table packed for these widths?
     #[inline(always)]
-    pub fn weight(&self, radial: u32, interpolation: u8) -> u32 {
-        let radial = radial << 1 >> 1;
+    pub const fn is_for(&self, widths: &Widths) -> bool {
+        self.table == widths.table && self.interpolation == widths.interpolation
+    }
+
+    /// How far lanes must run ahead of the radial index, UQ4.radial: one unit of the position within an interval.
+    #[inline(always)]
+    pub const fn bias(widths: &Widths) -> u32 {
+        match widths.interpolation {
+            0 => 0,
+            k => 1u32.wrapping_shl(LANE.wrapping_sub(widths.table as u32 + k as u32)),
+        }
+    }
+
+    /// Kernel at the radial index `ahead - bias` (UQ4.radial; the sign bit is ignored), UQ1.weight, rounded to nearest; for `ahead` below
+    /// the bias the kernel at 0. `interpolation` is the width that the table was packed for.
+    #[inline(always)]
+    pub fn weight(&self, ahead: u32, interpolation: u8) -> u32 {
+        let ahead = ahead << 1 >> 1;
         let below = LANE - N.ilog2();
-        let word = self.words.get((radial >> below) as usize).copied().unwrap_or(0);
+        let word = self.words.get((ahead >> below) as usize);
+        let word = word.copied().unwrap_or(0);
         let position = u32::from(interpolation);
         if position == 0 {
             return word;
         }
         let mask = (1 << position) - 1;
-        let after = (radial >> below.saturating_sub(position)) & mask;
+        let after = (ahead >> below.saturating_sub(position)) & mask;
         let slope = word & (mask >> 1);
         word.wrapping_sub(slope.wrapping_mul(after)) >> position
     }

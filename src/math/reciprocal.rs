@@ -26,6 +26,7 @@ static TABLE: [u32; INTERVALS + 1] = {
 /// `1 / value` rounded to `bits`. The sign is kept; 0 gives `None`.
 ///
 /// Relative error: at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-17.9` below (tested exhaustively at 16 bits).
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
     if value.mantissa == 0 {
         return None;

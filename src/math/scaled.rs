@@ -160,7 +160,15 @@ fn sum(terms: &[Product], bits: u32) -> Scaled {
     let mut sum = 0i64;
     for term in terms {
         if term.value != 0 {
-            sum = sum.wrapping_add(shift_signed(term.value, unit.saturating_sub(term.exponent)));
+            let shift = unit.saturating_sub(term.exponent);
+            // To the left nothing leaves the word, by the choice of the unit, unless the exponent is at its end.
+            let aligned = if shift < 0 && leading < i32::MAX {
+                let (high, low) = shifted_up(term.value as u64, shift.unsigned_abs());
+                joined(high, low) as i64
+            } else {
+                shift_signed(term.value, shift)
+            };
+            sum = sum.wrapping_add(aligned);
         }
     }
     Scaled::from_wide(sum, unit, bits)

@@ -46,6 +46,7 @@ pub fn root_seed(value: u64) -> (u32, i32) {
 /// Square root rounded to `bits`; negative numbers and 0 give 0.
 ///
 /// Relative error at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-16.9` below.
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub fn square_root(value: Scaled, bits: u32) -> Scaled {
     if value.mantissa <= 0 {
         return Scaled::ZERO;

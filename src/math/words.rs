@@ -131,12 +131,6 @@ const fn product_by_halves(a: i32, b: i32) -> i64 {
     joined(high as u32, (other as u32) << 16 | low & 0xffff) as i64
 }
 
-/// `value * count` modulo 2^64.
-#[inline(always)]
-pub const fn multiplied(value: i64, count: i32) -> i64 {
-    if count == 0 { 0 } else { value.wrapping_mul(count as i64) }
-}
-
 /// Two words as one number.
 #[inline(always)]
 pub const fn joined(high: u32, low: u32) -> u64 {

@@ -2,6 +2,7 @@
 
 use crate::checksum::Checksum;
 use crate::design::Firmware16;
+use crate::order::Order;
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
 use splatline::blend::Pixel;
@@ -29,8 +30,10 @@ static TABLE: PackedTable<INTERVALS> = {
 /// Memory of a picture: all that drawing needs beside the stack.
 #[derive(Debug)]
 pub struct Memory {
-    /// Footprints, nearest first; the first `visible` are used.
+    /// Footprints, in the scene's order.
     pub footprints: [Option<Footprint>; SPLATS],
+    /// Numbers of the visible splats, nearest first.
+    pub order: Order<u32>,
     /// One strip.
     pub strip: [Pixel; STRIP_PIXELS],
 }
@@ -40,6 +43,7 @@ impl Memory {
     pub const fn new() -> Self {
         Memory {
             footprints: [None; SPLATS],
+            order: Order::new(0),
             strip: [Pixel {
                 colour: [0; 3],
                 transmittance: 0,
@@ -71,13 +75,13 @@ pub struct Outcome {
 pub fn draw(memory: &mut Memory, mut send: impl FnMut(&[Pixel])) -> Outcome {
     let mut outcome = Outcome::default();
     phase_setup();
-    set_up(&mut memory.footprints);
+    set_up(memory);
     phase_rest();
-    outcome.visible = memory.footprints.iter().flatten().count() as u32;
+    outcome.visible = memory.order.iter().count() as u32;
     let mut first_row = 0;
     while first_row < ROWS {
         phase_draw();
-        let coverage = draw_strip(&memory.footprints, first_row, &mut memory.strip);
+        let coverage = draw_strip(memory, first_row);
         phase_rest();
         outcome.covered += coverage.covered;
         outcome.visited += coverage.visited;
@@ -93,58 +97,38 @@ pub fn draw(memory: &mut Memory, mut send: impl FnMut(&[Pixel])) -> Outcome {
     outcome
 }
 
-/// Footprints, sorted by depth as they come.
+/// Footprints, and their order by depth.
 #[inline(never)]
-fn set_up(footprints: &mut [Option<Footprint>; SPLATS]) {
+fn set_up(memory: &mut Memory) {
     let view = view();
-    *footprints = [None; SPLATS];
-    for splat in &SCENE {
-        if let Ok(found) = setup(Firmware16, &view, &RULES, splat) {
-            insert(footprints, found, |footprint| footprint.depth);
-        }
-    }
-}
-
-/// Inserts into a sorted list, after all that are not farther; a display list of this length needs no better sort.
-pub(crate) fn insert<T: Copy, K: PartialOrd>(
-    list: &mut [Option<T>],
-    found: T,
-    depth: impl Fn(&T) -> K,
-) {
-    let mut carried = Some(found);
-    let mut shifting = false;
-    for place in list {
-        shifting |= match (&*place, &carried) {
-            (Some(here), Some(new)) => depth(here) > depth(new),
-            _ => true,
-        };
-        if shifting {
-            core::mem::swap(place, &mut carried);
-        }
-        if carried.is_none() {
-            return;
+    memory.order.clear();
+    for (number, (place, splat)) in memory.footprints.iter_mut().zip(&SCENE).enumerate() {
+        *place = setup(Firmware16, &view, &RULES, splat).ok();
+        if let Some(footprint) = place {
+            memory.order.insert(number, footprint.depth);
         }
     }
 }
 
 /// One strip of the picture.
 #[inline(never)]
-fn draw_strip(
-    footprints: &[Option<Footprint>],
-    first_row: u16,
-    strip: &mut [Pixel; STRIP_PIXELS],
-) -> Coverage {
+fn draw_strip(memory: &mut Memory, first_row: u16) -> Coverage {
     let coverage = Coverage::default();
     let window = Window {
         first: [0, first_row],
         last: [COLUMNS, first_row + STRIP],
     };
     let painter = NarrowPainter::new(Firmware16, &RULES, &TABLE);
-    let (Ok(mut target), Ok(painter)) = (Target::new(strip, window, COLUMNS.into()), painter) else {
+    let target = Target::new(&mut memory.strip, window, COLUMNS.into());
+    let (Ok(mut target), Ok(painter)) = (target, painter) else {
         return coverage;
     };
     target.clear(&Firmware16::WIDTHS);
-    for footprint in footprints.iter().flatten() {
+    let footprints = &memory.footprints;
+    for number in memory.order.iter() {
+        let Some(Some(footprint)) = footprints.get(number) else {
+            continue;
+        };
         // Preparing the rows of a footprint costs more than a look at its box.
         if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
             painter.draw(footprint, &mut target);

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `design` | a design of one's own: widths for which the pixel path needs no 64-bit product |
 //! | `scene` | the splats and the camera, constants in flash |
+//! | `order` | depth order of the splats |
 //! | `fixed_picture` | the kernel: setup, depth order, strips |
 //! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
 //! | `board` | reset, semihosting output, stack gauge; the only `unsafe` code |
@@ -18,6 +19,7 @@ pub mod checksum;
 pub mod design;
 pub mod fixed_picture;
 pub mod float_picture;
+pub mod order;
 pub mod scene;
 
 /// What the instructions are counted for. The counter in `counter/` knows these functions by name.
