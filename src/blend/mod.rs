@@ -137,7 +137,25 @@ impl Blend {
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
     #[inline(always)]
     pub fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let Some((share, after)) = self.absorb(pixel, alpha) else {
+        self.over(pixel, alpha, colour, u32::saturating_sub);
+    }
+
+    /// The same where alpha comes from [`Blend::opacity`] and the pixel from [`Pixel::clear`]: alpha and T are at most 1, so that the
+    /// share never exceeds T and nothing needs to saturate.
+    #[inline(always)]
+    pub fn front_to_back_of_opacity(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
+        self.over(pixel, alpha, colour, u32::wrapping_sub);
+    }
+
+    #[inline(always)]
+    fn over(
+        &self,
+        pixel: &mut Pixel,
+        alpha: u32,
+        colour: &[u32; 3],
+        without: impl Fn(u32, u32) -> u32,
+    ) {
+        let Some((share, after)) = self.absorb(pixel, alpha, without) else {
             return;
         };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
@@ -152,13 +170,17 @@ impl Blend {
     }
 
     /// The share g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where the rules leave out
-    /// the layer that would finish the pixel; the pixel is then marked.
+    /// the layer that would finish the pixel; the pixel is then marked. `without` subtracts the share from T.
     #[inline(always)]
-    fn absorb(&self, pixel: &mut Pixel, alpha: u32) -> Option<(u32, u32)> {
+    fn absorb(
+        &self,
+        pixel: &mut Pixel,
+        alpha: u32,
+        without: impl Fn(u32, u32) -> u32,
+    ) -> Option<(u32, u32)> {
         let transmittance = pixel.transmittance;
         let share = self.product(transmittance, alpha, self.share_narrow, self.share_shift) as u32;
-        // Alpha is at most 1, so the share does not exceed the transmittance.
-        let rest = transmittance.wrapping_sub(share);
+        let rest = without(transmittance, share);
         let stop = rest <= self.stop;
         if stop && self.stop_before {
             pixel.transmittance |= FINISHED;

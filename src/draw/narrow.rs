@@ -119,7 +119,7 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
                 blend.opacity_unclamped(peak, weight)
             };
             if let Some(alpha) = alpha {
-                blend.front_to_back(pixel, alpha, &colour);
+                blend.front_to_back_of_opacity(pixel, alpha, &colour);
             }
         };
         for pixel in pixels {

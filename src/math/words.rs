@@ -82,6 +82,7 @@ pub const fn shifted_up(value: u64, zeros: u32) -> (u32, u32) {
 }
 
 /// `value * 2^-shift`, rounded to nearest, halves up. 0 from 64 on; `shift > 0`.
+#[cfg(any(test, target_pointer_width = "32"))]
 #[inline(always)]
 pub const fn rounded_down(value: i64, shift: u32) -> i64 {
     // Half a unit is added after the shift to half units, where it is 1.

@@ -6,7 +6,7 @@ use crate::order::Order;
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, NarrowPainter};
+use splatline::draw::NarrowPainter;
 use splatline::footprint::Footprint;
 use splatline::kernel::{PackedTable, gaussian};
 use splatline::raster::Window;
@@ -65,14 +65,13 @@ pub struct Outcome {
     pub checksum: Checksum,
     /// Splats with a footprint.
     pub visible: u32,
-    /// Pixels inside footprints, over all splats.
-    pub covered: u64,
-    /// Pixels at which a radial index was computed.
-    pub visited: u64,
 }
 
-/// Draws the scene; `send` gets each strip when it is done.
-pub fn draw(memory: &mut Memory, mut send: impl FnMut(&[Pixel])) -> Outcome {
+/// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row.
+pub fn draw(
+    memory: &mut Memory,
+    mut send: impl FnMut(&Memory, u16),
+) -> Outcome {
     let mut outcome = Outcome::default();
     phase_setup();
     set_up(memory);
@@ -81,17 +80,15 @@ pub fn draw(memory: &mut Memory, mut send: impl FnMut(&[Pixel])) -> Outcome {
     let mut first_row = 0;
     while first_row < ROWS {
         phase_draw();
-        let coverage = draw_strip(memory, first_row);
+        draw_strip(memory, first_row);
         phase_rest();
-        outcome.covered += coverage.covered;
-        outcome.visited += coverage.visited;
         for pixel in &memory.strip {
             for word in pixel.colour {
                 outcome.checksum.add(word);
             }
             outcome.checksum.add(pixel.transmittance);
         }
-        send(&memory.strip);
+        send(memory, first_row);
         first_row += STRIP;
     }
     outcome
@@ -112,8 +109,7 @@ fn set_up(memory: &mut Memory) {
 
 /// One strip of the picture.
 #[inline(never)]
-fn draw_strip(memory: &mut Memory, first_row: u16) -> Coverage {
-    let coverage = Coverage::default();
+fn draw_strip(memory: &mut Memory, first_row: u16) {
     let window = Window {
         first: [0, first_row],
         last: [COLUMNS, first_row + STRIP],
@@ -121,7 +117,7 @@ fn draw_strip(memory: &mut Memory, first_row: u16) -> Coverage {
     let painter = NarrowPainter::new(Firmware16, &RULES, &TABLE);
     let target = Target::new(&mut memory.strip, window, COLUMNS.into());
     let (Ok(mut target), Ok(painter)) = (target, painter) else {
-        return coverage;
+        return;
     };
     target.clear(&Firmware16::WIDTHS);
     let footprints = &memory.footprints;
@@ -134,5 +130,4 @@ fn draw_strip(memory: &mut Memory, first_row: u16) -> Coverage {
             painter.draw(footprint, &mut target);
         }
     }
-    coverage
 }

@@ -7,6 +7,7 @@
 //! | `order` | depth order of the splats |
 //! | `fixed_picture` | the kernel: setup, depth order, strips |
 //! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
+//! | `general` | the same strips by the kernel's general painter, on the host: they must be equal |
 //! | `board` | reset, semihosting output, stack gauge; the only `unsafe` code |
 //!
 //! The picture is drawn in strips, as one would for a display on a serial bus: setup once, then rows of
@@ -19,6 +20,8 @@ pub mod checksum;
 pub mod design;
 pub mod fixed_picture;
 pub mod float_picture;
+#[cfg(not(target_os = "none"))]
+pub mod general;
 pub mod order;
 pub mod scene;
 
