@@ -204,6 +204,46 @@ mod tests {
             prop_assert!(error <= exact.abs() * (-(bits as f64)).exp2() * 1.0001 + largest * 1e-15, "{error} {exact}");
         }
 
+        /// The oracle rounds in 128 bits.
+        #[test]
+        fn normalising_by_words_is_normalising(wide: i64, drop in 0u32..64, tail in 0u32..4, bits in 1u32..=31) {
+            // Half of the values are short, some end in a half or next to it.
+            let wide = wide >> drop;
+            let wide = [wide, wide & -1 << 32, (wide & -1 << 33) | 1 << 32, (wide & -1 << 33) | 1][tail as usize];
+            let got = Scaled::from_wide(wide, 3, bits);
+            if wide == 0 {
+                prop_assert_eq!(got, Scaled::ZERO);
+                return Ok(());
+            }
+            let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
+            let rounded = if shift > 0 {
+                (i128::from(wide) + (1 << (shift - 1))) >> shift
+            } else {
+                i128::from(wide) << -shift
+            };
+            let carried = rounded.unsigned_abs() >> bits != 0;
+            let mantissa = if carried { rounded / 2 } else { rounded };
+            prop_assert_eq!(got, Scaled { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
+        }
+
+        #[test]
+        fn fixed_point_by_words_is_a_shift(mantissa: i32, exponent in -100i32..80, fraction in 0u32..64) {
+            let expected = shift_signed(mantissa.into(), -exponent - fraction as i32);
+            prop_assert_eq!(Scaled { mantissa, exponent }.to_fixed(fraction), expected);
+        }
+
+        /// The oracle aligns with shifts that saturate.
+        #[test]
+        fn alignment_needs_no_saturation(parts: [(i64, i8, u8); 4], last in prop_oneof![Just(0), Just(i32::MAX - 127)]) {
+            let terms = parts.map(|(value, e, drop)| Product { value: value >> (2 + drop % 62), exponent: last + e as i32 });
+            let length = |t: &Product| t.exponent.saturating_add(64 - t.value.unsigned_abs().leading_zeros() as i32);
+            let Some(leading) = terms.iter().filter(|t| t.value != 0).map(length).max() else { return Ok(()) };
+            let unit = leading.saturating_sub(60);
+            let aligned = terms.iter().filter(|t| t.value != 0).map(|t| shift_signed(t.value, unit.saturating_sub(t.exponent)));
+            let sum = aligned.fold(0, i64::wrapping_add);
+            prop_assert_eq!(sum_of_products(terms, 20), Scaled::from_wide(sum, unit, 20));
+        }
+
         #[test]
         fn every_bit_pattern_is_defined(mantissa: i32, exponent: i32, wide: i64, fraction in 0u32..64, bits in 1u32..=31) {
             let number = Scaled { mantissa, exponent };

@@ -92,6 +92,25 @@ mod tests {
         assert!(worst < 2f64.powf(-16.9), "{:.2} bits", -worst.log2());
     }
 
+    /// The same by shifts of 64 bits.
+    #[test]
+    fn seeds_by_words_are_seeds() {
+        let mut value: u64 = 1;
+        while value < u64::MAX / 3 {
+            for candidate in [value, value + value / 3, value.rotate_left(7)] {
+                let even = candidate.leading_zeros() & !1;
+                let normal = candidate << even;
+                let at = |i: u64| i64::from(TABLE[i as usize - FIRST]);
+                let (low, high) = (at(normal >> 56), at((normal >> 56) + 1));
+                let step = (high - low) * ((normal >> 40) & 0xffff) as i64;
+                let expected = (low + ((step + (1 << 15)) >> 16), 8 - (even / 2) as i32);
+                let (root, shift) = root_seed(candidate);
+                assert_eq!((i64::from(root), shift), expected, "{candidate}");
+            }
+            value += value / 97 + 1;
+        }
+    }
+
     #[test]
     fn wide_roots() {
         for bits in [12, 16, 18, 24, 31] {
