@@ -10,7 +10,7 @@ use splatline::draw::NarrowPainter;
 use splatline::footprint::Footprint;
 use splatline::kernel::{PackedTable, gaussian};
 use splatline::raster::Window;
-use splatline::setup::setup;
+use splatline::setup::setup_for_spans;
 use splatline::target::Target;
 
 /// Intervals of the footprint table.
@@ -100,7 +100,7 @@ fn set_up(memory: &mut Memory) {
     let view = view();
     memory.order.clear();
     for (number, (place, splat)) in memory.footprints.iter_mut().zip(&SCENE).enumerate() {
-        *place = setup(Firmware16, &view, &RULES, splat).ok();
+        *place = setup_for_spans(Firmware16, &view, &RULES, splat).ok();
         if let Some(footprint) = place {
             memory.order.insert(number, footprint.depth);
         }
