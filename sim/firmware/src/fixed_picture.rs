@@ -14,7 +14,7 @@ use splatline::setup::setup_for_spans;
 use splatline::target::Target;
 
 /// Intervals of the footprint table.
-const INTERVALS: usize = 1 << Firmware16::WIDTHS.table;
+pub const INTERVALS: usize = 1 << Firmware16::WIDTHS.table;
 
 /// The footprint table, made by the compiler.
 pub static ENTRIES: [u32; INTERVALS + 1] = gaussian(&Firmware16::WIDTHS, RULES.table_range);

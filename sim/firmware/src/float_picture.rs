@@ -4,7 +4,7 @@
 //! the kernel's own algorithm (spans, forward differencing, table), so that what the algorithm and what the arithmetic gains are told
 //! apart. Accumulators are f32; pixels finish as in the kernel.
 
-use crate::fixed_picture::ENTRIES;
+use crate::fixed_picture::{ENTRIES, INTERVALS};
 use crate::order::Order;
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS};
@@ -283,9 +283,9 @@ fn draw_spans(
     covered
 }
 
-/// The kernel's table (UQ1.13, 8 intervals per unit), without interpolation.
+/// The kernel's table (UQ1.14, up to r = 16), without interpolation.
 fn looked_up(radial: f32) -> f32 {
-    let index = (radial * 8.0) as usize;
+    let index = (radial * (INTERVALS as f32 / 16.0)) as usize;
     ENTRIES.get(index).map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
 }
 

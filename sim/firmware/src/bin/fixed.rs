@@ -30,7 +30,8 @@ fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
     print("visible", outcome.visible);
 }
 
-/// On the host: the same lines, and the pixels that were covered; with a file name, the picture as PPM too.
+/// On the host: the same lines, and the pixels that were covered; with a file name, the picture as PPM too. With `design`, only the
+/// design's widths, as a file for `splatline --design`.
 ///
 /// Every strip is drawn a second time by the kernel's general painter and must be the same.
 #[cfg(not(target_os = "none"))]
@@ -38,6 +39,11 @@ fn main() -> std::io::Result<()> {
     use splatline::draw::Coverage;
     use splatline_firmware::general::draw_strip;
     use splatline_firmware::scene::{COLUMNS, ROWS};
+    let argument = std::env::args().nth(1);
+    if argument.as_deref() == Some("design") {
+        print_design();
+        return Ok(());
+    }
     let mut memory = Box::new(Memory::new());
     let mut picture = format!("P6\n{COLUMNS} {ROWS}\n255\n").into_bytes();
     let mut coverage = Coverage::default();
@@ -58,8 +64,18 @@ fn main() -> std::io::Result<()> {
             "{differing} pixels differ from the general painter's"
         )));
     }
-    match std::env::args().nth(1) {
+    match argument {
         Some(file) => std::fs::write(file, picture),
         None => Ok(()),
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn print_design() {
+    use splatline::format::WIDTH_RANGES;
+    use splatline_firmware::design::Firmware16;
+    println!("base = \"lean18\"");
+    for ((name, ..), width) in WIDTH_RANGES.iter().zip(Firmware16::WIDTHS.numbers()) {
+        println!("{name} = {width}");
     }
 }
