@@ -41,7 +41,7 @@ const PLAIN: Widths = Widths {
     interpolation: 0,
     weight: 13,
     peak: 15,
-    mantissa: 11,
+    mantissa: 13,
     accumulator: 16,
     rounding: Rounding::Truncate,
     ..FIRMWARE
@@ -146,20 +146,20 @@ proptest! {
     }
 }
 
-/// Every position of every interval, and the clamp below 0.
+/// Every position of every interval, and the level before 0.
 #[test]
 fn packed_look_ups_equal_plain_ones() {
     fn check<const N: usize>(widths: Widths) {
         let (memory, packed) = table::<N>(&widths);
         let plain = FootprintTable::new(&memory, &widths, RANGE).unwrap();
-        let bias = PackedTable::<N>::bias(&widths);
+        let lead = PackedTable::<N>::lead(&widths);
         let at = |ahead| packed.weight(ahead, widths.interpolation);
         // Cut-offs end at 15, one interval below the table's end.
         let end = 15u32 << widths.radial;
         for radial in (0..end).step_by(251).chain(end - 1000..end) {
-            assert_eq!(at(radial + bias), plain.weight(radial.into()), "{radial}");
+            assert_eq!(at(radial + lead), plain.weight(radial.into()), "{radial}");
         }
-        for ahead in 0..=bias {
+        for ahead in (0..=lead).step_by(61).chain(lead - 1000..=lead) {
             assert_eq!(at(ahead), plain.weight(0), "{ahead}");
         }
     }
@@ -174,6 +174,8 @@ fn what_is_not_narrow_is_refused() {
     let refused = |widths, range| PackedTable::<128>::new(&memory, &widths, range).unwrap_err();
     assert_eq!(refused(Widths { table: 8, ..FIRMWARE }, RANGE), PackedError::Intervals);
     assert_eq!(refused(FIRMWARE, 2), PackedError::Alignment);
+    let noisy = Widths { mantissa: 10, ..FIRMWARE };
+    assert_eq!(refused(noisy, RANGE), PackedError::Noise);
     let short = Widths { interpolation: 8, ..FIRMWARE };
     assert_eq!(refused(short, RANGE), PackedError::Room);
     let wide = Narrow(Widths { peak: 24, ..FIRMWARE });

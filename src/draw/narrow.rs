@@ -30,13 +30,13 @@ pub enum NarrowError {
     Table,
 }
 
-/// What the pixel loop needs of a footprint.
+/// A run whose radial indices lead by [`PackedTable::lead`].
 #[derive(Clone, Copy, Debug)]
 struct Lanes {
     radial: i32,
     first: i32,
     second: i32,
-    /// The largest radial index inside the footprint.
+    /// The largest of them inside the footprint.
     last: i32,
 }
 
@@ -68,19 +68,19 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
     #[inline(always)]
     pub fn draw(self, footprint: &Footprint, target: &mut Target) {
         let widths = self.design.widths();
-        let bias = PackedTable::<N>::bias(&widths);
+        let lead = PackedTable::<N>::lead(&widths);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         if end == 0 {
             return;
         }
-        let last = (end - 1 + u64::from(bias)).min(i32::MAX as u64) as i32;
+        let last = (end - 1 + u64::from(lead)).min(i32::MAX as u64) as i32;
         let blend = Blend::new(&widths, self.rules);
         let clamped = blend.is_clamped(footprint.peak, widths.weight);
         let mut rows = SpanRows::new(self.design, footprint, &target.window());
         while let Some(run) = rows.next_run() {
             let pixels = target.row(run.y, run.x, run.length);
             let lanes = Lanes {
-                radial: run.radial.wrapping_add(bias as i32),
+                radial: run.radial.wrapping_add(lead as i32),
                 first: run.first,
                 second: run.second,
                 last,
@@ -106,8 +106,6 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
             last,
         } = lanes;
         let blend_in = |pixel: &mut Pixel, radial: i32| {
-            // Negative indices are rounding noise around 0.
-            let radial = radial.max(0);
             // Outside, or finished: one look at two sign bits.
             if (last.wrapping_sub(radial) | pixel.transmittance as i32) < 0 {
                 return;

@@ -9,11 +9,13 @@
 //!
 //! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope a - b lies in
 //! the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane yields that runs one
-//! position ahead, by [`PackedTable::bias`]. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be.
-//! Same bits as [`FootprintTable`](super::FootprintTable).
+//! position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same bits as
+//! [`FootprintTable`](super::FootprintTable).
 //!
-//! Lanes must be aligned so that the largest radial index of the table is 2^31 (`radial + range == 31`): the index then is the
-//! word's leading bits, always below the number of entries, and no look-up can miss the table.
+//! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
+//! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And lanes are aligned
+//! so that the largest radial index is 2^31 (`radial + range == 31`): a look-up is the word's leading bits, which cannot miss the
+//! table. The last interval gives its place to the level one; cut-offs end at 15, one unit before the table.
 
 use crate::format::Widths;
 
@@ -37,6 +39,8 @@ pub enum PackedError {
     Alignment,
     /// Values rise, or value and slope have no room in one word: `2^k a + 2^(k-1)` must be below 2^32 and a - b below `2^(k-1)`.
     Room,
+    /// Intervals are so narrow that the rounding noise of the row seeds exceeds one: `mantissa` must be at least `table + 4`.
+    Noise,
 }
 
 impl<const N: usize> PackedTable<N> {
@@ -52,10 +56,15 @@ impl<const N: usize> PackedTable<N> {
         if position > LANE - widths.table as u32 {
             return Err(PackedError::Room);
         }
+        // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
+        if widths.mantissa < widths.table + 4 {
+            return Err(PackedError::Noise);
+        }
         let mut words = [0; N];
         let mut i = 0;
         while i < N {
-            match word(entries[i], entries[i + 1], position) {
+            let level = if i == 0 { 0 } else { i - 1 };
+            match word(entries[level], entries[i], position) {
                 Some(packed) => words[i] = packed,
                 None => return Err(PackedError::Room),
             }
@@ -74,23 +83,24 @@ impl<const N: usize> PackedTable<N> {
         self.table == widths.table && self.interpolation == widths.interpolation
     }
 
-    /// How far lanes must run ahead of the radial index, UQ4.radial: one unit of the position within an interval.
+    /// How far lanes must run ahead of the radial index, UQ4.radial: one interval and one unit of the position within it.
     #[inline(always)]
-    pub const fn bias(widths: &Widths) -> u32 {
-        match widths.interpolation {
+    pub const fn lead(widths: &Widths) -> u32 {
+        let below = LANE.wrapping_sub(widths.table as u32);
+        let position = match widths.interpolation {
             0 => 0,
-            k => 1u32.wrapping_shl(LANE.wrapping_sub(widths.table as u32 + k as u32)),
-        }
+            k => 1u32.wrapping_shl(below.wrapping_sub(k as u32)),
+        };
+        1u32.wrapping_shl(below) + position
     }
 
-    /// Kernel at the radial index `ahead - bias` (UQ4.radial; the sign bit is ignored), UQ1.weight, rounded to nearest; for `ahead` below
-    /// the bias the kernel at 0. `interpolation` is the width that the table was packed for.
+    /// Kernel at the radial index `ahead - lead` (UQ4.radial; the sign bit is ignored), UQ1.weight, rounded to nearest; for `ahead` below
+    /// the lead the kernel at 0. `interpolation` is the width that the table was packed for.
     #[inline(always)]
     pub fn weight(&self, ahead: u32, interpolation: u8) -> u32 {
-        let ahead = ahead << 1 >> 1;
         let below = LANE - N.ilog2();
-        let word = self.words.get((ahead >> below) as usize);
-        let word = word.copied().unwrap_or(0);
+        let index = (ahead << 1 >> 1 >> below) as usize;
+        let word = self.words.get(index).copied().unwrap_or(0);
         let position = u32::from(interpolation);
         if position == 0 {
             return word;
