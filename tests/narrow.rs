@@ -172,16 +172,37 @@ fn packed_look_ups_equal_plain_ones() {
 fn what_is_not_narrow_is_refused() {
     let (memory, packed) = table::<128>(&FIRMWARE);
     let refused = |widths, range| PackedTable::<128>::new(&memory, &widths, range).unwrap_err();
-    assert_eq!(refused(Widths { table: 8, ..FIRMWARE }, RANGE), PackedError::Intervals);
+    assert_eq!(
+        refused(
+            Widths {
+                table: 8,
+                ..FIRMWARE
+            },
+            RANGE
+        ),
+        PackedError::Intervals
+    );
     assert_eq!(refused(FIRMWARE, 2), PackedError::Alignment);
-    let noisy = Widths { mantissa: 10, ..FIRMWARE };
+    let noisy = Widths {
+        mantissa: 10,
+        ..FIRMWARE
+    };
     assert_eq!(refused(noisy, RANGE), PackedError::Noise);
-    let short = Widths { interpolation: 8, ..FIRMWARE };
+    let short = Widths {
+        interpolation: 8,
+        ..FIRMWARE
+    };
     assert_eq!(refused(short, RANGE), PackedError::Room);
-    let wide = Narrow(Widths { peak: 24, ..FIRMWARE });
+    let wide = Narrow(Widths {
+        peak: 24,
+        ..FIRMWARE
+    });
     let error = NarrowPainter::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
-    let other = Narrow(Widths { interpolation: 16, ..FIRMWARE });
+    let other = Narrow(Widths {
+        interpolation: 16,
+        ..FIRMWARE
+    });
     let error = NarrowPainter::new(other, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
     assert_eq!(error, NarrowError::Table);
 }

@@ -6,8 +6,8 @@
 //! exact enough without. Designs of at most 16 bits skip the step.
 
 use super::scaled::Scaled;
-use super::words::leading_zeros;
 use super::shift::shift_round;
+use super::words::leading_zeros;
 
 const INTERVALS: usize = 256;
 

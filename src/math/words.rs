@@ -128,7 +128,10 @@ const fn product_by_halves(a: i32, b: i32) -> i64 {
     let low = a_low.wrapping_mul(b_low) as u32;
     let middle = a_high.wrapping_mul(b_low).wrapping_add((low >> 16) as i32);
     let other = a_low.wrapping_mul(b_high).wrapping_add(middle & 0xffff);
-    let high = a_high.wrapping_mul(b_high).wrapping_add(middle >> 16).wrapping_add(other >> 16);
+    let high = a_high
+        .wrapping_mul(b_high)
+        .wrapping_add(middle >> 16)
+        .wrapping_add(other >> 16);
     joined(high as u32, (other as u32) << 16 | low & 0xffff) as i64
 }
 

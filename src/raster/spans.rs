@@ -303,7 +303,11 @@ impl<L: Lane> Seed<L> {
             let radial = shift_word(across, self.drop_radial)
                 .wrapping_add(shift_round(vertical, VERTICAL - self.fraction) as i32);
             let first = shift_word(along, self.drop_first).wrapping_add(self.unit as i32);
-            return (L::from_wide(radial.into()), L::from_wide(first.into()), self.second);
+            return (
+                L::from_wide(radial.into()),
+                L::from_wide(first.into()),
+                self.second,
+            );
         }
         let dx = shift_round(dx, self.drop_dx);
         let along = self.curvature.wrapping_mul(dx);

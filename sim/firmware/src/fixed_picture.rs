@@ -68,10 +68,7 @@ pub struct Outcome {
 }
 
 /// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row.
-pub fn draw(
-    memory: &mut Memory,
-    mut send: impl FnMut(&Memory, u16),
-) -> Outcome {
+pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Outcome {
     let mut outcome = Outcome::default();
     phase_setup();
     set_up(memory);

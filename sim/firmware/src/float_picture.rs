@@ -286,7 +286,9 @@ fn draw_spans(
 /// The kernel's table (UQ1.14, up to r = 16), without interpolation.
 fn looked_up(radial: f32) -> f32 {
     let index = (radial * (INTERVALS as f32 / 16.0)) as usize;
-    ENTRIES.get(index).map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
+    ENTRIES
+        .get(index)
+        .map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
 }
 
 #[inline(always)]
