@@ -133,6 +133,8 @@ impl Widths {
 /// Arithmetic wraps: the values that matter lie in `[0, 16)`, and differences that leave the word belong to
 /// pixels outside the footprint, which are never visited after them.
 pub trait Lane: Copy + core::fmt::Debug + PartialEq {
+    /// Bits of the word.
+    const BITS: u32;
     /// The low bits of `value`.
     fn from_wide(value: i64) -> Self;
     /// Sign-extended value.
@@ -142,6 +144,7 @@ pub trait Lane: Copy + core::fmt::Debug + PartialEq {
 }
 
 impl Lane for i32 {
+    const BITS: u32 = i32::BITS;
     #[inline(always)]
     fn from_wide(value: i64) -> Self {
         value as i32
@@ -157,6 +160,7 @@ impl Lane for i32 {
 }
 
 impl Lane for i64 {
+    const BITS: u32 = i64::BITS;
     #[inline(always)]
     fn from_wide(value: i64) -> Self {
         value

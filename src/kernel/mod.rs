@@ -7,10 +7,12 @@
 //! `f'' = f/4`, so entries are lowered by the factor `1 - h^2/48` and the mean error is 0. Without
 //! interpolation an entry is the kernel at the middle of its interval.
 
+mod packed;
 mod perspective;
 mod ray;
 mod shape;
 
+pub use packed::{PackedError, PackedTable};
 pub use perspective::{PERSPECTIVE_ENTRIES, PerspectiveIndex, PerspectiveTable, fill_perspective};
 pub use ray::{Rays, covering_cutoff};
 pub use shape::{Kernel, fill};

@@ -13,6 +13,7 @@
 use super::{Quadratic, Rows, Run, Window};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane};
+use crate::math::words::shift_word;
 use crate::math::{Scaled, root_seed, shift_left, shift_round, shift_signed};
 
 /// Columns between two seeds of the radial index within a row.
@@ -113,14 +114,10 @@ impl<L: Lane> SpanRows<L> {
         };
         let rest = self.reach.wrapping_sub(row.vertical);
         if rest > 0 {
-            let half = self.half_width.of(rest);
-            let low = row
-                .centre
-                .saturating_sub(half)
-                .saturating_add((1 << 32) - 1)
-                >> 32;
-            let high = (row.centre.saturating_add(half) >> 32).saturating_add(1);
-            let [first, last] = self.bounds.map(i64::from);
+            let narrow = self.seed.is_narrow();
+            let half = self.half_width.of(rest, narrow);
+            let (low, high) = ends(row.centre, half, narrow);
+            let [first, last] = self.bounds.map(i32::from);
             // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
             let low = low.min(last).max(first) as u16;
             row.x = low.max(self.visible[0] - self.visible[0] % BLOCK);
@@ -191,6 +188,22 @@ impl<L: Lane> Rows for SpanRows<L> {
     }
 }
 
+/// First column and one past the last whose sample points lie within `half` of `centre` (xc - 1/2), both Q.32.
+///
+/// Narrow designs leave out the saturation: setup keeps centres and half-widths below 2^30 pixels.
+#[inline(always)]
+fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
+    const ALMOST_ONE: i64 = (1 << 32) - 1;
+    let (low, high) = if narrow {
+        let low = centre.wrapping_sub(half).wrapping_add(ALMOST_ONE);
+        (low, centre.wrapping_add(half))
+    } else {
+        let low = centre.saturating_sub(half).saturating_add(ALMOST_ONE);
+        (low, centre.saturating_add(half))
+    };
+    ((low >> 32) as i32, ((high >> 32) as i32).saturating_add(1))
+}
+
 /// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
 fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
     let along = stretch.multiply(dy, bits);
@@ -205,7 +218,7 @@ fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
 /// sqrt(rest / A): the root table and a multiplication.
 #[derive(Clone, Copy, Debug)]
 struct HalfWidth {
-    mantissa: u64,
+    mantissa: u32,
     odd: u32,
     power: i32,
 }
@@ -215,7 +228,7 @@ impl HalfWidth {
         let odd = spread.exponent & 1;
         // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
         HalfWidth {
-            mantissa: spread.mantissa.unsigned_abs().into(),
+            mantissa: spread.mantissa.unsigned_abs(),
             odd: odd as u32,
             power: ((spread.exponent - odd) / 2).saturating_add(32 - 14),
         }
@@ -223,13 +236,22 @@ impl HalfWidth {
 
     /// Half-width in Q.32 pixels for `rest` in Q.52, 0 < rest < 2^56.
     #[inline(always)]
-    fn of(&self, rest: i64) -> i64 {
-        let squared = self.mantissa.wrapping_mul((rest as u64) >> (VERTICAL - 28)) << self.odd;
-        let (root, shift) = root_seed(squared);
-        shift_signed(
-            root.into(),
-            0i32.saturating_sub(shift.saturating_add(self.power)),
-        )
+    fn of(&self, rest: i64, narrow: bool) -> i64 {
+        let rest = (rest as u64) >> (VERTICAL - 28);
+        let squared = if narrow {
+            // 15 bits by 16 and 16 bits.
+            let (low, high) = (rest as u32 & 0xffff, rest as u32 >> 16);
+            (u64::from(self.mantissa.wrapping_mul(high)) << 16)
+                .wrapping_add(self.mantissa.wrapping_mul(low).into())
+        } else {
+            u64::from(self.mantissa).wrapping_mul(rest)
+        };
+        let (root, shift) = root_seed(squared << self.odd);
+        let root = Scaled {
+            mantissa: root as i32,
+            exponent: shift.saturating_add(self.power),
+        };
+        root.to_fixed(0)
     }
 }
 
@@ -298,10 +320,31 @@ impl<L: Lane> Seed<L> {
         }
     }
 
+    /// Do all products of a seed fit a signed word, and the lanes too? Then they are 32-bit products: same bits.
+    #[inline(always)]
+    fn is_narrow(&self) -> bool {
+        self.bits <= 15 && L::BITS == 32
+    }
+
     /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32.
     #[inline(always)]
     fn at(&self, x: u16, centre: i64, vertical: i64) -> (L, L, L) {
-        let dx = shift_round((i64::from(x) << 32).wrapping_sub(centre), self.drop_dx);
+        let dx = (i64::from(x) << 32).wrapping_sub(centre);
+        if self.is_narrow() {
+            let dx = shift_signed(dx, self.drop_dx as i32) as i32;
+            let along = (self.curvature as i32).wrapping_mul(dx);
+            let across = shift_word(along, self.bits as i32).wrapping_mul(dx);
+            let radial = shift_word(across, self.drop_radial)
+                .wrapping_add(shift_round(vertical, VERTICAL - self.fraction) as i32)
+                .wrapping_add(self.balance.start as i32);
+            let first = shift_word(along, self.drop_first).wrapping_add(self.balance.unit as i32);
+            return (
+                L::from_wide(radial.into()),
+                L::from_wide(first.into()),
+                self.second,
+            );
+        }
+        let dx = shift_round(dx, self.drop_dx);
         let along = self.curvature.wrapping_mul(dx);
         let across = shift_round(along, self.bits).wrapping_mul(dx);
         let radial = shift_signed(across, self.drop_radial)
