@@ -289,7 +289,8 @@ impl<L: Lane> Seed<L> {
         }
     }
 
-    /// Do all products of a seed fit a signed word, and the lanes too? Then they are 32-bit products: same bits.
+    /// Do all products of a seed fit a signed word, and the lanes too? Then they are 32-bit products, with the same bits for every
+    /// footprint of setup: |dx| is below `2^bits` within its rows.
     #[inline(always)]
     fn is_narrow(&self) -> bool {
         self.bits <= 15 && L::BITS == 32
