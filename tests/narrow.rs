@@ -1,7 +1,9 @@
 //! The 32-bit path of small processors against the kernel's own: every pixel word, bit for bit.
 
+mod arbitrary;
 mod common;
 
+use arbitrary::Source;
 use common::{SIZE, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
@@ -143,6 +145,18 @@ proptest! {
         check::<128>(FIRMWARE, &rules, &list)?;
         check::<512>(PLAIN, &rules, &list)?;
         check::<32>(LONG, &rules, &list)?;
+    }
+}
+
+proptest! {
+    /// Footprints that no setup made: nothing panics, loops or writes beside the target.
+    #[test]
+    fn any_footprint_is_drawn(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
+        let mut source = Source::new(&bytes);
+        let (_, packed) = table::<128>(&FIRMWARE);
+        let design = Narrow(FIRMWARE);
+        let painter = NarrowPainter::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
+        in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
 }
 
