@@ -21,12 +21,12 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     if let Some(path) = &options.json {
         write(path, serde_json::to_string_pretty(&lines)?.as_bytes())?;
     }
-    let steps = steps::markdown(extent);
-    let page = format!("{}\n{steps}", table::markdown(&lines));
+    let studies = format!("{}\n{}", table::bounds(&lines), steps::markdown(extent));
+    let page = format!("{}\n{studies}", table::markdown(&lines));
     match &options.markdown {
         Some(path) => {
             write(path, (HEADING.to_owned() + &page).as_bytes())?;
-            say(&format!("{}\n{steps}", table::summary(&lines)));
+            say(&format!("{}\n{studies}", table::summary(&lines)));
         }
         None => say(&page),
     }

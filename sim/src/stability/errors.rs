@@ -1,5 +1,6 @@
 //! The errors of one engine in one case, stage by stage, and how each is measured.
 
+use super::bounds::Bounds;
 use super::exact::ExactFootprint;
 use splatline::footprint::Footprint;
 use splatline::math::Scaled;
@@ -22,8 +23,6 @@ pub struct StageErrors {
     pub determinant: f64,
     /// Quadratic form, relative, in its worst direction.
     pub form: f64,
-    /// Quadratic form in units of its bound's shape: form / (u (1 + G)), see `docs/error-analysis.md`.
-    pub form_units: f64,
     /// Radial index, absolute.
     pub radial: f64,
     /// Picture, largest absolute difference.
@@ -38,7 +37,21 @@ pub struct StageErrors {
     pub edges: usize,
     /// Pixels on an edge that this engine decides otherwise.
     pub decided_wrongly: usize,
+    /// The largest share of each step's derived bound that is used, in the order of [`BOUNDED`]; 0 for engines without bounds.
+    pub shares: [f64; BOUNDED.len()],
 }
+
+/// The steps that have a derived bound.
+pub const BOUNDED: [&str; 8] = [
+    "centre",
+    "depth",
+    "peak",
+    "variance",
+    "determinant",
+    "form",
+    "r",
+    "picture",
+];
 
 pub(super) fn value(mantissa: i32, exponent: i32) -> f64 {
     f64::from(mantissa) * f64::from(exponent).exp2()
@@ -59,7 +72,6 @@ impl StageErrors {
             variance: worse(self.variance, other.variance),
             determinant: worse(self.determinant, other.determinant),
             form: worse(self.form, other.form),
-            form_units: worse(self.form_units, other.form_units),
             radial: worse(self.radial, other.radial),
             picture: worse(self.picture, other.picture),
             bias,
@@ -70,6 +82,7 @@ impl StageErrors {
             culled_wrongly: self.culled_wrongly + other.culled_wrongly,
             edges: self.edges + other.edges,
             decided_wrongly: self.decided_wrongly + other.decided_wrongly,
+            shares: std::array::from_fn(|step| worse(self.shares[step], other.shares[step])),
         };
     }
 
@@ -103,11 +116,19 @@ impl StageErrors {
         self.determinant = worse(self.determinant, relative);
     }
 
-    /// u = 2^-mantissa; G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
-    pub(super) fn worsen_form(&mut self, form: f64, mantissa: u8, truth: &ExactFootprint) {
-        let gain = (1.0 + truth.slope * truth.slope * truth.curvature / truth.stretch).sqrt();
-        let units = form * f64::from(mantissa).exp2() / (1.0 + gain);
-        (self.form, self.form_units) = (worse(self.form, form), worse(self.form_units, units));
+    /// Takes the errors of one splat as shares of its bounds; r and the picture have their own, pixel by pixel.
+    pub(super) fn compare(&mut self, bounds: &Bounds) {
+        let shares = [
+            self.centre / bounds.centre,
+            self.depth / bounds.depth,
+            self.peak / bounds.peak,
+            self.variance / bounds.variance,
+            self.determinant / bounds.determinant,
+            self.form / bounds.form,
+        ];
+        for (step, share) in shares.into_iter().enumerate() {
+            self.shares[step] = worse(self.shares[step], share);
+        }
     }
 }
 

@@ -16,6 +16,7 @@
 //! | decisions | pixels on a threshold that were decided otherwise, of all on a threshold |
 
 pub mod cases;
+mod bounds;
 mod errors;
 pub mod exact;
 mod pictures;
@@ -26,8 +27,9 @@ pub mod table;
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed;
 use crate::rules::Compositing;
+use bounds::Bounds;
 use cases::Case;
-pub use errors::StageErrors;
+pub use errors::{BOUNDED, StageErrors};
 use errors::{form_error_of_conic, form_error_of_scan, value, worse};
 use exact::ExactFootprint;
 use pictures::Truth;
@@ -154,11 +156,8 @@ fn single_errors(
         errors.worsen_centre(single.centre.map(f64::from), truth);
         errors.worsen_depth_and_peak(single.depth.into(), single.peak.into(), truth);
         errors.worsen_variance(single.variance.map(f64::from), truth);
-        errors.worsen_form(
-            form_error_of_conic(single.conic.map(f64::from), truth),
-            24,
-            truth,
-        );
+        let form = form_error_of_conic(single.conic.map(f64::from), truth);
+        errors.form = worse(errors.form, form);
         for (x, y) in pixels(case) {
             let r = truth.radial(x, y);
             if r < truth.cutoff {
@@ -183,13 +182,28 @@ fn fixed_errors(
         traversal: design.traversal,
     };
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
-    let mut errors = pictures::errors(drawing.picture, exact);
     let quantised = fixed::QuantisedScene::new(&case.scene, &case.camera, &case.rules);
-    let depth_unit = value(1, -23 - quantised.scale_log2);
+    let quantum = value(1, -24 - quantised.scale_log2);
+    let bounded = design.traversal == Traversal::Spans;
+    let bounds: Vec<Option<Bounds>> = truth
+        .iter()
+        .map(|truth| {
+            let normalised = case.rules.normalised;
+            let of = |t| Bounds::new(&design.widths, t, &case.camera, normalised, quantum);
+            truth.as_ref().filter(|_| bounded).map(of)
+        })
+        .collect();
+    let share = pictures::share_of_bound(case, &drawing.picture, exact, truth, &bounds);
+    let mut errors = pictures::errors(drawing.picture, exact);
+    errors.shares[7] = share;
     let variances = fixed::variances(&case.scene, &case.camera, &case.rules, design);
     let footprints = fixed::footprints(&case.scene, &case.camera, &options);
     let mut last = None;
-    for ((fixed, variance), truth) in footprints.iter().zip(variances).zip(truth) {
+    let splats = footprints
+        .iter()
+        .zip(variances)
+        .zip(truth.iter().zip(&bounds));
+    for ((fixed, variance), (truth, bounds)) in splats {
         let (Ok(fixed), Some(truth)) = (fixed, truth) else {
             errors.culled_wrongly +=
                 usize::from(fixed.is_ok() != truth.is_some_and(|t| on_screen(case, &t)));
@@ -199,37 +213,72 @@ fn fixed_errors(
             continue;
         }
         last = Some(*fixed);
-        let unit = f64::from(design.widths.subpixel).exp2();
-        errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
-        let peak = f64::from(fixed.peak) / f64::from(design.widths.peak).exp2();
-        errors.worsen_depth_and_peak(f64::from(fixed.depth) * depth_unit, peak, truth);
-        errors.worsen_variance(variance.unwrap_or_default(), truth);
-        let form = match design.traversal {
-            Traversal::Spans => form_error_of_scan(fixed, truth),
-            Traversal::Box => form_error_of_conic(
-                fixed.conic.mantissa.map(|m| value(m, fixed.conic.exponent)),
-                truth,
-            ),
-        };
-        errors.worsen_form(form, design.widths.mantissa, truth);
-        let window = Window {
-            first: [0, 0],
-            last: [case.camera.width as u16, case.camera.height as u16],
-        };
-        let lanes = design.dispatch(Lanes {
-            footprint: fixed,
-            window,
-            traversal: design.traversal,
-        });
-        for ((x, y), lane) in pixels(case).zip(lanes) {
-            let r = truth.radial(x, y);
-            if r < truth.cutoff {
-                // A pixel that was not visited counts as one at the end of the footprint.
-                errors.radial = errors.radial.max((lane.unwrap_or(truth.cutoff) - r).abs());
-            }
+        let variance = variance.unwrap_or_default();
+        let depth = f64::from(fixed.depth) * 2.0 * quantum;
+        let mut own = setup_errors(fixed, variance, depth, design, truth);
+        if let Some(bounds) = bounds {
+            own.compare(bounds);
         }
+        errors.worsen(&own);
+        worsen_radial(&mut errors, case, design, fixed, truth, bounds.as_ref());
     }
     errors
+}
+
+/// The errors of one splat's setup.
+fn setup_errors(
+    fixed: &Footprint,
+    variance: [f64; 4],
+    depth: f64,
+    design: &DesignChoice,
+    truth: &ExactFootprint,
+) -> StageErrors {
+    let mut errors = StageErrors::default();
+    let unit = f64::from(design.widths.subpixel).exp2();
+    errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
+    let peak = f64::from(fixed.peak) / f64::from(design.widths.peak).exp2();
+    errors.worsen_depth_and_peak(depth, peak, truth);
+    errors.worsen_variance(variance, truth);
+    errors.form = match design.traversal {
+        Traversal::Spans => form_error_of_scan(fixed, truth),
+        Traversal::Box => {
+            let conic = fixed.conic;
+            form_error_of_conic(conic.mantissa.map(|m| value(m, conic.exponent)), truth)
+        }
+    };
+    errors
+}
+
+/// The radial index in the lanes, at every pixel inside the footprint.
+fn worsen_radial(
+    errors: &mut StageErrors,
+    case: &Case,
+    design: &DesignChoice,
+    footprint: &Footprint,
+    truth: &ExactFootprint,
+    bounds: Option<&Bounds>,
+) {
+    let window = Window {
+        first: [0, 0],
+        last: [case.camera.width as u16, case.camera.height as u16],
+    };
+    let lanes = design.dispatch(Lanes {
+        footprint,
+        window,
+        traversal: design.traversal,
+    });
+    for ((x, y), lane) in pixels(case).zip(lanes) {
+        let r = truth.radial(x, y);
+        if r >= truth.cutoff {
+            continue;
+        }
+        // A pixel that was not visited counts as one at the end of the footprint.
+        let error = (lane.unwrap_or(truth.cutoff) - r).abs();
+        errors.radial = errors.radial.max(error);
+        if let Some(bounds) = bounds {
+            errors.shares[6] = errors.shares[6].max(error / bounds.radial(r));
+        }
+    }
 }
 
 /// The radial index in the lanes, for every pixel of the window; none where the traversal does not go.

@@ -1,15 +1,12 @@
 //! The suite as text: one line per engine and case, a verdict per case, and the summary of the bars.
 
-use super::{Line, StageErrors};
+use super::{BOUNDED, Line, StageErrors};
 use std::fmt::Write;
 
 /// The named design that the bars are about.
 pub const JUDGED: &str = "standard24";
 /// How much better than single precision the form of a needle must be.
 const NEEDLE_BAR: f64 = 10.0;
-
-/// Bound of the form's error in units of u (1 + G), derived in `docs/error-analysis.md` for the LDL form.
-pub const FORM_BOUND: f64 = 24.0;
 
 /// A stage's name and its error.
 pub type Stage = (&'static str, fn(&StageErrors) -> f64);
@@ -29,8 +26,8 @@ pub const STAGES: [Stage; 8] = [
 /// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
 pub fn markdown(lines: &[Line]) -> String {
     let mut text = String::from(
-        "| case | engine | centre px | depth rel | peak rel | variance rel | determinant rel | form rel | form / u(1+G) | r abs | picture | bias | PSNR dB | decisions | wrong culls | worse than f32 in |\n\
-         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
+        "| case | engine | centre px | depth rel | peak rel | variance rel | determinant rel | form rel | r abs | picture | bias | PSNR dB | decisions | wrong culls | worse than f32 in |\n\
+         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
     );
     let mut single = StageErrors::default();
     for line in lines {
@@ -47,7 +44,7 @@ pub fn markdown(lines: &[Line]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {}/{} | {} | {verdict} |",
+            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {}/{} | {} | {verdict} |",
             line.case,
             line.engine,
             e.centre,
@@ -56,7 +53,6 @@ pub fn markdown(lines: &[Line]) -> String {
             e.variance,
             e.determinant,
             e.form,
-            e.form_units,
             e.radial,
             e.picture,
             e.bias,
@@ -109,17 +105,6 @@ pub fn summary(lines: &[Line]) -> String {
             "- {engine}: {wrong} of {all} pixels on a threshold decided otherwise"
         );
     }
-    for name in crate::design::NAMES {
-        let units = lines
-            .iter()
-            .filter(|line| line.engine == name)
-            .map(|line| line.errors.form_units);
-        let _ = writeln!(
-            text,
-            "- {name}: largest form / u(1+G) = {:.1e} (bound {FORM_BOUND})",
-            units.fold(0.0, f64::max)
-        );
-    }
     for (single, fixed) in pairs(lines).filter(|(single, _)| single.needle) {
         let gain = needle_gain(&single.errors, &fixed.errors);
         let verdict = if gain >= NEEDLE_BAR {
@@ -132,6 +117,30 @@ pub fn summary(lines: &[Line]) -> String {
             "- {}: form {gain:.1e} times better than f32 (bar {NEEDLE_BAR}): {verdict}",
             fixed.case
         );
+    }
+    text
+}
+
+/// The steps' bounds beside what is used of them: the largest share over all splats and pixels, and the largest error.
+pub fn bounds(lines: &[Line]) -> String {
+    let designs = ["lean18", JUDGED, "deep32"];
+    let mut text = format!(
+        "Each step's bound (`docs/error-analysis.md`): the largest part of it that a splat or a pixel uses, and in which case; 1 is the bound.\n\n\
+         | step | {} |\n|---|{}\n",
+        designs.join(" | "),
+        "---|".repeat(designs.len())
+    );
+    for (step, name) in BOUNDED.iter().enumerate() {
+        let cells = designs.map(|design| {
+            let of_design = lines.iter().filter(|line| line.engine == design);
+            let share = |line: &&Line| line.errors.shares[step];
+            of_design
+                .max_by(|a, b| share(a).total_cmp(&share(b)))
+                .map_or_else(String::new, |line| {
+                    format!("{:.2} {}", share(&line), line.case)
+                })
+        });
+        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
     }
     text
 }
