@@ -19,6 +19,7 @@ pub mod kernels;
 pub mod sheets;
 pub mod sphere;
 pub mod surface;
+pub mod texture;
 
 use crate::picture::Picture;
 
