@@ -169,7 +169,7 @@ pub fn default_camera(scene: &SurfaceScene, width: usize, height: usize) -> Came
     let bounds = scene.bounds();
     let (centre, extents) = (bounds.centre(), bounds.extents());
     let largest = extents.into_iter().fold(1e-9, f64::max);
-    let eye = vector::add(centre, [0.0, -1.1 * largest, 0.7 * largest]);
+    let eye = vector::add(centre, [0.0, -1.5 * largest, 0.9 * largest]);
     view::look_at(eye, centre, scene.up, 45.0, width, height)
 }
 
