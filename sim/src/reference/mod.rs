@@ -20,6 +20,7 @@ pub mod sheets;
 pub mod sphere;
 pub mod surface;
 pub mod texture;
+pub mod warp;
 
 use crate::picture::Picture;
 

@@ -9,5 +9,6 @@ pub mod coefficients;
 pub mod drape;
 pub mod image;
 pub mod solve;
+pub mod warp;
 
 pub use image::Texture;
