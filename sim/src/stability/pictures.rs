@@ -79,18 +79,20 @@ fn composite(
     rules: &Rules,
     order: &[(usize, &ExactFootprint)],
     (x, y): (f64, f64),
+    edge_width: impl Fn(usize) -> f64,
     mut each: impl FnMut(Layer),
 ) -> (f64, bool) {
     let (mut clear, mut edge) = (1.0, false);
     for (index, footprint) in order {
         let r = footprint.radial(x, y);
-        edge |= (r - footprint.cutoff).abs() < EDGE;
+        let width = edge_width(*index);
+        edge |= (r - footprint.cutoff).abs() < width;
         let alpha = (footprint.peak * (-0.5 * r).exp()).min(rules.alpha_max);
         if r >= rules.cutoff || alpha <= 0.0 || alpha < rules.alpha_min {
             continue;
         }
         let rest = clear * (1.0 - alpha);
-        edge |= (rest / rules.stop - 1.0).abs() < EDGE;
+        edge |= (rest / rules.stop - 1.0).abs() < width;
         if rules.stop_before && rest <= rules.stop {
             break;
         }
@@ -116,19 +118,26 @@ pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> Truth 
     let targets = picture.pixels.iter_mut().zip(&mut edges);
     for ((pixel, edge), at) in targets.zip(pixels(case)) {
         let mut sum = [0.0; 3];
-        let (clear, on_edge) = composite(&case.rules, &order, at, |layer| {
-            let colour = case.scene.splats[layer.index].colour;
-            for (sum, colour) in sum.iter_mut().zip(colour) {
-                *sum += layer.clear * layer.alpha * colour;
-            }
-        });
+        let (clear, on_edge) = composite(
+            &case.rules,
+            &order,
+            at,
+            |_| EDGE,
+            |layer| {
+                let colour = case.scene.splats[layer.index].colour;
+                for (sum, colour) in sum.iter_mut().zip(colour) {
+                    *sum += layer.clear * layer.alpha * colour;
+                }
+            },
+        );
         *edge = on_edge;
         *pixel = [sum[0], sum[1], sum[2], 1.0 - clear];
     }
     Truth { picture, edges }
 }
 
-/// The largest share of its bound that a pixel's error takes, but for pixels on an edge; 0 for a design without bounds.
+/// The largest share of its bound that a pixel's error takes, but for pixels on an edge as wide as the design's own bounds; 0 for a design
+/// without bounds.
 ///
 /// An opacity's error moves a pixel by at most the light that reaches the layer (colours are at most 1); each layer rounds its share and
 /// its colour once, and colours themselves are rounded.
@@ -142,14 +151,24 @@ pub(super) fn share_of_bound(
     let order = by_depth(projected, |f| f.depth);
     let range = fixed::kernel_rules(&case.rules).table_range;
     let pairs = picture.pixels.iter().zip(&truth.picture.pixels);
+    let widths: Vec<f64> = bounds
+        .iter()
+        .map(|bounds| bounds.as_ref().map_or(0.0, |b| b.edge(range)))
+        .collect();
     let mut largest = 0.0;
-    for (((got, expected), edge), at) in pairs.zip(&truth.edges).zip(pixels(case)) {
+    for ((got, expected), at) in pairs.zip(pixels(case)) {
         let mut bound = 0.0;
-        composite(&case.rules, &order, at, |layer| {
-            if let Some(bounds) = &bounds[layer.index] {
-                bound += layer.clear * bounds.opacity(layer.r, range) + bounds.layer();
-            }
-        });
+        let (_, edge) = composite(
+            &case.rules,
+            &order,
+            at,
+            |index| widths[index],
+            |layer| {
+                if let Some(bounds) = &bounds[layer.index] {
+                    bound += layer.clear * bounds.opacity(layer.r, range) + bounds.layer();
+                }
+            },
+        );
         let error = (0..4).fold(0.0, |most: f64, c| most.max((got[c] - expected[c]).abs()));
         if !edge && bound > 0.0 {
             largest = worse(largest, error / bound);
