@@ -5,6 +5,7 @@
 //! The bounds hold for designs that scan rows by LDL and round to nearest.
 
 use super::exact::ExactFootprint;
+use super::pictures::Edge;
 use crate::camera::Camera;
 use splatline::format::Widths;
 use splatline::raster::BLOCK;
@@ -88,11 +89,16 @@ impl Bounds {
             + lanes
     }
 
-    /// How far from its cut-off a pixel may be decided otherwise, in the radial index, and relative to the smallest transmittance.
-    pub fn edge(&self, range: u8) -> f64 {
+    /// How far from its cut-off a pixel may be decided otherwise, and how close in depth another splat may change places with this one.
+    pub fn edge(&self, range: u8) -> Edge {
         let end = self.footprint.cutoff;
         let faintest = self.footprint.peak * (-0.5 * end).exp();
-        2.0 * self.radial(end) + 4.0 * self.opacity(end, range) / faintest + 64.0 * self.layer()
+        Edge {
+            radial: 2.0 * self.radial(end)
+                + 4.0 * self.opacity(end, range) / faintest
+                + 64.0 * self.layer(),
+            depth: 2.0 * self.depth * self.footprint.depth,
+        }
     }
 
     /// Of a layer's share and colour, once it has its opacity.

@@ -17,7 +17,10 @@ use crate::rules::Rules;
 
 /// Half-width of an edge, in the radial index and relative to the smallest transmittance: more than any engine of 24 bits or more is
 /// wrong by on ordinary splats.
-const EDGE: f64 = 1.0 / 16_384.0;
+const EDGE: Edge = Edge {
+    radial: 1.0 / 16_384.0,
+    depth: 0.0,
+};
 
 /// Difference at a pixel on an edge from which on it counts as a wrong decision.
 const DECIDED: f64 = 1.0 / 8_192.0;
@@ -74,25 +77,37 @@ struct Layer {
     clear: f64,
 }
 
+/// How close to a threshold a splat's pixel is on an edge.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Edge {
+    /// In the radial index, and relative to the smallest transmittance.
+    pub radial: f64,
+    /// In depth, scene units: nearer neighbours may change places.
+    pub depth: f64,
+}
+
 /// Composites the splats in `order` at a point: every layer that is drawn, the light that is left, and whether the point lies on an edge.
 fn composite(
     rules: &Rules,
     order: &[(usize, &ExactFootprint)],
     (x, y): (f64, f64),
-    edge_width: impl Fn(usize) -> f64,
+    edge_of: impl Fn(usize) -> Edge,
     mut each: impl FnMut(Layer),
 ) -> (f64, bool) {
     let (mut clear, mut edge) = (1.0, false);
+    let mut before = f64::NEG_INFINITY;
     for (index, footprint) in order {
         let r = footprint.radial(x, y);
-        let width = edge_width(*index);
-        edge |= (r - footprint.cutoff).abs() < width;
+        let width = edge_of(*index);
+        edge |= (r - footprint.cutoff).abs() < width.radial;
         let alpha = (footprint.peak * (-0.5 * r).exp()).min(rules.alpha_max);
         if r >= rules.cutoff || alpha <= 0.0 || alpha < rules.alpha_min {
             continue;
         }
         let rest = clear * (1.0 - alpha);
-        edge |= (rest / rules.stop - 1.0).abs() < width;
+        edge |= (rest / rules.stop - 1.0).abs() < width.radial;
+        edge |= footprint.depth != before && footprint.depth - before < width.depth;
+        before = footprint.depth;
         if rules.stop_before && rest <= rules.stop {
             break;
         }
@@ -151,9 +166,13 @@ pub(super) fn share_of_bound(
     let order = by_depth(projected, |f| f.depth);
     let range = fixed::kernel_rules(&case.rules).table_range;
     let pairs = picture.pixels.iter().zip(&truth.picture.pixels);
-    let widths: Vec<f64> = bounds
+    let widths: Vec<Edge> = bounds
         .iter()
-        .map(|bounds| bounds.as_ref().map_or(0.0, |b| b.edge(range)))
+        .map(|bounds| {
+            bounds
+                .as_ref()
+                .map_or_else(Edge::default, |b| b.edge(range))
+        })
         .collect();
     let mut largest = 0.0;
     for ((got, expected), at) in pairs.zip(pixels(case)) {

@@ -64,6 +64,8 @@ fn growing() -> Vec<DesignChoice> {
         design.name = format!("{} {} to {bits}", step.field, step.began);
         designs.push(design.clone());
     }
+    // The next design's price, to compare with.
+    designs.extend(DesignChoice::named("deep32"));
     designs
 }
 
