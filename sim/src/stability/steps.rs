@@ -15,7 +15,7 @@ use std::fmt::Write;
 struct Step {
     /// The width's name in a design file.
     field: &'static str,
-    /// What the design began with, and what suffices.
+    /// What the design began with.
     began: u8,
     of: fn(&mut Widths) -> &mut u8,
 }
