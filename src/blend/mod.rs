@@ -86,6 +86,11 @@ impl Blend {
             widths.colour as i32,
             widths.accumulator as i32,
         ];
+        // Truncation adds no rounding constant.
+        let unrounded = match widths.rounding {
+            Rounding::Nearest => 0,
+            Rounding::Truncate => 1,
+        };
         Blend {
             // At most 1, so that a share never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
@@ -98,10 +103,10 @@ impl Blend {
             share_shift: alpha,
             colour_shift: transmittance + colour - accumulator,
             layer_shift: alpha + colour - accumulator,
-            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must not exceed 2^weight.
-            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + 1,
+            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must be less than 2^weight.
+            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + unrounded,
             share_narrow: transmittance + alpha <= 31,
-            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + 1,
+            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + unrounded,
             // Without rounding (a shift of 0) not even that unit.
             sums_fit: accumulator <= 20 || transmittance + colour <= accumulator,
         }
