@@ -8,7 +8,7 @@
 
 use super::shift::{shift_left, shift_signed};
 use super::words::{
-    joined, leading_bits, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up,
+    leading_bits, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up,
 };
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
@@ -94,10 +94,7 @@ impl Scaled {
         let up = self.exponent.saturating_add(fraction as i32);
         match up {
             ..=-1 => shift_word(self.mantissa, up.saturating_neg()) as i64,
-            0..=31 => {
-                let above = (self.mantissa >> 1).wrapping_shr(31 - up as u32);
-                joined(above as u32, (self.mantissa as u32).wrapping_shl(up as u32)) as i64
-            }
+            0..=31 => shifted_up(self.mantissa as i64 as u64, up as u32) as i64,
             _ => shift_left(self.mantissa as i64, up as u32),
         }
     }

@@ -11,12 +11,6 @@ pub use plain::{
     leading_bits, leading_zeros, leading_zeros_wide, product, rounded_down, shifted_up,
 };
 
-/// Two words as one number.
-#[inline(always)]
-pub const fn joined(high: u32, low: u32) -> u64 {
-    (high as u64) << 32 | low as u64
-}
-
 /// `value * 2^-shift` in a word, rounded to nearest, halves up; the low word of the result for negative shifts. Any `shift`.
 #[inline(always)]
 pub const fn shift_word(value: i32, shift: i32) -> i32 {
@@ -74,7 +68,11 @@ mod plain {
 /// The same by words. Armv6-M is the Arm profile without compare-and-swap: it neither counts zeros nor multiplies to 64 bits.
 #[cfg(any(test, target_pointer_width = "32"))]
 mod by_words {
-    use super::joined;
+    /// Two words as one number.
+    #[inline(always)]
+    const fn joined(high: u32, low: u32) -> u64 {
+        (high as u64) << 32 | low as u64
+    }
 
     const ARMV6M: bool = cfg!(all(target_arch = "arm", not(target_has_atomic = "32")));
 
