@@ -7,7 +7,9 @@
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
 use super::shift::{shift_left, shift_signed};
-use super::words::{joined, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up};
+use super::words::{
+    leading_bits, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up,
+};
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,15 +46,8 @@ impl Scaled {
         if value == 0 {
             return Scaled::ZERO;
         }
-        let magnitude = value.unsigned_abs();
-        let zeros = leading_zeros_wide(magnitude);
-        let (top, rest) = shifted_up(magnitude, zeros);
-        let kept = top.wrapping_shr(32u32.wrapping_sub(bits));
-        let below = top.wrapping_shl(bits);
         // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
-        const HALF: u32 = 1 << 31;
-        let up = below > HALF || (below == HALF && (value > 0 || rest != 0));
-        let mut magnitude = kept.wrapping_add(up as u32);
+        let (mut magnitude, zeros) = leading_bits(value.unsigned_abs(), bits, value > 0);
         let mut exponent = exponent.saturating_add(64 - zeros as i32 - bits as i32);
         if magnitude.wrapping_shr(bits) != 0 {
             magnitude >>= 1;
@@ -99,10 +94,7 @@ impl Scaled {
         let up = self.exponent.saturating_add(fraction as i32);
         match up {
             ..=-1 => shift_word(self.mantissa, up.saturating_neg()) as i64,
-            0..=31 => {
-                let above = (self.mantissa >> 1).wrapping_shr(31 - up as u32);
-                joined(above as u32, (self.mantissa as u32).wrapping_shl(up as u32)) as i64
-            }
+            0..=31 => shifted_up(self.mantissa as i64 as u64, up as u32) as i64,
             _ => shift_left(self.mantissa as i64, up as u32),
         }
     }
@@ -136,14 +128,14 @@ impl Product {
 /// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
 ///
 /// Alignment error: at most half of `2^-60` of the largest term for each term.
-#[inline(always)]
+#[inline]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
     const { assert!(N <= 4) };
     sum(&terms, bits)
 }
 
 /// One function for any number of terms: a copy per number would be a tenth of a small image.
-#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 fn sum(terms: &[Product], bits: u32) -> Scaled {
     let mut leading = i32::MIN;
@@ -163,8 +155,7 @@ fn sum(terms: &[Product], bits: u32) -> Scaled {
             let shift = unit.saturating_sub(term.exponent);
             // To the left nothing leaves the word, by the choice of the unit, unless the exponent is at its end.
             let aligned = if shift < 0 && leading < i32::MAX {
-                let (high, low) = shifted_up(term.value as u64, shift.unsigned_abs());
-                joined(high, low) as i64
+                shifted_up(term.value as u64, shift.unsigned_abs()) as i64
             } else {
                 shift_signed(term.value, shift)
             };

@@ -6,7 +6,7 @@
 //! Where 64-bit shifts are library calls (32-bit processors) the saturating shift is a function of its own: half of the code of setup
 //! would otherwise be copies of it. Shifts by constants still fold.
 
-use super::words::{joined, leading_zeros_wide, shifted_up};
+use super::words::{leading_zeros_wide, rounded_down, shifted_up};
 use crate::format::Rounding;
 
 /// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
@@ -30,8 +30,7 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
         return 0;
     }
     if shift < head_room {
-        let (high, low) = shifted_up(value as u64, shift);
-        return joined(high, low) as i64;
+        return shifted_up(value as u64, shift) as i64;
     }
     if value < 0 { i64::MIN } else { i64::MAX }
 }
@@ -46,10 +45,7 @@ pub const fn shift_signed(value: i64, shift: i32) -> i64 {
     if shift == 0 {
         return value;
     }
-    #[cfg(target_pointer_width = "32")]
-    return super::words::rounded_down(value, shift as u32);
-    #[cfg(not(target_pointer_width = "32"))]
-    return shift_round(value, shift as u32);
+    rounded_down(value, shift as u32)
 }
 
 /// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift

@@ -32,7 +32,7 @@ pub fn root_seed(value: u64) -> (u32, i32) {
         return (0, 0);
     }
     let even = leading_zeros_wide(value) & !1;
-    let (normal, _) = shifted_up(value, even); // top two bits not both 0: [1/4, 1) as UQ0.32
+    let normal = (shifted_up(value, even) >> 32) as u32; // top two bits not both 0: [1/4, 1) as UQ0.32
     let index = (normal >> 24) as usize;
     let rest = (normal >> 8) & 0xffff;
     let at = |i: usize| TABLE.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
