@@ -177,4 +177,6 @@ pub enum ResultsPage {
     Hardware,
     /// How fast comparing, sweeping and simulating are.
     Speed,
+    /// Every system of the papers: where it is, and its error in its exhibits.
+    Systems,
 }
