@@ -9,6 +9,7 @@ pub mod atomic;
 pub mod camera;
 pub mod design;
 pub mod explore;
+pub mod fast;
 pub mod fixed;
 pub mod gallery;
 pub mod hybrid;

@@ -96,6 +96,12 @@ impl<L: Lane> SpanRows<L> {
         }
     }
 
+    /// Difference of differences of every run, 2 A in the lane's word.
+    #[inline(always)]
+    pub fn second(&self) -> L {
+        self.seed.second
+    }
+
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
     #[inline(always)]
     fn next_row(&mut self) {
