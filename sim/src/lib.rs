@@ -6,6 +6,7 @@
 //! [`metrics`] compares two pictures and [`report`] tells people about it.
 
 pub mod atomic;
+pub mod baseline;
 pub mod camera;
 pub mod design;
 pub mod explore;

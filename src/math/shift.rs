@@ -9,7 +9,7 @@
 use crate::format::Rounding;
 
 /// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
-#[inline]
+#[inline(always)]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
         return value;
@@ -21,7 +21,7 @@ pub const fn shift_round(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^shift` saturated to the type. `shift >= 63` saturates anything but 0.
-#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_left(value: i64, shift: u32) -> i64 {
     let head_room = value.unsigned_abs().leading_zeros();
@@ -32,7 +32,7 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
-#[inline]
+#[inline(always)]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
     if shift >= 0 {
         shift_round(value, shift as u32)

@@ -55,7 +55,8 @@ struct Row {
 
 impl<L: Lane> SpanRows<L> {
     /// Prepares the rows of `footprint` that lie in `window`.
-    #[inline]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
         let widths = design.widths();
         let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
@@ -176,7 +177,8 @@ impl<L: Lane> Rows for SpanRows<L> {
         self.seed.fraction
     }
 
-    #[inline]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     fn next_run(&mut self) -> Option<Run<L>> {
         loop {
             while self.row.x < self.row.end {
@@ -193,6 +195,7 @@ impl<L: Lane> Rows for SpanRows<L> {
 }
 
 /// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
     let along = stretch.multiply(dy, bits);
     let unit = stretch.to_fixed(VERTICAL);
@@ -212,6 +215,7 @@ struct HalfWidth {
 }
 
 impl HalfWidth {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn new(spread: Scaled) -> Self {
         let odd = spread.exponent & 1;
         // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
@@ -252,6 +256,7 @@ struct Seed<L> {
 }
 
 impl<L: Lane> Seed<L> {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn new(curvature: Scaled, spread: Scaled, bits: u32, fraction: u32) -> Self {
         // |dx|^2 <= 16 spread < 2^(leading + 5), hence |dx| < 2^half in pixels.
         let half = spread.leading().saturating_add(6) >> 1;

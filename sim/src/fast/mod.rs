@@ -14,5 +14,5 @@ mod paint;
 mod pixels;
 mod tile;
 
-pub use paint::{CHECK_INTERVAL, FastPainter, Footprints, Scratch, TilePainter, tile_painter};
+pub use paint::{CHECK_INTERVAL, FastPainter, Results, Scratch, TilePainter, tile_painter};
 pub use tile::TILE;

@@ -82,7 +82,7 @@ impl Grid {
 
     /// Calls `each` with every tile that the bounds touch.
     #[inline(always)]
-    fn touched(&self, bounds: &Window, mut each: impl FnMut(usize)) {
+    pub fn touched(&self, bounds: &Window, mut each: impl FnMut(usize)) {
         let tile = |pixel: u16, axis: usize| usize::from(pixel / self.tile[axis]);
         let (left, right) = (tile(bounds.first[0], 0), tile(bounds.last[0] - 1, 0));
         for y in tile(bounds.first[1], 1)..=tile(bounds.last[1] - 1, 1) {

@@ -10,10 +10,14 @@ use splatline::format::{Classic8, Design, Lean18, Standard24, Traversal};
 use splatline::kernel::FootprintTable;
 use splatline::raster::{Rows, SpanRows, Window};
 use splatline::rules::{Compositing, Rules};
+use splatline::setup::Cull;
 use splatline::target::Target;
 
 /// Footprints painted between two checks whether the tile has finished.
 pub const CHECK_INTERVAL: usize = 64;
+
+/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
+const AHEAD: usize = 4;
 
 /// Everything that is constant for a picture.
 #[derive(Clone, Debug)]
@@ -31,11 +35,8 @@ pub struct Scratch {
     tile: Tile,
 }
 
-/// Footprints by their numbers in the tiles' lists; `None` where there is none to draw.
-pub trait Footprints: Sync {
-    /// The footprint of this number.
-    fn get(&self, index: u32) -> Option<&Footprint>;
-}
+/// What setup made of every splat, in the scene's order.
+pub type Results = [Result<Footprint, Cull>];
 
 /// Paints tiles front to back along spans, whatever the design.
 pub trait TilePainter: Sync {
@@ -44,7 +45,7 @@ pub trait TilePainter: Sync {
         &self,
         scratch: &mut Scratch,
         window: Window,
-        footprints: &dyn Footprints,
+        footprints: &Results,
         list: &[u32],
     ) -> Coverage;
 }
@@ -111,7 +112,7 @@ impl<D: Design<Lane = i32> + Sync> TilePainter for FastPainter<'_, D> {
         &self,
         scratch: &mut Scratch,
         window: Window,
-        footprints: &dyn Footprints,
+        footprints: &Results,
         list: &[u32],
     ) -> Coverage {
         scratch
@@ -140,7 +141,7 @@ impl Scratch {
 struct Painting<'p, 'a, D> {
     painter: &'p FastPainter<'a, D>,
     tile: &'p mut Tile,
-    footprints: &'p dyn Footprints,
+    footprints: &'p Results,
     list: &'p [u32],
 }
 
@@ -177,7 +178,13 @@ impl<D: Design<Lane = i32>> Painting<'_, '_, D> {
         let mut coverage = Coverage::default();
         let window = tile.window();
         for part in list.chunks(CHECK_INTERVAL) {
-            for footprint in part.iter().filter_map(|index| footprints.get(*index)) {
+            for (number, index) in part.iter().enumerate() {
+                if let Some(next) = part.get(number + AHEAD) {
+                    lanes.prefetch(&footprints[*next as usize]);
+                }
+                let Ok(footprint) = &footprints[*index as usize] else {
+                    continue;
+                };
                 let mut rows = SpanRows::new(painter.design, footprint, &window);
                 let Some(brush) = path.brush(footprint, rows.second()) else {
                     coverage += paint_scalar(&painter.scalar, footprint, tile);

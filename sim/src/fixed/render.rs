@@ -6,7 +6,7 @@ use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
 use crate::fast::lanes::Choice;
 use crate::fast::order::{Grid, Key, tile_lists};
-use crate::fast::{Footprints, Scratch, TILE, tile_painter};
+use crate::fast::{Scratch, TILE, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -260,15 +260,6 @@ impl TileLists {
     }
 }
 
-/// What setup made of every splat.
-struct Results<'a>(&'a [Result<Footprint, Cull>]);
-
-impl Footprints for Results<'_> {
-    fn get(&self, index: u32) -> Option<&Footprint> {
-        self.0[index as usize].as_ref().ok()
-    }
-}
-
 /// Keys of the splats that have a footprint, numbered from `start`.
 fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
     let footprints = splats.iter().zip(start as u32..);
@@ -311,7 +302,7 @@ fn raster<D: Design + Send + Sync>(
             tiles,
             Scratch::default,
             |scratch, window, list, rows| {
-                let coverage = painter.paint(scratch, window, &Results(results), list);
+                let coverage = painter.paint(scratch, window, results, list);
                 for (y, row) in rows.iter_mut().enumerate() {
                     scratch.copy_row(y, row);
                 }

@@ -99,6 +99,9 @@ pub trait Lanes: Copy + Send + Sync {
     /// Number of true ones counted.
     fn total(self, count: Self::Count) -> u64;
 
+    /// Asks for memory that will be read soon.
+    fn prefetch<T>(self, place: &T);
+
     /// Runs a job compiled for this processor.
     fn run<J: Job>(self, job: J) -> J::Output;
 }
