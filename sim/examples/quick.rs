@@ -89,7 +89,15 @@ fn main() {
     let mut t: std::collections::BTreeMap<String, Vec<fixed::Times>> = Default::default();
     for _ in 0..reps {
         if which.is_empty() || which == "a" {
-for (n,r) in [("0 a", baseline::scene::Reach::Sigmas), ("1 a tight", baseline::scene::Reach::Cutoff)] { let c=cpu(); let d = baseline::boxes::draw(&fs, r); cpus.entry(n.to_string()).or_default().push(cpu()-c); t.entry(n.into()).or_default().push(d.times);}
+            for (n, r) in [
+                ("0 a", baseline::scene::Reach::Sigmas),
+                ("1 a tight", baseline::scene::Reach::Cutoff),
+            ] {
+                let c = cpu();
+                let d = baseline::boxes::draw(&fs, r);
+                cpus.entry(n.to_string()).or_default().push(cpu() - c);
+                t.entry(n.into()).or_default().push(d.times);
+            }
         }
         for (n, e) in &engines {
             if which.is_empty() && *n == "scalar" {

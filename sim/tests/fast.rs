@@ -1,7 +1,5 @@
 //! The fast engine against the kernel's scalar painter: whole pictures, word for word, and the same counts.
 
-mod scenes;
-
 use splatline_sim::camera::Camera;
 use splatline_sim::design::{DesignChoice, NAMES};
 use splatline_sim::fast::lanes::Choice;
@@ -20,11 +18,17 @@ fn agree(name: &str, scene: &Scene, camera: &Camera) {
                 traversal: splatline::format::Traversal::Spans,
             };
             let quantised = QuantisedScene::new(scene, camera, &rules);
-            let (scalar, _) = draw_quantised(&quantised, camera, &options, Engine::Scalar);
+            let (scalar, scalar_setup) =
+                draw_quantised(&quantised, camera, &options, Engine::Scalar);
             for choice in [Choice::Best, Choice::Eight, Choice::Portable] {
                 let engine = Engine::Vectors(choice);
-                let (fast, _) = draw_quantised(&quantised, camera, &options, engine);
+                let (fast, fast_setup) = draw_quantised(&quantised, camera, &options, engine);
                 let what = format!("{name}, {}, {}, {choice:?}", rules.name, design.name);
+                let differ = fast_setup
+                    .iter()
+                    .zip(&scalar_setup)
+                    .position(|(a, b)| a != b);
+                assert_eq!(differ, None, "{what}: first splat that differs");
                 let differ = fast
                     .pixels
                     .iter()

@@ -12,7 +12,7 @@ const FIRST: usize = 64;
 const LAST: usize = 256;
 
 /// sqrt(i/256) in UQ0.24 for i = 64 ..= 256, rounded to nearest.
-static TABLE: [u32; LAST - FIRST + 1] = {
+pub static ROOTS: [u32; LAST - FIRST + 1] = {
     let mut table = [0; LAST - FIRST + 1];
     let mut i = FIRST;
     while i <= LAST {
@@ -35,7 +35,7 @@ pub fn root_seed(value: u64) -> (u32, i32) {
     let normal = value << even; // top two bits not both 0: [1/4, 1) as UQ0.64
     let index = (normal >> 56) as usize;
     let rest = ((normal >> 40) & 0xffff) as i64;
-    let at = |i: usize| TABLE.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0) as i64;
+    let at = |i: usize| ROOTS.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0) as i64;
     let (low, high) = (at(index), at(index + 1));
     let root = low + shift_round((high - low) * rest, 16);
     (root as u32, 8 - (even / 2) as i32)

@@ -12,6 +12,7 @@ pub mod lanes;
 pub mod order;
 mod paint;
 mod pixels;
+pub mod setup;
 mod tile;
 
 pub use paint::{CHECK_INTERVAL, FastPainter, Results, Scratch, TilePainter, tile_painter};

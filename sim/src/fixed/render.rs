@@ -6,6 +6,7 @@ use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
 use crate::fast::lanes::Choice;
 use crate::fast::order::{Grid, Key, tile_lists};
+use crate::fast::setup as fast;
 use crate::fast::{Scratch, TILE, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
@@ -31,6 +32,9 @@ pub enum Engine {
     /// Vectors where they can, else the scalar painter.
     Vectors(Choice),
 }
+
+/// What draws unless something else is asked for.
+const BEST: Engine = Engine::Vectors(Choice::Best);
 
 /// How to draw.
 #[derive(Clone, Debug)]
@@ -85,7 +89,7 @@ pub fn footprints(
     impl DesignJob for Job<'_> {
         type Output = Vec<Result<Footprint, Cull>>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            set_up(design, self.0, self.1)
+            set_up(design, self.0, self.1, BEST)
         }
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
@@ -130,15 +134,29 @@ pub fn conics(
     design.dispatch(Job(&quantised, rules))
 }
 
+/// Splats set up by one task.
+const BATCH: usize = 1024;
+
 fn set_up<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
+    engine: Engine,
 ) -> Vec<Result<Footprint, Cull>> {
-    quantised
-        .splats
+    let QuantisedScene { view, splats, .. } = quantised;
+    if let Engine::Vectors(choice) = engine {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        outcomes
+            .par_chunks_mut(BATCH)
+            .zip(splats.par_chunks(BATCH))
+            .for_each(|(outcomes, splats)| {
+                fast::set_up(design, view, rules, splats, outcomes, choice);
+            });
+        return outcomes;
+    }
+    splats
         .par_iter()
-        .map(|splat| setup(design, &quantised.view, rules, splat))
+        .map(|splat| setup(design, view, rules, splat))
         .collect()
 }
 
@@ -154,7 +172,7 @@ pub fn draw_with_footprints(
     options: &Options,
 ) -> (Drawing, Vec<Result<Footprint, Cull>>) {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    draw_quantised(&quantised, camera, options, Engine::Vectors(Choice::Best))
+    draw_quantised(&quantised, camera, options, BEST)
 }
 
 /// A scene that has been quantised already, by the engine asked for.
@@ -185,7 +203,7 @@ fn draw_with<D: Design + Send + Sync>(
 ) -> (Drawing, Vec<Result<Footprint, Cull>>) {
     let rules = quantised.rules(options.rules);
     let started = Instant::now();
-    let results = set_up(design, quantised, &rules);
+    let results = set_up(design, quantised, &rules, engine);
     let set_up_at = started.elapsed().as_secs_f64();
     let tiles = TileLists::new(&results, options.compositing, quantised.view.viewport);
     let sorted_at = started.elapsed().as_secs_f64();

@@ -15,8 +15,10 @@ pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
 mod portable;
+mod wide;
 
 pub use portable::Portable;
+pub use wide::Wide;
 
 /// How a product is brought back to 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +32,7 @@ pub struct Drop {
 }
 
 /// Operations on vectors of [`Lanes::WIDTH`] words. Arithmetic wraps.
-pub trait Lanes: Copy + Send + Sync {
+pub trait Lanes: Wide {
     /// Words of a vector.
     const WIDTH: usize;
     /// A vector.
