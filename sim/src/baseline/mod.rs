@@ -32,13 +32,7 @@ impl FloatDrawing {
     pub fn picture(&self, [width, height]: [u16; 2]) -> Picture {
         let mut picture = Picture::new(width.into(), height.into());
         for (out, [r, g, b, t]) in picture.pixels.iter_mut().zip(&self.frame) {
-            *out = [r, g, b]
-                .map(|c| f64::from(*c))
-                .into_iter()
-                .chain([1.0 - f64::from(*t)])
-                .collect::<Vec<_>>()
-                .try_into()
-                .unwrap_or([0.0; 4]);
+            *out = [r, g, b, &(1.0 - t)].map(|value| f64::from(*value));
         }
         picture
     }

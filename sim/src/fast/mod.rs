@@ -13,7 +13,7 @@ pub mod order;
 mod paint;
 mod pixels;
 pub mod setup;
-mod tile;
+pub(crate) mod tile;
 
 pub use paint::{CHECK_INTERVAL, FastPainter, Results, Scratch, TilePainter, tile_painter};
 pub use tile::TILE;

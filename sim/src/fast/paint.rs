@@ -1,6 +1,6 @@
 //! Painting a tile: the kernel's rows, the vectors' pixels, and the scalar painter for what they cannot do.
 
-use super::lanes::{Choice, Job, Lanes, dispatch};
+use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
 use super::pixels::{Counts, Intervals, PixelPath, supports};
 use super::tile::Tile;
 use splatline::blend::Pixel;
@@ -149,7 +149,7 @@ impl<D: Design<Lane = i32>> Job for Painting<'_, '_, D> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> Coverage {
+    fn run<L: Floats>(self, lanes: L) -> Coverage {
         if self.painter.rules.stop_before {
             self.paint::<L, true, 4>(lanes)
         } else {

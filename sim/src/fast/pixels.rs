@@ -228,7 +228,11 @@ impl<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> PixelPath<'a, L, S
         Some(Brush {
             end: lanes.splat(end as u32),
             peak: lanes.splat(footprint.peak),
-            colour: footprint.colour.map(|c| lanes.splat(c)),
+            colour: [
+                lanes.splat(footprint.colour[0]),
+                lanes.splat(footprint.colour[1]),
+                lanes.splat(footprint.colour[2]),
+            ],
             ahead: [
                 lanes.mul(triangle, seconds),
                 lanes.add(

@@ -68,6 +68,12 @@ impl Tile {
         &mut self.rows[usize::from(row)]
     }
 
+    /// The planes of row `y`, counted from the tile's first.
+    #[inline(always)]
+    pub fn planes(&self, y: usize) -> &TileRow {
+        &self.rows[y % usize::from(TILE[1])]
+    }
+
     /// Have all its pixels finished?
     #[inline(always)]
     pub fn is_finished(&self) -> bool {

@@ -14,9 +14,11 @@
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
+mod floats;
 mod portable;
 mod wide;
 
+pub use floats::Floats;
 pub use portable::Portable;
 pub use wide::Wide;
 
@@ -114,7 +116,7 @@ pub trait Job {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: Lanes>(self, lanes: L) -> Self::Output;
+    fn run<L: Floats>(self, lanes: L) -> Self::Output;
 }
 
 /// Which vectors to use.

@@ -11,10 +11,10 @@
 mod number;
 mod stages;
 
-use super::lanes::{Choice, Job, Lanes, dispatch};
+use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
 use number::{Arithmetic, Number};
 use splatline::footprint::{Conic, Footprint, Scan};
-use splatline::format::{Design, Widths};
+use splatline::format::{Custom, Design, Widths};
 use splatline::math::{Scaled, shift_unsigned};
 use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, setup};
@@ -34,22 +34,24 @@ pub fn set_up<D: Design>(
     outcomes: &mut [Outcome],
     choice: Choice,
 ) {
-    let widths = design.widths();
-    if choice == Choice::Portable || !covers(view, rules) {
-        for (splat, outcome) in splats.iter().zip(outcomes) {
-            *outcome = setup(design, view, rules, splat);
+    // Widths as values: constants would gain little here, and one compiled copy serves all designs.
+    match Custom::new(design.widths()) {
+        Ok(widths) if choice != Choice::Portable && covers(view, rules) => {
+            let batch = Batch {
+                design: widths,
+                view,
+                rules,
+                splats,
+                outcomes,
+            };
+            dispatch(choice, batch);
         }
-        return;
+        _ => {
+            for (splat, outcome) in splats.iter().zip(outcomes) {
+                *outcome = setup(design, view, rules, splat);
+            }
+        }
     }
-    let batch = Batch {
-        design,
-        widths,
-        view,
-        rules,
-        splats,
-        outcomes,
-    };
-    dispatch(choice, batch);
 }
 
 /// Can vectors set up under this view and these rules?
@@ -82,23 +84,23 @@ fn is_mild(splat: &VolumeSplat) -> bool {
         && least.is_none_or(|mantissa| mantissa > i32::MIN)
 }
 
-struct Batch<'a, D> {
-    design: D,
-    widths: Widths,
+struct Batch<'a> {
+    design: Custom,
     view: &'a View,
     rules: &'a Rules,
     splats: &'a [VolumeSplat],
     outcomes: &'a mut [Outcome],
 }
 
-impl<D: Design> Job for Batch<'_, D> {
+impl Job for Batch<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
+    fn run<L: Floats>(self, lanes: L) {
+        let widths = self.design.widths();
         let stages = Stages {
             math: Arithmetic { lanes },
-            widths: self.design.widths(),
+            widths,
             view: self.view,
             rules: self.rules,
         };
@@ -112,7 +114,7 @@ impl<D: Design> Job for Batch<'_, D> {
             }
             let footprints = Lists::new(lanes, &stages.setup(&read(lanes, splats)));
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                *outcome = footprints.get(k, splat, &self.widths);
+                *outcome = footprints.get(k, splat, &widths);
             }
         }
     }
@@ -121,22 +123,63 @@ impl<D: Design> Job for Batch<'_, D> {
 /// Splats to words.
 #[inline(always)]
 fn read<L: Lanes>(lanes: L, splats: &[VolumeSplat]) -> Splats<L> {
-    let word = |value: &dyn Fn(&VolumeSplat) -> i32| {
-        let mut words = [0; 8];
-        for (word, splat) in words.iter_mut().zip(splats) {
-            *word = value(splat).into();
+    let mut lists = [[0; 8]; 17];
+    for (k, splat) in splats.iter().take(L::WIDE).enumerate() {
+        let [a, b, c] = splat.axes;
+        let parts = [a.mantissa, b.mantissa, c.mantissa];
+        for i in 0..3 {
+            lists[i][k] = splat.centre[i].to_bits().into();
+            for axis in 0..3 {
+                lists[3 + 3 * axis + i][k] = parts[axis][i].into();
+            }
+            lists[12 + i][k] = splat.axes[i].exponent.into();
         }
-        lanes.wide_load(&words)
-    };
-    Splats {
-        centre: [0, 1, 2].map(|i| word(&|s| s.centre[i].to_bits())),
-        axes: [0, 1, 2].map(|k| [0, 1, 2].map(|i| word(&|s| s.axes[k].mantissa[i]))),
-        exponents: [0, 1, 2].map(|k| word(&|s| s.axes[k].exponent)),
-        weight: Number {
-            mantissa: word(&|s| s.weight.mantissa),
-            exponent: word(&|s| s.weight.exponent),
-        },
+        lists[15][k] = splat.weight.mantissa.into();
+        lists[16][k] = splat.weight.exponent.into();
     }
+    let mut words = [lanes.wide_splat(0); 17];
+    for (word, list) in words.iter_mut().zip(&lists) {
+        *word = lanes.wide_load(list);
+    }
+    let [
+        x,
+        y,
+        z,
+        ax,
+        ay,
+        az,
+        bx,
+        by,
+        bz,
+        cx,
+        cy,
+        cz,
+        a,
+        b,
+        c,
+        mantissa,
+        exponent,
+    ] = words;
+    Splats {
+        centre: [x, y, z],
+        axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
+        exponents: [a, b, c],
+        weight: Number { mantissa, exponent },
+    }
+}
+
+/// A word's splats.
+#[inline(always)]
+fn list<L: Lanes>(lanes: L, word: L::Word) -> [i64; 8] {
+    let mut list = [0; 8];
+    lanes.wide_store(&mut list, word);
+    list
+}
+
+/// Mantissas and exponents of a number's splats.
+#[inline(always)]
+fn lists<L: Lanes>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
+    [list(lanes, number.mantissa), list(lanes, number.exponent)]
 }
 
 /// Words to footprints.
@@ -157,24 +200,30 @@ struct Lists {
 impl Lists {
     #[inline(always)]
     fn new<L: Lanes>(lanes: L, footprints: &Footprints<L>) -> Self {
-        let list = |word| {
-            let mut list = [0; 8];
-            lanes.wide_store(&mut list, word);
-            list
-        };
+        let Footprints {
+            centre: [u, v],
+            first: [left, top],
+            last: [right, bottom],
+            scan: [curvature, spread, slope, stretch],
+            conic: [a, b, c],
+            ..
+        } = *footprints;
         Lists {
-            culled: list(footprints.culled),
-            depth: list(footprints.depth),
-            centre: footprints.centre.map(list),
-            first: footprints.first.map(list),
-            last: footprints.last.map(list),
-            scan: footprints
-                .scan
-                .map(|number| [list(number.mantissa), list(number.exponent)]),
-            conic: footprints.conic.map(list),
-            conic_exponent: list(footprints.conic_exponent),
-            cutoff: list(footprints.cutoff),
-            peak: list(footprints.peak),
+            culled: list(lanes, footprints.culled),
+            depth: list(lanes, footprints.depth),
+            centre: [list(lanes, u), list(lanes, v)],
+            first: [list(lanes, left), list(lanes, top)],
+            last: [list(lanes, right), list(lanes, bottom)],
+            scan: [
+                lists(lanes, curvature),
+                lists(lanes, spread),
+                lists(lanes, slope),
+                lists(lanes, stretch),
+            ],
+            conic: [list(lanes, a), list(lanes, b), list(lanes, c)],
+            conic_exponent: list(lanes, footprints.conic_exponent),
+            cutoff: list(lanes, footprints.cutoff),
+            peak: list(lanes, footprints.peak),
         }
     }
 

@@ -73,14 +73,18 @@ impl<W: Wide> Stages<'_, W> {
     pub fn setup(&self, splats: &Splats<W>) -> Footprints<W> {
         let mut culled = self.math.splat(0);
         let projected = self.project(splats, &mut culled);
-        let columns = [0, 1, 2].map(|k| self.column(splats, k, &projected));
+        let columns = [
+            self.column(splats, 0, &projected),
+            self.column(splats, 1, &projected),
+            self.column(splats, 2, &projected),
+        ];
         let variance = self.variance(&columns);
         let inverse = self
             .math
             .reciprocal(variance.determinant, self.widths.mantissa.into());
         let scan = self.scan(&variance, inverse, &mut culled);
         let (conic, conic_exponent) = self.conic(&variance, scan[0], inverse, &mut culled);
-        let peak = self.peak(splats.weight, &projected, &variance, inverse);
+        let peak = self.peak(splats.weight, &projected, inverse);
         let cutoff = self.cutoff(peak, &mut culled);
         let mut first = [self.math.splat(0); 2];
         let mut last = first;
@@ -103,6 +107,7 @@ impl<W: Wide> Stages<'_, W> {
         }
     }
 
+    #[inline(always)]
     fn bits(&self) -> u32 {
         self.widths.mantissa.into()
     }
@@ -110,8 +115,7 @@ impl<W: Wide> Stages<'_, W> {
     /// Notes the reason where it holds and no other was noted before.
     #[inline(always)]
     fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let place = Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0);
-        let code = self.math.splat(place as i64 + 1);
+        let code = self.math.splat(code(reason));
         let noted = self.math.greater(*culled, self.math.splat(0));
         let now = self.math.select(*culled, code, truth);
         *culled = self.math.select(now, *culled, noted);
@@ -129,43 +133,64 @@ impl<W: Wide> Stages<'_, W> {
         sum
     }
 
+    /// One row of t = W u + d, Q9.54.
+    #[inline(always)]
+    fn camera_space(&self, row: usize, splats: &Splats<W>) -> Word<W> {
+        let d = self.math.splat(self.view.translation[row].to_bits());
+        self.math.add(d, self.rotate(row, &splats.centre))
+    }
+
+    /// A coordinate in camera space, rounded to the view's mantissa.
+    #[inline(always)]
+    fn coordinate(&self, mantissa: Word<W>) -> Number<W> {
+        let exponent = self.math.splat(-54);
+        self.math
+            .normalise(Number { mantissa, exponent }, self.widths.view.into())
+    }
+
+    /// Culls where a magnitude has more than so many bits.
+    #[inline(always)]
+    fn beyond(&self, value: Word<W>, bits: i64, culled: &mut Word<W>) {
+        let math = self.math;
+        let above = math.shr(math.magnitude(value), bits);
+        self.cull(culled, Cull::Range, math.greater(above, math.splat(0)));
+    }
+
     #[inline(always)]
     fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
         let (math, bits) = (self.math, u32::from(self.widths.view));
-        let [x, y, z] = [0, 1, 2].map(|row| {
-            let d = math.splat(self.view.translation[row].to_bits());
-            math.add(d, self.rotate(row, &splats.centre))
-        });
+        let x = self.camera_space(0, splats);
+        let y = self.camera_space(1, splats);
+        let z = self.camera_space(2, splats);
         let (near, far) = (self.view.near.to_bits(), self.view.far.to_bits());
         let near = math.splat(near.max(0));
         self.cull(culled, Cull::Near, math.greater(math.plus(near, 1), z));
         self.cull(culled, Cull::Far, math.greater(z, math.splat(far - 1)));
         let depth = math.round(z, 31);
         let depth = math.max(math.min(depth, math.splat(u32::MAX.into())), math.splat(0));
-        let camera = |coordinate| {
-            let number = Number {
-                mantissa: coordinate,
-                exponent: math.splat(-54),
-            };
-            math.normalise(number, bits)
-        };
-        let inverse = math.reciprocal(camera(z), bits);
-        let on_plane = [x, y].map(|coordinate| math.multiply(camera(coordinate), inverse, bits));
-        let focal = self.view.focal.map(|focal| math.number(focal));
+        let depths = self.coordinate(z);
+        let inverse = math.reciprocal(depths, bits);
+        let on_plane = [
+            math.multiply(self.coordinate(x), inverse, bits),
+            math.multiply(self.coordinate(y), inverse, bits),
+        ];
+        let [across, down] = self.view.focal;
+        let focal = [math.number(across), math.number(down)];
         let mut centre = [math.splat(0); 2];
         for axis in 0..2 {
             let offset = math.to_fixed(math.times(focal[axis], on_plane[axis]), 32);
             let principal = math.splat(self.view.principal[axis].to_bits());
             let position = math.add(principal, offset);
             // What overflows is out of range as well, and was so before the principal point was added.
-            let beyond = |value| math.greater(math.shr(math.magnitude(value), 58), math.splat(0));
-            let far_off = math.shr(math.magnitude(offset), 60);
-            self.cull(culled, Cull::Range, math.greater(far_off, math.splat(0)));
-            self.cull(culled, Cull::Range, beyond(position));
+            self.beyond(offset, 60, culled);
+            self.beyond(position, 58, culled);
             centre[axis] = math.round(position, 32 - u32::from(self.widths.subpixel));
         }
-        let gain = focal.map(|focal| math.multiply(focal, inverse, self.bits()));
-        let ratio = [0, 1].map(|axis| self.ratio(axis, on_plane[axis]));
+        let gain = [
+            math.multiply(focal[0], inverse, self.bits()),
+            math.multiply(focal[1], inverse, self.bits()),
+        ];
+        let ratio = [self.ratio(0, on_plane[0]), self.ratio(1, on_plane[1])];
         Projected {
             depth,
             centre,
@@ -196,19 +221,39 @@ impl<W: Wide> Stages<'_, W> {
     /// Axis `k` on the screen.
     #[inline(always)]
     fn column(&self, splats: &Splats<W>, k: usize, projected: &Projected<W>) -> [Number<W>; 2] {
-        let (math, bits) = (self.math, self.bits());
+        let math = self.math;
         let exponent = splats.exponents[k];
         let exponent = math.max(math.min(exponent, math.splat(511)), math.splat(-512));
         let exponent = math.plus(exponent, -30);
-        let [x, y, z] = [0, 1, 2].map(|row| {
-            let mantissa = self.rotate(row, &splats.axes[k]);
-            math.normalise(Number { mantissa, exponent }, bits)
-        });
-        let shear = |across, axis: usize| {
-            let along = math.opposite(math.times(projected.ratio[axis], z));
-            math.multiply(math.sum([across, along], bits), projected.gain[axis], bits)
-        };
-        [shear(x, 0), shear(y, 1)]
+        let x = self.turned(splats, k, 0, exponent);
+        let y = self.turned(splats, k, 1, exponent);
+        let z = self.turned(splats, k, 2, exponent);
+        [
+            self.shear(projected, 0, x, z),
+            self.shear(projected, 1, y, z),
+        ]
+    }
+
+    /// One row of W a.
+    #[inline(always)]
+    fn turned(&self, splats: &Splats<W>, k: usize, row: usize, exponent: Word<W>) -> Number<W> {
+        let mantissa = self.rotate(row, &splats.axes[k]);
+        self.math
+            .normalise(Number { mantissa, exponent }, self.bits())
+    }
+
+    /// A component seen along the viewing ray, times the gain.
+    #[inline(always)]
+    fn shear(
+        &self,
+        projected: &Projected<W>,
+        axis: usize,
+        across: Number<W>,
+        z: Number<W>,
+    ) -> Number<W> {
+        let (math, bits) = (self.math, self.bits());
+        let along = math.opposite(math.times(projected.ratio[axis], z));
+        math.multiply(math.sum([across, along], bits), projected.gain[axis], bits)
     }
 
     #[inline(always)]
@@ -216,22 +261,37 @@ impl<W: Wide> Stages<'_, W> {
         let (math, bits) = (self.math, self.bits());
         let h = math.number(self.rules.low_pass);
         let [a, b, c] = columns;
-        let product = |i: usize, j: usize| columns.map(|m| math.times(m[i], m[j]));
-        let [ax, bx, cx] = product(0, 0);
-        let xx = math.sum([ax, bx, cx, h], bits);
-        let yy_sharp = math.sum(product(1, 1), bits);
-        let xy = math.sum(product(0, 1), bits);
+        let xx = math.sum(
+            [
+                math.times(a[0], a[0]),
+                math.times(b[0], b[0]),
+                math.times(c[0], c[0]),
+                h,
+            ],
+            bits,
+        );
+        let yy_sharp = math.sum(
+            [
+                math.times(a[1], a[1]),
+                math.times(b[1], b[1]),
+                math.times(c[1], c[1]),
+            ],
+            bits,
+        );
+        let xy = math.sum(
+            [
+                math.times(a[0], a[1]),
+                math.times(b[0], b[1]),
+                math.times(c[0], c[1]),
+            ],
+            bits,
+        );
         let yy = math.sum([yy_sharp, h], bits);
         let trace = math.sum([xx, yy_sharp], bits);
-        let minor = |j: &[Number<W>; 2], k: &[Number<W>; 2]| {
-            let crossed = math.opposite(math.times(j[1], k[0]));
-            math.sum([math.times(j[0], k[1]), crossed], bits)
-        };
-        let squared = |minor| math.times(minor, minor);
         let terms = [
-            squared(minor(a, b)),
-            squared(minor(a, c)),
-            squared(minor(b, c)),
+            self.minor_squared(a, b),
+            self.minor_squared(a, c),
+            self.minor_squared(b, c),
             math.times(h, trace),
         ];
         Variance {
@@ -240,6 +300,15 @@ impl<W: Wide> Stages<'_, W> {
             yy,
             determinant: math.sum(terms, bits),
         }
+    }
+
+    /// The square of a 2x2 minor.
+    #[inline(always)]
+    fn minor_squared(&self, j: &[Number<W>; 2], k: &[Number<W>; 2]) -> Number<W> {
+        let math = self.math;
+        let crossed = math.opposite(math.times(j[1], k[0]));
+        let minor = math.sum([math.times(j[0], k[1]), crossed], self.bits());
+        math.times(minor, minor)
     }
 
     /// Curvature, spread, slope and stretch.
@@ -303,28 +372,24 @@ impl<W: Wide> Stages<'_, W> {
             leading = math.max(leading, own);
         }
         let exponent = math.plus(leading, 1 - i64::from(bits));
-        let mantissa = coefficients.map(|coefficient| {
+        let mut mantissa = [math.splat(0); 3];
+        for (mantissa, coefficient) in mantissa.iter_mut().zip(coefficients) {
             let aligned = Number {
                 exponent: math.sub(coefficient.exponent, exponent),
                 ..coefficient
             };
-            math.to_fixed(aligned, 0)
-        });
+            *mantissa = math.to_fixed(aligned, 0);
+        }
         self.unpackable(exponent, culled);
         (mantissa, exponent)
     }
 
     #[inline(always)]
-    fn peak(
-        &self,
-        weight: Number<W>,
-        projected: &Projected<W>,
-        variance: &Variance<W>,
-        inverse: Number<W>,
-    ) -> Number<W> {
+    fn peak(&self, weight: Number<W>, projected: &Projected<W>, inverse: Number<W>) -> Number<W> {
         let (math, bits) = (self.math, self.bits());
         let mut peak = weight;
         if self.rules.normalised {
+            // A variance without an inverse has been culled.
             let [x, y] = projected.ratio;
             let one = math.number(Scaled {
                 mantissa: 1,
@@ -337,8 +402,6 @@ impl<W: Wide> Stages<'_, W> {
             peak = math.multiply(peak, density, bits);
             let integral = math.number(self.rules.kernel.inverse_integral());
             peak = math.multiply(peak, integral, bits);
-            // A variance without an inverse has been culled.
-            let _ = variance;
         }
         let zero = math.splat(0);
         let positive = math.greater(weight.mantissa, zero);
@@ -405,8 +468,9 @@ impl<W: Wide> Stages<'_, W> {
         let low = math.sar(math.plus(math.sub(sample, wider), (1 << 32) - 1), 32);
         let high = math.plus(math.sar(math.add(sample, wider), 32), 1);
         let limit = math.splat(self.view.viewport[axis].into());
-        let clamp = |value| math.min(math.max(value, math.splat(0)), limit);
-        let (low, high) = (clamp(low), clamp(high));
+        let zero = math.splat(0);
+        let low = math.min(math.max(low, zero), limit);
+        let high = math.min(math.max(high, zero), limit);
         self.cull(culled, Cull::Outside, math.greater(math.plus(low, 1), high));
         (low, high)
     }
@@ -420,5 +484,29 @@ impl<W: Wide> Stages<'_, W> {
         let dark = math.greater(math.splat(1), fixed);
         self.cull(culled, Cull::Transparent, dark);
         fixed
+    }
+}
+
+/// One more than the reason's place in [`Cull::ALL`].
+pub const fn code(reason: Cull) -> i64 {
+    match reason {
+        Cull::Near => 1,
+        Cull::Far => 2,
+        Cull::Range => 3,
+        Cull::Degenerate => 4,
+        Cull::Transparent => 5,
+        Cull::Outside => 6,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_places() {
+        for (place, reason) in (1..).zip(Cull::ALL) {
+            assert_eq!(code(reason), place);
+        }
     }
 }
