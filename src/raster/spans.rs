@@ -43,6 +43,41 @@ pub struct SpanRows<L> {
     row: Row,
 }
 
+/// What the rows of one footprint are computed from, for implementations that compute several at once: [`SpanRows`] stays their
+/// definition.
+#[derive(Clone, Copy, Debug)]
+pub struct RowConstants<L> {
+    /// First row, and one past the last.
+    pub rows: [u16; 2],
+    /// Columns of the footprint's box, and of its part in the window.
+    pub bounds: [u16; 2],
+    /// See `bounds`.
+    pub visible: [u16; 2],
+    /// xc - 1/2 in the first row, Q.32 pixels, and its change per row.
+    pub centre: i64,
+    /// See `centre`.
+    pub slope: i64,
+    /// C dy^2 in the first row, its change and the change of its change, Q.52.
+    pub vertical: [i64; 3],
+    /// Cut-off and slack, Q.52.
+    pub reach: i64,
+    /// Mantissa of 1 / A, 1 if its exponent is odd, and the power of two of its root, Q.32.
+    pub spread: (u64, u32, i32),
+    /// Mantissa of A.
+    pub curvature: i64,
+    /// Right shifts: of dx from Q.32, of A dx, of the radial index and of its difference.
+    pub drops: (u32, u32, i32, i32),
+    /// Fraction bits of the runs' radial indices.
+    pub fraction: u32,
+    /// A, Q.fraction.
+    pub unit: i64,
+    /// 2 A in the lane's word.
+    pub second: L,
+}
+
+/// Fraction bits of [`RowConstants::vertical`].
+pub const VERTICAL_FRACTION: u32 = VERTICAL;
+
 /// What is left of the row being drawn.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
@@ -97,10 +132,29 @@ impl<L: Lane> SpanRows<L> {
         }
     }
 
-    /// Difference of differences of every run, 2 A in the lane's word.
+    /// What the rows to come are computed from.
     #[inline(always)]
-    pub fn second(&self) -> L {
-        self.seed.second
+    pub fn constants(&self) -> RowConstants<L> {
+        let (half, seed) = (&self.half_width, &self.seed);
+        RowConstants {
+            rows: [self.y, self.last_row],
+            bounds: self.bounds,
+            visible: self.visible,
+            centre: self.centre,
+            slope: self.slope,
+            vertical: [
+                self.vertical.value,
+                self.vertical.first,
+                self.vertical.second,
+            ],
+            reach: self.reach,
+            spread: (half.mantissa, half.odd, half.power),
+            curvature: seed.curvature,
+            drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
+            fraction: seed.fraction,
+            unit: seed.unit,
+            second: seed.second,
+        }
     }
 
     /// Opens the next row: its span within the window, from the block that contains the window's first column.

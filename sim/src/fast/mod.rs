@@ -12,8 +12,12 @@ pub mod lanes;
 pub mod order;
 mod paint;
 mod pixels;
+mod rows;
 pub mod setup;
 pub(crate) mod tile;
 
 pub use paint::{CHECK_INTERVAL, FastPainter, Results, Scratch, TilePainter, tile_painter};
 pub use tile::TILE;
+
+#[cfg(test)]
+mod tests;

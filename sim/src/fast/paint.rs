@@ -2,13 +2,14 @@
 
 use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
 use super::pixels::{Counts, Intervals, PixelPath, supports};
+use super::rows::{BLOCKS, RowBatch};
 use super::tile::Tile;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Classic8, Design, Lean18, Standard24, Traversal};
 use splatline::kernel::FootprintTable;
-use splatline::raster::{Rows, SpanRows, Window};
+use splatline::raster::{SpanRows, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -175,6 +176,7 @@ impl<D: Design<Lane = i32>> Painting<'_, '_, D> {
             &painter.intervals,
         );
         let mut counts = Counts::new(lanes);
+        let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
         let window = tile.window();
         for part in list.chunks(CHECK_INTERVAL) {
@@ -185,14 +187,20 @@ impl<D: Design<Lane = i32>> Painting<'_, '_, D> {
                 let Ok(footprint) = &footprints[*index as usize] else {
                     continue;
                 };
-                let mut rows = SpanRows::new(painter.design, footprint, &window);
-                let Some(brush) = path.brush(footprint, rows.second()) else {
+                let rows = SpanRows::new(painter.design, footprint, &window).constants();
+                let brush = path.brush(footprint, rows.second);
+                let fits = batch.fill(lanes, &rows, window.first[0]);
+                let (Some(brush), true) = (brush, fits) else {
                     coverage += paint_scalar(&painter.scalar, footprint, tile);
                     continue;
                 };
-                while let Some(run) = rows.next_run() {
-                    let x = run.x - window.first[0];
-                    path.paint(&brush, &run, x, tile.row(run.y), &mut counts);
+                for row in 0..batch.rows() {
+                    for block in 0..BLOCKS {
+                        if let Some(run) = batch.run(&rows, row, block) {
+                            let x = run.x - window.first[0];
+                            path.paint(&brush, &run, x, tile.row(run.y), &mut counts);
+                        }
+                    }
                 }
             }
             if tile.is_finished() {

@@ -389,6 +389,9 @@ pub(super) fn paint_tiles(
 }
 
 /// Every tile on some core: `paint` is given a thread's scratch memory, the tile's window, its list and its rows of the frame.
+///
+/// Not inlined, so that a profiler can tell it from the rest.
+#[inline(never)]
 fn paint_frame<S>(
     widths: &Widths,
     tiles: &TileLists,

@@ -121,7 +121,7 @@ impl<W: Wide> Arithmetic<W> {
 
     /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded.
     #[inline(always)]
-    fn align(self, value: Word<W>, shift: Word<W>) -> Word<W> {
+    pub fn align(self, value: Word<W>, shift: Word<W>) -> Word<W> {
         let zero = self.splat(0);
         let above = self.lanes.wide_sar(value, self.plus(shift, -1));
         let right = self.sar(self.plus(above, 1), 1);
@@ -309,9 +309,9 @@ impl<W: Wide> Arithmetic<W> {
         }
     }
 
-    /// `root_seed` of positive numbers.
+    /// `root_seed` of positive numbers without a sign.
     #[inline(always)]
-    fn root_seed(self, value: Word<W>) -> (Word<W>, Word<W>) {
+    pub fn root_seed(self, value: Word<W>) -> (Word<W>, Word<W>) {
         let even = self.and(self.lanes.wide_leading_zeros(value), !1);
         let normal = self.lanes.wide_shl(value, even);
         let index = self.plus(self.shr(normal, 56), -64);
