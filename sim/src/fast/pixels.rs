@@ -76,8 +76,24 @@ impl Products {
         Products {
             opacity: drop(rounding, constants.opacity_shift, peak + weight),
             share: drop(rounding, constants.share_shift, transmittance + alpha),
-            colour: drop(rounding, constants.colour_shift, transmittance + colour),
+            colour: drop(
+                rounding,
+                constants.colour_shift + raise(widths, constants) as i32,
+                transmittance + colour + raise(widths, constants),
+            ),
         }
+    }
+}
+
+/// How far colours can be shifted to the left once per footprint, so that the product's result lies in its upper word and needs no shift.
+#[inline(always)]
+const fn raise(widths: &Widths, constants: &BlendConstants) -> u32 {
+    let shift = constants.colour_shift;
+    let wide = widths.transmittance as u32 + 1 + 4 + widths.colour as u32 > 31;
+    if wide && shift <= 32 && 4 + widths.colour as i32 + 32 - shift <= 32 {
+        (32 - shift) as u32
+    } else {
+        0
     }
 }
 
@@ -123,6 +139,8 @@ pub struct PixelPath<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> {
     widths: Widths,
     products: Products,
     intervals: &'a Intervals,
+    /// Left shift of a footprint's colours.
+    raise: u32,
     /// Fraction bits of the position within an interval, if the table is interpolated.
     rest_bits: u32,
     kept_bits: u32,
@@ -192,6 +210,7 @@ impl<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> PixelPath<'a, L, S
             widths,
             products: Products::new(&widths, &constants),
             intervals,
+            raise: raise(&widths, &constants),
             rest_bits,
             kept_bits: u32::from(widths.interpolation).min(rest_bits),
             iota: lanes.iota(),
@@ -229,9 +248,9 @@ impl<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> PixelPath<'a, L, S
             end: lanes.splat(end as u32),
             peak: lanes.splat(footprint.peak),
             colour: [
-                lanes.splat(footprint.colour[0]),
-                lanes.splat(footprint.colour[1]),
-                lanes.splat(footprint.colour[2]),
+                lanes.splat(footprint.colour[0] << self.raise),
+                lanes.splat(footprint.colour[1] << self.raise),
+                lanes.splat(footprint.colour[2] << self.raise),
             ],
             ahead: [
                 lanes.mul(triangle, seconds),

@@ -83,7 +83,7 @@ fn usual_widths() -> impl Strategy<Value = Widths> {
     })
 }
 
-const VIEWPORT: [u16; 2] = [150, 40];
+const VIEWPORT: [u16; 2] = [150, 77];
 
 /// Any words at all; the box within the viewport, as the packet promises.
 fn arbitrary() -> impl Strategy<Value = Footprint> {
