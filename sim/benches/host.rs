@@ -3,7 +3,7 @@
 //! `splatline results --only host` prints the comparison with ratios, on captured scenes too; this bench is for watching one engine change.
 
 use divan::Bencher;
-use rayon::{ThreadPool, ThreadPoolBuilder};
+use rayon::ThreadPoolBuilder;
 use splatline::format::Traversal;
 use splatline_sim::baseline::scene::Reach;
 use splatline_sim::baseline::{FloatScene, boxes, spans};
@@ -15,6 +15,8 @@ use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{Scene, synthetic};
 
 fn main() {
+    let pool = ThreadPoolBuilder::new().num_threads(1).build_global();
+    pool.expect("no other pool has been started");
     divan::main();
 }
 
@@ -28,23 +30,18 @@ fn scene((thousands, multiplier): (usize, f64)) -> (Scene, Camera) {
     (scene, synthetic::camera(512, 512))
 }
 
-fn one_thread() -> ThreadPool {
-    let pool = ThreadPoolBuilder::new().num_threads(1).build();
-    pool.expect("one thread can be started")
-}
-
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn baseline_boxes(bencher: Bencher, what: (usize, f64)) {
     let (scene, camera) = scene(what);
     let floats = FloatScene::new(&scene, &camera, RULES);
-    one_thread().install(|| bencher.bench(|| boxes::draw(&floats, Reach::Sigmas)));
+    bencher.bench(|| boxes::draw(&floats, Reach::Sigmas));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn baseline_spans(bencher: Bencher, what: (usize, f64)) {
     let (scene, camera) = scene(what);
     let floats = FloatScene::new(&scene, &camera, RULES);
-    one_thread().install(|| bencher.bench(|| spans::draw(&floats, Choice::Best)));
+    bencher.bench(|| spans::draw(&floats, Choice::Best));
 }
 
 fn kernel(bencher: Bencher, what: (usize, f64), design: &str, engine: Engine) {
@@ -57,8 +54,7 @@ fn kernel(bencher: Bencher, what: (usize, f64), design: &str, engine: Engine) {
         design: &design,
         traversal: Traversal::Spans,
     };
-    one_thread()
-        .install(|| bencher.bench(|| draw_quantised(&quantised, &camera, &options, engine)));
+    bencher.bench(|| draw_quantised(&quantised, &camera, &options, engine));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]

@@ -214,7 +214,8 @@ impl FloatScene {
             let limit = f32::from(self.viewport[axis]);
             let low = (centre[axis] - extent[axis] - 0.5).ceil().max(0.0);
             let high = ((centre[axis] + extent[axis] - 0.5).floor() + 1.0).min(limit);
-            if !(low < high) {
+            // NaN has been culled: the cut-off and the variance are positive numbers.
+            if low >= high {
                 return None;
             }
             (window.first[axis], window.last[axis]) = (low as u16, high as u16);

@@ -20,7 +20,7 @@ const ROOM: usize = ROWS + 8;
 /// Blocks of a tile's row that have seeds of their own.
 pub const BLOCKS: usize = (TILE[0] / BLOCK) as usize;
 
-const _: () = assert!(TILE[0] % BLOCK == 0 && BLOCK > 0);
+const _: () = assert!(TILE[0].is_multiple_of(BLOCK) && BLOCK > 0);
 
 /// The runs of one footprint's rows in one block of a tile.
 struct Spans {
