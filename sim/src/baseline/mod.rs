@@ -6,7 +6,7 @@
 //! | (b) [`spans`] | the kernel's own traversal, tiles, order and vectors with floating-point pixels and a polynomial `exp` |
 //!
 //! Between (a) and the kernel lies the gain of the algorithm and of the arithmetic together; between (b) and the kernel that of the
-//! arithmetic alone. Both share [`scene`], the usual single-precision setup, and draw by the same [`Rules`]: the same footprints end where
+//! arithmetic alone. Both share [`scene`], the usual single-precision setup, and draw by the same [`Rules`](crate::rules::Rules): the same footprints end where
 //! the same cut-off says, opacities are clamped, skipped and finished alike. They draw front to back only.
 
 pub mod boxes;
