@@ -6,9 +6,11 @@
 //! [`metrics`] compares two pictures and [`report`] tells people about it.
 
 pub mod atomic;
+pub mod baseline;
 pub mod camera;
 pub mod design;
 pub mod explore;
+pub mod fast;
 pub mod fixed;
 pub mod gallery;
 pub mod hybrid;

@@ -2,6 +2,7 @@
 
 mod designs;
 mod hardware;
+mod host;
 mod layouts;
 mod points;
 mod speed;
@@ -42,6 +43,13 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         ResultsPage::Hardware => {
             hardware::run(&options.data, &options.output)?;
             Ok(None)
+        }
+        ResultsPage::Host => {
+            let text = host::run(&options.data)?;
+            Ok(Some(Page {
+                file: "fast.md",
+                text,
+            }))
         }
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;
