@@ -74,7 +74,8 @@ impl Scaled {
     }
 
     /// Product rounded to `bits`.
-    #[inline(always)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     pub const fn multiply(self, other: Scaled, bits: u32) -> Scaled {
         self.times(other).normalise(bits)
     }
@@ -89,7 +90,8 @@ impl Scaled {
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[inline(always)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
         shift_signed(
             self.mantissa as i64,
@@ -108,13 +110,15 @@ impl Scaled {
 
 impl Product {
     /// Rounded to `bits`.
-    #[inline(always)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     pub const fn normalise(self, bits: u32) -> Scaled {
         Scaled::from_wide(self.value, self.exponent, bits)
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[inline(always)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
         shift_signed(
             self.value,

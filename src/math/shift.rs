@@ -9,7 +9,8 @@
 use crate::format::Rounding;
 
 /// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
-#[inline(always)]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(target_pointer_width = "32", inline)]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
         return value;
@@ -32,7 +33,8 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
-#[inline(always)]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(target_pointer_width = "32", inline)]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
     if shift >= 0 {
         shift_round(value, shift as u32)
