@@ -1,12 +1,14 @@
 //! The splat primitive: the units chained, from a footprint to the pixels of a target.
 
 mod hybrid;
+mod narrow;
 mod sphere;
 mod stamp;
 pub mod surface;
 mod visit;
 
 pub use hybrid::Gathering;
+pub use narrow::{NarrowError, NarrowPainter};
 pub use sphere::Perspective;
 
 use crate::blend::{Blend, Pixel};

@@ -47,7 +47,7 @@ pub struct Scan {
 }
 
 /// The conic form: r = a dx^2 + 2 b dx dy + c dy^2 with one exponent for the three coefficients, per square pixel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Conic {
     /// Mantissas of a, b, c; the largest uses all of the design's mantissa bits.
     pub mantissa: [i32; 3],

@@ -133,6 +133,8 @@ impl Widths {
 /// Arithmetic wraps: the values that matter lie in `[0, 16)`, and differences that leave the word belong to
 /// pixels outside the footprint, which are never visited after them.
 pub trait Lane: Copy + core::fmt::Debug + PartialEq {
+    /// Bits of the word.
+    const BITS: u32;
     /// The low bits of `value`.
     fn from_wide(value: i64) -> Self;
     /// Sign-extended value.
@@ -142,6 +144,7 @@ pub trait Lane: Copy + core::fmt::Debug + PartialEq {
 }
 
 impl Lane for i32 {
+    const BITS: u32 = i32::BITS;
     #[inline(always)]
     fn from_wide(value: i64) -> Self {
         value as i32
@@ -157,6 +160,7 @@ impl Lane for i32 {
 }
 
 impl Lane for i64 {
+    const BITS: u32 = i64::BITS;
     #[inline(always)]
     fn from_wide(value: i64) -> Self {
         value
@@ -210,7 +214,7 @@ pub struct Classic8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lean18;
 
-/// 24-bit mantissas, 32-bit pixel lanes.
+/// At least as accurate as single precision on hard cases, but for three ends of formats (docs/error-analysis.md); 32-bit pixel lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Standard24;
 
@@ -260,17 +264,17 @@ impl Standard24 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
         view: 30,
-        mantissa: 24,
-        subpixel: 20,
+        mantissa: 28,
+        subpixel: 24,
         radial: 27,
-        table: 10,
-        interpolation: 14,
-        weight: 24,
+        table: 12,
+        interpolation: 15,
+        weight: 26,
         peak: 28,
-        alpha: 24,
+        alpha: 26,
         transmittance: 30,
-        colour: 18,
-        accumulator: 24,
+        colour: 24,
+        accumulator: 26,
         rounding: Rounding::Nearest,
     };
 }

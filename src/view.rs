@@ -70,9 +70,9 @@ impl View {
 /// An entry of W in Q1.30 with all but `bits` fraction bits rounded away.
 #[inline(always)]
 pub fn round_entry(entry: I2F30, bits: u32) -> i64 {
-    let drop = 30u32.saturating_sub(bits);
-    crate::math::shift_left(
-        crate::math::shift_round(i64::from(entry.to_bits()), drop),
-        drop,
-    )
+    let entry = i64::from(entry.to_bits());
+    match 30u32.saturating_sub(bits) {
+        0 => entry,
+        drop => (entry + (1 << (drop - 1))) & (-1 << drop),
+    }
 }

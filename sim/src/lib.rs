@@ -26,6 +26,8 @@ pub mod sheets;
 pub mod stability;
 pub mod study;
 pub mod surface;
+pub mod systems;
+pub mod texture;
 pub mod trace;
 pub mod vector;
 pub mod vectors;

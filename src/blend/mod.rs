@@ -122,6 +122,11 @@ impl Blend {
             widths.colour as i32,
             widths.accumulator as i32,
         ];
+        // Truncation adds no rounding constant.
+        let unrounded = match widths.rounding {
+            Rounding::Nearest => 0,
+            Rounding::Truncate => 1,
+        };
         Blend {
             // At most 1, so that a share never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
@@ -134,12 +139,18 @@ impl Blend {
             share_shift: alpha,
             colour_shift: transmittance + colour - accumulator,
             layer_shift: alpha + colour - accumulator,
-            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must not exceed 2^weight.
-            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + 1,
+            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must be less than 2^weight.
+            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + unrounded,
             share_narrow: transmittance + alpha <= 31,
-            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + 1,
-            sums_fit: accumulator <= 20,
+            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + unrounded,
+            // Without rounding (a shift of 0) not even that unit.
+            sums_fit: accumulator <= 20 || transmittance + colour <= accumulator,
         }
+    }
+
+    /// Do all products of "over" fit 32 bits, and its sums stay below the word's end?
+    pub const fn is_narrow(&self) -> bool {
+        self.opacity_narrow && self.share_narrow && self.colour_narrow && self.sums_fit
     }
 
     /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
@@ -150,10 +161,42 @@ impl Blend {
         if alpha < self.alpha_min { 0 } else { alpha }
     }
 
+    /// Can the opacity of a splat with this peak (UQ4.peak) exceed the clamp? No kernel is above 1.
+    #[inline(always)]
+    pub fn is_clamped(&self, peak: u32, weight_bits: u8) -> bool {
+        let one = 1 << weight_bits;
+        self.product(peak, one, self.opacity_narrow, self.opacity_shift) > u64::from(self.alpha_max)
+    }
+
+    /// [`Blend::opacity`] of a splat that [is not clamped](Blend::is_clamped); `None` if the rules skip it.
+    #[inline(always)]
+    pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> Option<u32> {
+        let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift) as u32;
+        (alpha >= self.alpha_min).then_some(alpha)
+    }
+
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
     #[inline(always)]
     pub fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let Some((share, after)) = self.absorb(pixel, alpha) else {
+        self.over(pixel, alpha, colour, u32::saturating_sub);
+    }
+
+    /// The same where alpha comes from [`Blend::opacity`] and the pixel from [`Pixel::clear`]: alpha and T are at most 1, so that the
+    /// share never exceeds T and nothing needs to saturate.
+    #[inline(always)]
+    pub fn front_to_back_of_opacity(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
+        self.over(pixel, alpha, colour, u32::wrapping_sub);
+    }
+
+    #[inline(always)]
+    fn over(
+        &self,
+        pixel: &mut Pixel,
+        alpha: u32,
+        colour: &[u32; 3],
+        without: impl Fn(u32, u32) -> u32,
+    ) {
+        let Some((share, after)) = self.absorb(pixel, alpha, without) else {
             return;
         };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
@@ -168,12 +211,17 @@ impl Blend {
     }
 
     /// The share g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where the rules leave out
-    /// the layer that would finish the pixel; the pixel is then marked.
+    /// the layer that would finish the pixel; the pixel is then marked. `without` subtracts the share from T.
     #[inline(always)]
-    fn absorb(&self, pixel: &mut Pixel, alpha: u32) -> Option<(u32, u32)> {
+    fn absorb(
+        &self,
+        pixel: &mut Pixel,
+        alpha: u32,
+        without: impl Fn(u32, u32) -> u32,
+    ) -> Option<(u32, u32)> {
         let transmittance = pixel.transmittance;
         let share = self.product(transmittance, alpha, self.share_narrow, self.share_shift) as u32;
-        let rest = transmittance.saturating_sub(share);
+        let rest = without(transmittance, share);
         let stop = rest <= self.stop;
         if stop && self.stop_before {
             pixel.transmittance |= FINISHED;

@@ -110,7 +110,7 @@ impl Blend {
             colour
         };
         let transmittance = u64::from(pixel.transmittance);
-        let Some((_, after)) = self.absorb(pixel, opacity.min(one)) else {
+        let Some((_, after)) = self.absorb(pixel, opacity.min(one), u32::saturating_sub) else {
             return;
         };
         // UQ1.transmittance times UQ4.accumulator.

@@ -5,6 +5,7 @@
 //! too small. It only bounds the pixels visited; each pixel still compares its own opacity.
 
 use super::scaled::Scaled;
+use super::words::leading_zeros;
 
 /// log2(1 + i/32) in UQ1.16: `log2` by repeated squaring, one bit of the result per step.
 pub static LOGARITHMS: [u32; 33] = {
@@ -39,7 +40,7 @@ pub fn log2_upper(value: Scaled) -> Option<i32> {
         return None;
     }
     let magnitude = value.mantissa.unsigned_abs();
-    let x = magnitude << magnitude.leading_zeros();
+    let x = magnitude << leading_zeros(magnitude);
     let index = ((x >> 26) & 31) as usize;
     let rest = (x >> 10) & 0xffff;
     let low = LOGARITHMS[index & 31];

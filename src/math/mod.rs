@@ -5,6 +5,7 @@ mod reciprocal;
 mod scaled;
 mod shift;
 mod sqrt;
+pub(crate) mod words;
 
 pub use log2::{LOGARITHMS, log2_upper};
 pub use reciprocal::{RECIPROCALS, reciprocal};

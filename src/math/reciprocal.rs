@@ -7,6 +7,7 @@
 
 use super::scaled::Scaled;
 use super::shift::shift_round;
+use super::words::leading_zeros;
 
 const INTERVALS: usize = 256;
 
@@ -25,13 +26,14 @@ pub static RECIPROCALS: [u32; INTERVALS + 1] = {
 /// `1 / value` rounded to `bits`. The sign is kept; 0 gives `None`.
 ///
 /// Relative error: at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-17.9` below (tested exhaustively at 16 bits).
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
     if value.mantissa == 0 {
         return None;
     }
     // x in [1, 2) as UQ1.31: value = +-x * 2^leading.
     let magnitude = value.mantissa.unsigned_abs();
-    let x = magnitude << magnitude.leading_zeros();
+    let x = magnitude << leading_zeros(magnitude);
     let index = ((x >> 23) & 0xff) as usize;
     let rest = (x & 0x7f_ffff) as i64;
     let low = RECIPROCALS[index & 0xff] as i64;

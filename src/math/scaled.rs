@@ -6,7 +6,10 @@
 //!
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
-use super::shift::{shift_round, shift_signed};
+use super::shift::{shift_left, shift_signed};
+use super::words::{
+    leading_bits, leading_zeros, leading_zeros_wide, product, shift_word, shifted_up,
+};
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -37,29 +40,25 @@ impl Scaled {
     };
 
     /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> Scaled {
         if value == 0 {
             return Scaled::ZERO;
         }
-        let length = 64 - value.unsigned_abs().leading_zeros() as i32;
-        let shift = length - bits as i32;
-        // A magnitude of 2^63 has no spare bit for the rounding constant: drop one bit first.
-        let mantissa = if shift > 31 {
-            shift_round(value >> 1, shift as u32 - 1)
-        } else {
-            shift_signed(value, shift)
-        };
-        let exponent = exponent.saturating_add(shift);
-        if mantissa.unsigned_abs() >> bits != 0 {
-            return Scaled {
-                mantissa: (mantissa / 2) as i32,
-                exponent: exponent.saturating_add(1),
-            };
+        // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
+        let (mut magnitude, zeros) = leading_bits(value.unsigned_abs(), bits, value > 0);
+        let mut exponent = exponent.saturating_add(64 - zeros as i32 - bits as i32);
+        if magnitude.wrapping_shr(bits) != 0 {
+            magnitude >>= 1;
+            exponent = exponent.saturating_add(1);
         }
         Scaled {
-            mantissa: mantissa as i32,
+            mantissa: if value < 0 {
+                (magnitude as i32).wrapping_neg()
+            } else {
+                magnitude as i32
+            },
             exponent,
         }
     }
@@ -68,14 +67,13 @@ impl Scaled {
     #[inline(always)]
     pub const fn times(self, other: Scaled) -> Product {
         Product {
-            value: self.mantissa as i64 * other.mantissa as i64,
+            value: product(self.mantissa, other.mantissa),
             exponent: self.exponent.saturating_add(other.exponent),
         }
     }
 
     /// Product rounded to `bits`.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline)]
+    #[inline]
     pub const fn multiply(self, other: Scaled, bits: u32) -> Scaled {
         self.times(other).normalise(bits)
     }
@@ -90,35 +88,34 @@ impl Scaled {
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
-        shift_signed(
-            self.mantissa as i64,
-            0i32.saturating_sub(self.exponent)
-                .saturating_sub(fraction as i32),
-        )
+        let up = self.exponent.saturating_add(fraction as i32);
+        match up {
+            ..=-1 => shift_word(self.mantissa, up.saturating_neg()) as i64,
+            0..=31 => shifted_up(self.mantissa as i64 as u64, up as u32) as i64,
+            _ => shift_left(self.mantissa as i64, up as u32),
+        }
     }
 
     /// Position of the leading bit: `2^leading <= |self| < 2^(leading + 1)`; very negative for 0.
     #[inline(always)]
     pub const fn leading(self) -> i32 {
-        let length = 32 - self.mantissa.unsigned_abs().leading_zeros() as i32;
+        let length = 32 - leading_zeros(self.mantissa.unsigned_abs()) as i32;
         self.exponent.saturating_add(length - 1)
     }
 }
 
 impl Product {
     /// Rounded to `bits`.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline)]
+    #[inline]
     pub const fn normalise(self, bits: u32) -> Scaled {
         Scaled::from_wide(self.value, self.exponent, bits)
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    #[cfg_attr(target_pointer_width = "32", inline)]
+    #[inline]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
         shift_signed(
             self.value,
@@ -131,14 +128,20 @@ impl Product {
 /// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
 ///
 /// Alignment error: at most half of `2^-60` of the largest term for each term.
-#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-#[cfg_attr(target_pointer_width = "32", inline(never))]
+#[inline]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
     const { assert!(N <= 4) };
+    sum(&terms, bits)
+}
+
+/// One function for any number of terms: a copy per number would be a tenth of a small image.
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+fn sum(terms: &[Product], bits: u32) -> Scaled {
     let mut leading = i32::MIN;
     for term in terms {
         if term.value != 0 {
-            let length = 64 - term.value.unsigned_abs().leading_zeros() as i32;
+            let length = 64 - leading_zeros_wide(term.value.unsigned_abs()) as i32;
             leading = leading.max(term.exponent.saturating_add(length));
         }
     }
@@ -149,7 +152,14 @@ pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled
     let mut sum = 0i64;
     for term in terms {
         if term.value != 0 {
-            sum = sum.wrapping_add(shift_signed(term.value, unit.saturating_sub(term.exponent)));
+            let shift = unit.saturating_sub(term.exponent);
+            // To the left nothing leaves the word, by the choice of the unit, unless the exponent is at its end.
+            let aligned = if shift < 0 && leading < i32::MAX {
+                shifted_up(term.value as u64, shift.unsigned_abs()) as i64
+            } else {
+                shift_signed(term.value, shift)
+            };
+            sum = sum.wrapping_add(aligned);
         }
     }
     Scaled::from_wide(sum, unit, bits)
@@ -183,6 +193,46 @@ mod tests {
             let largest = terms.iter().map(|t| (t.value as f64 * (t.exponent as f64).exp2()).abs()).fold(0.0, f64::max);
             let error = (value(sum_of_products(terms, bits)) - exact).abs();
             prop_assert!(error <= exact.abs() * (-(bits as f64)).exp2() * 1.0001 + largest * 1e-15, "{error} {exact}");
+        }
+
+        /// The oracle rounds in 128 bits.
+        #[test]
+        fn normalising_by_words_is_normalising(wide: i64, drop in 0u32..64, tail in 0u32..4, bits in 1u32..=31) {
+            // Half of the values are short, some end in a half or next to it.
+            let wide = wide >> drop;
+            let wide = [wide, wide & -1 << 32, (wide & -1 << 33) | 1 << 32, (wide & -1 << 33) | 1][tail as usize];
+            let got = Scaled::from_wide(wide, 3, bits);
+            if wide == 0 {
+                prop_assert_eq!(got, Scaled::ZERO);
+                return Ok(());
+            }
+            let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
+            let rounded = if shift > 0 {
+                (i128::from(wide) + (1 << (shift - 1))) >> shift
+            } else {
+                i128::from(wide) << -shift
+            };
+            let carried = rounded.unsigned_abs() >> bits != 0;
+            let mantissa = if carried { rounded / 2 } else { rounded };
+            prop_assert_eq!(got, Scaled { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
+        }
+
+        #[test]
+        fn fixed_point_by_words_is_a_shift(mantissa: i32, exponent in -100i32..80, fraction in 0u32..64) {
+            let expected = shift_signed(mantissa.into(), -exponent - fraction as i32);
+            prop_assert_eq!(Scaled { mantissa, exponent }.to_fixed(fraction), expected);
+        }
+
+        /// The oracle aligns with shifts that saturate.
+        #[test]
+        fn alignment_needs_no_saturation(parts: [(i64, i8, u8); 4], last in prop_oneof![Just(0), Just(i32::MAX - 127)]) {
+            let terms = parts.map(|(value, e, drop)| Product { value: value >> (2 + drop % 62), exponent: last + e as i32 });
+            let length = |t: &Product| t.exponent.saturating_add(64 - t.value.unsigned_abs().leading_zeros() as i32);
+            let Some(leading) = terms.iter().filter(|t| t.value != 0).map(length).max() else { return Ok(()) };
+            let unit = leading.saturating_sub(60);
+            let aligned = terms.iter().filter(|t| t.value != 0).map(|t| shift_signed(t.value, unit.saturating_sub(t.exponent)));
+            let sum = aligned.fold(0, i64::wrapping_add);
+            prop_assert_eq!(sum_of_products(terms, 20), Scaled::from_wide(sum, unit, 20));
         }
 
         #[test]

@@ -6,11 +6,11 @@
 //! Where 64-bit shifts are library calls (32-bit processors) the saturating shift is a function of its own: half of the code of setup
 //! would otherwise be copies of it. Shifts by constants still fold.
 
+use super::words::{leading_zeros_wide, rounded_down, shifted_up};
 use crate::format::Rounding;
 
 /// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
-#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-#[cfg_attr(target_pointer_width = "32", inline)]
+#[inline]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
         return value;
@@ -22,25 +22,30 @@ pub const fn shift_round(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^shift` saturated to the type. `shift >= 63` saturates anything but 0.
-#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_left(value: i64, shift: u32) -> i64 {
-    let head_room = value.unsigned_abs().leading_zeros();
-    if value == 0 || shift < head_room {
-        return if shift < 64 { value << shift } else { 0 };
+    let head_room = leading_zeros_wide(value.unsigned_abs());
+    if value == 0 {
+        return 0;
+    }
+    if shift < head_room {
+        return shifted_up(value as u64, shift) as i64;
     }
     if value < 0 { i64::MIN } else { i64::MAX }
 }
 
 /// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
-#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-#[cfg_attr(target_pointer_width = "32", inline)]
+#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
-    if shift >= 0 {
-        shift_round(value, shift as u32)
-    } else {
-        shift_left(value, shift.unsigned_abs())
+    if shift < 0 {
+        return shift_left(value, shift.unsigned_abs());
     }
+    if shift == 0 {
+        return value;
+    }
+    rounded_down(value, shift as u32)
 }
 
 /// `value / 2^shift` in the pixel path, by the design's rounding. `shift >= 64` gives 0; a negative shift

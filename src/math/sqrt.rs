@@ -6,7 +6,7 @@
 
 use super::reciprocal::reciprocal;
 use super::scaled::{Product, Scaled, sum_of_products};
-use super::shift::shift_round;
+use super::words::{leading_zeros_wide, shifted_up};
 
 const FIRST: usize = 64;
 const LAST: usize = 256;
@@ -26,25 +26,27 @@ pub static ROOTS: [u32; LAST - FIRST + 1] = {
 /// Square root of a 64-bit integer as `(root, shift)`: `sqrt(value) = root * 2^shift`, `root` in UQ0.24 of the range [1/2, 1).
 ///
 /// Relative error below 2^-16.9 (tested). 0 gives `(0, 0)`. The shift lies in -24 ..= 8.
-#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-#[cfg_attr(target_pointer_width = "32", inline)]
+#[inline]
 pub fn root_seed(value: u64) -> (u32, i32) {
     if value == 0 {
         return (0, 0);
     }
-    let even = value.leading_zeros() & !1;
-    let normal = value << even; // top two bits not both 0: [1/4, 1) as UQ0.64
-    let index = (normal >> 56) as usize;
-    let rest = ((normal >> 40) & 0xffff) as i64;
-    let at = |i: usize| ROOTS.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0) as i64;
+    let even = leading_zeros_wide(value) & !1;
+    let normal = (shifted_up(value, even) >> 32) as u32; // top two bits not both 0: [1/4, 1) as UQ0.32
+    let index = (normal >> 24) as usize;
+    let rest = (normal >> 8) & 0xffff;
+    let at = |i: usize| ROOTS.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
     let (low, high) = (at(index), at(index + 1));
-    let root = low + shift_round((high - low) * rest, 16);
-    (root as u32, 8 - (even / 2) as i32)
+    // Entries are at most 65,282 apart (between 64/256 and 65/256), so that the product and half a unit fit 32 bits.
+    let step = high.wrapping_sub(low).wrapping_mul(rest);
+    let root = low.wrapping_add(step.wrapping_add(1 << 15) >> 16);
+    (root, 8 - (even / 2) as i32)
 }
 
 /// Square root rounded to `bits`; negative numbers and 0 give 0.
 ///
 /// Relative error at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-16.9` below.
+#[cfg_attr(target_pointer_width = "32", inline(never))]
 pub fn square_root(value: Scaled, bits: u32) -> Scaled {
     if value.mantissa <= 0 {
         return Scaled::ZERO;
@@ -88,6 +90,25 @@ mod tests {
             value += value / 97 + 1;
         }
         assert!(worst < 2f64.powf(-16.9), "{:.2} bits", -worst.log2());
+    }
+
+    /// The same by shifts of 64 bits.
+    #[test]
+    fn seeds_by_words_are_seeds() {
+        let mut value: u64 = 1;
+        while value < u64::MAX / 3 {
+            for candidate in [value, value + value / 3, value.rotate_left(7)] {
+                let even = candidate.leading_zeros() & !1;
+                let normal = candidate << even;
+                let at = |i: u64| i64::from(ROOTS[i as usize - FIRST]);
+                let (low, high) = (at(normal >> 56), at((normal >> 56) + 1));
+                let step = (high - low) * ((normal >> 40) & 0xffff) as i64;
+                let expected = (low + ((step + (1 << 15)) >> 16), 8 - (even / 2) as i32);
+                let (root, shift) = root_seed(candidate);
+                assert_eq!((i64::from(root), shift), expected, "{candidate}");
+            }
+            value += value / 97 + 1;
+        }
     }
 
     #[test]

@@ -4,17 +4,23 @@
 //! in 64-bit integers (Q.32 pixels, Q11.52). A row's half-width is sqrt((c - C dy^2) / A) from the root
 //! table; at its start the radial index is seeded by two multiplications and then differenced in the lanes.
 //!
-//! Two things bound the error. Seeds are taken anew at every multiple of [`BLOCK`] columns, so that the rounding of the second
-//! difference (half a unit) grows to at most `BLOCK^2 / 2` half-units. And the slack added to c makes spans include
-//! every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the lane's own comparison rejects.
+//! Three things bound the error. Seeds are taken anew at every multiple of [`BLOCK`] columns. Seeds are balanced: the lanes' second difference
+//! is 2 A rounded, and the error e n^2 that this makes n pixels from a block's start is met by the line e (n BLOCK - BLOCK^2/8), which is folded
+//! into the constants of the seed, so that an eighth of e BLOCK^2 is left at most (e is up to a quarter of the lanes' unit; [`BLOCK`]^2/32 units).
+//! And the slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10,
+//! which the lane's own comparison rejects.
 
 use super::{Quadratic, Rows, Run, Window};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane};
+use crate::math::words::shift_word;
 use crate::math::{Scaled, root_seed, shift_left, shift_round, shift_signed};
 
 /// Columns between two seeds of the radial index within a row.
-pub const BLOCK: u16 = 64;
+pub const BLOCK: u16 = 32;
+
+/// Bits of the curvature below the lanes' unit from which the seeds are balanced.
+pub const GUARD: u32 = 8;
 
 /// Fraction bits of C dy^2.
 const VERTICAL: u32 = 52;
@@ -69,8 +75,10 @@ pub struct RowConstants<L> {
     pub drops: (u32, u32, i32, i32),
     /// Fraction bits of the runs' radial indices.
     pub fraction: u32,
-    /// A, Q.fraction.
+    /// Added to 2 A dx for a run's first difference, and to its first radial index, Q.fraction.
     pub unit: i64,
+    /// See `unit`.
+    pub start: i64,
     /// 2 A in the lane's word.
     pub second: L,
 }
@@ -108,11 +116,14 @@ impl<L: Lane> SpanRows<L> {
         let slope = scan.slope.to_fixed(32);
         let skipped = visible.first[1] - bounds.first[1];
         let mut vertical = vertical(scan.stretch, dy, mantissa);
-        vertical.jump(skipped);
-        let centre = shift_left(footprint.centre[0], 32 - subpixel)
+        let mut centre = shift_left(footprint.centre[0], 32 - subpixel)
             .wrapping_sub(1 << 31)
-            .wrapping_add(scan.slope.times(dy).to_fixed(32))
-            .wrapping_add(slope.wrapping_mul(skipped.into()));
+            .wrapping_add(scan.slope.times(dy).to_fixed(32));
+        // Four 64-bit products, which a window that begins above the footprint saves a small processor.
+        if skipped > 0 {
+            vertical.jump(skipped);
+            centre = centre.wrapping_add(slope.wrapping_mul(skipped.into()));
+        }
         SpanRows {
             y: visible.first[1],
             last_row: if visible.is_empty() {
@@ -148,11 +159,12 @@ impl<L: Lane> SpanRows<L> {
                 self.vertical.second,
             ],
             reach: self.reach,
-            spread: (half.mantissa, half.odd, half.power),
+            spread: (half.mantissa.into(), half.odd, half.power),
             curvature: seed.curvature,
             drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
             fraction: seed.fraction,
-            unit: seed.unit,
+            unit: seed.balance.unit,
+            start: seed.balance.start,
             second: seed.second,
         }
     }
@@ -169,14 +181,10 @@ impl<L: Lane> SpanRows<L> {
         };
         let rest = self.reach.wrapping_sub(row.vertical);
         if rest > 0 {
-            let half = self.half_width.of(rest);
-            let low = row
-                .centre
-                .saturating_sub(half)
-                .saturating_add((1 << 32) - 1)
-                >> 32;
-            let high = (row.centre.saturating_add(half) >> 32).saturating_add(1);
-            let [first, last] = self.bounds.map(i64::from);
+            let narrow = self.seed.is_narrow();
+            let half = self.half_width.of(rest, narrow);
+            let (low, high) = ends(row.centre, half, narrow);
+            let [first, last] = self.bounds.map(i32::from);
             // Not `clamp`, which panics if first > last: an open row has first < last, but the compiler cannot know.
             let low = low.min(last).max(first) as u16;
             row.x = low.max(self.visible[0] - self.visible[0] % BLOCK);
@@ -248,6 +256,22 @@ impl<L: Lane> Rows for SpanRows<L> {
     }
 }
 
+/// First column and one past the last whose sample points lie within `half` of `centre` (xc - 1/2), both Q.32.
+///
+/// Narrow designs leave out the saturation: setup keeps centres and half-widths below 2^30 pixels.
+#[inline(always)]
+fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
+    const ALMOST_ONE: i64 = (1 << 32) - 1;
+    let (low, high) = if narrow {
+        let low = centre.wrapping_sub(half).wrapping_add(ALMOST_ONE);
+        (low, centre.wrapping_add(half))
+    } else {
+        let low = centre.saturating_sub(half).saturating_add(ALMOST_ONE);
+        (low, centre.saturating_add(half))
+    };
+    ((low >> 32) as i32, ((high >> 32) as i32).saturating_add(1))
+}
+
 /// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
@@ -263,7 +287,7 @@ fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
 /// sqrt(rest / A): the root table and a multiplication.
 #[derive(Clone, Copy, Debug)]
 struct HalfWidth {
-    mantissa: u64,
+    mantissa: u32,
     odd: u32,
     power: i32,
 }
@@ -274,7 +298,7 @@ impl HalfWidth {
         let odd = spread.exponent & 1;
         // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
         HalfWidth {
-            mantissa: spread.mantissa.unsigned_abs().into(),
+            mantissa: spread.mantissa.unsigned_abs(),
             odd: odd as u32,
             power: ((spread.exponent - odd) / 2).saturating_add(32 - 14),
         }
@@ -282,13 +306,22 @@ impl HalfWidth {
 
     /// Half-width in Q.32 pixels for `rest` in Q.52, 0 < rest < 2^56.
     #[inline(always)]
-    fn of(&self, rest: i64) -> i64 {
-        let squared = self.mantissa.wrapping_mul((rest as u64) >> (VERTICAL - 28)) << self.odd;
-        let (root, shift) = root_seed(squared);
-        shift_signed(
-            root.into(),
-            0i32.saturating_sub(shift.saturating_add(self.power)),
-        )
+    fn of(&self, rest: i64, narrow: bool) -> i64 {
+        let rest = (rest as u64) >> (VERTICAL - 28);
+        let squared = if narrow {
+            // 15 bits by 16 and 16 bits.
+            let (low, high) = (rest as u32 & 0xffff, rest as u32 >> 16);
+            (u64::from(self.mantissa.wrapping_mul(high)) << 16)
+                .wrapping_add(self.mantissa.wrapping_mul(low).into())
+        } else {
+            u64::from(self.mantissa).wrapping_mul(rest)
+        };
+        let (root, shift) = root_seed(squared << self.odd);
+        let root = Scaled {
+            mantissa: root as i32,
+            exponent: shift.saturating_add(self.power),
+        };
+        root.to_fixed(0)
     }
 }
 
@@ -305,8 +338,37 @@ struct Seed<L> {
     drop_dx: u32,
     drop_radial: i32,
     drop_first: i32,
-    unit: i64,
+    balance: Balance,
     second: L,
+}
+
+/// The constants of a footprint's seeds, Q.fraction: what the lanes add up stays within `BLOCK^2 / 32` units of A dx^2.
+///
+/// With the lanes' curvature second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
+/// 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e (n^2 - n BLOCK + BLOCK^2/8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Balance {
+    /// 2 A to the nearest unit.
+    second: i64,
+    /// Added to 2 A dx for the first difference: second/2 - e BLOCK.
+    unit: i64,
+    /// Added to r: e BLOCK^2/8.
+    start: i64,
+}
+
+impl Balance {
+    /// `fine` is A in Q.(fraction + GUARD); wraps where A saturates, beyond any footprint of two adjacent pixels.
+    fn new(fine: i64) -> Self {
+        let block = i64::from(BLOCK);
+        let second = shift_round(fine, GUARD - 1);
+        let rounded = second << (GUARD - 1);
+        let excess = rounded.wrapping_sub(fine);
+        Balance {
+            second,
+            unit: shift_round(rounded.wrapping_sub(excess * block), GUARD),
+            start: shift_round(excess * block * block / 8, GUARD),
+        }
+    }
 }
 
 impl<L: Lane> Seed<L> {
@@ -316,7 +378,7 @@ impl<L: Lane> Seed<L> {
         let half = spread.leading().saturating_add(6) >> 1;
         let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);
         let power = curvature.exponent.clamp(-1024, 1024) + drop_dx - 32;
-        let unit = curvature.to_fixed(fraction);
+        let balance = Balance::new(curvature.to_fixed(fraction + GUARD));
         Seed {
             curvature: curvature.mantissa.into(),
             bits,
@@ -324,20 +386,74 @@ impl<L: Lane> Seed<L> {
             drop_dx: drop_dx as u32,
             drop_radial: -(power + drop_dx - 32 + bits as i32 + fraction as i32),
             drop_first: -(power + 1 + fraction as i32),
-            unit,
-            second: L::from_wide(unit.wrapping_mul(2)),
+            balance,
+            second: L::from_wide(balance.second),
         }
     }
 
-    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`; `centre` is xc - 1/2 in Q.32.
+    /// Do all products of a seed fit a signed word, and the lanes too? Then they are 32-bit products, with the same bits for every
+    /// footprint of setup: |dx| is below `2^bits` within its rows.
+    #[inline(always)]
+    fn is_narrow(&self) -> bool {
+        self.bits <= 15 && L::BITS == 32
+    }
+
+    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32.
     #[inline(always)]
     fn at(&self, x: u16, centre: i64, vertical: i64) -> (L, L, L) {
-        let dx = shift_round((i64::from(x) << 32).wrapping_sub(centre), self.drop_dx);
+        let dx = (i64::from(x) << 32).wrapping_sub(centre);
+        if self.is_narrow() {
+            let dx = shift_signed(dx, self.drop_dx as i32) as i32;
+            let along = (self.curvature as i32).wrapping_mul(dx);
+            let across = shift_word(along, self.bits as i32).wrapping_mul(dx);
+            let radial = shift_word(across, self.drop_radial)
+                .wrapping_add(shift_round(vertical, VERTICAL - self.fraction) as i32)
+                .wrapping_add(self.balance.start as i32);
+            let first = shift_word(along, self.drop_first).wrapping_add(self.balance.unit as i32);
+            return (
+                L::from_wide(radial.into()),
+                L::from_wide(first.into()),
+                self.second,
+            );
+        }
+        let dx = shift_round(dx, self.drop_dx);
         let along = self.curvature.wrapping_mul(dx);
         let across = shift_round(along, self.bits).wrapping_mul(dx);
         let radial = shift_signed(across, self.drop_radial)
-            .wrapping_add(shift_round(vertical, VERTICAL - self.fraction));
-        let first = shift_signed(along, self.drop_first).wrapping_add(self.unit);
+            .wrapping_add(shift_round(vertical, VERTICAL - self.fraction))
+            .wrapping_add(self.balance.start);
+        let first = shift_signed(along, self.drop_first).wrapping_add(self.balance.unit);
         (L::from_wide(radial), L::from_wide(first), self.second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The oracle is the parabola itself, in units of the lanes' last place.
+        #[test]
+        fn balanced_differences_stay_close_to_the_parabola(fine in 0i64..1 << 40, dx in -64.0f64..64.0) {
+            let Balance { second, unit, start } = Balance::new(fine);
+            let curvature = fine as f64 / f64::from(1 << GUARD);
+            // The part of the first difference that depends on dx, rounded as the seed rounds it.
+            let along = (2.0 * curvature * dx).round();
+            let (mut radial, mut first) = (start as f64, along + unit as f64);
+            for n in 0..=i32::from(BLOCK) {
+                let exact = curvature * f64::from(n * n) + 2.0 * curvature * dx * f64::from(n);
+                // A quarter of BLOCK^2/8, and the roundings of both parts of the first difference.
+                let bound = f64::from(BLOCK).powi(2) / 32.0 + f64::from(n) + 1.0;
+                prop_assert!((radial - exact).abs() <= bound, "{n}: {}", radial - exact);
+                radial += first;
+                first += second as f64;
+            }
+        }
+
+        #[test]
+        fn every_curvature_is_defined(fine: i64) {
+            let _ = Balance::new(fine);
+        }
     }
 }

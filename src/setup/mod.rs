@@ -26,8 +26,8 @@ pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
 pub use surface::{depth_gradient, setup_surface, surface_peak};
 pub use variance::{Variance, variance};
 
-use crate::footprint::Footprint;
-use crate::format::Design;
+use crate::footprint::{Conic, Footprint, Scan};
+use crate::format::{Design, Widths};
 use crate::math::{Scaled, shift_left, shift_unsigned, square_root};
 use crate::rules::Rules;
 use crate::splat::VolumeSplat;
@@ -72,6 +72,31 @@ pub fn setup<D: Design>(
     rules: &Rules,
     splat: &VolumeSplat,
 ) -> Result<Footprint, Cull> {
+    footprint(design, view, rules, splat, |widths, variance, scan| {
+        conic(widths, variance, scan.curvature)
+    })
+}
+
+/// Setup for a small image that only traverses by `spans`: the same footprint with a conic of zeros.
+///
+/// A splat whose conic has no place in the packet is not culled for it.
+pub fn setup_for_spans<D: Design>(
+    design: D,
+    view: &View,
+    rules: &Rules,
+    splat: &VolumeSplat,
+) -> Result<Footprint, Cull> {
+    footprint(design, view, rules, splat, |_, _, _| Some(Conic::default()))
+}
+
+#[inline(always)]
+fn footprint<D: Design>(
+    design: D,
+    view: &View,
+    rules: &Rules,
+    splat: &VolumeSplat,
+    conic: impl Fn(&Widths, &Variance, &Scan) -> Option<Conic>,
+) -> Result<Footprint, Cull> {
     let widths = design.widths();
     let projected = project(&widths, view, rules, splat.centre)?;
     let mut columns = columns(&widths, view, &projected, &splat.axes);
@@ -82,7 +107,7 @@ pub fn setup<D: Design>(
     }
     let variance = variance(&widths, rules.low_pass, &columns);
     let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &variance, &scan).ok_or(Cull::Degenerate)?;
     let peak = peak(&widths, rules, weight, &projected, &variance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let (first, last) = bounding_box(

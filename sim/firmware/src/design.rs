@@ -5,32 +5,43 @@
 //!
 //! | product | bits |
 //! |---|---|
-//! | peak UQ4.15 x kernel UQ1.13 | 32 |
-//! | transmittance UQ1.16 x opacity UQ1.15 | 32 |
-//! | share UQ1.16 x colour UQ4.10 | 31 |
-//! | table step UQ0.13 x position 8 | 21 |
+//! | peak UQ4.14 x kernel UQ1.14 | 32 |
+//! | transmittance UQ1.16 x opacity UQ1.15 | 31 |
+//! | share UQ1.16 x colour UQ4.10 | 30 |
+//! | table step UQ0.11 x position 17 | 28 |
+//! | row seed: 15-bit mantissas | 31 |
+//!
+//! The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing shifted. Lanes
+//! are aligned for the packed table (27 + 4 bits), and 17 bits of position leave a half-word for the table's slope.
 
 use splatline::format::{Design, Rounding, Widths};
 
-/// 16-bit alpha channel, 16-bit mantissas, 32-bit products.
+/// 16-bit alpha channel, 15-bit mantissas, 32-bit products.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Firmware16;
+
+/// Base-2 logarithm of the table's intervals, and bits of the position within one.
+const TABLE: (u8, u8) = if cfg!(feature = "plain") {
+    (10, 0)
+} else {
+    (7, 17)
+};
 
 impl Firmware16 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
         view: 24,
-        mantissa: 16,
+        mantissa: 15,
         subpixel: 12,
-        radial: 24,
-        table: 7,
-        interpolation: 8,
-        weight: 13,
-        peak: 15,
+        radial: 27,
+        table: TABLE.0,
+        interpolation: TABLE.1,
+        weight: 14,
+        peak: 14,
         alpha: 15,
         transmittance: 16,
         colour: 10,
-        accumulator: 16,
+        accumulator: 26,
         rounding: Rounding::Nearest,
     };
 }

@@ -2,29 +2,38 @@
 
 use crate::checksum::Checksum;
 use crate::design::Firmware16;
+use crate::order::Order;
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::NarrowPainter;
 use splatline::footprint::Footprint;
-use splatline::format::Traversal;
-use splatline::kernel::{FootprintTable, gaussian};
+use splatline::kernel::{PackedTable, gaussian};
 use splatline::raster::Window;
-use splatline::rules::Compositing;
-use splatline::setup::setup;
+use splatline::setup::setup_for_spans;
 use splatline::target::Target;
 
-/// Entries of the footprint table.
-const ENTRIES: usize = (1 << Firmware16::WIDTHS.table) + 1;
+/// Intervals of the footprint table.
+pub const INTERVALS: usize = 1 << Firmware16::WIDTHS.table;
 
 /// The footprint table, made by the compiler.
-pub static TABLE: [u32; ENTRIES] = gaussian(&Firmware16::WIDTHS, RULES.table_range);
+pub static ENTRIES: [u32; INTERVALS + 1] = gaussian(&Firmware16::WIDTHS, RULES.table_range);
+
+/// The same packed for the pixel loop: the one that is in the image.
+static TABLE: PackedTable<INTERVALS> = {
+    match PackedTable::new(&ENTRIES, &Firmware16::WIDTHS, RULES.table_range) {
+        Ok(table) => table,
+        Err(_) => panic!("the widths have no packed table"),
+    }
+};
 
 /// Memory of a picture: all that drawing needs beside the stack.
 #[derive(Debug)]
 pub struct Memory {
-    /// Footprints, nearest first; the first `visible` are used.
+    /// Footprints, in the scene's order.
     pub footprints: [Option<Footprint>; SPLATS],
+    /// Numbers of the visible splats, nearest first.
+    pub order: Order<u32>,
     /// One strip.
     pub strip: [Pixel; STRIP_PIXELS],
 }
@@ -34,6 +43,7 @@ impl Memory {
     pub const fn new() -> Self {
         Memory {
             footprints: [None; SPLATS],
+            order: Order::new(0),
             strip: [Pixel {
                 colour: [0; 3],
                 transmittance: 0,
@@ -55,101 +65,66 @@ pub struct Outcome {
     pub checksum: Checksum,
     /// Splats with a footprint.
     pub visible: u32,
-    /// Pixels inside footprints, over all splats.
-    pub covered: u64,
-    /// Pixels at which a radial index was computed.
-    pub visited: u64,
 }
 
-/// Draws the scene; `send` gets each strip when it is done.
-pub fn draw(memory: &mut Memory, mut send: impl FnMut(&[Pixel])) -> Outcome {
+/// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row.
+pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Outcome {
     let mut outcome = Outcome::default();
     phase_setup();
-    set_up(&mut memory.footprints);
+    set_up(memory);
     phase_rest();
-    outcome.visible = memory.footprints.iter().flatten().count() as u32;
+    outcome.visible = memory.order.iter().count() as u32;
     let mut first_row = 0;
     while first_row < ROWS {
         phase_draw();
-        let coverage = draw_strip(&memory.footprints, first_row, &mut memory.strip);
+        draw_strip(memory, first_row);
         phase_rest();
-        outcome.covered += coverage.covered;
-        outcome.visited += coverage.visited;
         for pixel in &memory.strip {
             for word in pixel.colour {
                 outcome.checksum.add(word);
             }
             outcome.checksum.add(pixel.transmittance);
         }
-        send(&memory.strip);
+        send(memory, first_row);
         first_row += STRIP;
     }
     outcome
 }
 
-/// Footprints, sorted by depth as they come.
+/// Footprints, and their order by depth.
 #[inline(never)]
-fn set_up(footprints: &mut [Option<Footprint>; SPLATS]) {
+fn set_up(memory: &mut Memory) {
     let view = view();
-    *footprints = [None; SPLATS];
-    for splat in &SCENE {
-        if let Ok(found) = setup(Firmware16, &view, &RULES, splat) {
-            insert(footprints, found, |footprint| footprint.depth);
-        }
-    }
-}
-
-/// Inserts into a sorted list, after all that are not farther; a display list of this length needs no better sort.
-pub(crate) fn insert<T: Copy, K: PartialOrd>(
-    list: &mut [Option<T>],
-    found: T,
-    depth: impl Fn(&T) -> K,
-) {
-    let mut carried = Some(found);
-    let mut shifting = false;
-    for place in list {
-        shifting |= match (&*place, &carried) {
-            (Some(here), Some(new)) => depth(here) > depth(new),
-            _ => true,
-        };
-        if shifting {
-            core::mem::swap(place, &mut carried);
-        }
-        if carried.is_none() {
-            return;
+    memory.order.clear();
+    for (number, (place, splat)) in memory.footprints.iter_mut().zip(&SCENE).enumerate() {
+        *place = setup_for_spans(Firmware16, &view, &RULES, splat).ok();
+        if let Some(footprint) = place {
+            memory.order.insert(number, footprint.depth);
         }
     }
 }
 
 /// One strip of the picture.
 #[inline(never)]
-fn draw_strip(
-    footprints: &[Option<Footprint>],
-    first_row: u16,
-    strip: &mut [Pixel; STRIP_PIXELS],
-) -> Coverage {
-    let mut coverage = Coverage::default();
+fn draw_strip(memory: &mut Memory, first_row: u16) {
     let window = Window {
         first: [0, first_row],
         last: [COLUMNS, first_row + STRIP],
     };
-    let table = FootprintTable::new(&TABLE, &Firmware16::WIDTHS, RULES.table_range);
-    let (Ok(mut target), Ok(table)) = (Target::new(strip, window, COLUMNS.into()), table) else {
-        return coverage;
+    let painter = NarrowPainter::new(Firmware16, &RULES, &TABLE);
+    let target = Target::new(&mut memory.strip, window, COLUMNS.into());
+    let (Ok(mut target), Ok(painter)) = (target, painter) else {
+        return;
     };
     target.clear(&Firmware16::WIDTHS);
-    let painter = Painter::new(
-        Firmware16,
-        &RULES,
-        table,
-        Compositing::FrontToBack,
-        Traversal::Spans,
-    );
-    for footprint in footprints.iter().flatten() {
+    let footprints = &memory.footprints;
+    for number in memory.order.iter() {
+        let Some(Some(footprint)) = footprints.get(number) else {
+            continue;
+        };
         // Preparing the rows of a footprint costs more than a look at its box.
         if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
-            coverage += painter.draw(footprint, &mut target);
+            painter.draw(footprint, &mut target);
         }
     }
-    coverage
 }

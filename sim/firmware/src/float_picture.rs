@@ -4,7 +4,8 @@
 //! the kernel's own algorithm (spans, forward differencing, table), so that what the algorithm and what the arithmetic gains are told
 //! apart. Accumulators are f32; pixels finish as in the kernel.
 
-use crate::fixed_picture::{TABLE, insert};
+use crate::fixed_picture::{ENTRIES, INTERVALS};
+use crate::order::Order;
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS};
 use libm::{ceilf, expf, floorf, logf, sqrtf};
@@ -51,6 +52,7 @@ pub struct FloatSplat {
 #[derive(Debug)]
 pub struct Memory {
     footprints: [Option<FloatFootprint>; SPLATS],
+    order: Order<f32>,
     strip: [FloatPixel; STRIP_PIXELS],
 }
 
@@ -63,6 +65,7 @@ impl Memory {
         };
         Memory {
             footprints: [None; SPLATS],
+            order: Order::new(0.0),
             strip: [clear; STRIP_PIXELS],
         }
     }
@@ -88,8 +91,8 @@ pub struct Outcome {
 /// Draws the scene both ways.
 pub fn draw(memory: &mut Memory) -> Outcome {
     let mut outcome = Outcome::default();
-    set_up(&mut memory.footprints);
-    outcome.visible = memory.footprints.iter().flatten().count() as u32;
+    set_up(memory);
+    outcome.visible = memory.order.iter().count() as u32;
     let mut first_row = 0;
     while first_row < ROWS {
         phase_draw();
@@ -127,14 +130,14 @@ fn converted(index: usize) -> FloatSplat {
     }
 }
 
-fn set_up(footprints: &mut [Option<FloatFootprint>; SPLATS]) {
-    *footprints = [None; SPLATS];
-    for index in 0..SPLATS {
+fn set_up(memory: &mut Memory) {
+    memory.order.clear();
+    for (index, place) in memory.footprints.iter_mut().enumerate() {
         let splat = converted(index);
         phase_setup();
-        let found = project(&splat);
-        if let Some(found) = found {
-            insert(footprints, found, |footprint| footprint.depth);
+        *place = project(&splat);
+        if let Some(found) = place {
+            memory.order.insert(index, found.depth);
         }
         phase_rest();
     }
@@ -194,14 +197,21 @@ type Drawer = fn(&FloatFootprint, u16, &mut [FloatPixel; STRIP_PIXELS]) -> u32;
 
 #[inline(never)]
 fn draw_strip(memory: &mut Memory, first_row: u16, drawer: Drawer) -> u32 {
-    let Memory { footprints, strip } = memory;
+    let Memory {
+        footprints,
+        order,
+        strip,
+    } = memory;
     let clear = FloatPixel {
         colour: [0.0; 3],
         transmittance: 1.0,
     };
     strip.fill(clear);
     let mut covered = 0;
-    for footprint in footprints.iter().flatten() {
+    for number in order.iter() {
+        let Some(Some(footprint)) = footprints.get(number) else {
+            continue;
+        };
         covered += drawer(footprint, first_row, strip);
     }
     covered
@@ -273,10 +283,12 @@ fn draw_spans(
     covered
 }
 
-/// The kernel's table (UQ1.13, 8 intervals per unit), without interpolation.
+/// The kernel's table (UQ1.14, up to r = 16), without interpolation.
 fn looked_up(radial: f32) -> f32 {
-    let index = (radial * 8.0) as usize;
-    TABLE.get(index).map_or(0.0, |w| *w as f32 * (1.0 / 8192.0))
+    let index = (radial * (INTERVALS as f32 / 16.0)) as usize;
+    ENTRIES
+        .get(index)
+        .map_or(0.0, |w| *w as f32 * (1.0 / 16384.0))
 }
 
 #[inline(always)]

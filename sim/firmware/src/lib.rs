@@ -4,8 +4,10 @@
 //! |---|---|
 //! | `design` | a design of one's own: widths for which the pixel path needs no 64-bit product |
 //! | `scene` | the splats and the camera, constants in flash |
+//! | `order` | depth order of the splats |
 //! | `fixed_picture` | the kernel: setup, depth order, strips |
 //! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
+//! | `general` | the same strips by the kernel's general painter, on the host: they must be equal |
 //! | `board` | reset, semihosting output, stack gauge; the only `unsafe` code |
 //!
 //! The picture is drawn in strips, as one would for a display on a serial bus: setup once, then rows of
@@ -18,6 +20,9 @@ pub mod checksum;
 pub mod design;
 pub mod fixed_picture;
 pub mod float_picture;
+#[cfg(not(target_os = "none"))]
+pub mod general;
+pub mod order;
 pub mod scene;
 
 /// What the instructions are counted for. The counter in `counter/` knows these functions by name.

@@ -18,7 +18,7 @@ mod image {
     fn image_main() {
         // SAFETY: called once.
         let memory = unsafe { &mut *MEMORY.0.get() };
-        let outcome: Outcome = draw(memory, |_| ());
+        let outcome: Outcome = draw(memory, |_, _| ());
         let stack = board::stack_used();
         report(&outcome, board::print);
         board::print("stack", stack);
@@ -28,23 +28,54 @@ mod image {
 fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
     print("checksum", outcome.checksum.value());
     print("visible", outcome.visible);
-    print("covered", outcome.covered as u32);
-    print("visited", outcome.visited as u32);
 }
 
-/// On the host: the same lines; with a file name, the picture as PPM too.
+/// On the host: the same lines, and the pixels that were covered; with a file name, the picture as PPM too. With `design`, only the
+/// design's widths, as a file for `splatline --design`.
+///
+/// Every strip is drawn a second time by the kernel's general painter and must be the same.
 #[cfg(not(target_os = "none"))]
 fn main() -> std::io::Result<()> {
+    use splatline::draw::Coverage;
+    use splatline_firmware::general::draw_strip;
     use splatline_firmware::scene::{COLUMNS, ROWS};
+    let argument = std::env::args().nth(1);
+    if argument.as_deref() == Some("design") {
+        print_design();
+        return Ok(());
+    }
     let mut memory = Box::new(Memory::new());
     let mut picture = format!("P6\n{COLUMNS} {ROWS}\n255\n").into_bytes();
-    let outcome = draw(&mut memory, |strip| {
-        let bytes = strip.iter().flat_map(|pixel| pixel.colour);
-        picture.extend(bytes.map(|c| (c * 255 >> 16).min(255) as u8));
+    let mut coverage = Coverage::default();
+    let mut differing = 0;
+    let outcome = draw(&mut memory, |memory, first_row| {
+        let (expected, covered) = draw_strip(memory, first_row);
+        coverage += covered;
+        let pairs = memory.strip.iter().zip(&expected);
+        differing += pairs.filter(|(got, expected)| got != expected).count();
+        let bytes = memory.strip.iter().flat_map(|pixel| pixel.colour);
+        picture.extend(bytes.map(|c| (c >> 18).min(255) as u8));
     });
     report(&outcome, |name, value| println!("{name}={value}"));
-    match std::env::args().nth(1) {
+    println!("covered={}", coverage.covered);
+    println!("visited={}", coverage.visited);
+    if differing > 0 {
+        return Err(std::io::Error::other(format!(
+            "{differing} pixels differ from the general painter's"
+        )));
+    }
+    match argument {
         Some(file) => std::fs::write(file, picture),
         None => Ok(()),
+    }
+}
+
+#[cfg(not(target_os = "none"))]
+fn print_design() {
+    use splatline::format::WIDTH_RANGES;
+    use splatline_firmware::design::Firmware16;
+    println!("base = \"lean18\"");
+    for ((name, ..), width) in WIDTH_RANGES.iter().zip(Firmware16::WIDTHS.numbers()) {
+        println!("{name} = {width}");
     }
 }

@@ -15,7 +15,7 @@ use super::study_args::{ResultsOptions, ResultsPage};
 use super::{Failure, say};
 use clap::ValueEnum;
 use hardware::Subject;
-use splatline_sim::results::{COMMAND, Page, accuracy, golden, packet, picture, views};
+use splatline_sim::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
@@ -39,6 +39,7 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
         ResultsPage::Packet => Ok(Some(packet::page())),
         ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
+        ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
         ResultsPage::Hardware => {
             hardware::run(&options.data, &options.output)?;
             Ok(None)

@@ -1,0 +1,128 @@
+//! The footprint table of small processors: an interval's value and its slope in one word, rounding included.
+//!
+//! Interpolation between the entries a and b of an interval, at the position f in units of 2^-k, is
+//!
+//! ```text
+//! w = floor((2^k a - (a - b) f + 2^(k-1)) / 2^k) = (word - (a - b) (f + 1)) >> k
+//! word = 2^k a + 2^(k-1) + (a - b)
+//! ```
+//!
+//! so that one word holds all that a pixel needs: one load, one multiplication, one subtraction, one shift. The slope a - b lies in
+//! the word's low bits, where it also pays for the unit too much in f + 1; and f + 1 is what a lane yields that runs one
+//! position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same bits as
+//! [`FootprintTable`](super::FootprintTable).
+//!
+//! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
+//! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And lanes are aligned
+//! so that the largest radial index is 2^31 (`radial + range == 31`): a look-up is the word's leading bits, which cannot miss the
+//! table. The last interval gives its place to the level one; cut-offs end at 15, one unit before the table.
+
+use crate::format::Widths;
+
+/// Bits of a radial index that a lane word has.
+const LANE: u32 = 31;
+
+/// A table with `N` intervals (a power of two).
+#[derive(Clone, Copy, Debug)]
+pub struct PackedTable<const N: usize> {
+    words: [u32; N],
+    table: u8,
+    interpolation: u8,
+}
+
+/// Why a design has no packed table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PackedError {
+    /// `N` is not the number of intervals, `2^table`.
+    Intervals,
+    /// The lanes are not aligned: `radial + range` must be 31.
+    Alignment,
+    /// Values rise, or value and slope have no room in one word: `2^k a + 2^(k-1)` must be below 2^32 and a - b below `2^(k-1)`.
+    Room,
+    /// Intervals are so narrow that the rounding noise of the row seeds exceeds one: `mantissa` must be at least `table + 4`.
+    Noise,
+}
+
+impl<const N: usize> PackedTable<N> {
+    /// Packs the entries of a footprint table that was filled for the same widths and range ([`super::gaussian`], [`super::fill`]).
+    pub const fn new(entries: &[u32], widths: &Widths, range: u8) -> Result<Self, PackedError> {
+        if N != 1 << widths.table || entries.len() != N + 1 {
+            return Err(PackedError::Intervals);
+        }
+        if widths.radial as u32 + range as u32 != LANE {
+            return Err(PackedError::Alignment);
+        }
+        let position = widths.interpolation as u32;
+        if position > LANE - widths.table as u32 {
+            return Err(PackedError::Room);
+        }
+        // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
+        if widths.mantissa < widths.table + 4 {
+            return Err(PackedError::Noise);
+        }
+        let mut words = [0; N];
+        let mut i = 0;
+        while i < N {
+            let level = if i == 0 { 0 } else { i - 1 };
+            match word(entries[level], entries[i], position) {
+                Some(packed) => words[i] = packed,
+                None => return Err(PackedError::Room),
+            }
+            i += 1;
+        }
+        Ok(PackedTable {
+            words,
+            table: widths.table,
+            interpolation: widths.interpolation,
+        })
+    }
+
+    /// Was the table packed for these widths?
+    #[inline(always)]
+    pub const fn is_for(&self, widths: &Widths) -> bool {
+        self.table == widths.table && self.interpolation == widths.interpolation
+    }
+
+    /// How far lanes must run ahead of the radial index, UQ4.radial: one interval and one unit of the position within it.
+    #[inline(always)]
+    pub const fn lead(widths: &Widths) -> u32 {
+        let below = LANE.wrapping_sub(widths.table as u32);
+        let position = match widths.interpolation {
+            0 => 0,
+            k => 1u32.wrapping_shl(below.wrapping_sub(k as u32)),
+        };
+        1u32.wrapping_shl(below) + position
+    }
+
+    /// Kernel at the radial index `ahead - lead` (UQ4.radial; the sign bit is ignored), UQ1.weight, rounded to nearest; for `ahead` below
+    /// the lead the kernel at 0. `interpolation` is the width that the table was packed for.
+    #[inline(always)]
+    pub fn weight(&self, ahead: u32, interpolation: u8) -> u32 {
+        let below = LANE - N.ilog2();
+        let index = (ahead << 1 >> 1 >> below) as usize;
+        let word = self.words.get(index).copied().unwrap_or(0);
+        let position = u32::from(interpolation);
+        if position == 0 {
+            return word;
+        }
+        let mask = (1 << position) - 1;
+        let after = (ahead >> below.saturating_sub(position)) & mask;
+        let slope = word & (mask >> 1);
+        word.wrapping_sub(slope.wrapping_mul(after)) >> position
+    }
+}
+
+/// One interval from `a` to `b`; `None` if it does not fit.
+const fn word(a: u32, b: u32, position: u32) -> Option<u32> {
+    if position == 0 {
+        return Some(a);
+    }
+    if b > a || a - b >= 1 << (position - 1) {
+        return None;
+    }
+    let half = 1u64 << (position - 1);
+    if ((a as u64) << position) + half > u32::MAX as u64 {
+        return None;
+    }
+    Some((a << position) + half as u32 + (a - b))
+}

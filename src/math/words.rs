@@ -1,0 +1,273 @@
+//! 64-bit numbers by 32-bit words: what a small processor does in a few instructions where shifts of 64 bits are library calls.
+//!
+//! Every function exists twice, plainly in 64 bits and by words, with the same bits for all inputs (tested); the target's width chooses.
+
+#[cfg(target_pointer_width = "32")]
+pub use by_words::{
+    leading_bits, leading_zeros, leading_zeros_wide, product, rounded_down, shifted_up,
+};
+#[cfg(not(target_pointer_width = "32"))]
+pub use plain::{
+    leading_bits, leading_zeros, leading_zeros_wide, product, rounded_down, shifted_up,
+};
+
+/// `value * 2^-shift` in a word, rounded to nearest, halves up; the low word of the result for negative shifts. Any `shift`.
+#[inline(always)]
+pub const fn shift_word(value: i32, shift: i32) -> i32 {
+    match shift {
+        1..=31 => (value >> shift) + ((value >> (shift - 1)) & 1),
+        -31..=0 => value << -shift,
+        _ => 0,
+    }
+}
+
+#[cfg(any(test, not(target_pointer_width = "32")))]
+mod plain {
+    /// Leading zeros of a word; 32 for 0.
+    #[inline(always)]
+    pub const fn leading_zeros(value: u32) -> u32 {
+        value.leading_zeros()
+    }
+
+    /// Leading zeros of two words; 64 for 0.
+    #[inline(always)]
+    pub const fn leading_zeros_wide(value: u64) -> u32 {
+        value.leading_zeros()
+    }
+
+    /// `value * 2^zeros` modulo 2^64. `zeros < 64`.
+    #[inline(always)]
+    pub const fn shifted_up(value: u64, zeros: u32) -> u64 {
+        value.wrapping_shl(zeros)
+    }
+
+    /// The leading `bits` (1 to 31) bits of a number that is not 0, rounded to nearest (`2^bits` if that carries), and its leading zeros.
+    #[inline(always)]
+    pub const fn leading_bits(value: u64, bits: u32, halves_up: bool) -> (u32, u32) {
+        let zeros = value.leading_zeros();
+        let normal = value.wrapping_shl(zeros);
+        let below = normal.wrapping_shl(bits);
+        let up = below > (1 << 63) - halves_up as u64;
+        let kept = normal.wrapping_shr(64u32.wrapping_sub(bits)) as u32;
+        (kept.wrapping_add(up as u32), zeros)
+    }
+
+    /// `value * 2^-shift`, rounded to nearest, halves up; `shift > 0`.
+    #[inline(always)]
+    pub const fn rounded_down(value: i64, shift: u32) -> i64 {
+        crate::math::shift_round(value, shift)
+    }
+
+    /// Product of two words.
+    #[inline(always)]
+    pub const fn product(a: i32, b: i32) -> i64 {
+        a as i64 * b as i64
+    }
+}
+
+/// The same by words. Armv6-M is the Arm profile without compare-and-swap: it neither counts zeros nor multiplies to 64 bits.
+#[cfg(any(test, target_pointer_width = "32"))]
+mod by_words {
+    /// Two words as one number.
+    #[inline(always)]
+    const fn joined(high: u32, low: u32) -> u64 {
+        (high as u64) << 32 | low as u64
+    }
+
+    const ARMV6M: bool = cfg!(all(target_arch = "arm", not(target_has_atomic = "32")));
+
+    /// Leading zeros of a word; 32 for 0.
+    #[inline(always)]
+    pub const fn leading_zeros(value: u32) -> u32 {
+        if ARMV6M {
+            called_zeros(value)
+        } else if cfg!(target_arch = "riscv32") {
+            zeros_by_halving(value)
+        } else {
+            value.leading_zeros()
+        }
+    }
+
+    /// In line it would cost Armv6-M more in registers than the call costs.
+    #[inline(never)]
+    const fn called_zeros(value: u32) -> u32 {
+        zeros_by_halving(value)
+    }
+
+    /// Some 20 executed instructions instead of the library's 36 (Armv6-M) or the compiler's 40 (RV32).
+    #[inline(always)]
+    pub const fn zeros_by_halving(value: u32) -> u32 {
+        let mut rest = value;
+        let mut zeros = 2;
+        if rest >> 16 == 0 {
+            zeros += 16;
+            rest <<= 16;
+        }
+        if rest >> 24 == 0 {
+            zeros += 8;
+            rest <<= 8;
+        }
+        if rest >> 28 == 0 {
+            zeros += 4;
+            rest <<= 4;
+        }
+        if rest >> 30 == 0 {
+            zeros += 2;
+            rest <<= 2;
+        }
+        let top = rest >> 30;
+        zeros - if top > 2 { 2 } else { top }
+    }
+
+    /// Leading zeros of two words; 64 for 0. One count, not one per word.
+    #[inline(always)]
+    pub const fn leading_zeros_wide(value: u64) -> u32 {
+        let high = (value >> 32) as u32;
+        let (word, above) = if high == 0 {
+            (value as u32, 32)
+        } else {
+            (high, 0)
+        };
+        above + leading_zeros(word)
+    }
+
+    /// `value * 2^zeros` modulo 2^64. `zeros < 64`.
+    #[inline(always)]
+    pub const fn shifted_up(value: u64, zeros: u32) -> u64 {
+        let (high, low) = ((value >> 32) as u32, value as u32);
+        if zeros >= 32 {
+            return joined(low.wrapping_shl(zeros), 0);
+        }
+        // Two shifts, because one by 32 is not defined.
+        let carried = (low >> 1).wrapping_shr(31 - zeros);
+        joined(high.wrapping_shl(zeros) | carried, low.wrapping_shl(zeros))
+    }
+
+    /// The leading `bits` (1 to 31) bits of a number that is not 0, rounded to nearest (`2^bits` if that carries), and its leading zeros.
+    #[inline(always)]
+    pub const fn leading_bits(value: u64, bits: u32, halves_up: bool) -> (u32, u32) {
+        let zeros = leading_zeros_wide(value);
+        let normal = shifted_up(value, zeros);
+        let (top, rest) = ((normal >> 32) as u32, normal as u32);
+        let below = top.wrapping_shl(bits);
+        const HALF: u32 = 1 << 31;
+        let up = below > HALF || (below == HALF && (halves_up || rest != 0));
+        let kept = top.wrapping_shr(32u32.wrapping_sub(bits));
+        (kept.wrapping_add(up as u32), zeros)
+    }
+
+    /// `value * 2^-shift`, rounded to nearest, halves up. 0 from 64 on; `shift > 0`.
+    #[inline(always)]
+    pub const fn rounded_down(value: i64, shift: u32) -> i64 {
+        // Half a unit is added after the shift to half units, where it is 1.
+        let (high, low) = ((value >> 32) as i32, value as u32);
+        let by = shift - 1;
+        let halves = match by {
+            0..=31 => {
+                let carried = ((high as u32) << 1).wrapping_shl(31 - by);
+                joined((high >> by) as u32, low >> by | carried)
+            }
+            32..=62 => joined((high >> 31) as u32, (high >> (by - 32)) as u32),
+            _ => return 0,
+        } as i64;
+        halves.wrapping_add(1) >> 1
+    }
+
+    /// Product of two words.
+    #[inline(always)]
+    pub const fn product(a: i32, b: i32) -> i64 {
+        if ARMV6M {
+            called_product(a, b)
+        } else {
+            a as i64 * b as i64
+        }
+    }
+
+    #[inline(never)]
+    const fn called_product(a: i32, b: i32) -> i64 {
+        product_by_halves(a, b)
+    }
+
+    /// Of two short words one multiplication, of others four.
+    #[inline(always)]
+    pub const fn product_by_halves(a: i32, b: i32) -> i64 {
+        const SHORT: i32 = 1 << 15;
+        if (a.wrapping_add(SHORT) as u32 | b.wrapping_add(SHORT) as u32) >> 16 == 0 {
+            return a.wrapping_mul(b) as i64;
+        }
+        let (a_low, a_high) = (a & 0xffff, a >> 16);
+        let (b_low, b_high) = (b & 0xffff, b >> 16);
+        let low = a_low.wrapping_mul(b_low) as u32;
+        let middle = a_high.wrapping_mul(b_low).wrapping_add((low >> 16) as i32);
+        let other = a_low.wrapping_mul(b_high).wrapping_add(middle & 0xffff);
+        let high = a_high
+            .wrapping_mul(b_high)
+            .wrapping_add(middle >> 16)
+            .wrapping_add(other >> 16);
+        joined(high as u32, (other as u32) << 16 | low & 0xffff) as i64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::{shift_left, shift_round};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn counts_agree(value: u64, drop in 0u32..64) {
+            let value = value >> drop;
+            prop_assert_eq!(by_words::zeros_by_halving(value as u32), plain::leading_zeros(value as u32));
+            prop_assert_eq!(by_words::leading_zeros(value as u32), plain::leading_zeros(value as u32));
+            prop_assert_eq!(by_words::leading_zeros_wide(value), plain::leading_zeros_wide(value));
+        }
+
+        #[test]
+        fn shifts_agree(value: u64, zeros in 0u32..64) {
+            prop_assert_eq!(by_words::shifted_up(value, zeros), plain::shifted_up(value, zeros));
+        }
+
+        /// Half of the values are short, some end in a half or next to it.
+        #[test]
+        fn leading_bits_agree(value in 1u64.., drop in 0u32..64, tail in 0u32..4, bits in 1u32..=31, up: bool) {
+            let value = (value >> drop).max(1);
+            let value = [value, value & u64::MAX << 32, (value & u64::MAX << 33) | 1 << 32, (value & u64::MAX << 33) | 1][tail as usize].max(1);
+            prop_assert_eq!(by_words::leading_bits(value, bits, up), plain::leading_bits(value, bits, up));
+        }
+
+        #[test]
+        fn roundings_agree(value: i64, drop in 1u32..64, shift in 1u32..100) {
+            let value = value >> drop;
+            prop_assert_eq!(by_words::rounded_down(value, shift), plain::rounded_down(value, shift));
+        }
+
+        #[test]
+        fn products_agree(a: i32, b: i32, drop in 0u32..32) {
+            let (a, b) = (a, b >> drop);
+            for (a, b) in [(a, b), (b, a), (a >> drop, b), (i32::MIN, b), (i32::MIN, i32::MIN), (i32::MAX, b)] {
+                prop_assert_eq!(by_words::product_by_halves(a, b), plain::product(a, b));
+                prop_assert_eq!(by_words::product(a, b), plain::product(a, b));
+            }
+        }
+
+        #[test]
+        fn a_word_shifts_like_a_wide_number(value: i32, shift in -31i32..100) {
+            let wide = if shift > 0 { shift_round(value.into(), shift as u32) } else { shift_left(value.into(), -shift as u32) };
+            prop_assert_eq!(shift_word(value, shift), wide as i32);
+        }
+    }
+
+    #[test]
+    fn ends() {
+        for value in [0, 1, 2, 3, u32::MAX, 1 << 31] {
+            assert_eq!(by_words::zeros_by_halving(value), value.leading_zeros());
+        }
+        for value in [i32::MIN, -1, 0, 1, i32::MAX] {
+            for shift in 1..70 {
+                let wide = shift_round(value.into(), shift as u32);
+                assert_eq!(shift_word(value, shift), wide as i32);
+            }
+        }
+    }
+}

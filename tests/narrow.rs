@@ -1,0 +1,222 @@
+//! The 32-bit path of small processors against the kernel's own: every pixel word, bit for bit.
+
+mod arbitrary;
+mod common;
+
+use arbitrary::Source;
+use common::{SIZE, splats, view};
+use proptest::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::{NarrowError, NarrowPainter, Painter};
+use splatline::footprint::Footprint;
+use splatline::format::{Custom, Design, Rounding, Traversal, Widths};
+use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::setup;
+use splatline::splat::VolumeSplat;
+use splatline::target::Target;
+use splatline::view::Projection;
+
+const RANGE: u8 = 4;
+
+/// The firmware's widths: three short products, a shift of 0 in the sums.
+const FIRMWARE: Widths = Widths {
+    view: 24,
+    mantissa: 15,
+    subpixel: 12,
+    radial: 27,
+    table: 7,
+    interpolation: 17,
+    weight: 14,
+    peak: 14,
+    alpha: 15,
+    transmittance: 16,
+    colour: 10,
+    accumulator: 26,
+    rounding: Rounding::Nearest,
+};
+
+/// A coarse table without interpolation, truncated products, rounded sums.
+const PLAIN: Widths = Widths {
+    table: 9,
+    interpolation: 0,
+    weight: 13,
+    peak: 15,
+    mantissa: 13,
+    accumulator: 16,
+    rounding: Rounding::Truncate,
+    ..FIRMWARE
+};
+
+/// Mantissas too long for 32-bit rows; short positions in a short table.
+const LONG: Widths = Widths {
+    mantissa: 18,
+    subpixel: 18,
+    table: 5,
+    interpolation: 12,
+    weight: 12,
+    accumulator: 20,
+    ..FIRMWARE
+};
+
+/// A design that exists for this test.
+#[derive(Clone, Copy, Debug)]
+struct Narrow(Widths);
+
+impl Design for Narrow {
+    type Lane = i32;
+    fn widths(&self) -> Widths {
+        self.0
+    }
+}
+
+fn table<const N: usize>(widths: &Widths) -> (Vec<u32>, PackedTable<N>) {
+    let mut memory = vec![0; entries(widths)];
+    fill_gaussian(&mut memory, widths, RANGE);
+    let packed = PackedTable::new(&memory, widths, RANGE).unwrap();
+    (memory, packed)
+}
+
+/// Draws into strips of eight rows, each with its own target.
+fn in_strips(widths: &Widths, mut draw: impl FnMut(&mut Target)) -> Vec<Pixel> {
+    const ROWS: u16 = 8;
+    let mut pixels = vec![Pixel::clear(widths); usize::from(SIZE) * usize::from(SIZE)];
+    let strips = pixels.chunks_mut(usize::from(ROWS * SIZE));
+    for (strip, first) in strips.zip((0..SIZE).step_by(ROWS.into())) {
+        let window = Window {
+            first: [0, first],
+            last: [SIZE, first + ROWS],
+        };
+        draw(&mut Target::new(strip, window, SIZE.into()).unwrap());
+    }
+    pixels
+}
+
+fn by_painter<D: Design>(
+    design: D,
+    rules: &Rules,
+    memory: &[u32],
+    list: &[Footprint],
+) -> Vec<Pixel> {
+    let widths = design.widths();
+    let table = FootprintTable::new(memory, &widths, RANGE).unwrap();
+    let order = Compositing::FrontToBack;
+    let painter = Painter::new(design, rules, table, order, Traversal::Spans);
+    in_strips(&widths, |target| {
+        for footprint in list {
+            painter.draw(footprint, target);
+        }
+    })
+}
+
+fn check<const N: usize>(
+    widths: Widths,
+    rules: &Rules,
+    splats: &[VolumeSplat],
+) -> Result<(), TestCaseError> {
+    let camera = view(0.2, -0.1, Projection::Perspective);
+    let design = Narrow(widths);
+    let list: Vec<_> = splats
+        .iter()
+        .filter_map(|splat| setup(design, &camera, rules, splat).ok())
+        .collect();
+    let (memory, packed) = table::<N>(&widths);
+    let narrow = NarrowPainter::new(design, rules, &packed).unwrap();
+    let got = in_strips(&widths, |target| {
+        for footprint in &list {
+            narrow.draw(footprint, target);
+        }
+    });
+    let expected = by_painter(design, rules, &memory, &list);
+    prop_assert!(got == expected, "another picture: {widths:?}");
+    // 64-bit lanes take the 64-bit rows.
+    let custom = Custom::new(widths).unwrap();
+    let wide = by_painter(custom, rules, &memory, &list);
+    prop_assert!(expected == wide, "other rows: {widths:?}");
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 150, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn the_narrow_painter_draws_the_same_picture(list in prop::collection::vec(splats(), 1..8), ewa: bool) {
+        let rules = if ewa { Rules { table_range: RANGE, ..Rules::EWA } } else { Rules::GAUSSIAN_3D };
+        check::<128>(FIRMWARE, &rules, &list)?;
+        check::<512>(PLAIN, &rules, &list)?;
+        check::<32>(LONG, &rules, &list)?;
+    }
+}
+
+proptest! {
+    /// Footprints that no setup made: nothing panics, loops or writes beside the target.
+    #[test]
+    fn any_footprint_is_drawn(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
+        let mut source = Source::new(&bytes);
+        let (_, packed) = table::<128>(&FIRMWARE);
+        let design = Narrow(FIRMWARE);
+        let painter = NarrowPainter::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
+        in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
+    }
+}
+
+/// Every position of every interval, and the level before 0.
+#[test]
+fn packed_look_ups_equal_plain_ones() {
+    fn check<const N: usize>(widths: Widths) {
+        let (memory, packed) = table::<N>(&widths);
+        let plain = FootprintTable::new(&memory, &widths, RANGE).unwrap();
+        let lead = PackedTable::<N>::lead(&widths);
+        let at = |ahead| packed.weight(ahead, widths.interpolation);
+        // Cut-offs end at 15, one interval below the table's end.
+        let end = 15u32 << widths.radial;
+        for radial in (0..end).step_by(251).chain(end - 1000..end) {
+            assert_eq!(at(radial + lead), plain.weight(radial.into()), "{radial}");
+        }
+        for ahead in (0..=lead).step_by(61).chain(lead - 1000..=lead) {
+            assert_eq!(at(ahead), plain.weight(0), "{ahead}");
+        }
+    }
+    check::<128>(FIRMWARE);
+    check::<512>(PLAIN);
+    check::<32>(LONG);
+}
+
+#[test]
+fn what_is_not_narrow_is_refused() {
+    let (memory, packed) = table::<128>(&FIRMWARE);
+    let refused = |widths, range| PackedTable::<128>::new(&memory, &widths, range).unwrap_err();
+    assert_eq!(
+        refused(
+            Widths {
+                table: 8,
+                ..FIRMWARE
+            },
+            RANGE
+        ),
+        PackedError::Intervals
+    );
+    assert_eq!(refused(FIRMWARE, 2), PackedError::Alignment);
+    let noisy = Widths {
+        mantissa: 10,
+        ..FIRMWARE
+    };
+    assert_eq!(refused(noisy, RANGE), PackedError::Noise);
+    let short = Widths {
+        interpolation: 8,
+        ..FIRMWARE
+    };
+    assert_eq!(refused(short, RANGE), PackedError::Room);
+    let wide = Narrow(Widths {
+        peak: 24,
+        ..FIRMWARE
+    });
+    let error = NarrowPainter::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    assert_eq!(error, NarrowError::Products);
+    let other = Narrow(Widths {
+        interpolation: 16,
+        ..FIRMWARE
+    });
+    let error = NarrowPainter::new(other, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    assert_eq!(error, NarrowError::Table);
+}
