@@ -26,7 +26,7 @@ pub static ROOTS: [u32; LAST - FIRST + 1] = {
 /// Square root of a 64-bit integer as `(root, shift)`: `sqrt(value) = root * 2^shift`, `root` in UQ0.24 of the range [1/2, 1).
 ///
 /// Relative error below 2^-16.9 (tested). 0 gives `(0, 0)`. The shift lies in -24 ..= 8.
-#[inline(always)]
+#[inline]
 pub fn root_seed(value: u64) -> (u32, i32) {
     if value == 0 {
         return (0, 0);

@@ -75,10 +75,10 @@ pub struct RowConstants<L> {
     pub drops: (u32, u32, i32, i32),
     /// Fraction bits of the runs' radial indices.
     pub fraction: u32,
-    /// Balance of the seeds, Q.fraction: added to r, and to 2 A dx for its first difference.
-    pub start: i64,
-    /// See `start`.
+    /// Added to 2 A dx for a run's first difference, and to its first radial index, Q.fraction.
     pub unit: i64,
+    /// See `unit`.
+    pub start: i64,
     /// 2 A in the lane's word.
     pub second: L,
 }
@@ -163,8 +163,8 @@ impl<L: Lane> SpanRows<L> {
             curvature: seed.curvature,
             drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
             fraction: seed.fraction,
-            start: seed.balance.start,
             unit: seed.balance.unit,
+            start: seed.balance.start,
             second: seed.second,
         }
     }

@@ -52,7 +52,9 @@ impl Recurrences {
     #[inline(always)]
     pub fn fill(&mut self, constants: &RowConstants<i32>) -> bool {
         let (_, bits, drop_radial, drop_first) = constants.drops;
-        let tame = constants.spread.0 < 1 << 32
+        // Designs of at most 15 bits multiply the root's argument in two halves.
+        let spread_bits = if bits <= 15 { 15 } else { 32 };
+        let tame = constants.spread.0 < 1 << spread_bits
             && constants.spread.2 <= 30
             && constants.curvature.unsigned_abs() <= 1 << bits
             && drop_radial >= 0
@@ -139,7 +141,10 @@ impl Spans {
         }
         let mut largest = [0; 8];
         lanes.wide_store(&mut largest, large);
-        largest.iter().fold(0, |all, word| all | word) >> 30 == 0
+        // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
+        let bits = constants.drops.1;
+        let limit = if bits <= 15 { bits } else { 30 };
+        largest.iter().fold(0, |all, word| all | word) >> limit == 0
     }
 
     /// The run of row number `row`, if it has pixels in the block.
