@@ -27,7 +27,7 @@ pub struct Hybrid {
 }
 
 /// Standard deviation of a volume's kernels, in voxels, by which a spacing follows from a deviation.
-const DEVIATION_PER_SPACING: f64 = 0.82;
+pub(crate) const DEVIATION_PER_SPACING: f64 = 0.82;
 
 /// The standard deviation of a scene's kernels taken as spheres: the median over the splats of their volume's cube root.
 ///

@@ -24,6 +24,7 @@ pub mod sheets;
 pub mod stability;
 pub mod study;
 pub mod surface;
+pub mod texture;
 pub mod trace;
 pub mod vector;
 pub mod vectors;

@@ -9,6 +9,7 @@ use splatline_sim::hybrid::Points;
 use splatline_sim::picture::Depth;
 use splatline_sim::rules::{Compositing, Kernel, Rules};
 use splatline_sim::surface::LAYERS;
+use splatline_sim::texture::coefficients::Method;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -36,7 +37,8 @@ Examples:
   splatline render guitar.ply --camera camera.json --design lean18 --traversal box -o guitar.png
   splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
-  splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud";
+  splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
+  splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -216,7 +218,7 @@ pub struct ViewOptions {
 /// How a point cloud is drawn as a surface.
 #[derive(Debug, Args)]
 pub struct SurfaceOptions {
-    /// What the scene's points are: `surface` draws a .ply or .xyz cloud as surface splats
+    /// What the scene's points are: `surface` draws a .ply or .xyz cloud or a height field (.csv) as surface splats
     #[arg(long = "as", value_name = "surface", value_enum)]
     pub kind: Option<SceneKind>,
     /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
@@ -228,6 +230,15 @@ pub struct SurfaceOptions {
     /// Antialias edges by the weight sum
     #[arg(long, requires = "kind")]
     pub edges: bool,
+    /// Photograph (.png, .jpg) over a height field, north up
+    #[arg(long, value_name = "photo.jpg", requires = "kind")]
+    pub texture: Option<PathBuf>,
+    /// How points get their colours from the texture: plain, prefiltered or optimised
+    #[arg(long, value_name = "METHOD", default_value = "optimised", value_parser = Method::from_str, requires = "texture")]
+    pub coefficients: Method,
+    /// Distance of neighbouring heights of a height field, in units of height [default: 0.1]
+    #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
+    pub spacing: Option<f64>,
 }
 
 /// What the points of a scene are taken for.

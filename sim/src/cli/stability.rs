@@ -3,7 +3,8 @@
 use super::setup::write;
 use super::study_args::StabilityOptions;
 use super::{Failure, say};
-use splatline_sim::stability::{measure, repairs, table};
+use splatline_sim::design::DesignChoice;
+use splatline_sim::stability::{Extent, measure, steps, table};
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`. \
@@ -11,16 +12,21 @@ Truth is exact rational arithmetic; `f32` is the usual formulas in single precis
 without any tolerance. Columns are explained in `sim/src/stability/mod.rs`.\n\n";
 
 pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
-    let lines = measure(options.quick);
+    let extent = if options.quick {
+        Extent::QUICK
+    } else {
+        Extent::FULL
+    };
+    let lines = measure(&DesignChoice::all(), extent);
     if let Some(path) = &options.json {
         write(path, serde_json::to_string_pretty(&lines)?.as_bytes())?;
     }
-    let repairs = repairs::markdown(&repairs::measure(&lines, options.quick));
-    let page = format!("{}\n{repairs}", table::markdown(&lines));
+    let studies = format!("{}\n{}", table::bounds(&lines), steps::markdown(extent));
+    let page = format!("{}\n{studies}", table::markdown(&lines));
     match &options.markdown {
         Some(path) => {
             write(path, (HEADING.to_owned() + &page).as_bytes())?;
-            say(&format!("{}\n{repairs}", table::summary(&lines)));
+            say(&format!("{}\n{studies}", table::summary(&lines)));
         }
         None => say(&page),
     }

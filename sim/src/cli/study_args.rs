@@ -17,11 +17,12 @@ Examples:
   splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
 pub const GALLERY_EXAMPLES: &str = "\
 Examples:
+  splatline gallery all -o docs/gallery
   splatline gallery surface -o docs/gallery/surface
   splatline gallery kernels -o docs/gallery/kernels
   splatline gallery kernels --only antialias -o out
 
-Groups of kernels: shapes, antialias, spheres, hybrid, stamps.";
+Groups of kernels: shapes, antialias, spheres, hybrid, stamps; of deep: alpha, sheets; of texture: checkerboard, terrain, warp, plane.";
 
 #[derive(Debug, Subcommand)]
 pub enum VectorsAction {
@@ -91,6 +92,44 @@ pub enum Collection {
     Kernels,
     /// Deep alpha channel, sheet buffers
     Deep,
+    /// Texture coefficients, height field with photograph, warped depth images
+    Texture,
+    /// All of them, each in a folder of its name
+    All,
+}
+
+impl Collection {
+    /// The collections that are pages of their own.
+    pub const PAGES: [Collection; 4] = [
+        Collection::Surface,
+        Collection::Kernels,
+        Collection::Deep,
+        Collection::Texture,
+    ];
+
+    /// Name on the command line and of the folder in docs/gallery.
+    pub fn name(self) -> &'static str {
+        match self {
+            Collection::Surface => "surface",
+            Collection::Kernels => "kernels",
+            Collection::Deep => "deep",
+            Collection::Texture => "texture",
+            Collection::All => "all",
+        }
+    }
+
+    /// The page's heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Collection::Surface => "Gallery: surface splats",
+            Collection::Kernels => {
+                "Gallery: kernels, antialiasing, hybrid points, spheres and stamps"
+            }
+            Collection::Deep => "Gallery: deep alpha and sheet buffers",
+            Collection::Texture => "Gallery: texture and image warping",
+            Collection::All => "Gallery",
+        }
+    }
 }
 
 pub const STABILITY_EXAMPLES: &str = "\

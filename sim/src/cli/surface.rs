@@ -19,8 +19,11 @@ use splatline_sim::metrics::compare;
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts};
 use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Pixels, Report, Row, ScaleFacts};
+use splatline_sim::scene::points::height_field::{self, HeightField};
 use splatline_sim::scene::points::{self, SurfaceScene};
 use splatline_sim::surface::{Buffer, Style, USUAL_EDGE};
+use splatline_sim::texture::Texture;
+use splatline_sim::texture::drape::drape;
 use splatline_sim::{fixed, reference};
 
 /// Light of a cloud that has no colours of its own, from above the default camera's left shoulder.
@@ -36,9 +39,14 @@ struct SurfaceView {
 impl SurfaceView {
     fn from_options(view: &ViewOptions, surface: &SurfaceOptions) -> Result<SurfaceView, Failure> {
         refuse_volume_options(view)?;
-        let scene = points::load(&view.scene)?;
-        let camera = camera_or(view, scene.up, |size| {
-            scene.default_camera(size.width, size.height)
+        let is_height_field = height_field::is_height_field(&view.scene);
+        let scene = match is_height_field {
+            true => load_height_field(view, surface)?,
+            false => load_cloud(view, surface)?,
+        };
+        let camera = camera_or(view, scene.up, |size| match is_height_field {
+            true => height_field::default_camera(&scene, size.width, size.height),
+            false => scene.default_camera(size.width, size.height),
         })?;
         let style = style(surface, view.light, &scene);
         for note in &scene.notes {
@@ -50,6 +58,37 @@ impl SurfaceView {
             style,
         })
     }
+}
+
+fn load_cloud(view: &ViewOptions, surface: &SurfaceOptions) -> Result<SurfaceScene, Failure> {
+    let refused = [
+        (surface.texture.is_some(), "--texture"),
+        (surface.spacing.is_some(), "--spacing"),
+    ];
+    if let Some((_, option)) = refused.iter().find(|(given, _)| *given) {
+        return Err(Failure::Usage(format!(
+            "{option} needs a height field: give a .csv file as scene"
+        )));
+    }
+    Ok(points::load(&view.scene)?)
+}
+
+/// A height field, grey or with a photograph over it.
+fn load_height_field(
+    view: &ViewOptions,
+    surface: &SurfaceOptions,
+) -> Result<SurfaceScene, Failure> {
+    let spacing = surface.spacing.unwrap_or(height_field::USUAL_SPACING);
+    let field = HeightField::load(&view.scene, spacing)?;
+    let name = view.scene.file_name().unwrap_or_default().to_string_lossy();
+    let Some(photograph) = &surface.texture else {
+        return Ok(field.scene(&name));
+    };
+    let texture = Texture::load(photograph)?;
+    let cutoff = Style::opaque(0.0).cutoff;
+    let draped = drape(&field, &name, &texture, surface.coefficients, cutoff)
+        .with_context(|| photograph.display().to_string())?;
+    Ok(draped.scene)
 }
 
 /// The style that the options and the scene ask for.

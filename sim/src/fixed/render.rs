@@ -14,7 +14,7 @@ use splatline::format::{Design, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::{Cull, columns, conic, distance, project, scan, setup, variance};
+use splatline::setup::{Cull, Variance, columns, conic, distance, project, scan, setup, variance};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use std::time::Instant;
@@ -95,32 +95,57 @@ pub fn conics(
     rules: &Rules,
     design: &DesignChoice,
 ) -> Vec<Option<[f64; 3]>> {
-    struct Job<'a>(&'a QuantisedScene, kernel::Rules);
-    impl DesignJob for Job<'_> {
-        type Output = Vec<Option<[f64; 3]>>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            let Job(QuantisedScene { view, splats, .. }, rules) = self;
-            let widths = design.widths();
-            let conic_of = |splat: &VolumeSplat| {
-                let projected = project(&widths, view, &rules, splat.centre).ok()?;
-                let mut columns = columns(&widths, view, &projected, &splat.axes);
-                if let Some(factor) = distance::enlargement(&widths, &rules, &projected) {
-                    columns = distance::enlarge(&widths, columns, factor);
-                }
-                let variance = variance(&widths, rules.low_pass, &columns);
-                let conic = conic(&widths, &variance, scan(&widths, &variance)?.curvature)?;
-                Some(
-                    conic
-                        .mantissa
-                        .map(|m| f64::from(m) * f64::from(conic.exponent).exp2()),
-                )
-            };
-            splats.iter().map(conic_of).collect()
-        }
-    }
+    let widths = &design.widths;
+    let conic_of = |variance: &Variance| {
+        let conic = conic(widths, variance, scan(widths, variance)?.curvature)?;
+        let unit = f64::from(conic.exponent).exp2();
+        Some(conic.mantissa.map(|m| f64::from(m) * unit))
+    };
+    let variances = kernel_variances(scene, camera, rules, widths);
+    variances
+        .iter()
+        .map(|variance| conic_of(variance.as_ref()?))
+        .collect()
+}
+
+/// Vxx, Vxy, Vyy and the determinant of all splats in double precision, whether or not they reach the viewport; `None` where the depth or
+/// the range culls.
+pub fn variances(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    design: &DesignChoice,
+) -> Vec<Option<[f64; 4]>> {
+    let in_double = |variance: Variance| {
+        let Variance {
+            xx,
+            xy,
+            yy,
+            determinant,
+        } = variance;
+        [xx, xy, yy, determinant].map(|x| f64::from(x.mantissa) * f64::from(x.exponent).exp2())
+    };
+    let variances = kernel_variances(scene, camera, rules, &design.widths);
+    variances.into_iter().map(|v| v.map(in_double)).collect()
+}
+
+fn kernel_variances(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    widths: &Widths,
+) -> Vec<Option<Variance>> {
     let quantised = QuantisedScene::new(scene, camera, rules);
     let rules = quantised.rules(rules);
-    design.dispatch(Job(&quantised, rules))
+    let variance_of = |splat: &VolumeSplat| {
+        let projected = project(widths, &quantised.view, &rules, splat.centre).ok()?;
+        let mut columns = columns(widths, &quantised.view, &projected, &splat.axes);
+        if let Some(factor) = distance::enlargement(widths, &rules, &projected) {
+            columns = distance::enlarge(widths, columns, factor);
+        }
+        Some(variance(widths, rules.low_pass, &columns))
+    };
+    quantised.splats.iter().map(variance_of).collect()
 }
 
 fn set_up<D: Design + Send + Sync>(

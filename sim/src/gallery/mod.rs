@@ -5,6 +5,7 @@ pub mod holes;
 pub mod kernels;
 pub mod page;
 pub mod surface;
+pub mod texture;
 
 use crate::metrics::ChannelError;
 use crate::picture::Picture;

@@ -15,6 +15,7 @@ use crate::picture::Picture;
 use crate::scene::LoadError;
 use crate::scene::points::SurfaceScene;
 use crate::surface::Style;
+use crate::texture::solve::NotConverged;
 use crate::{fixed, reference};
 use splatline::format::Traversal;
 use std::path::Path;
@@ -31,6 +32,12 @@ pub enum GalleryError {
     /// Two pictures could not be compared.
     #[error(transparent)]
     Compare(#[from] CompareError),
+    /// Texture coefficients were not found.
+    #[error(transparent)]
+    Coefficients(#[from] NotConverged),
+    /// A scene could not be drawn as points and splats.
+    #[error("{0}")]
+    Points(String),
 }
 
 /// All exhibits; that of the scanned cloud only where `data` holds it.
@@ -49,7 +56,7 @@ pub fn surface(data: &Path) -> Result<Vec<Exhibit>, GalleryError> {
 }
 
 /// The design that the bars are stated for.
-fn standard() -> DesignChoice {
+pub(super) fn standard() -> DesignChoice {
     DesignChoice::named("standard24").unwrap_or_else(|| unreachable!("a named design"))
 }
 
@@ -59,7 +66,7 @@ fn draw_fixed(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDr
 }
 
 /// Draws by both engines, notes colour and alpha errors, returns the kernel's drawing and the reference's picture.
-fn draw_both(
+pub(super) fn draw_both(
     exhibit: &mut Exhibit,
     what: &str,
     scene: &SurfaceScene,
@@ -75,7 +82,7 @@ fn draw_both(
 }
 
 /// An exhibit without pictures and numbers.
-fn exhibit(name: &str, equation: &'static str, caption: &str) -> Exhibit {
+pub(super) fn exhibit(name: &str, equation: &'static str, caption: &str) -> Exhibit {
     Exhibit {
         name: name.to_owned(),
         equation,
@@ -86,7 +93,7 @@ fn exhibit(name: &str, equation: &'static str, caption: &str) -> Exhibit {
 }
 
 /// A premultiplied picture over white paper, as a page shows it.
-fn on_paper(picture: &Picture) -> Picture {
+pub(super) fn on_paper(picture: &Picture) -> Picture {
     let mut shown = picture.clone();
     for [r, g, b, a] in &mut shown.pixels {
         let paper = 1.0 - *a;

@@ -19,6 +19,8 @@ pub mod kernels;
 pub mod sheets;
 pub mod sphere;
 pub mod surface;
+pub mod texture;
+pub mod warp;
 
 use crate::picture::Picture;
 

@@ -24,7 +24,7 @@ pub enum Problem {
     NotAFile,
     /// Neither the extension nor the first bytes are known.
     #[error(
-        "is of no known format; expected .ply, .splat, .spz, .nrrd or .nhdr, a point cloud with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
+        "is of no known format; expected .ply, .splat, .spz, .nrrd or .nhdr, a point cloud or a height field (.csv) with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
     )]
     UnknownFormat,
     /// A field needs more bytes than there are.
@@ -61,7 +61,7 @@ pub enum Problem {
 
 impl Problem {
     /// A malformed field, what was found there and what to do about it.
-    pub(super) fn malformed(
+    pub(crate) fn malformed(
         field: impl Into<String>,
         found: impl Into<String>,
         fix: impl Into<String>,
@@ -74,7 +74,7 @@ impl Problem {
     }
 
     /// The same problem as an error about `file`.
-    pub(super) fn of(self, file: impl Into<String>) -> LoadError {
+    pub(crate) fn of(self, file: impl Into<String>) -> LoadError {
         LoadError {
             file: file.into(),
             problem: self,

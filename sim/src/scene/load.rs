@@ -45,7 +45,7 @@ fn demo_with(options: &LoadOptions) -> Result<Scene, LoadError> {
 }
 
 /// A regular file's bytes. Pipes and devices are refused: they may never end.
-pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     if !fs::metadata(path)?.is_file() {
         return Err(Problem::NotAFile);
     }

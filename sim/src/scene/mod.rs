@@ -31,7 +31,7 @@ pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
-use load::read_file;
+pub(crate) use load::read_file;
 
 /// What a splat's weight means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -40,8 +40,8 @@ pub struct Case {
     pub rules: Rules,
 }
 
-/// Every case; `quick` shortens the deep stack for the test suite.
-pub fn all(quick: bool) -> Vec<Case> {
+/// Every case with other random splats for every `sample`; `quick` shortens the deep stack for the test suite.
+pub fn all(quick: bool, sample: u64) -> Vec<Case> {
     let mut cases = Vec::new();
     for (ratio, shown) in [
         (1e1, "10"),
@@ -51,6 +51,7 @@ pub fn all(quick: bool) -> Vec<Case> {
         (1e5, "10^5"),
     ] {
         cases.push(needle(
+            sample,
             &format!("needle {shown}:1"),
             ratio,
             Rules::GAUSSIAN_3D,
@@ -58,76 +59,93 @@ pub fn all(quick: bool) -> Vec<Case> {
     }
     for (ratio, shown) in [(1e2, "10^2"), (1e3, "10^3"), (1e5, "10^5")] {
         cases.push(needle(
+            sample,
             &format!("needle {shown}:1, low-pass 0"),
             ratio,
             SHARP,
         ));
     }
     for (ratio, shown) in [(1e2, "10^2"), (1e3, "10^3"), (1e5, "10^5")] {
-        cases.push(needle(&format!("needle {shown}:1, ewa"), ratio, Rules::EWA));
+        cases.push(needle(
+            sample,
+            &format!("needle {shown}:1, ewa"),
+            ratio,
+            Rules::EWA,
+        ));
     }
-    cases.extend(shapes());
-    cases.extend(places());
-    cases.extend(turned());
-    cases.extend(orders());
-    cases.push(deep_stack(if quick { 2_000 } else { 100_000 }));
+    cases.extend(shapes(sample));
+    cases.extend(places(sample));
+    cases.extend(turned(sample));
+    cases.extend(orders(sample));
+    cases.push(deep_stack(sample, if quick { 2_000 } else { 100_000 }));
     cases
 }
 
 /// Sixteen needles in all directions; the long axis spans four screens.
-fn needle(name: &str, ratio: f64, rules: Rules) -> Case {
+fn needle(sample: u64, name: &str, ratio: f64, rules: Rules) -> Case {
     let long = 16.0;
-    let mut case = many(name, rules, |turn| {
+    let mut case = many(sample, name, rules, |turn| {
         let axes = rotated_axes(turn, [long, long / ratio, long / ratio]);
         // A mass of 8 has a peak of about 0.6 at this size.
         let weight = if rules.normalised { 8.0 } else { 0.8 };
-        splat([0.1, -0.05, 8.0], axes, weight)
+        splat(
+            [0.1 + apart(sample), -0.05, 8.0 - apart(sample)],
+            axes,
+            weight,
+        )
     });
     case.needle = true;
     case
 }
 
-fn shapes() -> Vec<Case> {
+fn shapes(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
     let ball = |radius: f64| [[radius, 0.0, 0.0], [0.0, radius, 0.0], [0.0, 0.0, radius]];
     vec![
-        many("round, ordinary", gaussian, |turn| {
+        many(sample, "round, ordinary", gaussian, |turn| {
             splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
         }),
-        many("round, ordinary, ewa", Rules::EWA, |turn| {
+        many(sample, "round, ordinary, ewa", Rules::EWA, |turn| {
             splat([turn[1], turn[2], 6.0], ball(0.5), 0.8)
         }),
-        many("discs edge-on", gaussian, |turn| {
+        many(sample, "discs edge-on", gaussian, |turn| {
             splat(
                 [0.0, 0.0, 6.0],
                 [[turn[0], turn[1], 0.0], [0.0, 0.0, 1.0], [0.0; 3]],
                 0.8,
             )
         }),
-        many("larger than the screen by 1000", gaussian, |turn| {
+        many(sample, "disc through the eye, low-pass 0", SHARP, |turn| {
+            let centre = [turn[1], 2.0 + 0.7 * turn[2], 6.0];
+            splat(centre, disc_through_the_eye(centre, turn[3], 1e-3), 0.8)
+        }),
+        many(sample, "larger than the screen by 1000", gaussian, |turn| {
             splat(
-                [0.3, 0.2, 6.0],
+                [0.3 + apart(sample), 0.2, 6.0 - apart(sample)],
                 rotated_axes(turn, [6000.0, 5000.0, 4000.0]),
                 0.6,
             )
         }),
-        many("smaller than a pixel by 1000", gaussian, |turn| {
+        many(sample, "smaller than a pixel by 1000", gaussian, |turn| {
             splat([turn[1], turn[2], 6.0], ball(1e-4), 0.9)
         }),
-        many("smaller than a pixel by 1000, ewa", Rules::EWA, |turn| {
-            splat([turn[1], turn[2], 6.0], ball(1e-4), 0.02)
-        }),
-        many("singular: one axis only", gaussian, |turn| {
+        many(
+            sample,
+            "smaller than a pixel by 1000, ewa",
+            Rules::EWA,
+            |turn| splat([turn[1], turn[2], 6.0], ball(1e-4), 0.02),
+        ),
+        many(sample, "singular: one axis only", gaussian, |turn| {
             splat(
                 [0.0, 0.0, 6.0],
                 [[turn[1], turn[2], turn[3]], [0.0; 3], [0.0; 3]],
                 0.8,
             )
         }),
-        many("singular: a point", gaussian, |turn| {
+        many(sample, "singular: a point", gaussian, |turn| {
             splat([turn[1], turn[2], 6.0], [[0.0; 3]; 3], 0.8)
         }),
-        many("singular, low-pass 0", SHARP, |turn| {
+        many(sample, "singular, low-pass 0", SHARP, |turn| {
             splat(
                 [0.0, 0.0, 6.0],
                 [[turn[1], turn[2], turn[3]], [0.0; 3], [0.0; 3]],
@@ -137,55 +155,93 @@ fn shapes() -> Vec<Case> {
     ]
 }
 
-fn places() -> Vec<Case> {
+/// A disc of radius 1 that the ray to its centre lies in, level on the screen, its axes turned by `angle` against the ray, and `thin` across:
+/// each axis' vertical component on the screen is a difference of equal numbers.
+fn disc_through_the_eye(centre: [f64; 3], angle: f64, thin: f64) -> [[f64; 3]; 3] {
+    let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let unit = |v: [f64; 3]| v.map(|x| x / length(v));
+    let ray = unit(centre);
+    let normal = unit([0.0, -ray[2], ray[1]]);
+    let across = [0, 1, 2].map(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        ray[j] * normal[k] - ray[k] * normal[j]
+    });
+    let (sin, cos) = (0.3 + angle).sin_cos();
+    [
+        [0, 1, 2].map(|i| cos * ray[i] + sin * across[i]),
+        [0, 1, 2].map(|i| cos * across[i] - sin * ray[i]),
+        normal.map(|x| x * thin),
+    ]
+}
+
+fn places(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
     let ball = [[0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]];
     let small = |radius: f64| ball.map(|axis| axis.map(|x| x * radius));
     vec![
-        many("just beyond the near plane", gaussian, |turn| {
+        many(sample, "just beyond the near plane", gaussian, |turn| {
             splat(
                 [turn[1] * 0.004, turn[2] * 0.004, 0.010_001],
                 small(0.01),
                 0.8,
             )
         }),
-        many("on and behind the near plane", gaussian, |turn| {
+        many(sample, "on and behind the near plane", gaussian, |turn| {
             splat([0.0, 0.0, 0.01 - turn[0].abs().floor() * 3.0], ball, 0.8)
         }),
-        many("far off axis", gaussian, |turn| {
+        many(sample, "far off axis", gaussian, |turn| {
             splat(
                 [turn[1] * 50.0, turn[2] * 50.0, 1.0],
                 ball.map(|axis| axis.map(|x| x * 200.0)),
                 0.8,
             )
         }),
-        many("at the far end of the positions", gaussian, |turn| {
-            splat([turn[1] * 1e6, turn[2] * 1e6, 4e6], small(1e7), 0.8)
-        }),
-        many("at the near end of the positions", gaussian, |turn| {
-            splat([turn[1] * 0.01, turn[2] * 0.01, 0.02], small(0.02), 0.8)
-        }),
-        many("centres on pixel edges and corners", gaussian, |turn| {
-            splat(
-                [
-                    (turn[1] * 8.0).round() / 8.0,
-                    (turn[2] * 8.0).round() / 8.0,
-                    8.0,
-                ],
-                small(2.0),
-                0.8,
-            )
-        }),
+        many(
+            sample,
+            "at the far end of the positions",
+            gaussian,
+            |turn| splat([turn[1] * 1e6, turn[2] * 1e6, 4e6], small(1e7), 0.8),
+        ),
+        many(
+            sample,
+            "at the near end of the positions",
+            gaussian,
+            |turn| splat([turn[1] * 0.01, turn[2] * 0.01, 0.02], small(0.02), 0.8),
+        ),
+        many(
+            sample,
+            "centres on pixel edges and corners",
+            gaussian,
+            |turn| {
+                splat(
+                    [
+                        (turn[1] * 8.0).round() / 8.0,
+                        (turn[2] * 8.0).round() / 8.0,
+                        8.0,
+                    ],
+                    small(2.0),
+                    0.8,
+                )
+            },
+        ),
     ]
 }
 
 /// A camera that is turned about a slant axis and moved, so that every entry of W takes part.
-fn turned() -> Vec<Case> {
+fn turned(sample: u64) -> Vec<Case> {
     let ball = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
-    let ordinary = many("turned camera, ordinary", Rules::GAUSSIAN_3D, |turn| {
-        splat([turn[1], turn[2], 6.0], ball, 0.8)
-    });
-    let thin = needle("turned camera, needle 10^3:1", 1e3, Rules::GAUSSIAN_3D);
+    let ordinary = many(
+        sample,
+        "turned camera, ordinary",
+        Rules::GAUSSIAN_3D,
+        |turn| splat([turn[1], turn[2], 6.0], ball, 0.8),
+    );
+    let thin = needle(
+        sample,
+        "turned camera, needle 10^3:1",
+        1e3,
+        Rules::GAUSSIAN_3D,
+    );
     vec![seen_askew(ordinary), seen_askew(thin)]
 }
 
@@ -207,20 +263,20 @@ fn seen_askew(mut case: Case) -> Case {
     case
 }
 
-fn orders() -> Vec<Case> {
+fn orders(sample: u64) -> Vec<Case> {
     let gaussian = Rules::GAUSSIAN_3D;
     let ball = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
     let opacity = |name: &str, value: f64| {
-        many(name, gaussian, |turn| {
+        many(sample, name, gaussian, |turn| {
             splat([turn[1], turn[2], 6.0], ball, value)
         })
     };
     vec![
-        many("equal depths", gaussian, |turn| {
+        many(sample, "equal depths", gaussian, |turn| {
             splat([turn[1] * 0.2, turn[2] * 0.2, 6.0], ball, 0.5)
         }),
-        many("identical splats", gaussian, |_| {
-            splat([0.1, 0.2, 6.0], ball, 0.3)
+        many(sample, "identical splats", gaussian, |_| {
+            splat([0.1 + apart(sample), 0.2, 6.0 - apart(sample)], ball, 0.3)
         }),
         opacity("opacity 0", 0.0),
         opacity("opacity 1/255", f64::from(1.0f32 / 255.0 + 1e-9)),
@@ -229,9 +285,9 @@ fn orders() -> Vec<Case> {
 }
 
 /// Identical splats of opacity 2^-16 on top of each other, as wide as the picture.
-fn deep_stack(count: usize) -> Case {
+fn deep_stack(sample: u64, count: usize) -> Case {
     let one = splat(
-        [0.01, 0.02, 6.0],
+        [0.01 + apart(sample), 0.02, 6.0 + apart(sample)],
         [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]],
         2f64.powi(-16),
     );
@@ -246,8 +302,8 @@ fn deep_stack(count: usize) -> Case {
 }
 
 /// Sixteen splats, each from one fixed unit quaternion.
-fn many(name: &str, rules: Rules, make: impl Fn([f64; 4]) -> Splat) -> Case {
-    let mut state = 7u64;
+fn many(sample: u64, name: &str, rules: Rules, make: impl Fn([f64; 4]) -> Splat) -> Case {
+    let mut state = 7 + sample;
     let mut next = || {
         state = state
             .wrapping_mul(6_364_136_223_846_793_005)
@@ -262,6 +318,11 @@ fn many(name: &str, rules: Rules, make: impl Fn([f64; 4]) -> Splat) -> Case {
         rounded(splat)
     });
     case(name, rules, splats.collect())
+}
+
+/// A small shift that differs from sample to sample, for splats that all lie at one place.
+fn apart(sample: u64) -> f64 {
+    sample as f64 * 0.013
 }
 
 fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {

@@ -17,6 +17,10 @@ pub struct ExactFootprint {
     pub centre: [f64; 2],
     /// Depth, scene units.
     pub depth: f64,
+    /// K: the columns of M before the viewing ray's share is taken off them, against the footprint's own extent, and at least 1.
+    pub cancellation: f64,
+    /// Vxx, Vxy, Vyy, square pixels, and the determinant.
+    pub variance: [f64; 4],
     /// A = Vyy / det, per square pixel.
     pub curvature: f64,
     /// S = Vxy / Vyy, pixels per row.
@@ -30,6 +34,11 @@ pub struct ExactFootprint {
 }
 
 impl ExactFootprint {
+    /// G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
+    pub fn gain(&self) -> f64 {
+        (1.0 + self.slope * self.slope * self.curvature / self.stretch).sqrt()
+    }
+
     /// The radial index at a point, a sum of two positive terms.
     pub fn radial(&self, x: f64, y: f64) -> f64 {
         let [dx, dy] = [x - self.centre[0], y - self.centre[1]];
@@ -77,10 +86,10 @@ pub fn project(
         }
     });
     let slope = slopes(&on_plane, camera, rules);
-    let columns = splat.axes.map(|axis| {
-        let turned = turn(&axis.map(exact));
-        [0, 1].map(|i| &gain[i] * (&turned[i] - &slope[i] * &turned[2]))
-    });
+    let turned = splat.axes.map(|axis| turn(&axis.map(exact)));
+    let columns = turned
+        .each_ref()
+        .map(|axis| [0, 1].map(|i| &gain[i] * (&axis[i] - &slope[i] * &axis[2])));
     let product =
         |i: usize, j: usize| -> BigRational { columns.iter().map(|m| &m[i] * &m[j]).sum() };
     let low_pass = exact(rules.low_pass);
@@ -93,6 +102,16 @@ pub fn project(
     if determinant.is_zero() || yy.is_zero() {
         return None;
     }
+    // Before the subtraction, and with what an error of the slope itself does.
+    let before = [0, 1].map(|i| {
+        let part = |axis: &[BigRational; 3]| {
+            let [across, along] = [&axis[i], &axis[2]].map(|x| double(x).abs());
+            double(&gain[i]) * (across + (1.0 + double(&slope[i]).abs()) * along)
+        };
+        turned.iter().map(|axis| part(axis).powi(2)).sum::<f64>()
+    });
+    let kept = [double(&xx), double(&yy)];
+    let cancellation = (0..2).fold(1.0, |most: f64, i| most.max((before[i] / kept[i]).sqrt()));
     let peak = match rules.normalised {
         false => weight,
         true => {
@@ -108,6 +127,8 @@ pub fn project(
     Some(ExactFootprint {
         centre: centre.each_ref().map(double),
         depth: double(z),
+        cancellation,
+        variance: [&xx, &xy, &yy, &determinant].map(double),
         curvature: double(&(&yy / &determinant)),
         slope: double(&(&xy / &yy)),
         stretch: double(&yy.recip()),

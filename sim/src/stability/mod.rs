@@ -1,60 +1,42 @@
 //! The hard-case suite: every stage of every named design against exact arithmetic, beside the same in single precision.
 //!
 //! [`cases`] makes the scenes, [`exact`] the truth in rationals, [`single`] the yardstick in f32, [`table`] the text,
-//! [`repairs`] the width to blame where a design falls short of the yardstick.
+//! [`steps`] what each width of `standard24` buys.
 //!
 //! | stage | error, the worst of a case |
 //! |---|---|
 //! | centre | pixels |
 //! | depth | relative |
-//! | peak | relative, before any clamping |
+//! | peak | relative, before it is clamped to 1; peaks of 15 and more count as 15 |
+//! | variance | Vxx and Vyy relative, Vxy against sqrt(Vxx Vyy) |
+//! | determinant | relative |
 //! | form | relative change of r = x^T Q x in its worst direction, whatever the ellipse's shape and size |
 //! | r | absolute, over all pixels with r < c, as the traversal's lanes hold it |
-//! | picture | absolute, per channel, in units of 1.0; with its mean (bias) and PSNR |
+//! | picture | absolute, per channel, in units of 1.0, with its mean (bias) and PSNR; pixels on a threshold of the rules apart, see `pictures` |
+//! | decisions | pixels on a threshold that were decided otherwise, of all on a threshold |
 
 pub mod cases;
+mod bounds;
+mod errors;
 pub mod exact;
-pub mod repairs;
+mod pictures;
 pub mod single;
+pub mod steps;
 pub mod table;
 
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed;
-use crate::metrics;
-use crate::picture::Picture;
 use crate::rules::Compositing;
+use bounds::Bounds;
 use cases::Case;
+pub use errors::{BOUNDED, StageErrors};
+use errors::{form_error_of_conic, form_error_of_scan, value, worse};
 use exact::ExactFootprint;
-use single::SingleFootprint;
+use pictures::Truth;
+use rayon::prelude::*;
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal};
-use splatline::math::Scaled;
 use splatline::raster::{ConicRows, Rows, SpanRows, Window};
-
-/// Worst errors of one engine in one case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct StageErrors {
-    /// Centre, pixels.
-    pub centre: f64,
-    /// Depth, relative.
-    pub depth: f64,
-    /// Opacity at r = 0, relative.
-    pub peak: f64,
-    /// Quadratic form, relative, in its worst direction.
-    pub form: f64,
-    /// Quadratic form in units of its bound's shape: form / (u (1 + G)), see `docs/error-analysis.md`.
-    pub form_units: f64,
-    /// Radial index, absolute.
-    pub radial: f64,
-    /// Picture, largest absolute difference.
-    pub picture: f64,
-    /// Picture, mean of the differences of colours.
-    pub bias: f64,
-    /// Picture, decibels; none if no sample differs.
-    pub psnr_db: Option<f64>,
-    /// Splats that this engine culls although they are visible, or draws although they are not.
-    pub culled_wrongly: usize,
-}
 
 /// One line of the table: an engine in a case.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -69,15 +51,56 @@ pub struct Line {
     pub errors: StageErrors,
 }
 
-/// Measures all cases: `f32`, then the named designs, each by its own traversal.
-pub fn measure(quick: bool) -> Vec<Line> {
-    cases::all(quick).iter().flat_map(measure_case).collect()
+/// Samples of sixteen splats that a case is measured on. Single precision is exact on some splats by luck, since their numbers are
+/// its own; over many the luck averages out, and no comparison needs a tolerance.
+pub const SAMPLES: u64 = 16;
+
+/// How much to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    /// Samples per case, at least 1.
+    pub samples: u64,
+    /// A stack of 100,000 splats in the first sample; otherwise, and in all others, a short one.
+    pub deep: bool,
 }
 
-fn measure_case(case: &Case) -> Vec<Line> {
+impl Extent {
+    /// What the page shows.
+    pub const FULL: Extent = Extent {
+        samples: SAMPLES,
+        deep: true,
+    };
+    /// What a test can wait for.
+    pub const QUICK: Extent = Extent {
+        samples: 2,
+        deep: false,
+    };
+}
+
+/// Measures all cases: `f32`, then the designs, each by its own traversal; the worst of all samples.
+pub fn measure(designs: &[DesignChoice], extent: Extent) -> Vec<Line> {
+    let samples: Vec<Vec<Line>> = (0..extent.samples)
+        .into_par_iter()
+        .map(|sample| {
+            let cases = cases::all(!extent.deep || sample > 0, sample);
+            cases
+                .par_iter()
+                .flat_map(|case| measure_case(case, designs))
+                .collect()
+        })
+        .collect();
+    let mut samples = samples.into_iter();
+    let mut lines = samples.next().unwrap_or_default();
+    for (line, other) in samples.flat_map(|other| (0..other.len()).zip(other).collect::<Vec<_>>()) {
+        lines[line].errors.worsen(&other.errors);
+    }
+    lines
+}
+
+fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<Line> {
     let weights = case.scene.weights_for(&case.rules);
     let truth = project_all(case, &weights, exact::project);
-    let picture = exact_picture(case, &truth);
+    let picture = pictures::exact(case, &truth);
     let line = |engine: &str, errors| Line {
         case: case.name.clone(),
         engine: engine.to_owned(),
@@ -85,10 +108,10 @@ fn measure_case(case: &Case) -> Vec<Line> {
         errors,
     };
     let mut lines = vec![line("f32", single_errors(case, &weights, &truth, &picture))];
-    for design in DesignChoice::all() {
+    for design in designs {
         lines.push(line(
             &design.name,
-            fixed_errors(case, &design, &truth, &picture),
+            fixed_errors(case, design, &truth, &picture),
         ));
     }
     lines
@@ -120,10 +143,10 @@ fn single_errors(
     case: &Case,
     weights: &[f64],
     truth: &[Option<ExactFootprint>],
-    exact: &Picture,
+    exact: &Truth,
 ) -> StageErrors {
     let projected = project_all(case, weights, single::project);
-    let mut errors = picture_errors(&single_picture(case, &projected), exact);
+    let mut errors = pictures::errors(pictures::single(case, &projected), exact);
     for (single, truth) in projected.iter().zip(truth) {
         let (Some(single), Some(truth)) = (single, truth) else {
             errors.culled_wrongly +=
@@ -132,11 +155,9 @@ fn single_errors(
         };
         errors.worsen_centre(single.centre.map(f64::from), truth);
         errors.worsen_depth_and_peak(single.depth.into(), single.peak.into(), truth);
-        errors.worsen_form(
-            form_error_of_conic(single.conic.map(f64::from), truth),
-            24,
-            truth,
-        );
+        errors.worsen_variance(single.variance.map(f64::from), truth);
+        let form = form_error_of_conic(single.conic.map(f64::from), truth);
+        errors.form = worse(errors.form, form);
         for (x, y) in pixels(case) {
             let r = truth.radial(x, y);
             if r < truth.cutoff {
@@ -152,7 +173,7 @@ fn fixed_errors(
     case: &Case,
     design: &DesignChoice,
     truth: &[Option<ExactFootprint>],
-    exact: &Picture,
+    exact: &Truth,
 ) -> StageErrors {
     let options = fixed::Options {
         rules: &case.rules,
@@ -161,14 +182,28 @@ fn fixed_errors(
         traversal: design.traversal,
     };
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
-    let mut errors = picture_errors(&drawing.picture, exact);
     let quantised = fixed::QuantisedScene::new(&case.scene, &case.camera, &case.rules);
-    let depth_unit = value(1, -23 - quantised.scale_log2);
-    let mut last = None;
-    for (fixed, truth) in fixed::footprints(&case.scene, &case.camera, &options)
+    let quantum = value(1, -24 - quantised.scale_log2);
+    let bounded = design.traversal == Traversal::Spans;
+    let bounds: Vec<Option<Bounds>> = truth
         .iter()
-        .zip(truth)
-    {
+        .map(|truth| {
+            let normalised = case.rules.normalised;
+            let of = |t| Bounds::new(&design.widths, t, &case.camera, normalised, quantum);
+            truth.as_ref().filter(|_| bounded).map(of)
+        })
+        .collect();
+    let share = pictures::share_of_bound(case, &drawing.picture, exact, truth, &bounds);
+    let mut errors = pictures::errors(drawing.picture, exact);
+    errors.shares[7] = share;
+    let variances = fixed::variances(&case.scene, &case.camera, &case.rules, design);
+    let footprints = fixed::footprints(&case.scene, &case.camera, &options);
+    let mut last = None;
+    let splats = footprints
+        .iter()
+        .zip(variances)
+        .zip(truth.iter().zip(&bounds));
+    for ((fixed, variance), (truth, bounds)) in splats {
         let (Ok(fixed), Some(truth)) = (fixed, truth) else {
             errors.culled_wrongly +=
                 usize::from(fixed.is_ok() != truth.is_some_and(|t| on_screen(case, &t)));
@@ -178,36 +213,72 @@ fn fixed_errors(
             continue;
         }
         last = Some(*fixed);
-        let unit = f64::from(design.widths.subpixel).exp2();
-        errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
-        let peak = f64::from(fixed.peak) / f64::from(design.widths.peak).exp2();
-        errors.worsen_depth_and_peak(f64::from(fixed.depth) * depth_unit, peak, truth);
-        let form = match design.traversal {
-            Traversal::Spans => form_error_of_scan(fixed, truth),
-            Traversal::Box => form_error_of_conic(
-                fixed.conic.mantissa.map(|m| value(m, fixed.conic.exponent)),
-                truth,
-            ),
-        };
-        errors.worsen_form(form, design.widths.mantissa, truth);
-        let window = Window {
-            first: [0, 0],
-            last: [case.camera.width as u16, case.camera.height as u16],
-        };
-        let lanes = design.dispatch(Lanes {
-            footprint: fixed,
-            window,
-            traversal: design.traversal,
-        });
-        for ((x, y), lane) in pixels(case).zip(lanes) {
-            let r = truth.radial(x, y);
-            if r < truth.cutoff {
-                // A pixel that was not visited counts as one at the end of the footprint.
-                errors.radial = errors.radial.max((lane.unwrap_or(truth.cutoff) - r).abs());
-            }
+        let variance = variance.unwrap_or_default();
+        let depth = f64::from(fixed.depth) * 2.0 * quantum;
+        let mut own = setup_errors(fixed, variance, depth, design, truth);
+        if let Some(bounds) = bounds {
+            own.compare(bounds);
         }
+        errors.worsen(&own);
+        worsen_radial(&mut errors, case, design, fixed, truth, bounds.as_ref());
     }
     errors
+}
+
+/// The errors of one splat's setup.
+fn setup_errors(
+    fixed: &Footprint,
+    variance: [f64; 4],
+    depth: f64,
+    design: &DesignChoice,
+    truth: &ExactFootprint,
+) -> StageErrors {
+    let mut errors = StageErrors::default();
+    let unit = f64::from(design.widths.subpixel).exp2();
+    errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
+    let peak = f64::from(fixed.peak) / f64::from(design.widths.peak).exp2();
+    errors.worsen_depth_and_peak(depth, peak, truth);
+    errors.worsen_variance(variance, truth);
+    errors.form = match design.traversal {
+        Traversal::Spans => form_error_of_scan(fixed, truth),
+        Traversal::Box => {
+            let conic = fixed.conic;
+            form_error_of_conic(conic.mantissa.map(|m| value(m, conic.exponent)), truth)
+        }
+    };
+    errors
+}
+
+/// The radial index in the lanes, at every pixel inside the footprint.
+fn worsen_radial(
+    errors: &mut StageErrors,
+    case: &Case,
+    design: &DesignChoice,
+    footprint: &Footprint,
+    truth: &ExactFootprint,
+    bounds: Option<&Bounds>,
+) {
+    let window = Window {
+        first: [0, 0],
+        last: [case.camera.width as u16, case.camera.height as u16],
+    };
+    let lanes = design.dispatch(Lanes {
+        footprint,
+        window,
+        traversal: design.traversal,
+    });
+    for ((x, y), lane) in pixels(case).zip(lanes) {
+        let r = truth.radial(x, y);
+        if r >= truth.cutoff {
+            continue;
+        }
+        // A pixel that was not visited counts as one at the end of the footprint.
+        let error = (lane.unwrap_or(truth.cutoff) - r).abs();
+        errors.radial = errors.radial.max(error);
+        if let Some(bounds) = bounds {
+            errors.shares[6] = errors.shares[6].max(error / bounds.radial(r));
+        }
+    }
 }
 
 /// The radial index in the lanes, for every pixel of the window; none where the traversal does not go.
@@ -244,71 +315,6 @@ impl Lanes<'_> {
     }
 }
 
-fn value(mantissa: i32, exponent: i32) -> f64 {
-    f64::from(mantissa) * f64::from(exponent).exp2()
-}
-
-impl StageErrors {
-    fn worsen_centre(&mut self, centre: [f64; 2], truth: &ExactFootprint) {
-        for (got, expected) in centre.iter().zip(truth.centre) {
-            self.centre = worse(self.centre, (got - expected).abs());
-        }
-    }
-
-    fn worsen_depth_and_peak(&mut self, depth: f64, peak: f64, truth: &ExactFootprint) {
-        self.depth = worse(self.depth, (depth / truth.depth - 1.0).abs());
-        self.peak = worse(self.peak, (peak / truth.peak - 1.0).abs());
-    }
-
-    /// u = 2^-mantissa; G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
-    fn worsen_form(&mut self, form: f64, mantissa: u8, truth: &ExactFootprint) {
-        let gain = (1.0 + truth.slope * truth.slope * truth.curvature / truth.stretch).sqrt();
-        let units = form * f64::from(mantissa).exp2() / (1.0 + gain);
-        (self.form, self.form_units) = (worse(self.form, form), worse(self.form_units, units));
-    }
-}
-
-/// The larger one, where NaN is larger than anything.
-fn worse(a: f64, b: f64) -> f64 {
-    if b.is_nan() { f64::INFINITY } else { a.max(b) }
-}
-
-/// Largest |eigenvalue| of a symmetric 2x2 matrix.
-fn spectral([a, b, c]: [f64; 3]) -> f64 {
-    worse(0.0, (0.5 * (a + c)).abs() + (0.5 * (a - c)).hypot(b))
-}
-
-/// Q' - Q in the coordinates in which Q is the identity, from a conic.
-fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -> f64 {
-    let ExactFootprint {
-        curvature,
-        slope,
-        stretch,
-        ..
-    } = *truth;
-    let mixed = (a * slope + b) / (curvature * stretch).sqrt();
-    let down = (a * slope * slope + 2.0 * b * slope + c) / stretch;
-    spectral([a / curvature - 1.0, mixed, down - 1.0])
-}
-
-/// The same from LDL coefficients.
-fn form_error_of_scan(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
-    let number = |x: Scaled| value(x.mantissa, x.exponent);
-    let [a, s, c] = [
-        footprint.scan.curvature,
-        footprint.scan.slope,
-        footprint.scan.stretch,
-    ]
-    .map(number);
-    let lean = truth.slope - s;
-    let mixed = a * lean / (truth.curvature * truth.stretch).sqrt();
-    spectral([
-        a / truth.curvature - 1.0,
-        mixed,
-        (a * lean * lean + c) / truth.stretch - 1.0,
-    ])
-}
-
 fn pixels(case: &Case) -> impl Iterator<Item = (f64, f64)> {
     let (width, height) = (case.camera.width, case.camera.height);
     (0..width * height).map(move |i| ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))
@@ -316,87 +322,4 @@ fn pixels(case: &Case) -> impl Iterator<Item = (f64, f64)> {
 
 fn on_screen(case: &Case, footprint: &ExactFootprint) -> bool {
     pixels(case).any(|(x, y)| footprint.radial(x, y) < footprint.cutoff)
-}
-
-fn picture_errors(picture: &Picture, exact: &Picture) -> StageErrors {
-    let Ok(errors) = metrics::compare(picture, exact) else {
-        unreachable!("both pictures have the camera's size")
-    };
-    let psnr = errors.colour.psnr_db;
-    StageErrors {
-        picture: errors.colour.max_abs.max(errors.alpha.max_abs),
-        bias: errors.colour.bias,
-        psnr_db: psnr.is_finite().then_some(psnr),
-        ..StageErrors::default()
-    }
-}
-
-/// Nearest first, ties by index.
-fn by_depth<F>(projected: &[Option<F>], depth: impl Fn(&F) -> f64) -> Vec<(usize, &F)> {
-    let mut order: Vec<(usize, &F)> = projected
-        .iter()
-        .enumerate()
-        .filter_map(|(i, f)| Some((i, f.as_ref()?)))
-        .collect();
-    order.sort_by(|a, b| depth(a.1).total_cmp(&depth(b.1)));
-    order
-}
-
-/// The truth's picture, composited in double precision.
-fn exact_picture(case: &Case, projected: &[Option<ExactFootprint>]) -> Picture {
-    let order = by_depth(projected, |f| f.depth);
-    let rules = &case.rules;
-    let mut picture = Picture::new(case.camera.width, case.camera.height);
-    for (pixel, (x, y)) in picture.pixels.iter_mut().zip(pixels(case)) {
-        let (mut sum, mut clear) = ([0.0; 3], 1.0f64);
-        for (index, footprint) in &order {
-            let r = footprint.radial(x, y);
-            let alpha = (footprint.peak * (-0.5 * r).exp()).min(rules.alpha_max);
-            if r >= rules.cutoff || alpha <= 0.0 || alpha < rules.alpha_min {
-                continue;
-            }
-            let rest = clear * (1.0 - alpha);
-            if rules.stop_before && rest <= rules.stop {
-                break;
-            }
-            for (sum, colour) in sum.iter_mut().zip(case.scene.splats[*index].colour) {
-                *sum += clear * alpha * colour;
-            }
-            clear = rest;
-            if clear <= rules.stop {
-                break;
-            }
-        }
-        *pixel = [sum[0], sum[1], sum[2], 1.0 - clear];
-    }
-    picture
-}
-
-/// The picture of single precision, composited in single precision.
-fn single_picture(case: &Case, projected: &[Option<SingleFootprint>]) -> Picture {
-    let order = by_depth(projected, |f| f.depth.into());
-    let stop = case.rules.stop as f32;
-    let mut picture = Picture::new(case.camera.width, case.camera.height);
-    for (pixel, (x, y)) in picture.pixels.iter_mut().zip(pixels(case)) {
-        let (mut sum, mut clear) = ([0.0f32; 3], 1.0f32);
-        for (index, footprint) in &order {
-            let alpha = footprint.opacity(x as f32, y as f32, &case.rules);
-            if alpha <= 0.0 {
-                continue;
-            }
-            let rest = clear * (1.0 - alpha);
-            if case.rules.stop_before && rest <= stop {
-                break;
-            }
-            for (sum, colour) in sum.iter_mut().zip(case.scene.splats[*index].colour) {
-                *sum += clear * alpha * colour as f32;
-            }
-            clear = rest;
-            if clear <= stop {
-                break;
-            }
-        }
-        *pixel = [sum[0], sum[1], sum[2], 1.0 - clear].map(f64::from);
-    }
-    picture
 }

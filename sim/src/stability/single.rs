@@ -14,6 +14,8 @@ pub struct SingleFootprint {
     pub centre: [f32; 2],
     /// Depth, scene units.
     pub depth: f32,
+    /// Vxx, Vxy, Vyy, square pixels, and the determinant.
+    pub variance: [f32; 4],
     /// a, b, c of r = a dx^2 + 2 b dx dy + c dy^2.
     pub conic: [f32; 3],
     /// Opacity at r = 0.
@@ -95,6 +97,7 @@ pub fn project(
             focal[1] * t[1] / distance + camera.cy as f32,
         ],
         depth: z,
+        variance: [a, b, c, determinant],
         conic: [c / determinant, -b / determinant, a / determinant],
         peak,
     })

@@ -1,24 +1,23 @@
 //! The suite as text: one line per engine and case, a verdict per case, and the summary of the bars.
 
-use super::{Line, StageErrors};
+use super::{BOUNDED, Line, StageErrors};
 use std::fmt::Write;
 
 /// The named design that the bars are about.
-const JUDGED: &str = "standard24";
+pub const JUDGED: &str = "standard24";
 /// How much better than single precision the form of a needle must be.
 const NEEDLE_BAR: f64 = 10.0;
 
-/// Bound of the form's error in units of u (1 + G), derived in `docs/error-analysis.md` for the LDL form.
-pub const FORM_BOUND: f64 = 24.0;
-
 /// A stage's name and its error.
-type Stage = (&'static str, fn(&StageErrors) -> f64);
+pub type Stage = (&'static str, fn(&StageErrors) -> f64);
 
 /// Stages in the order of the columns.
-pub(super) const STAGES: [Stage; 6] = [
+pub const STAGES: [Stage; 8] = [
     ("centre", |e| e.centre),
     ("depth", |e| e.depth),
     ("peak", |e| e.peak),
+    ("variance", |e| e.variance),
+    ("determinant", |e| e.determinant),
     ("form", |e| e.form),
     ("r", |e| e.radial),
     ("picture", |e| e.picture),
@@ -27,8 +26,8 @@ pub(super) const STAGES: [Stage; 6] = [
 /// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
 pub fn markdown(lines: &[Line]) -> String {
     let mut text = String::from(
-        "| case | engine | centre px | depth rel | peak rel | form rel | form / u(1+G) | r abs | picture | bias | PSNR dB | wrong culls | worse than f32 in |\n\
-         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
+        "| case | engine | centre px | depth rel | peak rel | variance rel | determinant rel | form rel | r abs | picture | bias | PSNR dB | decisions | wrong culls | worse than f32 in |\n\
+         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
     );
     let mut single = StageErrors::default();
     for line in lines {
@@ -45,17 +44,20 @@ pub fn markdown(lines: &[Line]) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {} | {verdict} |",
+            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {}/{} | {} | {verdict} |",
             line.case,
             line.engine,
             e.centre,
             e.depth,
             e.peak,
+            e.variance,
+            e.determinant,
             e.form,
-            e.form_units,
             e.radial,
             e.picture,
             e.bias,
+            e.decided_wrongly,
+            e.edges,
             e.culled_wrongly
         );
     }
@@ -80,26 +82,27 @@ fn worse_stages(fixed: &StageErrors, single: &StageErrors) -> String {
 pub fn summary(lines: &[Line]) -> String {
     let mut text = format!("Bars of {JUDGED}, {} cases:\n\n", pairs(lines).count());
     for (name, of) in STAGES {
-        let worse: Vec<&str> = pairs(lines)
-            .filter(|(single, fixed)| of(&fixed.errors) > of(&single.errors))
-            .map(|(_, fixed)| fixed.case.as_str())
+        let worse: Vec<String> = pairs(lines)
+            .map(|(single, fixed)| (fixed, of(&single.errors), of(&fixed.errors)))
+            .filter(|(_, single, fixed)| fixed > single)
+            .map(|(line, single, fixed)| format!("{} ({fixed:.1e}, f32 {single:.1e})", line.case))
             .collect();
         let _ = writeln!(
             text,
-            "- {name} worse than f32 in {} cases: {}",
+            "- {name} worse than f32 in {} cases{}{}",
             worse.len(),
+            if worse.is_empty() { "" } else { ": " },
             worse.join("; ")
         );
     }
-    for name in crate::design::NAMES {
-        let units = lines
-            .iter()
-            .filter(|line| line.engine == name)
-            .map(|line| line.errors.form_units);
+    for engine in std::iter::once("f32").chain(crate::design::NAMES) {
+        let of_engine = lines.iter().filter(|line| line.engine == engine);
+        let (wrong, all) = of_engine.fold((0, 0), |(wrong, all), line| {
+            (wrong + line.errors.decided_wrongly, all + line.errors.edges)
+        });
         let _ = writeln!(
             text,
-            "- {name}: largest form / u(1+G) = {:.1e} (bound {FORM_BOUND})",
-            units.fold(0.0, f64::max)
+            "- {engine}: {wrong} of {all} pixels on a threshold decided otherwise"
         );
     }
     for (single, fixed) in pairs(lines).filter(|(single, _)| single.needle) {
@@ -118,6 +121,30 @@ pub fn summary(lines: &[Line]) -> String {
     text
 }
 
+/// The steps' bounds beside what is used of them: the largest share over all splats and pixels, and the largest error.
+pub fn bounds(lines: &[Line]) -> String {
+    let designs = ["lean18", JUDGED, "deep32"];
+    let mut text = format!(
+        "Each step's bound (`docs/error-analysis.md`): the largest part of it that a splat or a pixel uses, and in which case; 1 is the bound.\n\n\
+         | step | {} |\n|---|{}\n",
+        designs.join(" | "),
+        "---|".repeat(designs.len())
+    );
+    for (step, name) in BOUNDED.iter().enumerate() {
+        let cells = designs.map(|design| {
+            let of_design = lines.iter().filter(|line| line.engine == design);
+            let share = |line: &&Line| line.errors.shares[step];
+            of_design
+                .max_by(|a, b| share(a).total_cmp(&share(b)))
+                .map_or_else(String::new, |line| {
+                    format!("{:.2} {}", share(&line), line.case)
+                })
+        });
+        let _ = writeln!(text, "| {name} | {} |", cells.join(" | "));
+    }
+    text
+}
+
 /// How many times smaller the form's error is than in single precision.
 pub fn needle_gain(single: &StageErrors, fixed: &StageErrors) -> f64 {
     single.form / fixed.form
@@ -125,6 +152,17 @@ pub fn needle_gain(single: &StageErrors, fixed: &StageErrors) -> f64 {
 
 /// For each case the line of single precision and the judged design's.
 pub fn pairs(lines: &[Line]) -> impl Iterator<Item = (&Line, &Line)> {
-    let singles = lines.iter().filter(|line| line.engine == "f32");
-    singles.zip(lines.iter().filter(|line| line.engine == JUDGED))
+    engine_pairs(lines, JUDGED)
+}
+
+/// For each case the line of single precision and another engine's.
+pub fn engine_pairs<'a>(
+    lines: &'a [Line],
+    engine: &str,
+) -> impl Iterator<Item = (&'a Line, &'a Line)> {
+    let of = |engine: &str| {
+        let engine = engine.to_owned();
+        lines.iter().filter(move |line| line.engine == engine)
+    };
+    of("f32").zip(of(engine))
 }

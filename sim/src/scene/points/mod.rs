@@ -8,6 +8,7 @@
 //! A point without a radius gets the distance to the farthest of its six nearest neighbours; a cloud without normals gets those of the
 //! planes through each point's neighbours. What was made up that way is told in [`SurfaceScene::notes`].
 
+pub mod height_field;
 mod neighbours;
 pub mod synthetic;
 #[cfg(test)]

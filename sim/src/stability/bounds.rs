@@ -1,0 +1,105 @@
+//! What each step of the datapath may lose at most, derived in `docs/error-analysis.md`, for one splat and one design.
+//!
+//! u is one rounding to the mantissa, p the quantum of positions, in scene units. G = 1 / sqrt(1 - rho^2) grows with a needle's
+//! axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M cancels (`ExactFootprint::cancellation`).
+//! The bounds hold for designs that scan rows by LDL and round to nearest.
+
+use super::exact::ExactFootprint;
+use crate::camera::Camera;
+use splatline::format::Widths;
+use splatline::raster::BLOCK;
+
+/// Bounds of the steps for one splat.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub centre: f64,
+    pub depth: f64,
+    pub peak: f64,
+    pub variance: f64,
+    pub determinant: f64,
+    pub form: f64,
+    widths: Widths,
+    footprint: ExactFootprint,
+}
+
+/// Half a unit of a format with `bits` fraction bits.
+fn half(bits: u8) -> f64 {
+    (-f64::from(bits) - 1.0).exp2()
+}
+
+impl Bounds {
+    /// `quantum` is that of the positions, scene units.
+    pub fn new(
+        widths: &Widths,
+        footprint: &ExactFootprint,
+        camera: &Camera,
+        normalised: bool,
+        quantum: f64,
+    ) -> Bounds {
+        let u = 2.0 * half(widths.mantissa);
+        let near = quantum / footprint.depth;
+        let lost = (6.0 * u + 2.0 * near) * footprint.cancellation;
+        let gain = footprint.gain();
+        let determinant = 4.0 * lost * gain + 2.0 * lost + 5.0 * u;
+        let middle = [(camera.cx, camera.fx), (camera.cy, camera.fy)];
+        let centre = [0, 1].map(|i| {
+            let (principal, focal) = middle[i];
+            let offset = (footprint.centre[i] - principal).abs();
+            8.0 * half(widths.view) * offset + near * (focal + offset)
+        });
+        // Dimmed by the area and the root of the determinant, or the weight itself.
+        let scaled = match normalised {
+            true => 0.5 * determinant + 10.0 * u + 2.0 * near,
+            false => half(30),
+        };
+        Bounds {
+            centre: half(widths.subpixel) + half(31) + centre[0].max(centre[1]),
+            depth: 2.0 * near,
+            peak: scaled + half(widths.peak) / footprint.peak,
+            variance: 2.0 * lost + u,
+            determinant,
+            form: 8.0 * (lost + u) * (1.0 + gain),
+            widths: *widths,
+            footprint: *footprint,
+        }
+    }
+
+    /// Of the radial index in the lanes, where it is `r`.
+    pub fn radial(&self, r: f64) -> f64 {
+        let ExactFootprint {
+            curvature,
+            slope,
+            stretch,
+            ..
+        } = self.footprint;
+        let u = 2.0 * half(self.widths.mantissa);
+        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q; the rows' sums drift by less than 2^-25.
+        let steepest = curvature * (1.0 + slope * slope) + stretch;
+        let moved = std::f64::consts::SQRT_2 * self.centre + half(24);
+        let block = f64::from(BLOCK);
+        let lanes = (block * block / 32.0 + block + 2.0) * 2.0 * half(self.widths.radial);
+        self.form * r
+            + 2.0 * (r * steepest).sqrt() * moved
+            + steepest * moved * moved
+            + 16.0 * r.sqrt() * u
+            + lanes
+    }
+
+    /// Of a layer's share and colour, once it has its opacity.
+    pub fn layer(&self) -> f64 {
+        half(self.widths.transmittance) + half(self.widths.accumulator) + half(self.widths.colour)
+    }
+
+    /// Of the opacity at a pixel, where the radial index is `r`.
+    pub fn opacity(&self, r: f64, range: u8) -> f64 {
+        let weight = (-0.5 * r).exp();
+        let step = (f64::from(range) - f64::from(self.widths.table)).exp2();
+        let position = step * (-f64::from(self.widths.interpolation)).exp2();
+        let table = weight * (0.5 * step).exp() * (step * step / 48.0 + 0.5 * position)
+            + 2.0 * half(self.widths.weight);
+        let shifted = weight * (0.5 * self.radial(r)).exp_m1();
+        let peak = self.footprint.peak;
+        let lost = peak * (table + shifted) + self.peak * peak * weight;
+        (lost + half(self.widths.alpha)).min(1.0)
+    }
+}

@@ -1,0 +1,174 @@
+//! The errors of one engine in one case, stage by stage, and how each is measured.
+
+use super::bounds::Bounds;
+use super::exact::ExactFootprint;
+use splatline::footprint::Footprint;
+use splatline::math::Scaled;
+
+/// Peaks from here on count as this one: the opacity is 1 within any cut-off of normalised kernels (at most 4), and the packet saturates.
+const LARGEST_PEAK: f64 = 15.0;
+
+/// Worst errors of one engine in one case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct StageErrors {
+    /// Centre, pixels.
+    pub centre: f64,
+    /// Depth, relative.
+    pub depth: f64,
+    /// Opacity at r = 0, relative.
+    pub peak: f64,
+    /// Variances, relative.
+    pub variance: f64,
+    /// Determinant, relative.
+    pub determinant: f64,
+    /// Quadratic form, relative, in its worst direction.
+    pub form: f64,
+    /// Radial index, absolute.
+    pub radial: f64,
+    /// Picture, largest absolute difference.
+    pub picture: f64,
+    /// Picture, mean of the differences of colours.
+    pub bias: f64,
+    /// Picture, decibels; none if no sample differs.
+    pub psnr_db: Option<f64>,
+    /// Splats that this engine culls although they are visible, or draws although they are not.
+    pub culled_wrongly: usize,
+    /// Pixels on an edge of the rules, where the picture is discontinuous; they are left out of the three numbers above.
+    pub edges: usize,
+    /// Pixels on an edge that this engine decides otherwise.
+    pub decided_wrongly: usize,
+    /// The largest share of each step's derived bound that is used, in the order of [`BOUNDED`]; 0 for engines without bounds.
+    pub shares: [f64; BOUNDED.len()],
+}
+
+/// The steps that have a derived bound.
+pub const BOUNDED: [&str; 8] = [
+    "centre",
+    "depth",
+    "peak",
+    "variance",
+    "determinant",
+    "form",
+    "r",
+    "picture",
+];
+
+pub(super) fn value(mantissa: i32, exponent: i32) -> f64 {
+    f64::from(mantissa) * f64::from(exponent).exp2()
+}
+
+impl StageErrors {
+    /// The worse of two, number by number.
+    pub(super) fn worsen(&mut self, other: &StageErrors) {
+        let bias = if other.bias.abs() > self.bias.abs() {
+            other.bias
+        } else {
+            self.bias
+        };
+        *self = StageErrors {
+            centre: worse(self.centre, other.centre),
+            depth: worse(self.depth, other.depth),
+            peak: worse(self.peak, other.peak),
+            variance: worse(self.variance, other.variance),
+            determinant: worse(self.determinant, other.determinant),
+            form: worse(self.form, other.form),
+            radial: worse(self.radial, other.radial),
+            picture: worse(self.picture, other.picture),
+            bias,
+            psnr_db: match (self.psnr_db, other.psnr_db) {
+                (Some(a), Some(b)) => Some(a.min(b)),
+                (a, b) => a.or(b),
+            },
+            culled_wrongly: self.culled_wrongly + other.culled_wrongly,
+            edges: self.edges + other.edges,
+            decided_wrongly: self.decided_wrongly + other.decided_wrongly,
+            shares: std::array::from_fn(|step| worse(self.shares[step], other.shares[step])),
+        };
+    }
+
+    pub(super) fn worsen_centre(&mut self, centre: [f64; 2], truth: &ExactFootprint) {
+        for (got, expected) in centre.iter().zip(truth.centre) {
+            self.centre = worse(self.centre, (got - expected).abs());
+        }
+    }
+
+    pub(super) fn worsen_depth_and_peak(&mut self, depth: f64, peak: f64, truth: &ExactFootprint) {
+        self.depth = worse(self.depth, (depth / truth.depth - 1.0).abs());
+        let [peak, expected] = [peak, truth.peak].map(|peak| peak.min(LARGEST_PEAK));
+        self.peak = worse(self.peak, (peak / expected - 1.0).abs());
+    }
+
+    pub(super) fn worsen_variance(
+        &mut self,
+        [xx, xy, yy, determinant]: [f64; 4],
+        truth: &ExactFootprint,
+    ) {
+        let [true_xx, true_xy, true_yy, true_determinant] = truth.variance;
+        let cross = (xy - true_xy).abs() / (true_xx * true_yy).sqrt();
+        for error in [
+            (xx / true_xx - 1.0).abs(),
+            (yy / true_yy - 1.0).abs(),
+            cross,
+        ] {
+            self.variance = worse(self.variance, error);
+        }
+        let relative = (determinant / true_determinant - 1.0).abs();
+        self.determinant = worse(self.determinant, relative);
+    }
+
+    /// Takes the errors of one splat as shares of its bounds; r and the picture have their own, pixel by pixel.
+    pub(super) fn compare(&mut self, bounds: &Bounds) {
+        let shares = [
+            self.centre / bounds.centre,
+            self.depth / bounds.depth,
+            self.peak / bounds.peak,
+            self.variance / bounds.variance,
+            self.determinant / bounds.determinant,
+            self.form / bounds.form,
+        ];
+        for (step, share) in shares.into_iter().enumerate() {
+            self.shares[step] = worse(self.shares[step], share);
+        }
+    }
+}
+
+/// The larger one, where NaN is larger than anything.
+pub(super) fn worse(a: f64, b: f64) -> f64 {
+    if b.is_nan() { f64::INFINITY } else { a.max(b) }
+}
+
+/// Largest |eigenvalue| of a symmetric 2x2 matrix.
+fn spectral([a, b, c]: [f64; 3]) -> f64 {
+    worse(0.0, (0.5 * (a + c)).abs() + (0.5 * (a - c)).hypot(b))
+}
+
+/// Q' - Q in the coordinates in which Q is the identity, from a conic.
+pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -> f64 {
+    let ExactFootprint {
+        curvature,
+        slope,
+        stretch,
+        ..
+    } = *truth;
+    let mixed = (a * slope + b) / (curvature * stretch).sqrt();
+    let down = (a * slope * slope + 2.0 * b * slope + c) / stretch;
+    spectral([a / curvature - 1.0, mixed, down - 1.0])
+}
+
+/// The same from LDL coefficients.
+pub(super) fn form_error_of_scan(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
+    let number = |x: Scaled| value(x.mantissa, x.exponent);
+    let [a, s, c] = [
+        footprint.scan.curvature,
+        footprint.scan.slope,
+        footprint.scan.stretch,
+    ]
+    .map(number);
+    let lean = truth.slope - s;
+    let mixed = a * lean / (truth.curvature * truth.stretch).sqrt();
+    spectral([
+        a / truth.curvature - 1.0,
+        mixed,
+        (a * lean * lean + c) / truth.stretch - 1.0,
+    ])
+}

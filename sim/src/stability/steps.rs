@@ -1,0 +1,134 @@
+//! What each width of `standard24` buys: the suite with its widths taken back, one after the other and one at a time.
+//!
+//! The design began with 24-bit mantissas and a table of 2^10 intervals, chosen by scenes. Each step from there to today's widths is
+//! measured by the number of cases that are worse than single precision, stage by stage, and priced.
+
+use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
+use super::{Extent, Line, measure};
+use crate::design::DesignChoice;
+use crate::machine::area::{Calibration, estimate};
+use crate::machine::config::Config;
+use splatline::format::Widths;
+use std::fmt::Write;
+
+/// A change of one width.
+struct Step {
+    /// The width's name in a design file.
+    field: &'static str,
+    /// What the design began with, and what suffices.
+    began: u8,
+    of: fn(&mut Widths) -> &mut u8,
+}
+
+/// In the order in which the data meets them.
+const STEPS: [Step; 8] = [
+    step("mantissa", 24, |w| &mut w.mantissa),
+    step("subpixel", 20, |w| &mut w.subpixel),
+    step("table", 10, |w| &mut w.table),
+    step("interpolation", 14, |w| &mut w.interpolation),
+    step("weight", 24, |w| &mut w.weight),
+    step("alpha", 24, |w| &mut w.alpha),
+    step("colour", 18, |w| &mut w.colour),
+    step("accumulator", 24, |w| &mut w.accumulator),
+];
+
+const fn step(field: &'static str, began: u8, of: fn(&mut Widths) -> &mut u8) -> Step {
+    Step { field, began, of }
+}
+
+/// Both tables as Markdown.
+pub fn markdown(extent: Extent) -> String {
+    let designs = [growing(), shrinking()];
+    let lines = measure(&designs.concat(), extent);
+    let [growing, shrinking] = designs;
+    format!(
+        "From the widths that `standard24` began with to today's, one after the other, as numbers of cases that are worse than f32:\n\n{}\n\
+         Today's widths with one of them a bit smaller:\n\n{}",
+        table(&growing, &lines),
+        table(&shrinking, &lines)
+    )
+}
+
+/// From the first widths to today's.
+fn growing() -> Vec<DesignChoice> {
+    let mut design = variant("began with", |widths| {
+        for step in &STEPS {
+            *(step.of)(widths) = step.began;
+        }
+    });
+    let mut today = design_of_today().widths;
+    let mut designs = vec![design.clone()];
+    for step in &STEPS {
+        let bits = *(step.of)(&mut today);
+        *(step.of)(&mut design.widths) = bits;
+        design.name = format!("{} {} to {bits}", step.field, step.began);
+        designs.push(design.clone());
+    }
+    designs
+}
+
+/// Today's widths, each one bit smaller.
+fn shrinking() -> Vec<DesignChoice> {
+    let smaller = |step: &Step| {
+        let mut design = variant("", |widths| *(step.of)(widths) -= 1);
+        design.name = format!("{} {}", step.field, (step.of)(&mut design.widths));
+        design
+    };
+    STEPS.iter().map(smaller).collect()
+}
+
+fn variant(name: &str, change: impl Fn(&mut Widths)) -> DesignChoice {
+    let mut design = design_of_today().at_run_time();
+    design.name = name.to_owned();
+    change(&mut design.widths);
+    design
+}
+
+fn design_of_today() -> DesignChoice {
+    DesignChoice::named(JUDGED).expect("the judged design has a name")
+}
+
+fn table(designs: &[DesignChoice], lines: &[Line]) -> String {
+    let stages: Vec<&str> = STAGES.iter().map(|(name, _)| *name).collect();
+    let mut text = format!(
+        "| widths | {} | wrong decisions | needle 10:1, times better | table, kbit | area estimate |\n|---|{}\n",
+        stages.join(" | "),
+        "--:|".repeat(STAGES.len() + 4)
+    );
+    for design in designs {
+        let _ = writeln!(text, "{}", row(design, lines));
+    }
+    text
+}
+
+fn row(design: &DesignChoice, lines: &[Line]) -> String {
+    let pairs = || engine_pairs(lines, &design.name);
+    let worse = |of: fn(&super::StageErrors) -> f64| {
+        let fell_short = |(single, fixed): &(&Line, &Line)| of(&fixed.errors) > of(&single.errors);
+        pairs().filter(fell_short).count()
+    };
+    let counts: Vec<String> = STAGES
+        .iter()
+        .map(|(_, of)| worse(*of).to_string())
+        .collect();
+    let decisions: usize = pairs().map(|(_, fixed)| fixed.errors.decided_wrongly).sum();
+    let needle = pairs()
+        .find(|(single, _)| single.needle)
+        .map_or(0.0, |(single, fixed)| {
+            needle_gain(&single.errors, &fixed.errors)
+        });
+    let widths = &design.widths;
+    let kbit = f64::from(widths.weight + 1) * f64::from(widths.table).exp2() / 1024.0;
+    let area = estimate(
+        widths,
+        design.traversal,
+        &Config::default(),
+        &Calibration::default(),
+    );
+    format!(
+        "| {} | {} | {decisions} | {needle:.1} | {kbit:.0} | {:.0} |",
+        design.name,
+        counts.join(" | "),
+        area.total.area
+    )
+}

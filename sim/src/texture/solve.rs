@@ -1,0 +1,266 @@
+//! Damped sparse least squares, for the optimised texture coefficients (\[SURF\] 5).
+//!
+//! Wanted is the w that minimises sum_j |sum_k R_jk w_k - c_j|^2 + lambda d sum_k |w_k - w0_k|^2. Its normal equations
+//! (R^T R + lambda d I) w = R^T c + lambda d w0, with d the mean of R^T R's diagonal, are symmetric and sparse: basis functions
+//! overlap with a dozen neighbours. They are gathered row by row of R, which is never stored (14 million entries for a photograph of 2048^2), and solved
+//! per colour channel by the BiCGSTAB of the crate `sprs`. Why this crate: docs/texture.md.
+
+use sprs::linalg::bicgstab::BiCGSTAB;
+use sprs::{CsMat, CsVec};
+
+/// lambda: keeps points determined that no sample sees, far below what changes a colour visibly.
+const DAMPING: f64 = 1e-4;
+/// Norm of the residual at the end, in norms of the right-hand side.
+const TOLERANCE: f64 = 1e-8;
+/// Iterations at most; a well-sampled grid takes about thirty.
+const MOST_ITERATIONS: usize = 2000;
+
+/// Normal equations with one right-hand side per colour channel.
+#[derive(Clone, Debug)]
+pub struct NormalEquations {
+    /// Per unknown the entries of R^T R, in the order in which they were met.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// R^T c.
+    right: Vec<[f64; 3]>,
+}
+
+/// What the solver found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// The unknowns.
+    pub values: Vec<[f64; 3]>,
+    /// Most iterations that a channel took.
+    pub iterations: usize,
+    /// Largest norm of a channel's residual, in norms of its right-hand side.
+    pub residual: f64,
+}
+
+/// The iteration did not come to an end, or not to a finite one.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "the texture coefficients did not converge: residual {residual:.1e} after {iterations} iterations; use plain or prefiltered coefficients"
+)]
+pub struct NotConverged {
+    /// Norm of the residual, in norms of the right-hand side.
+    pub residual: f64,
+    /// Iterations made.
+    pub iterations: usize,
+}
+
+impl NormalEquations {
+    /// No equation yet for `count` unknowns.
+    pub fn new(count: usize) -> NormalEquations {
+        NormalEquations {
+            rows: vec![Vec::new(); count],
+            right: vec![[0.0; 3]; count],
+        }
+    }
+
+    /// Adds the equation sum_k `row`_k w_k = `colour`.
+    pub fn add(&mut self, row: &[(usize, f64)], colour: [f64; 3]) {
+        for &(k, weight) in row {
+            for (sum, channel) in self.right[k].iter_mut().zip(colour) {
+                *sum += weight * channel;
+            }
+            for &(other, second) in row {
+                let entries = &mut self.rows[k];
+                match entries.iter_mut().find(|(index, _)| *index == other) {
+                    Some((_, sum)) => *sum += weight * second,
+                    None => entries.push((other, weight * second)),
+                }
+            }
+        }
+    }
+
+    /// Solves the equations, damped towards `start`.
+    pub fn solve(&self, start: &[[f64; 3]]) -> Result<Solution, NotConverged> {
+        let count = self.rows.len();
+        let diagonal = self.mean_diagonal();
+        if diagonal == 0.0 {
+            return Ok(Solution {
+                values: start.to_vec(),
+                iterations: 0,
+                residual: 0.0,
+            });
+        }
+        let damping = DAMPING * diagonal;
+        let matrix = self.matrix(damping);
+        let mut solution = Solution {
+            values: start.to_vec(),
+            iterations: 0,
+            residual: 0.0,
+        };
+        for channel in 0..3 {
+            let first: Vec<f64> = start.iter().map(|colour| colour[channel]).collect();
+            let right = self.right.iter().zip(&first);
+            let right = right.map(|(sum, w0)| sum[channel] + damping * w0).collect();
+            let found = solve_one(&matrix, dense(right), dense(first))?;
+            for (value, found) in solution.values.iter_mut().zip(found.values) {
+                value[channel] = found;
+            }
+            solution.iterations = solution.iterations.max(found.iterations);
+            solution.residual = solution.residual.max(found.residual);
+        }
+        debug_assert_eq!(solution.values.len(), count);
+        Ok(solution)
+    }
+
+    fn mean_diagonal(&self) -> f64 {
+        let diagonal = self.rows.iter().enumerate().flat_map(|(k, entries)| {
+            let own = entries.iter().filter(move |(index, _)| *index == k);
+            own.map(|(_, value)| *value)
+        });
+        diagonal.sum::<f64>() / self.rows.len().max(1) as f64
+    }
+
+    /// R^T R with the damping on its diagonal, by columns: the crate multiplies those by a full vector in linear time.
+    fn matrix(&self, damping: f64) -> CsMat<f64> {
+        let count = self.rows.len();
+        let (mut starts, mut indices, mut values) = (vec![0], Vec::new(), Vec::new());
+        for (k, entries) in self.rows.iter().enumerate() {
+            let mut column = entries.clone();
+            match column.iter_mut().find(|(index, _)| *index == k) {
+                Some((_, value)) => *value += damping,
+                None => column.push((k, damping)),
+            }
+            column.sort_unstable_by_key(|(index, _)| *index);
+            indices.extend(column.iter().map(|(index, _)| *index));
+            values.extend(column.iter().map(|(_, value)| *value));
+            starts.push(indices.len());
+        }
+        CsMat::new_csc((count, count), starts, indices, values)
+    }
+}
+
+/// One channel's unknowns.
+struct Channel {
+    values: Vec<f64>,
+    iterations: usize,
+    residual: f64,
+}
+
+fn solve_one(
+    matrix: &CsMat<f64>,
+    right: CsVec<f64>,
+    start: CsVec<f64>,
+) -> Result<Channel, NotConverged> {
+    let norm = right.l2_norm().max(f64::MIN_POSITIVE);
+    let tolerance = TOLERANCE * norm;
+    let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
+    // An exact start has no direction to search in.
+    let solved = match fresh.err() < tolerance {
+        true => Ok(Box::new(fresh)),
+        false => BiCGSTAB::<f64, _, _>::solve(
+            matrix.view(),
+            start.view(),
+            right.view(),
+            tolerance,
+            MOST_ITERATIONS,
+        ),
+    };
+    let (ended, solver) = match solved {
+        Ok(solver) => (true, solver),
+        Err(solver) => (false, solver),
+    };
+    let values = solver.x().to_dense().to_vec();
+    if !ended || !values.iter().all(|value| value.is_finite()) {
+        return Err(NotConverged {
+            residual: solver.err() / norm,
+            iterations: solver.iteration_count(),
+        });
+    }
+    Ok(Channel {
+        values,
+        iterations: solver.iteration_count(),
+        residual: solver.err() / norm,
+    })
+}
+
+/// The crate's vectors are sparse; these have every entry.
+fn dense(values: Vec<f64>) -> CsVec<f64> {
+    CsVec::new(values.len(), (0..values.len()).collect(), values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Gaussian elimination with pivoting: the oracle.
+    fn eliminated(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
+        let count = right.len();
+        for column in 0..count {
+            let pivot = (column..count)
+                .max_by(|&a, &b| matrix[a][column].abs().total_cmp(&matrix[b][column].abs()))
+                .unwrap();
+            matrix.swap(column, pivot);
+            right.swap(column, pivot);
+            for row in column + 1..count {
+                let factor = matrix[row][column] / matrix[column][column];
+                let upper = matrix[column].clone();
+                for (entry, above) in matrix[row].iter_mut().zip(upper) {
+                    *entry -= factor * above;
+                }
+                right[row] -= factor * right[column];
+            }
+        }
+        let mut found = vec![0.0; count];
+        for row in (0..count).rev() {
+            let known: f64 = (row + 1..count).map(|k| matrix[row][k] * found[k]).sum();
+            found[row] = (right[row] - known) / matrix[row][row];
+        }
+        found
+    }
+
+    #[test]
+    fn the_solution_is_that_of_dense_elimination() {
+        let count = 12;
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        let mut equations = NormalEquations::new(count);
+        let mut dense = vec![vec![0.0; count]; count];
+        let mut right = vec![0.0; count];
+        for sample in 0..60 {
+            let row: Vec<(usize, f64)> = (0..3)
+                .map(|step| ((sample + 2 * step) % count, 0.1 + random()))
+                .collect();
+            let colour = [random(), random(), random()];
+            equations.add(&row, colour);
+            for &(k, a) in &row {
+                right[k] += a * colour[1];
+                row.iter().for_each(|&(l, b)| dense[k][l] += a * b);
+            }
+        }
+        let start = vec![[0.5; 3]; count];
+        let mean = (0..count).map(|k| dense[k][k]).sum::<f64>() / count as f64;
+        for k in 0..count {
+            dense[k][k] += DAMPING * mean;
+            right[k] += DAMPING * mean * 0.5;
+        }
+        let expected = eliminated(dense, right);
+        let solution = equations.solve(&start).unwrap();
+        for (found, expected) in solution.values.iter().zip(expected) {
+            assert!((found[1] - expected).abs() < 1e-6, "{found:?} {expected}");
+        }
+        // Solved once, there is nothing left to do.
+        assert!(solution.residual < TOLERANCE);
+    }
+
+    #[test]
+    fn without_equations_and_with_an_exact_start_nothing_moves() {
+        let start = vec![[0.25, 0.5, 0.75]; 4];
+        assert_eq!(NormalEquations::new(4).solve(&start).unwrap().values, start);
+        let mut equations = NormalEquations::new(4);
+        (0..4).for_each(|k| equations.add(&[(k, 1.0)], start[k]));
+        assert_eq!(equations.solve(&start).unwrap().values, start);
+        assert!(
+            NormalEquations::new(0)
+                .solve(&[])
+                .unwrap()
+                .values
+                .is_empty()
+        );
+    }
+}
