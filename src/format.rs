@@ -214,7 +214,7 @@ pub struct Classic8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lean18;
 
-/// As accurate as single precision or better on every hard case (docs/stability.md), with 32-bit pixel lanes.
+/// At least as accurate as single precision on hard cases, but for three ends of formats (docs/error-analysis.md); 32-bit pixel lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Standard24;
 

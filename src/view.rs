@@ -69,7 +69,7 @@ impl View {
 
 /// An entry of W in Q1.30 with all but `bits` fraction bits rounded away.
 #[inline(always)]
-pub(crate) fn round_entry(entry: I2F30, bits: u32) -> i64 {
+pub fn round_entry(entry: I2F30, bits: u32) -> i64 {
     let entry = i64::from(entry.to_bits());
     match 30u32.saturating_sub(bits) {
         0 => entry,

@@ -6,9 +6,11 @@
 //! [`metrics`] compares two pictures and [`report`] tells people about it.
 
 pub mod atomic;
+pub mod baseline;
 pub mod camera;
 pub mod design;
 pub mod explore;
+pub mod fast;
 pub mod fixed;
 pub mod gallery;
 pub mod hybrid;
@@ -24,6 +26,7 @@ pub mod sheets;
 pub mod stability;
 pub mod study;
 pub mod surface;
+pub mod systems;
 pub mod texture;
 pub mod trace;
 pub mod vector;

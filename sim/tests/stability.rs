@@ -2,15 +2,16 @@
 
 use splatline_sim::design::DesignChoice;
 use splatline_sim::stability::{BOUNDED, Extent, Line, measure, table};
+use std::sync::OnceLock;
 
-fn lines() -> Vec<Line> {
-    measure(&DesignChoice::all(), Extent::QUICK)
+fn lines() -> &'static [Line] {
+    static LINES: OnceLock<Vec<Line>> = OnceLock::new();
+    LINES.get_or_init(|| measure(&DesignChoice::all(), Extent::QUICK))
 }
 
 #[test]
 fn needles_are_ten_times_better_than_single_precision() {
-    let lines = lines();
-    for (single, fixed) in table::pairs(&lines).filter(|(single, _)| single.needle) {
+    for (single, fixed) in table::pairs(lines()).filter(|(single, _)| single.needle) {
         let gain = table::needle_gain(&single.errors, &fixed.errors);
         assert!(gain >= 10.0, "{}: {gain:.1}", fixed.case);
     }
@@ -25,7 +26,7 @@ const COARSER: [(&str, &str); 3] = [
 
 #[test]
 fn standard24_is_nowhere_worse_than_single_precision() {
-    for (single, fixed) in table::pairs(&lines()) {
+    for (single, fixed) in table::pairs(lines()) {
         for (stage, of) in table::STAGES {
             let (error, yardstick) = (of(&fixed.errors), of(&single.errors));
             let coarser = COARSER.contains(&(stage, fixed.case.as_str()));

@@ -74,7 +74,43 @@ pub struct Blend {
     sums_fit: bool,
 }
 
+/// The constants of front-to-back compositing, for implementations that blend many pixels at once: [`Blend`] stays their definition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BlendConstants {
+    /// Largest opacity, UQ1.alpha, at most 1.
+    pub alpha_max: u32,
+    /// Smaller opacities are skipped, UQ1.alpha, at least one unit.
+    pub alpha_min: u32,
+    /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
+    pub stop: u32,
+    /// The splat that would bring the transmittance to `stop` is itself left out.
+    pub stop_before: bool,
+    /// Rounding of the three products.
+    pub rounding: Rounding,
+    /// Right shift of peak (UQ4.peak) times kernel (UQ1.weight), to UQ1.alpha.
+    pub opacity_shift: i32,
+    /// Right shift of transmittance times opacity, to UQ1.transmittance.
+    pub share_shift: i32,
+    /// Right shift of share (UQ1.transmittance) times colour (UQ4.colour), to UQ4.accumulator.
+    pub colour_shift: i32,
+}
+
 impl Blend {
+    /// The constants of [`Blend::opacity`] and [`Blend::front_to_back`].
+    #[inline(always)]
+    pub const fn constants(&self) -> BlendConstants {
+        BlendConstants {
+            alpha_max: self.alpha_max,
+            alpha_min: self.alpha_min,
+            stop: self.stop,
+            stop_before: self.stop_before,
+            rounding: self.rounding,
+            opacity_shift: self.opacity_shift,
+            share_shift: self.share_shift,
+            colour_shift: self.colour_shift,
+        }
+    }
+
     /// Rules and widths brought together.
     #[inline(always)]
     pub const fn new(widths: &Widths, rules: &Rules) -> Blend {
@@ -86,6 +122,11 @@ impl Blend {
             widths.colour as i32,
             widths.accumulator as i32,
         ];
+        // Truncation adds no rounding constant.
+        let unrounded = match widths.rounding {
+            Rounding::Nearest => 0,
+            Rounding::Truncate => 1,
+        };
         Blend {
             // At most 1, so that a share never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
@@ -98,10 +139,10 @@ impl Blend {
             share_shift: alpha,
             colour_shift: transmittance + colour - accumulator,
             layer_shift: alpha + colour - accumulator,
-            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must not exceed 2^weight.
-            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + 1,
+            // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must be less than 2^weight.
+            opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + unrounded,
             share_narrow: transmittance + alpha <= 31,
-            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + 1,
+            colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + unrounded,
             // Without rounding (a shift of 0) not even that unit.
             sums_fit: accumulator <= 20 || transmittance + colour <= accumulator,
         }

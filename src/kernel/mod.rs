@@ -88,6 +88,24 @@ impl<'a> FootprintTable<'a> {
         })
     }
 
+    /// The entries, UQ1.weight.
+    #[inline(always)]
+    pub const fn entries(&self) -> &'a [u32] {
+        self.entries
+    }
+
+    /// Bits of the radial index below the table's index.
+    #[inline(always)]
+    pub const fn rest_bits(&self) -> u32 {
+        self.rest_bits
+    }
+
+    /// The upper ones of these bits, which the interpolator sees; 0 without interpolation.
+    #[inline(always)]
+    pub const fn kept_bits(&self) -> u32 {
+        self.kept
+    }
+
     /// Kernel at `radial` (UQ4.radial), UQ1.weight; 0 beyond the table. Interpolated results are rounded to nearest.
     #[inline(always)]
     pub fn weight(&self, radial: u64) -> u32 {

@@ -8,7 +8,7 @@ use super::scaled::Scaled;
 use super::words::leading_zeros;
 
 /// log2(1 + i/32) in UQ1.16: `log2` by repeated squaring, one bit of the result per step.
-static TABLE: [u32; 33] = {
+pub static LOGARITHMS: [u32; 33] = {
     let mut table = [0; 33];
     let mut i = 0;
     while i <= 32 {
@@ -43,8 +43,8 @@ pub fn log2_upper(value: Scaled) -> Option<i32> {
     let x = magnitude << leading_zeros(magnitude);
     let index = ((x >> 26) & 31) as usize;
     let rest = (x >> 10) & 0xffff;
-    let low = TABLE[index & 31];
-    let high = TABLE[(index & 31) + 1];
+    let low = LOGARITHMS[index & 31];
+    let high = LOGARITHMS[(index & 31) + 1];
     let fraction = low + (((high - low) * rest) >> 16) + (1 << 4) + 2;
     Some(value.leading().clamp(-0x7000, 0x7000) * (1 << 16) + fraction as i32)
 }

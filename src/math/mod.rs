@@ -7,8 +7,8 @@ mod shift;
 mod sqrt;
 pub(crate) mod words;
 
-pub use log2::log2_upper;
-pub use reciprocal::reciprocal;
+pub use log2::{LOGARITHMS, log2_upper};
+pub use reciprocal::{RECIPROCALS, reciprocal};
 pub use scaled::{Product, Scaled, sum_of_products};
 pub use shift::{shift_left, shift_round, shift_signed, shift_unsigned};
-pub use sqrt::{root_seed, square_root};
+pub use sqrt::{ROOTS, root_seed, square_root};

@@ -12,7 +12,7 @@ use super::words::leading_zeros;
 const INTERVALS: usize = 256;
 
 /// 1/(1 + i/256) in UQ1.30, rounded to nearest.
-static TABLE: [u32; INTERVALS + 1] = {
+pub static RECIPROCALS: [u32; INTERVALS + 1] = {
     let mut table = [0; INTERVALS + 1];
     let mut i = 0;
     while i <= INTERVALS {
@@ -36,8 +36,8 @@ pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
     let x = magnitude << leading_zeros(magnitude);
     let index = ((x >> 23) & 0xff) as usize;
     let rest = (x & 0x7f_ffff) as i64;
-    let low = TABLE[index & 0xff] as i64;
-    let high = TABLE[(index & 0xff) + 1] as i64;
+    let low = RECIPROCALS[index & 0xff] as i64;
+    let high = RECIPROCALS[(index & 0xff) + 1] as i64;
     let seed = low + shift_round((high - low) * rest, 23);
     let result = if bits > 16 {
         newton(x, seed)

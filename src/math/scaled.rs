@@ -40,7 +40,7 @@ impl Scaled {
     };
 
     /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
-    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> Scaled {
         if value == 0 {
@@ -73,7 +73,7 @@ impl Scaled {
     }
 
     /// Product rounded to `bits`.
-    #[inline]
+    #[inline(always)]
     pub const fn multiply(self, other: Scaled, bits: u32) -> Scaled {
         self.times(other).normalise(bits)
     }
@@ -88,7 +88,7 @@ impl Scaled {
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
         let up = self.exponent.saturating_add(fraction as i32);
@@ -109,13 +109,13 @@ impl Scaled {
 
 impl Product {
     /// Rounded to `bits`.
-    #[inline]
+    #[inline(always)]
     pub const fn normalise(self, bits: u32) -> Scaled {
         Scaled::from_wide(self.value, self.exponent, bits)
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
-    #[inline]
+    #[inline(always)]
     pub const fn to_fixed(self, fraction: u32) -> i64 {
         shift_signed(
             self.value,
@@ -128,7 +128,7 @@ impl Product {
 /// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
 ///
 /// Alignment error: at most half of `2^-60` of the largest term for each term.
-#[inline]
+#[inline(always)]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
     const { assert!(N <= 4) };
     sum(&terms, bits)

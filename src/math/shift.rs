@@ -10,7 +10,7 @@ use super::words::{leading_zeros_wide, rounded_down, shifted_up};
 use crate::format::Rounding;
 
 /// `value / 2^shift`, rounded to nearest, halves up. `shift >= 64` gives 0.
-#[inline]
+#[inline(always)]
 pub const fn shift_round(value: i64, shift: u32) -> i64 {
     if shift == 0 {
         return value;
@@ -22,7 +22,7 @@ pub const fn shift_round(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^shift` saturated to the type. `shift >= 63` saturates anything but 0.
-#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_left(value: i64, shift: u32) -> i64 {
     let head_room = leading_zeros_wide(value.unsigned_abs());
@@ -36,7 +36,7 @@ pub const fn shift_left(value: i64, shift: u32) -> i64 {
 }
 
 /// `value * 2^-shift` for either sign of `shift`: rounds to nearest to the right, saturates to the left.
-#[cfg_attr(not(target_pointer_width = "32"), inline)]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn shift_signed(value: i64, shift: i32) -> i64 {
     if shift < 0 {

@@ -12,7 +12,7 @@ const FIRST: usize = 64;
 const LAST: usize = 256;
 
 /// sqrt(i/256) in UQ0.24 for i = 64 ..= 256, rounded to nearest.
-static TABLE: [u32; LAST - FIRST + 1] = {
+pub static ROOTS: [u32; LAST - FIRST + 1] = {
     let mut table = [0; LAST - FIRST + 1];
     let mut i = FIRST;
     while i <= LAST {
@@ -26,7 +26,7 @@ static TABLE: [u32; LAST - FIRST + 1] = {
 /// Square root of a 64-bit integer as `(root, shift)`: `sqrt(value) = root * 2^shift`, `root` in UQ0.24 of the range [1/2, 1).
 ///
 /// Relative error below 2^-16.9 (tested). 0 gives `(0, 0)`. The shift lies in -24 ..= 8.
-#[inline]
+#[inline(always)]
 pub fn root_seed(value: u64) -> (u32, i32) {
     if value == 0 {
         return (0, 0);
@@ -35,7 +35,7 @@ pub fn root_seed(value: u64) -> (u32, i32) {
     let normal = (shifted_up(value, even) >> 32) as u32; // top two bits not both 0: [1/4, 1) as UQ0.32
     let index = (normal >> 24) as usize;
     let rest = (normal >> 8) & 0xffff;
-    let at = |i: usize| TABLE.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
+    let at = |i: usize| ROOTS.get(i.wrapping_sub(FIRST)).copied().unwrap_or(0);
     let (low, high) = (at(index), at(index + 1));
     // Entries are at most 65,282 apart (between 64/256 and 65/256), so that the product and half a unit fit 32 bits.
     let step = high.wrapping_sub(low).wrapping_mul(rest);
@@ -100,7 +100,7 @@ mod tests {
             for candidate in [value, value + value / 3, value.rotate_left(7)] {
                 let even = candidate.leading_zeros() & !1;
                 let normal = candidate << even;
-                let at = |i: u64| i64::from(TABLE[i as usize - FIRST]);
+                let at = |i: u64| i64::from(ROOTS[i as usize - FIRST]);
                 let (low, high) = (at(normal >> 56), at((normal >> 56) + 1));
                 let step = (high - low) * ((normal >> 40) & 0xffff) as i64;
                 let expected = (low + ((step + (1 << 15)) >> 16), 8 - (even / 2) as i32);

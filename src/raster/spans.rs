@@ -49,6 +49,43 @@ pub struct SpanRows<L> {
     row: Row,
 }
 
+/// What the rows of one footprint are computed from, for implementations that compute several at once: [`SpanRows`] stays their
+/// definition.
+#[derive(Clone, Copy, Debug)]
+pub struct RowConstants<L> {
+    /// First row, and one past the last.
+    pub rows: [u16; 2],
+    /// Columns of the footprint's box, and of its part in the window.
+    pub bounds: [u16; 2],
+    /// See `bounds`.
+    pub visible: [u16; 2],
+    /// xc - 1/2 in the first row, Q.32 pixels, and its change per row.
+    pub centre: i64,
+    /// See `centre`.
+    pub slope: i64,
+    /// C dy^2 in the first row, its change and the change of its change, Q.52.
+    pub vertical: [i64; 3],
+    /// Cut-off and slack, Q.52.
+    pub reach: i64,
+    /// Mantissa of 1 / A, 1 if its exponent is odd, and the power of two of its root, Q.32.
+    pub spread: (u64, u32, i32),
+    /// Mantissa of A.
+    pub curvature: i64,
+    /// Right shifts: of dx from Q.32, of A dx, of the radial index and of its difference.
+    pub drops: (u32, u32, i32, i32),
+    /// Fraction bits of the runs' radial indices.
+    pub fraction: u32,
+    /// Balance of the seeds, Q.fraction: added to r, and to 2 A dx for its first difference.
+    pub start: i64,
+    /// See `start`.
+    pub unit: i64,
+    /// 2 A in the lane's word.
+    pub second: L,
+}
+
+/// Fraction bits of [`RowConstants::vertical`].
+pub const VERTICAL_FRACTION: u32 = VERTICAL;
+
 /// What is left of the row being drawn.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
@@ -61,7 +98,8 @@ struct Row {
 
 impl<L: Lane> SpanRows<L> {
     /// Prepares the rows of `footprint` that lie in `window`.
-    #[inline]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
         let widths = design.widths();
         let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
@@ -102,6 +140,32 @@ impl<L: Lane> SpanRows<L> {
             half_width: HalfWidth::new(scan.spread),
             seed: Seed::new(scan.curvature, scan.spread, mantissa, widths.radial.into()),
             row: Row::default(),
+        }
+    }
+
+    /// What the rows to come are computed from.
+    #[inline(always)]
+    pub fn constants(&self) -> RowConstants<L> {
+        let (half, seed) = (&self.half_width, &self.seed);
+        RowConstants {
+            rows: [self.y, self.last_row],
+            bounds: self.bounds,
+            visible: self.visible,
+            centre: self.centre,
+            slope: self.slope,
+            vertical: [
+                self.vertical.value,
+                self.vertical.first,
+                self.vertical.second,
+            ],
+            reach: self.reach,
+            spread: (half.mantissa.into(), half.odd, half.power),
+            curvature: seed.curvature,
+            drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
+            fraction: seed.fraction,
+            start: seed.balance.start,
+            unit: seed.balance.unit,
+            second: seed.second,
         }
     }
 
@@ -175,7 +239,8 @@ impl<L: Lane> Rows for SpanRows<L> {
         self.seed.fraction
     }
 
-    #[inline]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline)]
     fn next_run(&mut self) -> Option<Run<L>> {
         loop {
             while self.row.x < self.row.end {
@@ -208,6 +273,7 @@ fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
 }
 
 /// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
     let along = stretch.multiply(dy, bits);
     let unit = stretch.to_fixed(VERTICAL);
@@ -227,6 +293,7 @@ struct HalfWidth {
 }
 
 impl HalfWidth {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn new(spread: Scaled) -> Self {
         let odd = spread.exponent & 1;
         // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
@@ -305,6 +372,7 @@ impl Balance {
 }
 
 impl<L: Lane> Seed<L> {
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn new(curvature: Scaled, spread: Scaled, bits: u32, fraction: u32) -> Self {
         // |dx|^2 <= 16 spread < 2^(leading + 5), hence |dx| < 2^half in pixels.
         let half = spread.leading().saturating_add(6) >> 1;

@@ -1,6 +1,8 @@
 //! Options of the commands about the machine: model, explore, merge, fit, needs, trace.
 
-use super::args::{CompositingChoice, DesignName, Size, TraversalChoice, ViewOptions};
+use super::args::{
+    CompositingChoice, DesignName, Size, SurfaceOptions, TraversalChoice, ViewOptions,
+};
 use clap::Args;
 use splatline_sim::explore::sweep::Shard;
 use std::path::PathBuf;
@@ -152,6 +154,8 @@ pub enum MetricChoice {
 pub struct NeedsOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
     #[command(flatten)]
     pub work: WorkOptions,
     #[command(flatten)]

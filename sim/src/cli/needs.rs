@@ -1,9 +1,11 @@
 //! `splatline needs`: which units, layers, ranges, widths and FIFO depths a scene exercises.
 
+use super::args::TraversalChoice;
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::model::{from_scene, machine};
 use super::setup::{View, check_folder_of, write};
+use super::surface::SurfaceView;
 use super::{Failure, say};
 use serde_json::json;
 use splatline::format::Traversal;
@@ -11,10 +13,16 @@ use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::fit::Metric;
 use splatline_sim::explore::needs::{Needs, SLACK, needs};
 use splatline_sim::fixed;
+use splatline_sim::hybrid::Hybrid;
+use splatline_sim::scene::Weight;
+use splatline_sim::systems::{Use, Verdict, exercised};
 use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     options.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    if options.surface.kind.is_some() {
+        return run_surface(options);
+    }
     let config = machine(&options.machine)?;
     let view = View::from_options(&options.view)?;
     let design = DesignChoice::load(&options.work.design.0)?;
@@ -34,7 +42,9 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
         .collect();
     let workload = from_scene(&view, &options.work, &config)?;
     let found = needs(&workload, &footprints, design.widths.peak, &config);
+    let systems = systems_of_volume(&view, options, traversal);
     say(&text(&view.scene.name, &found));
+    say(&systems_text(&systems));
     let fitted = match options.max_error {
         Some(budget) => Some(fit::fitted(&view, &options.work, Metric::Largest, budget)?),
         None => None,
@@ -44,10 +54,54 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
         None => say("widths: give --max-error E to find the smallest ones within an error\n"),
     }
     if let Some(path) = &options.json {
-        let answer = json!({"format": "splatline-needs/1", "scene": view.scene.name, "needs": found, "fit": fitted});
+        let answer = json!({"format": "splatline-needs/1", "scene": view.scene.name, "systems": systems, "needs": found, "fit": fitted});
         write(path, format!("{answer:#}\n").as_bytes())?;
     }
     Ok(())
+}
+
+/// A cloud or height field: its systems; units and FIFOs are those of the volume machine and not examined.
+fn run_surface(options: &NeedsOptions) -> Result<(), Failure> {
+    let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    let systems = exercised(&Use::Surface {
+        style: &view.style,
+        textured: options.surface.texture.is_some(),
+    });
+    let (name, count) = (&view.scene.name, view.scene.points.len());
+    say(&format!("{name}: {count} points of a surface\n"));
+    say(&systems_text(&systems));
+    if let Some(path) = &options.json {
+        let answer = json!({"format": "splatline-needs/1", "scene": name, "systems": systems});
+        write(path, format!("{answer:#}\n").as_bytes())?;
+    }
+    Ok(())
+}
+
+fn systems_of_volume(view: &View, options: &NeedsOptions, traversal: Traversal) -> Vec<Verdict> {
+    let stamps = Hybrid {
+        phase_bits: Some(3),
+        ..Hybrid::default()
+    };
+    let stamped = options.work.traversal == Some(TraversalChoice::Stamp);
+    exercised(&Use::Volume {
+        rules: &view.rules,
+        compositing: options.work.compositing.into(),
+        traversal,
+        hybrid: stamped.then_some(&stamps),
+        classified: view.scene.weight == Weight::Mass,
+    })
+}
+
+fn systems_text(systems: &[Verdict]) -> String {
+    let line = |verdict: &Verdict| {
+        let used = if verdict.used { "used" } else { "not needed" };
+        format!(
+            "  {:>2} {:<48} {used}: {}\n",
+            verdict.number, verdict.name, verdict.reason
+        )
+    };
+    let lines: String = systems.iter().map(line).collect();
+    format!("systems of the papers:\n{lines}")
 }
 
 fn text(name: &str, needs: &Needs) -> String {

@@ -175,6 +175,10 @@ pub enum ResultsPage {
     Packet,
     /// Cycles: throughput, lane layouts, designs.
     Hardware,
+    /// How fast the kernel draws on the host, against single-precision rasterizers.
+    Host,
     /// How fast comparing, sweeping and simulating are.
     Speed,
+    /// Every system of the papers: where it is, and its error in its exhibits.
+    Systems,
 }

@@ -30,14 +30,17 @@ use splatline_sim::{fixed, reference};
 const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
 
 /// What is looked at, from where and how.
-struct SurfaceView {
-    scene: SurfaceScene,
+pub(super) struct SurfaceView {
+    pub(super) scene: SurfaceScene,
     camera: Camera,
-    style: Style,
+    pub(super) style: Style,
 }
 
 impl SurfaceView {
-    fn from_options(view: &ViewOptions, surface: &SurfaceOptions) -> Result<SurfaceView, Failure> {
+    pub(super) fn from_options(
+        view: &ViewOptions,
+        surface: &SurfaceOptions,
+    ) -> Result<SurfaceView, Failure> {
         refuse_volume_options(view)?;
         let is_height_field = height_field::is_height_field(&view.scene);
         let scene = match is_height_field {

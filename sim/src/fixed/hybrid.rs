@@ -2,7 +2,7 @@
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
 use super::render::{
-    Drawing, Options, TileLists, Times, depth_order, paint_tiles, table, table_entries, to_picture,
+    Drawing, Options, TileLists, Times, paint_tiles, table, table_entries, to_picture,
 };
 use crate::camera::Camera;
 use crate::design::DesignJob;
@@ -111,8 +111,8 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
             self.move_to_phases(shape, &mut footprints, &mut is_point);
         }
         let set_up_at = started.elapsed().as_secs_f64();
-        let order = depth_order(&footprints, options.compositing);
-        let tiles = TileLists::new(&footprints, &order, self.quantised.view.viewport);
+        let viewport = self.quantised.view.viewport;
+        let tiles = TileLists::new(&footprints, options.compositing, viewport);
         let sorted_at = started.elapsed().as_secs_f64();
         let painter = Painter::new(
             self.design,

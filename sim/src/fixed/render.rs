@@ -3,6 +3,11 @@
 use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
+pub(super) use crate::fast::CHECK_INTERVAL;
+use crate::fast::lanes::Choice;
+use crate::fast::order::{Grid, Key, tile_lists};
+use crate::fast::setup as fast;
+use crate::fast::{Scratch, TILE, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -19,11 +24,17 @@ use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use std::time::Instant;
 
-/// Columns and rows of a tile. Any size gives the same picture; this one keeps a tile's pixels in the first-level cache.
-const TILE: [u16; 2] = [64, 16];
+/// Which implementation paints. All give the same pixels and counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// The kernel's scalar painter, which is the definition.
+    Scalar,
+    /// Vectors where they can, else the scalar painter.
+    Vectors(Choice),
+}
 
-/// Splats drawn into a tile between two checks whether all its pixels have finished.
-pub(super) const CHECK_INTERVAL: usize = 64;
+/// What draws unless something else is asked for.
+const BEST: Engine = Engine::Vectors(Choice::Best);
 
 /// How to draw.
 #[derive(Clone, Debug)]
@@ -78,7 +89,7 @@ pub fn footprints(
     impl DesignJob for Job<'_> {
         type Output = Vec<Result<Footprint, Cull>>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            set_up(design, self.0, self.1)
+            set_up(design, self.0, self.1, BEST)
         }
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
@@ -148,15 +159,29 @@ fn kernel_variances(
     quantised.splats.iter().map(variance_of).collect()
 }
 
+/// Splats set up by one task.
+const BATCH: usize = 1024;
+
 fn set_up<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
+    engine: Engine,
 ) -> Vec<Result<Footprint, Cull>> {
-    quantised
-        .splats
+    let QuantisedScene { view, splats, .. } = quantised;
+    if let Engine::Vectors(choice) = engine {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        outcomes
+            .par_chunks_mut(BATCH)
+            .zip(splats.par_chunks(BATCH))
+            .for_each(|(outcomes, splats)| {
+                fast::set_up(design, view, rules, splats, outcomes, choice);
+            });
+        return outcomes;
+    }
+    splats
         .par_iter()
-        .map(|splat| setup(design, &quantised.view, rules, splat))
+        .map(|splat| setup(design, view, rules, splat))
         .collect()
 }
 
@@ -171,15 +196,27 @@ pub fn draw_with_footprints(
     camera: &Camera,
     options: &Options,
 ) -> (Drawing, Vec<Result<Footprint, Cull>>) {
-    struct Job<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>);
+    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    draw_quantised(&quantised, camera, options, BEST)
+}
+
+/// A scene that has been quantised already, by the engine asked for.
+pub fn draw_quantised(
+    quantised: &QuantisedScene,
+    camera: &Camera,
+    options: &Options,
+    engine: Engine,
+) -> (Drawing, Vec<Result<Footprint, Cull>>) {
+    struct Job<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, Engine);
     impl DesignJob for Job<'_> {
         type Output = (Drawing, Vec<Result<Footprint, Cull>>);
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            draw_with(design, self.0, self.1, self.2)
+            draw_with(design, self.0, self.1, self.2, self.3)
         }
     }
-    let quantised = QuantisedScene::new(scene, camera, options.rules);
-    options.design.dispatch(Job(&quantised, camera, options))
+    options
+        .design
+        .dispatch(Job(quantised, camera, options, engine))
 }
 
 fn draw_with<D: Design + Send + Sync>(
@@ -187,28 +224,24 @@ fn draw_with<D: Design + Send + Sync>(
     quantised: &QuantisedScene,
     camera: &Camera,
     options: &Options,
+    engine: Engine,
 ) -> (Drawing, Vec<Result<Footprint, Cull>>) {
     let rules = quantised.rules(options.rules);
     let started = Instant::now();
-    let results = set_up(design, quantised, &rules);
-    let mut culled = [0; Cull::ALL.len()];
-    let mut footprints = Vec::with_capacity(results.len());
-    for result in &results {
-        match result {
-            Ok(footprint) => footprints.push(*footprint),
-            Err(reason) => culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1,
-        }
-    }
+    let results = set_up(design, quantised, &rules, engine);
     let set_up_at = started.elapsed().as_secs_f64();
-    let order = depth_order(&footprints, options.compositing);
-    let tiles = TileLists::new(&footprints, &order, quantised.view.viewport);
+    let tiles = TileLists::new(&results, options.compositing, quantised.view.viewport);
     let sorted_at = started.elapsed().as_secs_f64();
-    let (pixels, coverage) = raster(design, &rules, &footprints, &tiles, options);
+    let (pixels, coverage) = raster(design, &rules, &results, &tiles, options, engine);
     let times = Times {
         setup: set_up_at,
         sort: sorted_at - set_up_at,
         raster: started.elapsed().as_secs_f64() - sorted_at,
     };
+    let mut culled = [0; Cull::ALL.len()];
+    for reason in results.iter().filter_map(|result| result.err()) {
+        culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1;
+    }
     let picture = to_picture(&pixels, camera, &design.widths());
     let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
     let drawing = Drawing {
@@ -223,75 +256,110 @@ fn draw_with<D: Design + Send + Sync>(
     (drawing, results)
 }
 
-/// Indices of the footprints by depth, nearest first (farthest first for back to front), ties by index.
-pub(super) fn depth_order(footprints: &[Footprint], compositing: Compositing) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..footprints.len() as u32).collect();
-    order.par_sort_by_key(|index| footprints[*index as usize].depth);
-    if compositing == Compositing::BackToFront {
-        order.reverse();
-    }
-    order
+/// What stands for a splat when splats are ordered.
+pub(super) trait Placed: Sync {
+    /// Its footprint, if it has one.
+    fn footprint(&self) -> Option<&Footprint>;
 }
 
-/// For every tile the footprints whose box touches it, in drawing order.
+impl Placed for Footprint {
+    fn footprint(&self) -> Option<&Footprint> {
+        Some(self)
+    }
+}
+
+impl Placed for Result<Footprint, Cull> {
+    fn footprint(&self) -> Option<&Footprint> {
+        self.as_ref().ok()
+    }
+}
+
+/// For every tile the footprints whose box touches it, in drawing order: by depth, nearest first (farthest first for back to front),
+/// ties by index.
 pub(super) struct TileLists {
-    viewport: [u16; 2],
-    columns: usize,
+    grid: Grid,
     lists: Vec<Vec<u32>>,
 }
 
 impl TileLists {
-    pub(super) fn new(footprints: &[Footprint], order: &[u32], viewport: [u16; 2]) -> Self {
-        let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(TILE[axis])));
-        let mut lists = vec![Vec::new(); columns * rows];
-        for index in order {
-            let footprint = &footprints[*index as usize];
-            let tile = |pixel: u16, axis: usize| usize::from(pixel / TILE[axis]);
-            for y in tile(footprint.first[1], 1)..=tile(footprint.last[1] - 1, 1) {
-                for x in tile(footprint.first[0], 0)..=tile(footprint.last[0] - 1, 0) {
-                    lists[y * columns + x].push(*index);
-                }
-            }
+    pub(super) fn new(
+        splats: &[impl Placed],
+        compositing: Compositing,
+        viewport: [u16; 2],
+    ) -> Self {
+        let grid = Grid::new(viewport, TILE);
+        let part = splats.len().div_ceil(rayon::current_num_threads()).max(1);
+        let keys_of = |(start, part): (usize, &[_])| keys(part, start);
+        let parts: Vec<Vec<Key>> = splats
+            .par_chunks(part)
+            .enumerate()
+            .map(|(number, chunk)| keys_of((number * part, chunk)))
+            .collect();
+        let mut lists = tile_lists(&grid, &parts);
+        if compositing == Compositing::BackToFront {
+            lists.iter_mut().for_each(|list| list.reverse());
         }
-        TileLists {
-            viewport,
-            columns,
-            lists,
-        }
+        TileLists { grid, lists }
     }
+}
 
-    fn window(&self, tile: usize) -> Window {
-        let first = [
-            (tile % self.columns) as u16 * TILE[0],
-            (tile / self.columns) as u16 * TILE[1],
-        ];
-        let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(self.viewport[axis]));
-        Window { first, last }
-    }
+/// Keys of the splats that have a footprint, numbered from `start`.
+fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
+    let footprints = splats.iter().zip(start as u32..);
+    footprints
+        .filter_map(|(splat, index)| {
+            let footprint = splat.footprint()?;
+            let bounds = Window {
+                first: footprint.first,
+                last: footprint.last,
+            };
+            (!bounds.is_empty()).then_some(Key {
+                depth: footprint.depth,
+                index,
+                bounds,
+            })
+        })
+        .collect()
 }
 
 fn raster<D: Design + Send + Sync>(
     design: D,
     rules: &kernel::Rules,
-    footprints: &[Footprint],
+    results: &[Result<Footprint, Cull>],
     tiles: &TileLists,
     options: &Options,
+    engine: Engine,
 ) -> (Vec<Pixel>, Coverage) {
     let widths = design.widths();
     let memory = table_entries(&widths, rules);
     let table = table(&memory, &widths, rules);
-    let painter = Painter::new(
-        design,
-        rules,
-        table,
-        kernel_compositing(options.compositing),
-        options.traversal,
-    );
+    let footprint = |index: u32| results[index as usize].as_ref().ok();
+    let spans_in_order =
+        options.compositing == Compositing::FrontToBack && options.traversal == Traversal::Spans;
+    if let Engine::Vectors(choice) = engine
+        && spans_in_order
+        && let Some(painter) = tile_painter(design, rules, table, choice)
+    {
+        return paint_frame(
+            &widths,
+            tiles,
+            Scratch::default,
+            |scratch, window, list, rows| {
+                let coverage = painter.paint(scratch, window, results, list);
+                for (y, row) in rows.iter_mut().enumerate() {
+                    scratch.copy_row(y, row);
+                }
+                coverage
+            },
+        );
+    }
+    let compositing = kernel_compositing(options.compositing);
+    let painter = Painter::new(design, rules, table, compositing, options.traversal);
     paint_tiles(&widths, tiles, |list, target| {
         let mut coverage = Coverage::default();
         for part in list.chunks(CHECK_INTERVAL) {
-            for index in part {
-                coverage += painter.draw(&footprints[*index as usize], target);
+            for footprint in part.iter().filter_map(|index| footprint(*index)) {
+                coverage += painter.draw(footprint, target);
             }
             if target.is_finished() {
                 break;
@@ -326,42 +394,51 @@ pub(super) fn paint_tiles(
     tiles: &TileLists,
     paint: impl Fn(&[u32], &mut Target) -> Coverage + Sync,
 ) -> (Vec<Pixel>, Coverage) {
-    let parts: Vec<(Vec<Pixel>, Coverage)> = (0..tiles.lists.len())
-        .into_par_iter()
-        .map(|tile| paint_tile(widths, &tiles.lists[tile], tiles.window(tile), &paint))
-        .collect();
-    let [width, height] = tiles.viewport.map(usize::from);
-    let mut frame = vec![Pixel::clear(widths); width * height];
-    let mut coverage = Coverage::default();
-    for (tile, (pixels, part)) in parts.iter().enumerate() {
-        coverage += *part;
-        let window = tiles.window(tile);
-        let columns = usize::from(window.last[0] - window.first[0]);
-        for (row, y) in pixels
-            .chunks_exact(columns)
-            .zip(usize::from(window.first[1])..)
-        {
-            let start = y * width + usize::from(window.first[0]);
-            frame[start..start + columns].copy_from_slice(row);
-        }
-    }
-    (frame, coverage)
+    paint_frame(
+        widths,
+        tiles,
+        || (),
+        |(), window, list, rows| {
+            let columns = usize::from(window.last[0] - window.first[0]);
+            let mut pixels = vec![Pixel::clear(widths); columns * rows.len()];
+            let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
+                unreachable!("the tile's memory has just been made for its window")
+            };
+            let coverage = paint(list, &mut target);
+            for (row, painted) in rows.iter_mut().zip(pixels.chunks_exact(columns)) {
+                row.copy_from_slice(painted);
+            }
+            coverage
+        },
+    )
 }
 
-fn paint_tile(
+/// Every tile on some core: `paint` is given a thread's scratch memory, the tile's window, its list and its rows of the frame.
+///
+/// Not inlined, so that a profiler can tell it from the rest.
+#[inline(never)]
+fn paint_frame<S>(
     widths: &Widths,
-    list: &[u32],
-    window: Window,
-    paint: impl Fn(&[u32], &mut Target) -> Coverage,
+    tiles: &TileLists,
+    scratch: impl Fn() -> S + Send + Sync,
+    paint: impl Fn(&mut S, Window, &[u32], &mut [&mut [Pixel]]) -> Coverage + Sync,
 ) -> (Vec<Pixel>, Coverage) {
-    let columns = usize::from(window.last[0] - window.first[0]);
-    let rows = usize::from(window.last[1] - window.first[1]);
-    let mut pixels = vec![Pixel::clear(widths); columns * rows];
-    let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
-        unreachable!("the tile's memory has just been made for its window")
-    };
-    let coverage = paint(list, &mut target);
-    (pixels, coverage)
+    let [width, height] = tiles.grid.viewport().map(usize::from);
+    let mut frame = vec![Pixel::clear(widths); width * height];
+    let coverage = tiles
+        .grid
+        .split(&mut frame)
+        .into_par_iter()
+        .zip(&tiles.lists)
+        .enumerate()
+        .map_init(scratch, |scratch, (tile, (mut rows, list))| {
+            paint(scratch, tiles.grid.window(tile), list, &mut rows)
+        })
+        .reduce(Coverage::default, |mut sum, part| {
+            sum += part;
+            sum
+        });
+    (frame, coverage)
 }
 
 /// Colour and 1 - T in units of 1.0.

@@ -2,7 +2,7 @@
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
 use super::render::{
-    Drawing, Options, TileLists, Times, depth_order, paint_tiles, table, table_entries, to_picture,
+    Drawing, Options, TileLists, Times, paint_tiles, table, table_entries, to_picture,
 };
 use crate::camera::Camera;
 use crate::design::DesignJob;
@@ -56,8 +56,7 @@ fn draw_with<D: Design + Send + Sync>(
         }
     }
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
-    let order = depth_order(&footprints, options.compositing);
-    let tiles = TileLists::new(&footprints, &order, quantised.view.viewport);
+    let tiles = TileLists::new(&footprints, options.compositing, quantised.view.viewport);
     let memory = table_entries(&widths, &rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);

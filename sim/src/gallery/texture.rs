@@ -9,13 +9,13 @@ use super::Exhibit;
 use super::surface::{GalleryError, exhibit, standard};
 use crate::camera::Camera;
 use crate::fixed::{HybridDrawing, Options, draw_hybrid};
-use crate::hybrid::Points;
+use crate::hybrid::Hybrid;
 use crate::metrics::compare;
 use crate::picture::Picture;
 use crate::reference;
 use crate::rules::Compositing;
 use crate::scene::Scene;
-use crate::texture::warp::{hybrid, rules};
+use crate::texture::warp::rules;
 use std::path::Path;
 
 /// Names of the groups of exhibits, in the order in which they are shown.
@@ -49,17 +49,17 @@ fn draw_samples(
     what: &str,
     samples: &Scene,
     camera: &Camera,
-    points: Points,
+    hybrid: &Hybrid,
 ) -> Result<[Picture; 2], GalleryError> {
-    let (rules, hybrid, design) = (rules(samples), hybrid(samples, points), standard());
+    let (rules, design) = (rules(samples), standard());
     let options = Options {
         rules: &rules,
         compositing: Compositing::FrontToBack,
         design: &design,
         traversal: design.traversal,
     };
-    let drawn = draw_hybrid(samples, camera, &options, &hybrid).map_err(GalleryError::Points)?;
-    let float = reference::hybrid::draw(samples, camera, &rules, &hybrid).picture;
+    let drawn = draw_hybrid(samples, camera, &options, hybrid).map_err(GalleryError::Points)?;
+    let float = reference::hybrid::draw(samples, camera, &rules, hybrid).picture;
     let HybridDrawing {
         drawing,
         points,

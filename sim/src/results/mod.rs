@@ -7,11 +7,13 @@
 //! | [`accuracy`] | How far is each design from the float reference on real scenes and on the deep stack? |
 //! | [`golden`] | How far are both engines from data of independent origin? |
 //! | [`packet`] | Where does every field of the footprint packet lie? |
+//! | [`systems`] | Where is each system of the papers, and how far is it from its float counterpart? |
 
 pub mod accuracy;
 pub mod golden;
 pub mod packet;
 pub mod picture;
+pub mod systems;
 pub mod views;
 
 use std::fmt::Write;

@@ -5,6 +5,7 @@
 //! The bounds hold for designs that scan rows by LDL and round to nearest.
 
 use super::exact::ExactFootprint;
+use super::pictures::Edge;
 use crate::camera::Camera;
 use splatline::format::Widths;
 use splatline::raster::BLOCK;
@@ -73,16 +74,31 @@ impl Bounds {
             ..
         } = self.footprint;
         let u = 2.0 * half(self.widths.mantissa);
-        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q; the rows' sums drift by less than 2^-25.
+        // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The first row's distance is
+        // rounded to a mantissa, and the rows' sums drift by less than 2^-25.
         let steepest = curvature * (1.0 + slope * slope) + stretch;
-        let moved = std::f64::consts::SQRT_2 * self.centre + half(24);
+        let reach = (self.footprint.cutoff * self.footprint.variance[2]).sqrt() + 1.0;
+        let first_row = reach.min(self.footprint.centre[1].abs() + 0.5);
+        let moved = std::f64::consts::SQRT_2 * self.centre + u * first_row + half(24);
         let block = f64::from(BLOCK);
         let lanes = (block * block / 32.0 + block + 2.0) * 2.0 * half(self.widths.radial);
         self.form * r
             + 2.0 * (r * steepest).sqrt() * moved
             + steepest * moved * moved
-            + 16.0 * r.sqrt() * u
+            + (16.0 * r.sqrt() + 8.0 * self.footprint.cutoff) * u
             + lanes
+    }
+
+    /// How far from its cut-off a pixel may be decided otherwise, and how close in depth another splat may change places with this one.
+    pub fn edge(&self, range: u8) -> Edge {
+        let end = self.footprint.cutoff;
+        let faintest = self.footprint.peak * (-0.5 * end).exp();
+        Edge {
+            radial: 2.0 * self.radial(end)
+                + 4.0 * self.opacity(end, range) / faintest
+                + 64.0 * self.layer(),
+            depth: 2.0 * self.depth * self.footprint.depth,
+        }
     }
 
     /// Of a layer's share and colour, once it has its opacity.

@@ -17,7 +17,10 @@ use crate::rules::Rules;
 
 /// Half-width of an edge, in the radial index and relative to the smallest transmittance: more than any engine of 24 bits or more is
 /// wrong by on ordinary splats.
-const EDGE: f64 = 1.0 / 16_384.0;
+const EDGE: Edge = Edge {
+    radial: 1.0 / 16_384.0,
+    depth: 0.0,
+};
 
 /// Difference at a pixel on an edge from which on it counts as a wrong decision.
 const DECIDED: f64 = 1.0 / 8_192.0;
@@ -74,23 +77,37 @@ struct Layer {
     clear: f64,
 }
 
+/// How close to a threshold a splat's pixel is on an edge.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Edge {
+    /// In the radial index, and relative to the smallest transmittance.
+    pub radial: f64,
+    /// In depth, scene units: nearer neighbours may change places.
+    pub depth: f64,
+}
+
 /// Composites the splats in `order` at a point: every layer that is drawn, the light that is left, and whether the point lies on an edge.
 fn composite(
     rules: &Rules,
     order: &[(usize, &ExactFootprint)],
     (x, y): (f64, f64),
+    edge_of: impl Fn(usize) -> Edge,
     mut each: impl FnMut(Layer),
 ) -> (f64, bool) {
     let (mut clear, mut edge) = (1.0, false);
+    let mut before = f64::NEG_INFINITY;
     for (index, footprint) in order {
         let r = footprint.radial(x, y);
-        edge |= (r - footprint.cutoff).abs() < EDGE;
+        let width = edge_of(*index);
+        edge |= (r - footprint.cutoff).abs() < width.radial;
         let alpha = (footprint.peak * (-0.5 * r).exp()).min(rules.alpha_max);
         if r >= rules.cutoff || alpha <= 0.0 || alpha < rules.alpha_min {
             continue;
         }
         let rest = clear * (1.0 - alpha);
-        edge |= (rest / rules.stop - 1.0).abs() < EDGE;
+        edge |= (rest / rules.stop - 1.0).abs() < width.radial;
+        edge |= footprint.depth != before && footprint.depth - before < width.depth;
+        before = footprint.depth;
         if rules.stop_before && rest <= rules.stop {
             break;
         }
@@ -116,19 +133,26 @@ pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> Truth 
     let targets = picture.pixels.iter_mut().zip(&mut edges);
     for ((pixel, edge), at) in targets.zip(pixels(case)) {
         let mut sum = [0.0; 3];
-        let (clear, on_edge) = composite(&case.rules, &order, at, |layer| {
-            let colour = case.scene.splats[layer.index].colour;
-            for (sum, colour) in sum.iter_mut().zip(colour) {
-                *sum += layer.clear * layer.alpha * colour;
-            }
-        });
+        let (clear, on_edge) = composite(
+            &case.rules,
+            &order,
+            at,
+            |_| EDGE,
+            |layer| {
+                let colour = case.scene.splats[layer.index].colour;
+                for (sum, colour) in sum.iter_mut().zip(colour) {
+                    *sum += layer.clear * layer.alpha * colour;
+                }
+            },
+        );
         *edge = on_edge;
         *pixel = [sum[0], sum[1], sum[2], 1.0 - clear];
     }
     Truth { picture, edges }
 }
 
-/// The largest share of its bound that a pixel's error takes, but for pixels on an edge; 0 for a design without bounds.
+/// The largest share of its bound that a pixel's error takes, but for pixels on an edge as wide as the design's own bounds; 0 for a design
+/// without bounds.
 ///
 /// An opacity's error moves a pixel by at most the light that reaches the layer (colours are at most 1); each layer rounds its share and
 /// its colour once, and colours themselves are rounded.
@@ -142,14 +166,28 @@ pub(super) fn share_of_bound(
     let order = by_depth(projected, |f| f.depth);
     let range = fixed::kernel_rules(&case.rules).table_range;
     let pairs = picture.pixels.iter().zip(&truth.picture.pixels);
+    let widths: Vec<Edge> = bounds
+        .iter()
+        .map(|bounds| {
+            bounds
+                .as_ref()
+                .map_or_else(Edge::default, |b| b.edge(range))
+        })
+        .collect();
     let mut largest = 0.0;
-    for (((got, expected), edge), at) in pairs.zip(&truth.edges).zip(pixels(case)) {
+    for ((got, expected), at) in pairs.zip(pixels(case)) {
         let mut bound = 0.0;
-        composite(&case.rules, &order, at, |layer| {
-            if let Some(bounds) = &bounds[layer.index] {
-                bound += layer.clear * bounds.opacity(layer.r, range) + bounds.layer();
-            }
-        });
+        let (_, edge) = composite(
+            &case.rules,
+            &order,
+            at,
+            |index| widths[index],
+            |layer| {
+                if let Some(bounds) = &bounds[layer.index] {
+                    bound += layer.clear * bounds.opacity(layer.r, range) + bounds.layer();
+                }
+            },
+        );
         let error = (0..4).fold(0.0, |most: f64, c| most.max((got[c] - expected[c]).abs()));
         if !edge && bound > 0.0 {
             largest = worse(largest, error / bound);

@@ -15,7 +15,7 @@ use std::fmt::Write;
 struct Step {
     /// The width's name in a design file.
     field: &'static str,
-    /// What the design began with, and what suffices.
+    /// What the design began with.
     began: u8,
     of: fn(&mut Widths) -> &mut u8,
 }
@@ -64,6 +64,8 @@ fn growing() -> Vec<DesignChoice> {
         design.name = format!("{} {} to {bits}", step.field, step.began);
         designs.push(design.clone());
     }
+    // The next design's price, to compare with.
+    designs.extend(DesignChoice::named("deep32"));
     designs
 }
 

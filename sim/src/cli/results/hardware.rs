@@ -107,6 +107,11 @@ pub fn guitar(data: &Path) -> Result<Option<Subject>> {
     subject(data, &PLACES[0])
 }
 
+/// The scanned lion as round splats.
+pub fn lion(data: &Path) -> Result<Option<Subject>> {
+    subject(data, &PLACES[3])
+}
+
 /// A captured scene, unless its file is missing.
 fn subject(data: &Path, place: &Place) -> Result<Option<Subject>> {
     let path = data.join(place.file);

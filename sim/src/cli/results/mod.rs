@@ -2,6 +2,7 @@
 
 mod designs;
 mod hardware;
+mod host;
 mod layouts;
 mod points;
 mod speed;
@@ -14,7 +15,7 @@ use super::study_args::{ResultsOptions, ResultsPage};
 use super::{Failure, say};
 use clap::ValueEnum;
 use hardware::Subject;
-use splatline_sim::results::{COMMAND, Page, accuracy, golden, packet, picture, views};
+use splatline_sim::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
@@ -38,9 +39,17 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
         ResultsPage::Packet => Ok(Some(packet::page())),
         ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
+        ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
         ResultsPage::Hardware => {
             hardware::run(&options.data, &options.output)?;
             Ok(None)
+        }
+        ResultsPage::Host => {
+            let text = host::run(&options.data)?;
+            Ok(Some(Page {
+                file: "fast.md",
+                text,
+            }))
         }
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;

@@ -32,7 +32,7 @@ pub fn magnified() -> Result<Exhibit, GalleryError> {
         "A checkerboard of 0.35 and 0.65 on a square grid of points, fields 5.37 spacings wide, seen at 12 pixels per spacing. Coefficients by plain \
          sampling, by the view-independent EWA pre-filter, and by least squares over 8 x 8 texels per spacing. Truth is the exact checkerboard at \
          the pixels' centres. Edge width is the way from 10 % to 90 % of the contrast across the mean profile of every vertical edge, averaged over the edges. With \
-         full contrast coefficients would leave the unsigned colours; cut to them, they lose part of their advantage.",
+         full contrast coefficients would leave the unsigned colours; cut to them, they lose their advantage.",
     );
     let camera = camera();
     let truth = exact(&camera, SHADES);
@@ -212,11 +212,9 @@ mod tests {
             found.unwrap_or_else(|| panic!("{name}")).1
         };
         let width = |name: &str| value(&format!("{name}: edge width"));
-        assert!(
-            width("optimised") < 0.95 * width("plain") && width("plain") < width("prefiltered")
-        );
+        assert!(width("optimised") < 0.8 * width("plain") && width("plain") < width("prefiltered"));
         let psnr = |name: &str| value(&format!("{name}, against the exact checkerboard: PSNR"));
-        assert!(psnr("optimised") > psnr("plain") + 2.0 && psnr("plain") > psnr("prefiltered"));
+        assert!(psnr("optimised") > psnr("plain") + 0.8 && psnr("plain") > psnr("prefiltered"));
         for method in Method::ALL {
             let error = value(&format!(
                 "{}, fixed against float, colour: PSNR",

@@ -4,10 +4,10 @@ use super::super::Exhibit;
 use super::super::surface::{GalleryError, exhibit};
 use super::draw_samples;
 use crate::camera::Camera;
-use crate::hybrid::Points;
+use crate::hybrid::{Hybrid, Points};
 use crate::picture::Picture;
 use crate::texture::Texture;
-use crate::texture::warp::textured_plane;
+use crate::texture::warp::{DEPTH_RANGE, textured_plane};
 
 /// Texels along each side; one is a scene unit.
 const TEXELS: usize = 512;
@@ -23,16 +23,27 @@ const HORIZON: f64 = -4.0;
 const BEGIN: f64 = 30.0;
 /// Samples per pixel and axis of the truth.
 const SUPERSAMPLING: usize = 8;
-/// Columns and rows of the picture whose pixels see the plane only.
-const INSIDE: [[usize; 2]; 2] = [[20, 220], [16, 156]];
+/// Columns of the picture whose pixels see the plane only.
+const COLUMNS: [usize; 2] = [20, 220];
+/// Rows that see the plane beyond k, where texels are minified, and nearer.
+const ROWS: [(&str, [usize; 2]); 2] = [("beyond k", [12, 35]), ("nearer", [37, 156])];
 
-/// Mixed, all points and all splats.
+/// Name, choice, and depth range within which points are summed, in spacings.
+const MODES: [(&str, Points, f64); 4] = [
+    ("all splats", Points::None, DEPTH_RANGE),
+    ("all points, range 64", Points::All, 64.0),
+    ("mixed, range 8", Points::Auto, DEPTH_RANGE),
+    ("mixed, range 64", Points::Auto, 64.0),
+];
+
+/// The choices side by side.
 pub fn textured() -> Result<Exhibit, GalleryError> {
     let mut exhibit = exhibit(
         "A texture on a plane to the horizon",
         "[HYBRID] section 3 (system 17)",
         "512 x 512 texels with fields of 16, one unit apart, seen from a height of 40 by a focal length of 130 pixels: nearer than 130 units texels \
-         are magnified. Truth is the texture under a Gaussian pixel filter of unit variance, 64 samples per pixel; unfiltered is its value at the pixels' centres.",
+         are magnified. Truth is the texture under a Gaussian pixel filter of unit variance, 64 samples per pixel; unfiltered is its value at the pixels' centres. Where a pixel sees many texels \
+         in depth, the range within which points are summed must reach over them, or the nearest hide the others.",
     );
     let texture = Texture::from_pattern(TEXELS, TEXELS, |u, v| [shade(u, v); 3]);
     // x to the right, y down, z into the picture, as in camera space.
@@ -46,12 +57,13 @@ pub fn textured() -> Result<Exhibit, GalleryError> {
     );
     let camera = camera();
     let truth = filtered(&camera);
-    for (mode, points) in [
-        ("mixed", Points::Auto),
-        ("all points", Points::All),
-        ("all splats", Points::None),
-    ] {
-        let [fixed, _] = draw_samples(&mut exhibit, mode, &plane, &camera, points)?;
+    for (mode, points, range) in MODES {
+        let hybrid = Hybrid {
+            points,
+            depth_range: Some(range),
+            phase_bits: None,
+        };
+        let [fixed, _] = draw_samples(&mut exhibit, mode, &plane, &camera, &hybrid)?;
         against(&mut exhibit, mode, &fixed, &truth);
         exhibit.pictures.push((mode.to_owned(), fixed));
     }
@@ -125,33 +137,23 @@ fn picture(camera: &Camera, value: impl Fn(f64, f64) -> f64) -> Picture {
     picture
 }
 
-/// Distance from the truth in the pixels that see the plane, and how opaque these are.
+/// Distance from the truth in the pixels that see the plane, beyond k and nearer.
 fn against(exhibit: &mut Exhibit, what: &str, found: &Picture, truth: &Picture) {
-    let [columns, rows] = INSIDE.map(|[first, last]| first..last);
-    let indices = rows.flat_map(|y| columns.clone().map(move |x| y * truth.width + x));
-    let indices: Vec<usize> = indices.collect();
-    let differences = || {
-        indices
-            .iter()
-            .map(|&i| found.pixels[i][0] - truth.pixels[i][0])
-    };
-    let count = indices.len() as f64;
-    let squares = differences().map(|d| d * d).sum::<f64>() / count;
-    let largest = differences().fold(0.0, |largest: f64, d| largest.max(d.abs()));
-    exhibit.number(
-        format!("{what}, against truth: PSNR"),
-        -10.0 * squares.log10(),
-        "dB",
-    );
-    exhibit.number(format!("{what}, against truth: largest error"), largest, "");
-    exhibit.number(
-        format!("{what}, against truth: bias"),
-        differences().sum::<f64>() / count,
-        "",
-    );
-    let least = indices
-        .iter()
-        .map(|&i| found.pixels[i][3])
-        .fold(1.0, f64::min);
-    exhibit.number(format!("{what}: least opacity"), least, "");
+    for (part, [first, last]) in ROWS {
+        let columns = COLUMNS[0]..COLUMNS[1];
+        let indices = (first..last).flat_map(|y| columns.clone().map(move |x| y * truth.width + x));
+        let indices: Vec<usize> = indices.collect();
+        let differences = || {
+            let both = |&index: &usize| found.pixels[index][0] - truth.pixels[index][0];
+            indices.iter().map(both)
+        };
+        let count = indices.len() as f64;
+        let squares = differences().map(|d| d * d).sum::<f64>() / count;
+        let largest = differences().fold(0.0, |largest: f64, d| largest.max(d.abs()));
+        let bias = differences().sum::<f64>() / count;
+        let what = format!("{what}, {part}, against truth");
+        exhibit.number(format!("{what}: PSNR"), -10.0 * squares.log10(), "dB");
+        exhibit.number(format!("{what}: largest error"), largest, "");
+        exhibit.number(format!("{what}: bias"), bias, "");
+    }
 }

@@ -11,7 +11,7 @@ use crate::scene::points::height_field::USUAL_SPACING;
 use crate::surface::Style;
 use crate::texture::coefficients::Method;
 use crate::texture::drape::drape;
-use crate::texture::warp::DepthImage;
+use crate::texture::warp::{DepthImage, hybrid};
 use std::path::Path;
 
 const NAME: &str = "A depth image warped to two other views";
@@ -56,7 +56,13 @@ pub fn depth_image(data: &Path) -> Result<Exhibit, GalleryError> {
         let truth = reference::surface::draw(&scene, &camera, &style).picture;
         for (mode, points) in [("mixed", Points::Auto), ("all points", Points::All)] {
             let what = format!("{name}, {mode}");
-            let [fixed, _] = draw_samples(&mut exhibit, &what, &samples, &camera, points)?;
+            let [fixed, _] = draw_samples(
+                &mut exhibit,
+                &what,
+                &samples,
+                &camera,
+                &hybrid(&samples, points),
+            )?;
             against_truth(&mut exhibit, &what, &fixed, &truth);
             if points == Points::Auto {
                 exhibit.pictures.push((what, on_paper(&fixed)));

@@ -1,0 +1,169 @@
+//! Vectors of 32-bit words: the few operations that the pixel path needs, for whatever the processor has.
+//!
+//! | implementation | words | chosen |
+//! |---|--:|---|
+//! | [`Portable`] | 8 | everywhere else; arrays that the compiler turns into NEON on aarch64 |
+//! | [`avx2::Avx2`] | 8 | x86-64 that reports AVX2 |
+//! | [`avx512::Avx512`] | 16 | x86-64 that reports AVX-512 F, BW, DQ and VL |
+//!
+//! A value of an x86 type is the proof that the processor has its instructions, because only detection makes one; that is what makes the
+//! methods safe to call. [`dispatch`] runs a [`Job`] on the widest of them, compiled for it. Every method is one or two instructions;
+//! the portable implementation is their definition, and tests compare the others with it word for word.
+
+#[cfg(target_arch = "x86_64")]
+pub mod avx2;
+#[cfg(target_arch = "x86_64")]
+pub mod avx512;
+mod floats;
+mod portable;
+mod wide;
+
+pub use floats::Floats;
+pub use portable::Portable;
+pub use wide::Wide;
+
+/// How a product is brought back to 32 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Drop {
+    /// Bits dropped at the low end, 1 to 63.
+    pub shift: u32,
+    /// Added before the shift: half of `2^shift`, or 0 to truncate.
+    pub half: u64,
+    /// Do product and half fit 32 bits?
+    pub narrow: bool,
+}
+
+/// Operations on vectors of [`Lanes::WIDTH`] words. Arithmetic wraps.
+pub trait Lanes: Wide {
+    /// Words of a vector.
+    const WIDTH: usize;
+    /// A vector.
+    type Words: Copy;
+    /// One truth value per word.
+    type Mask: Copy;
+    /// Counters of truth values.
+    type Count: Copy;
+
+    /// The same word everywhere.
+    fn splat(self, value: u32) -> Self::Words;
+    /// 0, 1, 2, ...
+    fn iota(self) -> Self::Words;
+    /// The first words of `from`, which must have [`Lanes::WIDTH`] of them; zeros if it has not.
+    fn load(self, from: &[u32]) -> Self::Words;
+    /// Stores into the first words of `to`; nothing if it has fewer than [`Lanes::WIDTH`].
+    fn store(self, to: &mut [u32], value: Self::Words);
+    /// a + b.
+    fn add(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// a - b.
+    fn sub(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// Low half of a b.
+    fn mul(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// a << by, by < 32.
+    fn shl(self, a: Self::Words, by: u32) -> Self::Words;
+    /// a >> by, by < 32.
+    fn shr(self, a: Self::Words, by: u32) -> Self::Words;
+    /// a >> by as signed words, by < 32.
+    fn sar(self, a: Self::Words, by: u32) -> Self::Words;
+    /// a & b.
+    fn and(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// a | b.
+    fn or(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// The larger signed word.
+    fn max_signed(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// The smaller unsigned word.
+    fn min_unsigned(self, a: Self::Words, b: Self::Words) -> Self::Words;
+    /// `(a b + half) >> shift` in 64 bits, low word: the product of the pixel path.
+    fn product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
+    /// The same with signed words; the shift is at most 32.
+    fn signed_product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
+    /// `table[index]` where the mask holds, 0 elsewhere and beyond the table.
+    fn gather(self, table: &[u32], index: Self::Words, mask: Self::Mask) -> Self::Words;
+
+    /// a > b as signed words.
+    fn greater(self, a: Self::Words, b: Self::Words) -> Self::Mask;
+    /// The first `count` words.
+    fn first(self, count: usize) -> Self::Mask;
+    /// Both.
+    fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// a and not b.
+    fn except(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Words whose most significant bit is set.
+    fn negative(self, a: Self::Words) -> Self::Mask;
+    /// Is it nowhere true?
+    fn is_none(self, a: Self::Mask) -> bool;
+    /// a where the mask does not hold, 0 where it does.
+    fn clear(self, a: Self::Words, mask: Self::Mask) -> Self::Words;
+    /// `b` where the mask holds, else `a`.
+    fn select(self, a: Self::Words, b: Self::Words, mask: Self::Mask) -> Self::Words;
+
+    /// No truth value counted yet.
+    fn no_count(self) -> Self::Count;
+    /// Counts the true ones; at most 2^31 per word.
+    fn count(self, count: Self::Count, mask: Self::Mask) -> Self::Count;
+    /// Number of true ones counted.
+    fn total(self, count: Self::Count) -> u64;
+
+    /// Asks for memory that will be read soon.
+    fn prefetch<T>(self, place: &T);
+
+    /// Runs a job compiled for this processor.
+    fn run<J: Job>(self, job: J) -> J::Output;
+}
+
+/// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not compiled for
+/// the instructions it needs.
+pub trait Job {
+    /// The result.
+    type Output;
+    /// The work.
+    fn run<L: Floats>(self, lanes: L) -> Self::Output;
+}
+
+/// Which vectors to use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Choice {
+    /// The best that the processor has.
+    Best,
+    /// At most 8 words: AVX2 or portable.
+    Eight,
+    /// Portable arrays.
+    Portable,
+}
+
+/// Runs the job on the vectors chosen.
+#[inline]
+pub fn dispatch<J: Job>(choice: Choice, job: J) -> J::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if choice == Choice::Best
+            && let Some(lanes) = avx512::Avx512::detect()
+        {
+            return lanes.run(job);
+        }
+        if choice != Choice::Portable
+            && let Some(lanes) = avx2::Avx2::detect()
+        {
+            return lanes.run(job);
+        }
+    }
+    let _ = choice;
+    Portable.run(job)
+}
+
+/// Name of the vectors that [`dispatch`] uses.
+pub fn name(choice: Choice) -> &'static str {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if choice == Choice::Best && avx512::Avx512::detect().is_some() {
+            return "AVX-512";
+        }
+        if choice != Choice::Portable && avx2::Avx2::detect().is_some() {
+            return "AVX2";
+        }
+    }
+    let _ = choice;
+    "portable"
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,153 @@
+//! Vectors as arrays: the definition of the operations, and what processors without an implementation of their own use.
+
+use super::{Drop, Job, Lanes};
+
+const WIDTH: usize = 8;
+
+/// Arrays of eight words.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
+
+type Words = [u32; WIDTH];
+
+#[inline(always)]
+fn zip(a: Words, b: Words, operation: impl Fn(u32, u32) -> u32) -> Words {
+    std::array::from_fn(|k| operation(a[k], b[k]))
+}
+
+impl Lanes for Portable {
+    const WIDTH: usize = WIDTH;
+    type Words = Words;
+    type Mask = [bool; WIDTH];
+    type Count = u64;
+
+    #[inline(always)]
+    fn splat(self, value: u32) -> Words {
+        [value; WIDTH]
+    }
+    #[inline(always)]
+    fn iota(self) -> Words {
+        std::array::from_fn(|k| k as u32)
+    }
+    #[inline(always)]
+    fn load(self, from: &[u32]) -> Words {
+        from.first_chunk().copied().unwrap_or_default()
+    }
+    #[inline(always)]
+    fn store(self, to: &mut [u32], value: Words) {
+        if let Some(to) = to.first_chunk_mut() {
+            *to = value;
+        }
+    }
+    #[inline(always)]
+    fn add(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::wrapping_add)
+    }
+    #[inline(always)]
+    fn sub(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::wrapping_sub)
+    }
+    #[inline(always)]
+    fn mul(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::wrapping_mul)
+    }
+    #[inline(always)]
+    fn shl(self, a: Words, by: u32) -> Words {
+        a.map(|a| a << by)
+    }
+    #[inline(always)]
+    fn shr(self, a: Words, by: u32) -> Words {
+        a.map(|a| a >> by)
+    }
+    #[inline(always)]
+    fn sar(self, a: Words, by: u32) -> Words {
+        a.map(|a| ((a as i32) >> by) as u32)
+    }
+    #[inline(always)]
+    fn and(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a & b)
+    }
+    #[inline(always)]
+    fn or(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a | b)
+    }
+    #[inline(always)]
+    fn max_signed(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| (a as i32).max(b as i32) as u32)
+    }
+    #[inline(always)]
+    fn min_unsigned(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::min)
+    }
+    #[inline(always)]
+    fn product(self, a: Words, b: Words, drop: Drop) -> Words {
+        zip(a, b, |a, b| {
+            let product = u64::from(a) * u64::from(b);
+            (product.wrapping_add(drop.half) >> drop.shift) as u32
+        })
+    }
+    #[inline(always)]
+    fn signed_product(self, a: Words, b: Words, drop: Drop) -> Words {
+        zip(a, b, |a, b| {
+            let product = i64::from(a as i32) * i64::from(b as i32);
+            (product.wrapping_add(drop.half as i64) >> drop.shift) as u32
+        })
+    }
+    #[inline(always)]
+    fn gather(self, table: &[u32], index: Words, mask: Self::Mask) -> Words {
+        std::array::from_fn(|k| {
+            let entry = table.get(index[k] as usize).copied().unwrap_or(0);
+            if mask[k] { entry } else { 0 }
+        })
+    }
+    #[inline(always)]
+    fn greater(self, a: Words, b: Words) -> Self::Mask {
+        std::array::from_fn(|k| (a[k] as i32) > b[k] as i32)
+    }
+    #[inline(always)]
+    fn first(self, count: usize) -> Self::Mask {
+        std::array::from_fn(|k| k < count)
+    }
+    #[inline(always)]
+    fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        std::array::from_fn(|k| a[k] & b[k])
+    }
+    #[inline(always)]
+    fn except(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        std::array::from_fn(|k| a[k] & !b[k])
+    }
+    #[inline(always)]
+    fn negative(self, a: Words) -> Self::Mask {
+        a.map(|a| (a as i32) < 0)
+    }
+    #[inline(always)]
+    fn is_none(self, a: Self::Mask) -> bool {
+        !a.iter().any(|a| *a)
+    }
+    #[inline(always)]
+    fn clear(self, a: Words, mask: Self::Mask) -> Words {
+        std::array::from_fn(|k| if mask[k] { 0 } else { a[k] })
+    }
+    #[inline(always)]
+    fn select(self, a: Words, b: Words, mask: Self::Mask) -> Words {
+        std::array::from_fn(|k| if mask[k] { b[k] } else { a[k] })
+    }
+    #[inline(always)]
+    fn no_count(self) -> u64 {
+        0
+    }
+    #[inline(always)]
+    fn count(self, count: u64, mask: Self::Mask) -> u64 {
+        count + mask.iter().map(|m| u64::from(*m)).sum::<u64>()
+    }
+    #[inline(always)]
+    fn total(self, count: u64) -> u64 {
+        count
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, _place: &T) {}
+    #[inline(always)]
+    fn run<J: Job>(self, job: J) -> J::Output {
+        job.run(self)
+    }
+}

@@ -1,0 +1,346 @@
+//! Vectors of 64-bit words: the operations of setup, for the same processors as the pixel path's.
+//!
+//! The portable implementation, on arrays, is the definition.
+
+#![allow(unsafe_code)]
+
+use super::Portable;
+
+/// Operations on vectors of 64-bit signed words. Arithmetic wraps.
+pub trait Wide: Copy + Send + Sync {
+    /// Words of a vector, at most 8.
+    const WIDE: usize;
+    /// A vector.
+    type Word: Copy;
+    /// One truth value per word.
+    type Truth: Copy;
+
+    /// The same word everywhere.
+    fn wide_splat(self, value: i64) -> Self::Word;
+    /// The first words of `from`.
+    fn wide_load(self, from: &[i64; 8]) -> Self::Word;
+    /// Stores into the first words of `to`.
+    fn wide_store(self, to: &mut [i64; 8], value: Self::Word);
+    /// a + b.
+    fn wide_add(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a - b.
+    fn wide_sub(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a & b.
+    fn wide_and(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b of words that fit 32 bits.
+    fn wide_mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b of words that fit 32 bits without a sign.
+    fn wide_mul_unsigned(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a << by; 0 where `by` is negative or beyond 63.
+    fn wide_shl(self, a: Self::Word, by: Self::Word) -> Self::Word;
+    /// a >> by, filled with zeros; 0 where `by` is negative or beyond 63.
+    fn wide_shr(self, a: Self::Word, by: Self::Word) -> Self::Word;
+    /// a >> by, filled with the sign; 0 or -1 where `by` is negative or beyond 63.
+    fn wide_sar(self, a: Self::Word, by: Self::Word) -> Self::Word;
+    /// Zeros before the first one, of words that are not negative; 64 for 0.
+    fn wide_leading_zeros(self, a: Self::Word) -> Self::Word;
+    /// `table[index]`; the table's last entry beyond it.
+    fn wide_gather(self, table: &[u32], index: Self::Word) -> Self::Word;
+    /// a > b.
+    fn wide_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
+    /// a = b.
+    fn wide_equal(self, a: Self::Word, b: Self::Word) -> Self::Truth;
+    /// `b` where it is true, else `a`.
+    fn wide_select(self, a: Self::Word, b: Self::Word, truth: Self::Truth) -> Self::Word;
+}
+
+type Words = [i64; 8];
+
+#[inline(always)]
+fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
+    std::array::from_fn(|k| operation(a[k], b[k]))
+}
+
+/// A shift amount, if it is one.
+#[inline(always)]
+fn amount(by: i64) -> Option<u32> {
+    u32::try_from(by).ok().filter(|by| *by < 64)
+}
+
+impl Wide for Portable {
+    const WIDE: usize = 8;
+    type Word = Words;
+    type Truth = [bool; 8];
+
+    #[inline(always)]
+    fn wide_splat(self, value: i64) -> Words {
+        [value; 8]
+    }
+    #[inline(always)]
+    fn wide_load(self, from: &[i64; 8]) -> Words {
+        *from
+    }
+    #[inline(always)]
+    fn wide_store(self, to: &mut [i64; 8], value: Words) {
+        *to = value;
+    }
+    #[inline(always)]
+    fn wide_add(self, a: Words, b: Words) -> Words {
+        zip(a, b, i64::wrapping_add)
+    }
+    #[inline(always)]
+    fn wide_sub(self, a: Words, b: Words) -> Words {
+        zip(a, b, i64::wrapping_sub)
+    }
+    #[inline(always)]
+    fn wide_and(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a & b)
+    }
+    #[inline(always)]
+    fn wide_mul(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| i64::from(a as i32) * i64::from(b as i32))
+    }
+    #[inline(always)]
+    fn wide_mul_unsigned(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| {
+            (u64::from(a as u32) * u64::from(b as u32)) as i64
+        })
+    }
+    #[inline(always)]
+    fn wide_shl(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| amount(by).map_or(0, |by| a << by))
+    }
+    #[inline(always)]
+    fn wide_shr(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| {
+            amount(by).map_or(0, |by| (a as u64 >> by) as i64)
+        })
+    }
+    #[inline(always)]
+    fn wide_sar(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| a >> amount(by).unwrap_or(63))
+    }
+    #[inline(always)]
+    fn wide_leading_zeros(self, a: Words) -> Words {
+        a.map(|a| a.leading_zeros().into())
+    }
+    #[inline(always)]
+    fn wide_gather(self, table: &[u32], index: Words) -> Words {
+        let last = table.len().saturating_sub(1);
+        index.map(|index| {
+            let entry = table.get((index as u64).min(last as u64) as usize);
+            entry.copied().unwrap_or(0).into()
+        })
+    }
+    #[inline(always)]
+    fn wide_greater(self, a: Words, b: Words) -> [bool; 8] {
+        std::array::from_fn(|k| a[k] > b[k])
+    }
+    #[inline(always)]
+    fn wide_equal(self, a: Words, b: Words) -> [bool; 8] {
+        std::array::from_fn(|k| a[k] == b[k])
+    }
+    #[inline(always)]
+    fn wide_select(self, a: Words, b: Words, truth: [bool; 8]) -> Words {
+        std::array::from_fn(|k| if truth[k] { b[k] } else { a[k] })
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
+    //! gathers of indices that have been brought into the table.
+
+    use super::super::avx2::Avx2;
+    use super::super::avx512::Avx512;
+    use super::Wide;
+    use std::arch::x86_64::*;
+
+    macro_rules! op {
+        ($call:expr) => {
+            unsafe { $call }
+        };
+    }
+
+    impl Wide for Avx512 {
+        const WIDE: usize = 8;
+        type Word = __m512i;
+        type Truth = __mmask8;
+
+        #[inline(always)]
+        fn wide_splat(self, value: i64) -> __m512i {
+            op!(_mm512_set1_epi64(value))
+        }
+        #[inline(always)]
+        fn wide_load(self, from: &[i64; 8]) -> __m512i {
+            op!(_mm512_loadu_epi64(from.as_ptr()))
+        }
+        #[inline(always)]
+        fn wide_store(self, to: &mut [i64; 8], value: __m512i) {
+            op!(_mm512_storeu_epi64(to.as_mut_ptr(), value))
+        }
+        #[inline(always)]
+        fn wide_add(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_add_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_sub(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_sub_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_and(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_and_si512(a, b))
+        }
+        #[inline(always)]
+        fn wide_mul(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_mul_epi32(a, b))
+        }
+        #[inline(always)]
+        fn wide_mul_unsigned(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_mul_epu32(a, b))
+        }
+        #[inline(always)]
+        fn wide_shl(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_sllv_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_shr(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_srlv_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_sar(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_srav_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_leading_zeros(self, a: __m512i) -> __m512i {
+            op!(_mm512_lzcnt_epi64(a))
+        }
+        #[inline(always)]
+        fn wide_gather(self, table: &[u32], index: __m512i) -> __m512i {
+            let Some(last) = table.len().checked_sub(1) else {
+                return self.wide_splat(0);
+            };
+            // SAFETY: every index lies in the table.
+            unsafe {
+                let index = _mm512_min_epu64(index, _mm512_set1_epi64(last as i64));
+                let entries = _mm512_i64gather_epi32::<4>(index, table.as_ptr().cast());
+                _mm512_cvtepu32_epi64(entries)
+            }
+        }
+        #[inline(always)]
+        fn wide_greater(self, a: __m512i, b: __m512i) -> __mmask8 {
+            op!(_mm512_cmpgt_epi64_mask(a, b))
+        }
+        #[inline(always)]
+        fn wide_equal(self, a: __m512i, b: __m512i) -> __mmask8 {
+            op!(_mm512_cmpeq_epi64_mask(a, b))
+        }
+        #[inline(always)]
+        fn wide_select(self, a: __m512i, b: __m512i, truth: __mmask8) -> __m512i {
+            op!(_mm512_mask_mov_epi64(a, truth, b))
+        }
+    }
+
+    impl Wide for Avx2 {
+        const WIDE: usize = 4;
+        type Word = __m256i;
+        type Truth = __m256i;
+
+        #[inline(always)]
+        fn wide_splat(self, value: i64) -> __m256i {
+            op!(_mm256_set1_epi64x(value))
+        }
+        #[inline(always)]
+        fn wide_load(self, from: &[i64; 8]) -> __m256i {
+            op!(_mm256_loadu_si256(from.as_ptr().cast()))
+        }
+        #[inline(always)]
+        fn wide_store(self, to: &mut [i64; 8], value: __m256i) {
+            op!(_mm256_storeu_si256(to.as_mut_ptr().cast(), value))
+        }
+        #[inline(always)]
+        fn wide_add(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_add_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_sub(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_sub_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_and(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_and_si256(a, b))
+        }
+        #[inline(always)]
+        fn wide_mul(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_mul_epi32(a, b))
+        }
+        #[inline(always)]
+        fn wide_mul_unsigned(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_mul_epu32(a, b))
+        }
+        #[inline(always)]
+        fn wide_shl(self, a: __m256i, by: __m256i) -> __m256i {
+            op!(_mm256_sllv_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_shr(self, a: __m256i, by: __m256i) -> __m256i {
+            op!(_mm256_srlv_epi64(a, by))
+        }
+        #[inline(always)]
+        fn wide_sar(self, a: __m256i, by: __m256i) -> __m256i {
+            // Inverted where negative, so that zeros may come in.
+            let sign = self.wide_greater(self.wide_splat(0), a);
+            op!(_mm256_xor_si256(
+                _mm256_srlv_epi64(_mm256_xor_si256(a, sign), by),
+                sign
+            ))
+        }
+        #[inline(always)]
+        fn wide_leading_zeros(self, a: __m256i) -> __m256i {
+            // The upper half if it is not 0, else the lower one, as a double: its exponent counts.
+            const UNIT: i64 = 0x4330_0000_0000_0000; // 2^52
+            op!({
+                let upper = _mm256_srli_epi64(a, 32);
+                let low = _mm256_cmpeq_epi64(upper, _mm256_setzero_si256());
+                let half = _mm256_blendv_epi8(upper, a, low);
+                let unit = _mm256_set1_epi64x(UNIT);
+                let number = _mm256_sub_pd(
+                    _mm256_castsi256_pd(_mm256_or_si256(half, unit)),
+                    _mm256_castsi256_pd(unit),
+                );
+                let exponent = _mm256_srli_epi64(_mm256_castpd_si256(number), 52);
+                let base = _mm256_blendv_epi8(
+                    _mm256_set1_epi64x(1023 + 31),
+                    _mm256_set1_epi64x(1023 + 63),
+                    low,
+                );
+                let zeros = _mm256_sub_epi64(base, exponent);
+                let none = _mm256_cmpeq_epi64(a, _mm256_setzero_si256());
+                _mm256_blendv_epi8(zeros, _mm256_set1_epi64x(64), none)
+            })
+        }
+        #[inline(always)]
+        fn wide_gather(self, table: &[u32], index: __m256i) -> __m256i {
+            let Some(last) = table.len().checked_sub(1) else {
+                return self.wide_splat(0);
+            };
+            let last = self.wide_splat(last as i64);
+            // Negative indices are the largest as unsigned numbers.
+            let inside = self.wide_select(index, last, self.wide_greater(index, last));
+            let negative = self.wide_greater(self.wide_splat(0), inside);
+            let index = self.wide_select(inside, last, negative);
+            // SAFETY: every index lies in the table.
+            unsafe {
+                let entries = _mm256_i64gather_epi32::<4>(table.as_ptr().cast(), index);
+                _mm256_cvtepu32_epi64(entries)
+            }
+        }
+        #[inline(always)]
+        fn wide_greater(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_cmpgt_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_equal(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_cmpeq_epi64(a, b))
+        }
+        #[inline(always)]
+        fn wide_select(self, a: __m256i, b: __m256i, truth: __m256i) -> __m256i {
+            op!(_mm256_blendv_epi8(a, b, truth))
+        }
+    }
+}

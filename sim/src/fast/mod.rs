@@ -1,0 +1,23 @@
+//! The fast engine: the kernel's pictures, bit for bit, on vectors and all cores.
+//!
+//! ```text
+//! setup (kernel) -> order (radix sort, tile lists) -> rows (kernel) -> pixels (vectors) -> tile -> frame
+//! ```
+//!
+//! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against it word for word,
+//! pixels and counts, and what the vectors cannot do is left to it: other traversals and orders, 64-bit lanes, footprints whose words lie
+//! outside their formats.
+
+pub mod lanes;
+pub mod order;
+mod paint;
+mod pixels;
+mod rows;
+pub mod setup;
+pub(crate) mod tile;
+
+pub use paint::{CHECK_INTERVAL, FastPainter, Results, Scratch, TilePainter, tile_painter};
+pub use tile::TILE;
+
+#[cfg(test)]
+mod tests;

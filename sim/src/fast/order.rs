@@ -1,0 +1,220 @@
+//! Depth order per tile: splats are binned by counting, then each tile's list is sorted by itself.
+//!
+//! Sorting the tiles apart costs a little more work than one sort of all splats, because a splat on a tile's edge is sorted twice;
+//! but every list fits the cache and all of it runs on all cores. A list's entry is (depth, index), so no two are equal, and order is
+//! by depth, ties by index, whatever sorts it.
+
+use rayon::prelude::*;
+use splatline::raster::Window;
+
+/// What ordering needs to know of a splat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// Smaller is nearer.
+    pub depth: u32,
+    /// Its number in the scene.
+    pub index: u32,
+    /// Pixels that it may touch; not empty.
+    pub bounds: Window,
+}
+
+/// How the screen is divided into tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    viewport: [u16; 2],
+    tile: [u16; 2],
+    columns: usize,
+    rows: usize,
+}
+
+impl Grid {
+    /// Tiles of at most `tile` pixels over a viewport.
+    pub fn new(viewport: [u16; 2], tile: [u16; 2]) -> Self {
+        let count = |axis: usize| usize::from(viewport[axis].div_ceil(tile[axis]));
+        Grid {
+            viewport,
+            tile,
+            columns: count(0),
+            rows: count(1),
+        }
+    }
+
+    /// Number of tiles.
+    pub fn len(&self) -> usize {
+        self.columns * self.rows
+    }
+
+    /// Is there none?
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Columns and rows of the screen.
+    pub fn viewport(&self) -> [u16; 2] {
+        self.viewport
+    }
+
+    /// Each tile's part of every row of a frame, so that tiles can be written side by side.
+    pub fn split<'a, T>(&self, frame: &'a mut [T]) -> Vec<Vec<&'a mut [T]>> {
+        let mut tiles: Vec<Vec<&mut [T]>> = Vec::new();
+        tiles.resize_with(self.len(), || Vec::with_capacity(self.tile[1].into()));
+        let width = usize::from(self.viewport[0]).max(1);
+        for (y, row) in frame.chunks_mut(width).enumerate() {
+            let first = y / usize::from(self.tile[1]) * self.columns;
+            let parts = row.chunks_mut(self.tile[0].into());
+            for (tile, part) in tiles[first..].iter_mut().zip(parts) {
+                tile.push(part);
+            }
+        }
+        tiles
+    }
+
+    /// The pixels of a tile; tiles are numbered row by row.
+    pub fn window(&self, tile: usize) -> Window {
+        let first = [tile % self.columns, tile / self.columns];
+        let first = [0, 1].map(|axis| first[axis] as u16 * self.tile[axis]);
+        let last = [0, 1].map(|axis| first[axis].saturating_add(self.tile[axis]));
+        Window { first, last }.intersect(&Window {
+            first: [0; 2],
+            last: self.viewport,
+        })
+    }
+
+    /// Calls `each` with every tile that the bounds touch.
+    #[inline(always)]
+    pub fn touched(&self, bounds: &Window, mut each: impl FnMut(usize)) {
+        let tile = |pixel: u16, axis: usize| usize::from(pixel / self.tile[axis]);
+        let (left, right) = (tile(bounds.first[0], 0), tile(bounds.last[0] - 1, 0));
+        for y in tile(bounds.first[1], 1)..=tile(bounds.last[1] - 1, 1) {
+            for x in left..=right {
+                each(y * self.columns + x);
+            }
+        }
+    }
+}
+
+/// Splats of one part of the scene, by tile.
+struct Bins {
+    /// Where each tile's entries end.
+    ends: Vec<u32>,
+    entries: Vec<u64>,
+}
+
+impl Bins {
+    /// Two passes: counting, then placing.
+    fn new(grid: &Grid, keys: &[Key]) -> Self {
+        let mut ends = vec![0u32; grid.len()];
+        for key in keys {
+            grid.touched(&key.bounds, |tile| ends[tile] += 1);
+        }
+        let mut next = 0;
+        for end in &mut ends {
+            next += std::mem::replace(end, next);
+        }
+        let mut entries = vec![0; next as usize];
+        for key in keys {
+            let entry = (u64::from(key.depth) << 32) | u64::from(key.index);
+            grid.touched(&key.bounds, |tile| {
+                entries[ends[tile] as usize] = entry;
+                ends[tile] += 1;
+            });
+        }
+        Bins { ends, entries }
+    }
+
+    fn of(&self, tile: usize) -> &[u64] {
+        let start = if tile == 0 { 0 } else { self.ends[tile - 1] };
+        &self.entries[start as usize..self.ends[tile] as usize]
+    }
+}
+
+/// For every tile the splats that touch it, nearest first. The parts of `keys` are binned side by side.
+pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
+    let bins: Vec<Bins> = parts.par_iter().map(|part| Bins::new(grid, part)).collect();
+    (0..grid.len())
+        .into_par_iter()
+        .map_init(Vec::new, |spare, tile| {
+            let total = bins.iter().map(|bins| bins.of(tile).len()).sum();
+            let mut entries = Vec::with_capacity(total);
+            for bins in &bins {
+                entries.extend_from_slice(bins.of(tile));
+            }
+            sort_by_depth(&mut entries, spare);
+            entries.iter().map(|entry| *entry as u32).collect()
+        })
+        .collect()
+}
+
+/// Lists shorter than this are sorted by comparison.
+const SHORT: usize = 96;
+
+/// Sorts (depth, index) entries whose indices ascend: radix sort on the depth's bytes, which keeps equal depths in order.
+fn sort_by_depth(entries: &mut Vec<u64>, spare: &mut Vec<u64>) {
+    if entries.len() < SHORT {
+        entries.sort_unstable();
+        return;
+    }
+    let mut counts = [[0u32; 256]; 4];
+    for entry in entries.iter() {
+        for (byte, counts) in (4..8).zip(&mut counts) {
+            counts[usize::from((entry >> (8 * byte)) as u8)] += 1;
+        }
+    }
+    spare.clear();
+    spare.resize(entries.len(), 0);
+    for (byte, starts) in (4..8).zip(&mut counts) {
+        if starts.contains(&(entries.len() as u32)) {
+            continue;
+        }
+        let mut next = 0;
+        for start in starts.iter_mut() {
+            next += std::mem::replace(start, next);
+        }
+        for entry in entries.iter() {
+            let start = &mut starts[usize::from((entry >> (8 * byte)) as u8)];
+            spare[*start as usize] = *entry;
+            *start += 1;
+        }
+        std::mem::swap(entries, spare);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const VIEWPORT: [u16; 2] = [100, 50];
+
+    fn key() -> impl Strategy<Value = (u32, [u16; 4])> {
+        let depth = prop_oneof![any::<u32>(), 0u32..4, (0u32..4).prop_map(|d| d << 24)];
+        let corner = (0..VIEWPORT[0], 0..VIEWPORT[1]);
+        (depth, corner.clone(), corner).prop_map(|(depth, a, b)| {
+            let [left, right] = [a.0.min(b.0), a.0.max(b.0) + 1];
+            let [top, bottom] = [a.1.min(b.1), a.1.max(b.1) + 1];
+            (depth, [left, top, right, bottom])
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        /// The oracle filters and sorts by comparison, tile by tile.
+        #[test]
+        fn lists_are_sorted_by_depth_then_index(splats in prop::collection::vec(key(), 0..400), cut in 0usize..400) {
+            let keys: Vec<Key> = splats.iter().zip(0..).map(|((depth, [left, top, right, bottom]), index)| Key {
+                depth: *depth, index, bounds: Window { first: [*left, *top], last: [*right, *bottom] },
+            }).collect();
+            let grid = Grid::new(VIEWPORT, [32, 16]);
+            let (head, tail) = keys.split_at(cut.min(keys.len()));
+            let lists = tile_lists(&grid, &[head.to_vec(), tail.to_vec()]);
+            prop_assert_eq!(lists.len(), 4 * 4);
+            for (tile, list) in lists.iter().enumerate() {
+                let window = grid.window(tile);
+                let mut expected: Vec<&Key> = keys.iter().filter(|key| !key.bounds.intersect(&window).is_empty()).collect();
+                expected.sort_by_key(|key| (key.depth, key.index));
+                prop_assert!(expected.iter().map(|key| key.index).eq(list.iter().copied()), "tile {tile}");
+            }
+        }
+    }
+}

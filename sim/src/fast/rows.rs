@@ -1,0 +1,263 @@
+//! Spans of many rows at once, bit for bit the kernel's [`SpanRows`].
+//!
+//! A small splat has as many rows as a row has pixels, so that a row must not cost more than a vector of pixels. Down the rows only
+//! additions depend on each other; root, span and seeds are computed for four or eight rows in one vector. What the shorter words could
+//! not hold is noticed beforehand or beside the computation, and such a footprint is left to the kernel's own rows.
+//!
+//! [`SpanRows`]: splatline::raster::SpanRows
+
+use super::lanes::Lanes;
+use super::setup::number::Arithmetic;
+use super::tile::TILE;
+use core::ops::Range;
+use splatline::raster::{BLOCK, RowConstants, Run, VERTICAL_FRACTION};
+
+/// Most rows of a footprint in a tile.
+const ROWS: usize = TILE[1] as usize;
+
+/// Words of a list: a vector may reach beyond the last row.
+const ROOM: usize = ROWS + 8;
+
+/// Blocks of a tile's row that have seeds of their own.
+pub const BLOCKS: usize = (TILE[0] / BLOCK) as usize;
+
+const _: () = assert!(TILE[0].is_multiple_of(BLOCK) && BLOCK > 0);
+
+/// The runs of one footprint's rows in one block of a tile.
+struct Spans {
+    x: [i64; ROOM],
+    end: [i64; ROOM],
+    radial: [i64; ROOM],
+    first: [i64; ROOM],
+}
+
+/// What the recurrences down the rows give, row by row; memory that is used again for every footprint.
+struct Recurrences {
+    centre: [i64; ROOM],
+    vertical: [i64; ROOM],
+    count: usize,
+}
+
+impl Recurrences {
+    /// No rows.
+    pub fn new() -> Self {
+        Recurrences {
+            centre: [0; ROOM],
+            vertical: [0; ROOM],
+            count: 0,
+        }
+    }
+
+    /// A footprint's rows; `false` where words are larger than the vectors' arithmetic takes.
+    #[inline(always)]
+    pub fn fill(&mut self, constants: &RowConstants<i32>) -> bool {
+        let (_, bits, drop_radial, drop_first) = constants.drops;
+        let tame = constants.spread.0 < 1 << 32
+            && constants.spread.2 <= 30
+            && constants.curvature.unsigned_abs() <= 1 << bits
+            && drop_radial >= 0
+            && drop_first >= 0
+            && constants.fraction < VERTICAL_FRACTION;
+        if !tame {
+            return false;
+        }
+        let [first, last] = constants.rows;
+        self.count = usize::from(last.saturating_sub(first)).min(ROWS);
+        let [mut vertical, mut change, second] = constants.vertical;
+        let mut centre = constants.centre;
+        let (mut far, mut long) = (0, 0);
+        let places = self.centre.iter_mut().zip(&mut self.vertical);
+        for (centre_of_row, vertical_of_row) in places.take(self.count) {
+            *centre_of_row = centre;
+            *vertical_of_row = vertical;
+            far |= centre ^ (centre >> 63);
+            long |= constants.reach.wrapping_sub(vertical).max(0);
+            centre = centre.wrapping_add(constants.slope);
+            vertical = vertical.wrapping_add(change);
+            change = change.wrapping_add(second);
+        }
+        // Centres below 2^61, remaining radial indices below 2^56.
+        far >> 61 == 0 && long >> 56 == 0
+    }
+}
+
+impl Spans {
+    /// No runs.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Spans {
+            x: [0; ROOM],
+            end: [0; ROOM],
+            radial: [0; ROOM],
+            first: [0; ROOM],
+        }
+    }
+
+    /// The runs in block number `block` of the tile that begins at column `left`; `false` if a word was too long for the arithmetic.
+    #[inline(always)]
+    pub fn fill<L: Lanes>(
+        &mut self,
+        lanes: L,
+        constants: &RowConstants<i32>,
+        rows: &Recurrences,
+        left: u16,
+        block: usize,
+    ) -> bool {
+        let math = Arithmetic { lanes };
+        let first_column = i64::from(left) + (block * usize::from(BLOCK)) as i64;
+        let last_column = first_column + i64::from(BLOCK);
+        let zero = math.splat(0);
+        let mut large = zero;
+        for start in (0..rows.count).step_by(L::WIDE) {
+            let centre = lanes.wide_load(window(&rows.centre, start));
+            let vertical = lanes.wide_load(window(&rows.vertical, start));
+            let (low, high) = span(math, constants, centre, vertical);
+            let x = math.max(low, math.splat(first_column));
+            let end = math.min(high, math.splat(last_column));
+            let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
+            let dx = math.sub(math.shl(x, 32), centre);
+            let dx = math.align(dx, math.splat(drop_dx.into()));
+            large = math.max(
+                large,
+                math.select(zero, math.magnitude(dx), math.greater(end, x)),
+            );
+            let along = math.mul(math.splat(constants.curvature), dx);
+            let across = math.mul(math.round(along, bits), dx);
+            let radial = math.add(
+                math.align(across, math.splat(drop_radial.into())),
+                math.round(vertical, VERTICAL_FRACTION - constants.fraction),
+            );
+            let radial = math.add(radial, math.splat(constants.start));
+            let first = math.add(
+                math.align(along, math.splat(drop_first.into())),
+                math.splat(constants.unit),
+            );
+            lanes.wide_store(window_mut(&mut self.x, start), x);
+            lanes.wide_store(window_mut(&mut self.end, start), end);
+            lanes.wide_store(window_mut(&mut self.radial, start), radial);
+            lanes.wide_store(window_mut(&mut self.first, start), first);
+        }
+        let mut largest = [0; 8];
+        lanes.wide_store(&mut largest, large);
+        largest.iter().fold(0, |all, word| all | word) >> 30 == 0
+    }
+
+    /// The run of row number `row`, if it has pixels in the block.
+    #[inline(always)]
+    pub fn run(&self, constants: &RowConstants<i32>, row: usize) -> Option<Run<i32>> {
+        let row = row % ROWS;
+        let (x, end) = (self.x[row], self.end[row]);
+        (x < end).then(|| Run {
+            y: constants.rows[0] + row as u16,
+            x: x as u16,
+            length: (end - x) as u16,
+            radial: self.radial[row] as i32,
+            first: self.first[row] as i32,
+            second: constants.second,
+        })
+    }
+}
+
+/// All rows of one footprint in a tile: memory that is used again for every footprint.
+pub struct RowBatch {
+    recurrences: Recurrences,
+    blocks: [Spans; BLOCKS],
+    /// Blocks that the footprint's box touches.
+    touched: (usize, usize),
+}
+
+impl RowBatch {
+    /// No rows.
+    pub fn new() -> Self {
+        RowBatch {
+            recurrences: Recurrences::new(),
+            blocks: std::array::from_fn(|_| Spans::new()),
+            touched: (0, 0),
+        }
+    }
+
+    /// Computes the runs of a footprint in the tile that begins at column `left`; `false` if vectors cannot.
+    #[inline(always)]
+    pub fn fill<L: Lanes>(&mut self, lanes: L, constants: &RowConstants<i32>, left: u16) -> bool {
+        if !self.recurrences.fill(constants) {
+            return false;
+        }
+        let [first, last] = constants
+            .visible
+            .map(|x| usize::from(x.saturating_sub(left)));
+        let block = usize::from(BLOCK);
+        self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
+        let mut fits = true;
+        for number in self.touched() {
+            fits &= self.blocks[number].fill(lanes, constants, &self.recurrences, left, number);
+        }
+        fits
+    }
+
+    /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.
+    #[inline(always)]
+    pub fn touched(&self) -> Range<usize> {
+        self.touched.0..self.touched.1
+    }
+
+    /// Rows of the footprint in the tile.
+    #[inline(always)]
+    pub fn rows(&self) -> usize {
+        self.recurrences.count
+    }
+
+    /// The run in one row and block, if it has pixels.
+    #[inline(always)]
+    pub fn run(&self, constants: &RowConstants<i32>, row: usize, block: usize) -> Option<Run<i32>> {
+        self.blocks[block].run(constants, row)
+    }
+}
+
+/// First and one past the last column of the rows' spans within the window; 0 and 0 where the ellipse does not reach.
+#[inline(always)]
+fn span<L: Lanes>(
+    math: Arithmetic<L>,
+    constants: &RowConstants<i32>,
+    centre: L::Word,
+    vertical: L::Word,
+) -> (L::Word, L::Word) {
+    let lanes = math.lanes;
+    let zero = math.splat(0);
+    let (mantissa, odd, power) = constants.spread;
+    let rest = math.sub(math.splat(constants.reach), vertical);
+    let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
+    let squared = lanes.wide_mul_unsigned(math.splat(mantissa as i64), narrow);
+    let squared = math.shl(squared, odd.into());
+    let (root, shift) = math.root_seed(squared);
+    let none = lanes.wide_equal(squared, zero);
+    let root = math.select(root, zero, none);
+    let shift = math.select(shift, zero, none);
+    let half = math.align(root, math.negate(math.plus(shift, power.into())));
+    let low = math.sub(centre, half);
+    let low = math.sar(math.plus(low, (1 << 32) - 1), 32);
+    let high = math.plus(math.sar(math.add(centre, half), 32), 1);
+    let [first, last] = constants.bounds;
+    let [visible, end] = constants.visible;
+    let (first, last) = (math.splat(first.into()), math.splat(last.into()));
+    let low = math.max(math.min(low, last), first);
+    let high = math.max(math.min(high, last), first);
+    let low = math.max(low, math.splat((visible - visible % BLOCK).into()));
+    let high = math.min(high, math.splat(end.into()));
+    let open = math.greater(rest, zero);
+    (math.select(zero, low, open), math.select(zero, high, open))
+}
+
+/// Eight words from `start` on, a row's number.
+#[inline(always)]
+fn window(words: &[i64; ROOM], start: usize) -> &[i64; 8] {
+    words[start % ROWS..].first_chunk().unwrap_or(&[0; 8])
+}
+
+/// The same, to be written.
+#[inline(always)]
+fn window_mut(words: &mut [i64; ROOM], start: usize) -> &mut [i64; 8] {
+    let Some(window) = words[start % ROWS..].first_chunk_mut() else {
+        unreachable!("the list has room for a vector at every row")
+    };
+    window
+}

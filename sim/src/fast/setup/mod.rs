@@ -1,0 +1,267 @@
+//! Setup of many splats at once, bit for bit the kernel's [`setup`].
+//!
+//! ```text
+//! splats, eight at a time -> words -> stages (in the kernel's order and with its names) -> footprints
+//! ```
+//!
+//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. Vectors do
+//! them for four or eight splats without a branch. What they do not cover is left to the kernel: parallel projection, distance scaling,
+//! exponents near the ends of 32 bits.
+
+pub(super) mod number;
+mod stages;
+
+use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
+use number::{Arithmetic, Number};
+use splatline::footprint::{Conic, Footprint, Scan};
+use splatline::format::{Custom, Design, Widths};
+use splatline::math::{Scaled, shift_unsigned};
+use splatline::rules::{Cutoff, Rules};
+use splatline::setup::{Cull, setup};
+use splatline::splat::VolumeSplat;
+use splatline::view::{Projection, View};
+use stages::{Footprints, Splats, Stages};
+
+/// What setup makes of a splat.
+pub type Outcome = Result<Footprint, Cull>;
+
+/// Setup of `splats` into as many places of `outcomes`.
+pub fn set_up<D: Design>(
+    design: D,
+    view: &View,
+    rules: &Rules,
+    splats: &[VolumeSplat],
+    outcomes: &mut [Outcome],
+    choice: Choice,
+) {
+    // Widths as values: constants would gain little here, and one compiled copy serves all designs.
+    match Custom::new(design.widths()) {
+        Ok(widths) if choice != Choice::Portable && covers(view, rules) => {
+            let batch = Batch {
+                design: widths,
+                view,
+                rules,
+                splats,
+                outcomes,
+            };
+            dispatch(choice, batch);
+        }
+        _ => {
+            for (splat, outcome) in splats.iter().zip(outcomes) {
+                *outcome = setup(design, view, rules, splat);
+            }
+        }
+    }
+}
+
+/// Can vectors set up under this view and these rules?
+fn covers(view: &View, rules: &Rules) -> bool {
+    let mild = |number: Scaled| number.exponent.unsigned_abs() < 1 << 24;
+    let spaced = rules.spacing.mantissa > 0;
+    let by_opacity = rules.cutoff == Cutoff::Opacity;
+    let gaussian = rules.kernel == splatline::kernel::Kernel::Gaussian;
+    view.projection == Projection::Perspective
+        && view.focal.into_iter().all(mild)
+        && view
+            .principal
+            .iter()
+            .all(|p| p.to_bits().unsigned_abs() < 1 << 58)
+        && view.near.to_bits() < i64::MAX
+        && view.far.to_bits() > i64::MIN
+        && mild(rules.low_pass)
+        && !spaced
+        && (gaussian || !by_opacity)
+        && (rules.alpha_min > 0 || !by_opacity)
+}
+
+/// Is the splat one of those that vectors take? Its depth must not reach the end of its word, and its exponents no end at all.
+#[inline(always)]
+fn is_mild(splat: &VolumeSplat) -> bool {
+    let exponents = splat.axes.map(|axis| axis.exponent);
+    let least = splat.axes.iter().flat_map(|axis| axis.mantissa).min();
+    splat.weight.exponent.unsigned_abs() < 1 << 24
+        && exponents.iter().all(|e| e.unsigned_abs() < 1 << 24)
+        && least.is_none_or(|mantissa| mantissa > i32::MIN)
+}
+
+struct Batch<'a> {
+    design: Custom,
+    view: &'a View,
+    rules: &'a Rules,
+    splats: &'a [VolumeSplat],
+    outcomes: &'a mut [Outcome],
+}
+
+impl Job for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Floats>(self, lanes: L) {
+        let widths = self.design.widths();
+        let stages = Stages {
+            math: Arithmetic { lanes },
+            widths,
+            view: self.view,
+            rules: self.rules,
+        };
+        let groups = self.splats.chunks(L::WIDE);
+        for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
+            if splats.len() < L::WIDE || !splats.iter().all(is_mild) {
+                for (splat, outcome) in splats.iter().zip(outcomes) {
+                    *outcome = setup(self.design, self.view, self.rules, splat);
+                }
+                continue;
+            }
+            let footprints = Lists::new(lanes, &stages.setup(&read(lanes, splats)));
+            for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
+                *outcome = footprints.get(k, splat, &widths);
+            }
+        }
+    }
+}
+
+/// Splats to words.
+#[inline(always)]
+fn read<L: Lanes>(lanes: L, splats: &[VolumeSplat]) -> Splats<L> {
+    let mut lists = [[0; 8]; 17];
+    for (k, splat) in splats.iter().take(L::WIDE).enumerate() {
+        let [a, b, c] = splat.axes;
+        let parts = [a.mantissa, b.mantissa, c.mantissa];
+        for i in 0..3 {
+            lists[i][k] = splat.centre[i].to_bits().into();
+            for axis in 0..3 {
+                lists[3 + 3 * axis + i][k] = parts[axis][i].into();
+            }
+            lists[12 + i][k] = splat.axes[i].exponent.into();
+        }
+        lists[15][k] = splat.weight.mantissa.into();
+        lists[16][k] = splat.weight.exponent.into();
+    }
+    let mut words = [lanes.wide_splat(0); 17];
+    for (word, list) in words.iter_mut().zip(&lists) {
+        *word = lanes.wide_load(list);
+    }
+    let [
+        x,
+        y,
+        z,
+        ax,
+        ay,
+        az,
+        bx,
+        by,
+        bz,
+        cx,
+        cy,
+        cz,
+        a,
+        b,
+        c,
+        mantissa,
+        exponent,
+    ] = words;
+    Splats {
+        centre: [x, y, z],
+        axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
+        exponents: [a, b, c],
+        weight: Number { mantissa, exponent },
+    }
+}
+
+/// A word's splats.
+#[inline(always)]
+fn list<L: Lanes>(lanes: L, word: L::Word) -> [i64; 8] {
+    let mut list = [0; 8];
+    lanes.wide_store(&mut list, word);
+    list
+}
+
+/// Mantissas and exponents of a number's splats.
+#[inline(always)]
+fn lists<L: Lanes>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
+    [list(lanes, number.mantissa), list(lanes, number.exponent)]
+}
+
+/// Words to footprints.
+struct Lists {
+    culled: [i64; 8],
+    depth: [i64; 8],
+    centre: [[i64; 8]; 2],
+    first: [[i64; 8]; 2],
+    last: [[i64; 8]; 2],
+    /// Mantissas and exponents of curvature, spread, slope, stretch.
+    scan: [[[i64; 8]; 2]; 4],
+    conic: [[i64; 8]; 3],
+    conic_exponent: [i64; 8],
+    cutoff: [i64; 8],
+    peak: [i64; 8],
+}
+
+impl Lists {
+    #[inline(always)]
+    fn new<L: Lanes>(lanes: L, footprints: &Footprints<L>) -> Self {
+        let Footprints {
+            centre: [u, v],
+            first: [left, top],
+            last: [right, bottom],
+            scan: [curvature, spread, slope, stretch],
+            conic: [a, b, c],
+            ..
+        } = *footprints;
+        Lists {
+            culled: list(lanes, footprints.culled),
+            depth: list(lanes, footprints.depth),
+            centre: [list(lanes, u), list(lanes, v)],
+            first: [list(lanes, left), list(lanes, top)],
+            last: [list(lanes, right), list(lanes, bottom)],
+            scan: [
+                lists(lanes, curvature),
+                lists(lanes, spread),
+                lists(lanes, slope),
+                lists(lanes, stretch),
+            ],
+            conic: [list(lanes, a), list(lanes, b), list(lanes, c)],
+            conic_exponent: list(lanes, footprints.conic_exponent),
+            cutoff: list(lanes, footprints.cutoff),
+            peak: list(lanes, footprints.peak),
+        }
+    }
+
+    /// What setup makes of splat `k`.
+    #[inline(always)]
+    fn get(&self, k: usize, splat: &VolumeSplat, widths: &Widths) -> Outcome {
+        if let Some(reason) = (self.culled[k] as usize).checked_sub(1) {
+            return Err(Cull::ALL.get(reason).copied().unwrap_or(Cull::Degenerate));
+        }
+        let scaled = |[mantissa, exponent]: &[[i64; 8]; 2]| Scaled {
+            mantissa: mantissa[k] as i32,
+            exponent: exponent[k] as i32,
+        };
+        let [curvature, spread, slope, stretch] = &self.scan;
+        let colour_shift = 28 - i32::from(widths.colour);
+        Ok(Footprint {
+            depth: self.depth[k] as u32,
+            centre: [self.centre[0][k], self.centre[1][k]],
+            first: [self.first[0][k] as u16, self.first[1][k] as u16],
+            last: [self.last[0][k] as u16, self.last[1][k] as u16],
+            scan: Scan {
+                curvature: scaled(curvature),
+                spread: scaled(spread),
+                slope: scaled(slope),
+                stretch: scaled(stretch),
+            },
+            conic: Conic {
+                mantissa: [0, 1, 2].map(|i| self.conic[i][k] as i32),
+                exponent: self.conic_exponent[k] as i32,
+            },
+            cutoff: self.cutoff[k] as u32,
+            peak: self.peak[k] as u32,
+            colour: splat
+                .colour
+                .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

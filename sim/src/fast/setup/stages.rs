@@ -1,0 +1,512 @@
+//! The stages of setup on vectors: one splat per word, in the order and with the names of `splatline::setup`.
+//!
+//! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed for a culled
+//! splat is defined but of no use.
+
+use super::number::{Arithmetic, Number};
+use crate::fast::lanes::Wide;
+use splatline::format::Widths;
+use splatline::math::{Scaled, log2_upper};
+use splatline::rules::{Cutoff, Rules};
+use splatline::setup::Cull;
+use splatline::view::{View, round_entry};
+
+type Word<W> = <W as Wide>::Word;
+
+/// Splats, one per word.
+#[derive(Clone, Copy)]
+pub struct Splats<W: Wide> {
+    pub centre: [Word<W>; 3],
+    /// Mantissas of the axes.
+    pub axes: [[Word<W>; 3]; 3],
+    /// Exponents of the axes.
+    pub exponents: [Word<W>; 3],
+    pub weight: Number<W>,
+}
+
+/// Footprints, one per word, without their colours.
+#[derive(Clone, Copy)]
+pub struct Footprints<W: Wide> {
+    /// 0, or one more than the place of the reason in [`Cull::ALL`].
+    pub culled: Word<W>,
+    pub depth: Word<W>,
+    pub centre: [Word<W>; 2],
+    pub first: [Word<W>; 2],
+    pub last: [Word<W>; 2],
+    /// Curvature, spread, slope, stretch.
+    pub scan: [Number<W>; 4],
+    pub conic: [Word<W>; 3],
+    pub conic_exponent: Word<W>,
+    pub cutoff: Word<W>,
+    pub peak: Word<W>,
+}
+
+/// Setup under one view, rules and widths.
+#[derive(Clone, Copy)]
+pub struct Stages<'a, W: Wide> {
+    pub math: Arithmetic<W>,
+    pub widths: Widths,
+    pub view: &'a View,
+    pub rules: &'a Rules,
+}
+
+/// A projected centre with what the Jacobian needs of it.
+#[derive(Clone, Copy)]
+struct Projected<W: Wide> {
+    depth: Word<W>,
+    centre: [Word<W>; 2],
+    ratio: [Number<W>; 2],
+    gain: [Number<W>; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Variance<W: Wide> {
+    xx: Number<W>,
+    xy: Number<W>,
+    yy: Number<W>,
+    determinant: Number<W>,
+}
+
+impl<W: Wide> Stages<'_, W> {
+    /// `splatline::setup::setup`.
+    #[inline(always)]
+    pub fn setup(&self, splats: &Splats<W>) -> Footprints<W> {
+        let mut culled = self.math.splat(0);
+        let projected = self.project(splats, &mut culled);
+        let columns = [
+            self.column(splats, 0, &projected),
+            self.column(splats, 1, &projected),
+            self.column(splats, 2, &projected),
+        ];
+        let variance = self.variance(&columns);
+        let inverse = self
+            .math
+            .reciprocal(variance.determinant, self.widths.mantissa.into());
+        let scan = self.scan(&variance, inverse, &mut culled);
+        let (conic, conic_exponent) = self.conic(&variance, scan[0], inverse, &mut culled);
+        let peak = self.peak(splats.weight, &projected, inverse);
+        let cutoff = self.cutoff(peak, &mut culled);
+        let mut first = [self.math.splat(0); 2];
+        let mut last = first;
+        for (axis, spread) in [variance.xx, variance.yy].into_iter().enumerate() {
+            (first[axis], last[axis]) =
+                self.bounds(axis, projected.centre[axis], spread, cutoff, &mut culled);
+        }
+        let peak = self.peak_fixed(peak, &mut culled);
+        Footprints {
+            culled,
+            depth: projected.depth,
+            centre: projected.centre,
+            first,
+            last,
+            scan,
+            conic,
+            conic_exponent,
+            cutoff,
+            peak,
+        }
+    }
+
+    #[inline(always)]
+    fn bits(&self) -> u32 {
+        self.widths.mantissa.into()
+    }
+
+    /// Notes the reason where it holds and no other was noted before.
+    #[inline(always)]
+    fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
+        let code = self.math.splat(code(reason));
+        let noted = self.math.greater(*culled, self.math.splat(0));
+        let now = self.math.select(*culled, code, truth);
+        *culled = self.math.select(now, *culled, noted);
+    }
+
+    /// W times a vector of integers, entries rounded as the kernel rounds them.
+    #[inline(always)]
+    fn rotate(&self, row: usize, vector: &[Word<W>; 3]) -> Word<W> {
+        let math = self.math;
+        let mut sum = math.splat(0);
+        for (entry, part) in self.view.rotation[row].iter().zip(vector) {
+            let entry = math.splat(round_entry(*entry, self.widths.view.into()));
+            sum = math.add(sum, math.mul(entry, *part));
+        }
+        sum
+    }
+
+    /// One row of t = W u + d, Q9.54.
+    #[inline(always)]
+    fn camera_space(&self, row: usize, splats: &Splats<W>) -> Word<W> {
+        let d = self.math.splat(self.view.translation[row].to_bits());
+        self.math.add(d, self.rotate(row, &splats.centre))
+    }
+
+    /// A coordinate in camera space, rounded to the view's mantissa.
+    #[inline(always)]
+    fn coordinate(&self, mantissa: Word<W>) -> Number<W> {
+        let exponent = self.math.splat(-54);
+        self.math
+            .normalise(Number { mantissa, exponent }, self.widths.view.into())
+    }
+
+    /// Culls where a magnitude has more than so many bits.
+    #[inline(always)]
+    fn beyond(&self, value: Word<W>, bits: i64, culled: &mut Word<W>) {
+        let math = self.math;
+        let above = math.shr(math.magnitude(value), bits);
+        self.cull(culled, Cull::Range, math.greater(above, math.splat(0)));
+    }
+
+    #[inline(always)]
+    fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
+        let (math, bits) = (self.math, u32::from(self.widths.view));
+        let x = self.camera_space(0, splats);
+        let y = self.camera_space(1, splats);
+        let z = self.camera_space(2, splats);
+        let (near, far) = (self.view.near.to_bits(), self.view.far.to_bits());
+        let near = math.splat(near.max(0));
+        self.cull(culled, Cull::Near, math.greater(math.plus(near, 1), z));
+        self.cull(culled, Cull::Far, math.greater(z, math.splat(far - 1)));
+        let depth = math.round(z, 31);
+        let depth = math.max(math.min(depth, math.splat(u32::MAX.into())), math.splat(0));
+        let depths = self.coordinate(z);
+        let inverse = math.reciprocal(depths, bits);
+        let on_plane = [
+            math.multiply(self.coordinate(x), inverse, bits),
+            math.multiply(self.coordinate(y), inverse, bits),
+        ];
+        let [across, down] = self.view.focal;
+        let focal = [math.number(across), math.number(down)];
+        let mut centre = [math.splat(0); 2];
+        for axis in 0..2 {
+            let offset = math.to_fixed(math.times(focal[axis], on_plane[axis]), 32);
+            let principal = math.splat(self.view.principal[axis].to_bits());
+            let position = math.add(principal, offset);
+            // What overflows is out of range as well, and was so before the principal point was added.
+            self.beyond(offset, 60, culled);
+            self.beyond(position, 58, culled);
+            centre[axis] = math.round(position, 32 - u32::from(self.widths.subpixel));
+        }
+        let gain = [
+            math.multiply(focal[0], inverse, self.bits()),
+            math.multiply(focal[1], inverse, self.bits()),
+        ];
+        let ratio = [self.ratio(0, on_plane[0]), self.ratio(1, on_plane[1])];
+        Projected {
+            depth,
+            centre,
+            ratio,
+            gain,
+        }
+    }
+
+    /// x/z or y/z as the Jacobian takes it.
+    #[inline(always)]
+    fn ratio(&self, axis: usize, on_plane: Number<W>) -> Number<W> {
+        let math = self.math;
+        if !self.rules.clamp_jacobian {
+            return math.normalise(on_plane, self.bits());
+        }
+        let fixed = math.to_fixed(on_plane, 32);
+        let low = math.splat(self.view.limits.low[axis].to_bits());
+        let high = math.splat(self.view.limits.high[axis].to_bits());
+        let clamped = math.max(math.min(fixed, high), low);
+        let inside = math.lanes.wide_equal(clamped, fixed);
+        let number = Number {
+            mantissa: math.select(clamped, on_plane.mantissa, inside),
+            exponent: math.select(math.splat(-32), on_plane.exponent, inside),
+        };
+        math.normalise(number, self.bits())
+    }
+
+    /// Axis `k` on the screen.
+    #[inline(always)]
+    fn column(&self, splats: &Splats<W>, k: usize, projected: &Projected<W>) -> [Number<W>; 2] {
+        let math = self.math;
+        let exponent = splats.exponents[k];
+        let exponent = math.max(math.min(exponent, math.splat(511)), math.splat(-512));
+        let exponent = math.plus(exponent, -30);
+        let x = self.turned(splats, k, 0, exponent);
+        let y = self.turned(splats, k, 1, exponent);
+        let z = self.turned(splats, k, 2, exponent);
+        [
+            self.shear(projected, 0, x, z),
+            self.shear(projected, 1, y, z),
+        ]
+    }
+
+    /// One row of W a.
+    #[inline(always)]
+    fn turned(&self, splats: &Splats<W>, k: usize, row: usize, exponent: Word<W>) -> Number<W> {
+        let mantissa = self.rotate(row, &splats.axes[k]);
+        self.math
+            .normalise(Number { mantissa, exponent }, self.bits())
+    }
+
+    /// A component seen along the viewing ray, times the gain.
+    #[inline(always)]
+    fn shear(
+        &self,
+        projected: &Projected<W>,
+        axis: usize,
+        across: Number<W>,
+        z: Number<W>,
+    ) -> Number<W> {
+        let (math, bits) = (self.math, self.bits());
+        let along = math.opposite(math.times(projected.ratio[axis], z));
+        math.multiply(math.sum([across, along], bits), projected.gain[axis], bits)
+    }
+
+    #[inline(always)]
+    fn variance(&self, columns: &[[Number<W>; 2]; 3]) -> Variance<W> {
+        let (math, bits) = (self.math, self.bits());
+        let h = math.number(self.rules.low_pass);
+        let [a, b, c] = columns;
+        let xx = math.sum(
+            [
+                math.times(a[0], a[0]),
+                math.times(b[0], b[0]),
+                math.times(c[0], c[0]),
+                h,
+            ],
+            bits,
+        );
+        let yy_sharp = math.sum(
+            [
+                math.times(a[1], a[1]),
+                math.times(b[1], b[1]),
+                math.times(c[1], c[1]),
+            ],
+            bits,
+        );
+        let xy = math.sum(
+            [
+                math.times(a[0], a[1]),
+                math.times(b[0], b[1]),
+                math.times(c[0], c[1]),
+            ],
+            bits,
+        );
+        let yy = math.sum([yy_sharp, h], bits);
+        let trace = math.sum([xx, yy_sharp], bits);
+        let terms = [
+            self.minor_squared(a, b),
+            self.minor_squared(a, c),
+            self.minor_squared(b, c),
+            math.times(h, trace),
+        ];
+        Variance {
+            xx,
+            xy,
+            yy,
+            determinant: math.sum(terms, bits),
+        }
+    }
+
+    /// The square of a 2x2 minor.
+    #[inline(always)]
+    fn minor_squared(&self, j: &[Number<W>; 2], k: &[Number<W>; 2]) -> Number<W> {
+        let math = self.math;
+        let crossed = math.opposite(math.times(j[1], k[0]));
+        let minor = math.sum([math.times(j[0], k[1]), crossed], self.bits());
+        math.times(minor, minor)
+    }
+
+    /// Curvature, spread, slope and stretch.
+    #[inline(always)]
+    fn scan(
+        &self,
+        variance: &Variance<W>,
+        inverse: Number<W>,
+        culled: &mut Word<W>,
+    ) -> [Number<W>; 4] {
+        let (math, bits) = (self.math, self.bits());
+        let zero = math.splat(0);
+        for value in [variance.yy, variance.determinant] {
+            let nothing = math.lanes.wide_equal(value.mantissa, zero);
+            self.cull(culled, Cull::Degenerate, nothing);
+        }
+        let stretch = math.reciprocal(variance.yy, bits);
+        let curvature = math.multiply(variance.yy, inverse, bits);
+        let spread = math.multiply(variance.determinant, stretch, bits);
+        let slope = math.multiply(variance.xy, stretch, bits);
+        let tiny = math.greater(math.splat(-512), slope.exponent);
+        let slope = Number {
+            mantissa: math.select(slope.mantissa, zero, tiny),
+            exponent: math.select(slope.exponent, zero, tiny),
+        };
+        for number in [curvature, spread, stretch] {
+            self.unpackable(number.exponent, culled);
+        }
+        [curvature, spread, slope, stretch]
+    }
+
+    /// Culls where an exponent has no place in the packet.
+    #[inline(always)]
+    fn unpackable(&self, exponent: Word<W>, culled: &mut Word<W>) {
+        let math = self.math;
+        let above = math.greater(exponent, math.splat(511));
+        let below = math.greater(math.splat(-512), exponent);
+        self.cull(culled, Cull::Degenerate, above);
+        self.cull(culled, Cull::Degenerate, below);
+    }
+
+    #[inline(always)]
+    fn conic(
+        &self,
+        variance: &Variance<W>,
+        curvature: Number<W>,
+        inverse: Number<W>,
+        culled: &mut Word<W>,
+    ) -> ([Word<W>; 3], Word<W>) {
+        const NONE: i64 = i32::MIN as i64;
+        let (math, bits) = (self.math, self.bits());
+        let coefficients = [
+            curvature,
+            math.opposite(math.multiply(variance.xy, inverse, bits)),
+            math.multiply(variance.xx, inverse, bits),
+        ];
+        let mut leading = math.splat(NONE);
+        for coefficient in coefficients {
+            let nothing = math.lanes.wide_equal(coefficient.mantissa, math.splat(0));
+            let own = math.select(math.leading(coefficient), math.splat(NONE), nothing);
+            leading = math.max(leading, own);
+        }
+        let exponent = math.plus(leading, 1 - i64::from(bits));
+        let mut mantissa = [math.splat(0); 3];
+        for (mantissa, coefficient) in mantissa.iter_mut().zip(coefficients) {
+            let aligned = Number {
+                exponent: math.sub(coefficient.exponent, exponent),
+                ..coefficient
+            };
+            *mantissa = math.to_fixed(aligned, 0);
+        }
+        self.unpackable(exponent, culled);
+        (mantissa, exponent)
+    }
+
+    #[inline(always)]
+    fn peak(&self, weight: Number<W>, projected: &Projected<W>, inverse: Number<W>) -> Number<W> {
+        let (math, bits) = (self.math, self.bits());
+        let mut peak = weight;
+        if self.rules.normalised {
+            // A variance without an inverse has been culled.
+            let [x, y] = projected.ratio;
+            let one = math.number(Scaled {
+                mantissa: 1,
+                exponent: 0,
+            });
+            let slant = math.sum([one, math.times(x, x), math.times(y, y)], bits);
+            let density = math.square_root(math.multiply(slant, inverse, bits), bits);
+            let area = math.multiply(projected.gain[0], projected.gain[1], bits);
+            peak = math.multiply(weight, area, bits);
+            peak = math.multiply(peak, density, bits);
+            let integral = math.number(self.rules.kernel.inverse_integral());
+            peak = math.multiply(peak, integral, bits);
+        }
+        let zero = math.splat(0);
+        let positive = math.greater(weight.mantissa, zero);
+        Number {
+            mantissa: math.select(zero, peak.mantissa, positive),
+            exponent: math.select(
+                math.splat(Scaled::ZERO.exponent.into()),
+                peak.exponent,
+                positive,
+            ),
+        }
+    }
+
+    #[inline(always)]
+    fn cutoff(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
+        // As in the kernel's `cutoff`.
+        const TWO_LN_2: i64 = 90_852;
+        const END: i64 = 15 << 28;
+        let (math, end) = (self.math, self.rules.kernel.end());
+        if let Cutoff::Radial(cutoff) = self.rules.cutoff {
+            return math.splat(cutoff.min(end).into());
+        }
+        let smallest = Scaled::from_wide(self.rules.alpha_min.into(), -31, 31);
+        let zero = math.splat(0);
+        let below = log2_upper(smallest).unwrap_or(i32::MAX);
+        let octaves = math.plus(math.log2_upper(peak), 32 - i64::from(below));
+        let dark = math.greater(math.splat(1), peak.mantissa);
+        self.cull(culled, Cull::Transparent, dark);
+        self.cull(
+            culled,
+            Cull::Transparent,
+            math.greater(math.splat(1), octaves),
+        );
+        let octaves = math.max(octaves, zero);
+        let cutoff = math.shr(math.mul(octaves, math.splat(TWO_LN_2)), 4);
+        math.min(cutoff, math.splat(END))
+    }
+
+    /// First and one past the last pixel on one axis.
+    #[inline(always)]
+    fn bounds(
+        &self,
+        axis: usize,
+        centre: Word<W>,
+        spread: Number<W>,
+        cutoff: Word<W>,
+        culled: &mut Word<W>,
+    ) -> (Word<W>, Word<W>) {
+        let math = self.math;
+        let number = Number {
+            mantissa: cutoff,
+            exponent: math.splat(-28),
+        };
+        let cutoff = math.normalise(number, 16);
+        let squared = math.multiply(cutoff, spread, 16);
+        let extent = math.to_fixed(math.square_root(squared, 16), 32);
+        let wider = math.add(extent, math.sar(extent, 10));
+        for value in [extent, wider] {
+            let beyond = math.greater(math.shr(value, 60), math.splat(0));
+            self.cull(culled, Cull::Range, beyond);
+        }
+        let sample = math.shl(centre, 32 - i64::from(self.widths.subpixel));
+        let sample = math.plus(sample, -(1 << 31));
+        let low = math.sar(math.plus(math.sub(sample, wider), (1 << 32) - 1), 32);
+        let high = math.plus(math.sar(math.add(sample, wider), 32), 1);
+        let limit = math.splat(self.view.viewport[axis].into());
+        let zero = math.splat(0);
+        let low = math.min(math.max(low, zero), limit);
+        let high = math.min(math.max(high, zero), limit);
+        self.cull(culled, Cull::Outside, math.greater(math.plus(low, 1), high));
+        (low, high)
+    }
+
+    #[inline(always)]
+    fn peak_fixed(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
+        let (math, fraction) = (self.math, u32::from(self.widths.peak));
+        let fixed = math.to_fixed(peak, fraction);
+        let largest = math.splat((16 << fraction.min(28)) - 1);
+        let fixed = math.max(math.min(fixed, largest), math.splat(0));
+        let dark = math.greater(math.splat(1), fixed);
+        self.cull(culled, Cull::Transparent, dark);
+        fixed
+    }
+}
+
+/// One more than the reason's place in [`Cull::ALL`].
+pub const fn code(reason: Cull) -> i64 {
+    match reason {
+        Cull::Near => 1,
+        Cull::Far => 2,
+        Cull::Range => 3,
+        Cull::Degenerate => 4,
+        Cull::Transparent => 5,
+        Cull::Outside => 6,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_places() {
+        for (place, reason) in (1..).zip(Cull::ALL) {
+            assert_eq!(code(reason), place);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+//! Setup on vectors against the kernel's, whole footprints and reasons, on ordinary splats and on arbitrary bits.
+
+use super::*;
+use crate::fixed::{QuantisedScene, kernel_rules};
+use crate::rules;
+use crate::scene::synthetic;
+use fixed::types::{I8F24, U4F28};
+use proptest::prelude::*;
+use splatline::format::{Classic8, Deep32, Lean18, Standard24};
+use splatline::splat::Axis;
+
+fn bits() -> impl Strategy<Value = i32> {
+    prop_oneof![
+        any::<i32>(),
+        -3i32..4,
+        (0u32..31, any::<bool>()).prop_map(|(e, s)| if s { -(1 << e) } else { (1 << e) - 1 })
+    ]
+}
+
+/// Any bits; exponents mostly near those of scenes.
+fn splat() -> impl Strategy<Value = VolumeSplat> {
+    let exponent = prop_oneof![4 => -60i32..-20, 1 => any::<i32>(), 1 => -600i32..600];
+    let axis = (prop::array::uniform3(bits()), exponent.clone())
+        .prop_map(|(mantissa, exponent)| Axis { mantissa, exponent });
+    let centre = prop::array::uniform3(prop_oneof![bits(), (-1i32 << 27)..1 << 27]);
+    (
+        centre,
+        prop::array::uniform3(axis),
+        bits(),
+        exponent,
+        any::<[u32; 3]>(),
+    )
+        .prop_map(|(centre, axes, mantissa, exponent, colour)| VolumeSplat {
+            centre: centre.map(I8F24::from_bits),
+            axes,
+            weight: Scaled { mantissa, exponent },
+            colour: colour.map(U4F28::from_bits),
+        })
+}
+
+fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
+    let scene = synthetic::random_gaussians(10, 1, 1.0);
+    let camera = synthetic::camera(320, 200);
+    let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
+    for choice in [Choice::Best, Choice::Eight] {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        set_up(design, &view, rules, splats, &mut outcomes, choice);
+        for (splat, outcome) in splats.iter().zip(outcomes) {
+            let expected = setup(design, &view, rules, splat);
+            assert_eq!(outcome, expected, "{choice:?} {splat:?}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn arbitrary_bits(splats in prop::collection::vec(splat(), 8..40), normalised: bool) {
+        let rules = kernel_rules(if normalised { &rules::Rules::EWA } else { &rules::Rules::GAUSSIAN_3D });
+        check(Classic8, &splats, &rules);
+        check(Lean18, &splats, &rules);
+        check(Standard24, &splats, &rules);
+        check(Deep32, &splats, &rules);
+    }
+}
+
+#[test]
+fn ordinary_splats() {
+    let scene = synthetic::random_gaussians(4_000, 5, 3.0);
+    let camera = synthetic::camera(320, 200);
+    for rules in [rules::Rules::EWA, rules::Rules::GAUSSIAN_3D] {
+        let quantised = QuantisedScene::new(&scene, &camera, &rules);
+        check(Standard24, &quantised.splats, &kernel_rules(&rules));
+    }
+}

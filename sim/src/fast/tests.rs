@@ -1,0 +1,212 @@
+//! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word, and the counts.
+
+use super::TILE;
+use super::lanes::Choice;
+use super::paint::{FastPainter, Scratch, TilePainter};
+use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
+use crate::rules;
+use crate::scene::synthetic;
+use proptest::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::{Conic, Footprint, Scan};
+use splatline::format::{Design, Rounding, Standard24, Traversal, WIDTH_RANGES, Widths};
+use splatline::math::Scaled;
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::{Cull, setup};
+use splatline::target::Target;
+
+/// Any widths in lanes of 32 bits.
+#[derive(Clone, Copy, Debug)]
+struct Narrow(Widths);
+
+impl Design for Narrow {
+    type Lane = i32;
+    fn widths(&self) -> Widths {
+        self.0
+    }
+}
+
+fn widths() -> impl Strategy<Value = Widths> {
+    let number = |index: usize, last: u8| WIDTH_RANGES[index].1..=WIDTH_RANGES[index].2.min(last);
+    let shape = (
+        number(1, 31),
+        number(2, 24),
+        number(3, 27),
+        number(4, 14),
+        number(5, 20),
+    );
+    let blend = (
+        number(6, 28),
+        number(7, 28),
+        number(8, 28),
+        number(9, 30),
+        number(10, 28),
+        number(11, 27),
+    );
+    (shape, blend, any::<bool>()).prop_map(|(shape, blend, truncate)| Widths {
+        view: 30,
+        mantissa: shape.0,
+        subpixel: shape.1,
+        radial: shape.2,
+        table: shape.3,
+        interpolation: shape.4,
+        weight: blend.0,
+        peak: blend.1,
+        alpha: blend.2,
+        transmittance: blend.3,
+        colour: blend.4,
+        accumulator: blend.5,
+        rounding: if truncate {
+            Rounding::Truncate
+        } else {
+            Rounding::Nearest
+        },
+    })
+}
+
+/// Widths near those of the named designs, where vectors can draw.
+fn usual_widths() -> impl Strategy<Value = Widths> {
+    (widths(), 0u8..5, 0u8..3).prop_map(|(random, less, more)| {
+        let usual = Standard24::WIDTHS;
+        Widths {
+            mantissa: random.mantissa,
+            radial: usual.radial - less,
+            table: usual.table + more,
+            weight: usual.weight + less,
+            alpha: usual.alpha - more,
+            colour: usual.colour + less,
+            rounding: random.rounding,
+            ..usual
+        }
+    })
+}
+
+const VIEWPORT: [u16; 2] = [150, 77];
+
+/// Any words at all; the box within the viewport, as the packet promises.
+fn arbitrary() -> impl Strategy<Value = Footprint> {
+    let number =
+        (any::<i32>(), -70i32..10).prop_map(|(mantissa, exponent)| Scaled { mantissa, exponent });
+    let scan = (number.clone(), number.clone(), number.clone(), number);
+    let corner = (0..VIEWPORT[0], 0..VIEWPORT[1]);
+    let words = (any::<u32>(), any::<u32>(), any::<[u32; 3]>());
+    (
+        scan,
+        corner.clone(),
+        corner,
+        words,
+        any::<[i64; 2]>(),
+        0u32..60,
+    )
+        .prop_map(
+            |(scan, a, b, (cutoff, peak, colour), centre, spare)| Footprint {
+                depth: 0,
+                centre: centre.map(|c| c >> spare),
+                first: [a.0.min(b.0), a.1.min(b.1)],
+                last: [a.0.max(b.0) + 1, a.1.max(b.1) + 1],
+                scan: Scan {
+                    curvature: scan.0,
+                    spread: scan.1,
+                    slope: scan.2,
+                    stretch: scan.3,
+                },
+                conic: Conic {
+                    mantissa: [0; 3],
+                    exponent: 0,
+                },
+                cutoff: cutoff >> (spare % 6),
+                peak: peak >> (spare % 8),
+                colour: colour.map(|c| c >> (spare % 16)),
+            },
+        )
+}
+
+/// Ordinary footprints, of all sizes and opacities.
+fn ordinary(
+    widths: Widths,
+    rules: &Rules,
+    seed: u64,
+    multiplier: f64,
+) -> Vec<Result<Footprint, Cull>> {
+    let scene = synthetic::random_gaussians(60, seed, multiplier);
+    let camera = synthetic::camera(VIEWPORT[0].into(), VIEWPORT[1].into());
+    let quantised = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D);
+    let splats = quantised.splats.iter();
+    splats
+        .map(|splat| setup(Narrow(widths), &quantised.view, rules, splat))
+        .collect()
+}
+
+/// Draws by both; `false` if vectors do not draw under these widths.
+fn agree(
+    widths: Widths,
+    rules: &Rules,
+    footprints: &[Result<Footprint, Cull>],
+    tile: [u16; 2],
+) -> bool {
+    let memory = table_entries(&widths, rules);
+    let table = table(&memory, &widths, rules);
+    let first = [tile[0] * TILE[0], tile[1] * TILE[1]];
+    let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
+    let window = Window { first, last };
+    let columns = usize::from(last[0] - first[0]);
+    let mut pixels = vec![Pixel::clear(&widths); columns * usize::from(last[1] - first[1])];
+    let mut target = Target::new(&mut pixels, window, columns).unwrap();
+    let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
+    let scalar = Painter::new(Narrow(widths), rules, table, order, traversal);
+    let mut expected = Coverage::default();
+    for footprint in footprints.iter().flatten() {
+        expected += scalar.draw(footprint, &mut target);
+    }
+    let list: Vec<u32> = (0..footprints.len() as u32).collect();
+    for choice in [Choice::Best, Choice::Eight, Choice::Portable] {
+        let Some(painter) = FastPainter::new(Narrow(widths), rules, table, choice) else {
+            return false;
+        };
+        let mut scratch = Scratch::default();
+        let coverage = painter.paint(&mut scratch, window, footprints, &list);
+        for (y, row) in pixels.chunks_exact(columns).enumerate() {
+            let mut got = vec![Pixel::default(); columns];
+            scratch.copy_row(y, &mut got);
+            assert_eq!(got, row, "{choice:?}, row {y}");
+        }
+        assert_eq!(coverage, expected, "{choice:?}");
+    }
+    true
+}
+
+fn rules_of(normalised: bool) -> Rules {
+    kernel_rules(if normalised {
+        &rules::Rules::EWA
+    } else {
+        &rules::Rules::GAUSSIAN_3D
+    })
+}
+
+proptest! {
+    #[test]
+    fn random_widths(
+        widths in widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, tile in (0u16..3, 0u16..3),
+    ) {
+        let rules = rules_of(ewa);
+        agree(widths, &rules, &ordinary(widths, &rules, seed, multiplier), [tile.0, tile.1]);
+    }
+
+    #[test]
+    fn usual_widths_are_drawn_by_vectors(
+        widths in usual_widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, tile in (0u16..3, 0u16..3),
+    ) {
+        let rules = rules_of(ewa);
+        prop_assert!(agree(widths, &rules, &ordinary(widths, &rules, seed, multiplier), [tile.0, tile.1]));
+    }
+
+    #[test]
+    fn arbitrary_footprints(
+        widths in usual_widths(), ewa: bool, footprints in prop::collection::vec(arbitrary(), 1..40), tile in (0u16..3, 0u16..3),
+    ) {
+        let footprints: Vec<_> = footprints.into_iter().map(Ok).collect();
+        prop_assert!(agree(widths, &rules_of(ewa), &footprints, [tile.0, tile.1]));
+    }
+}
