@@ -19,6 +19,7 @@ mod geometry;
 pub mod histogram;
 pub mod lanes;
 pub mod observe;
+pub mod primitive;
 mod raster;
 pub mod summary;
 pub mod timing;
