@@ -12,6 +12,7 @@ pub mod accuracy;
 pub mod golden;
 pub mod packet;
 pub mod picture;
+pub mod points;
 pub mod views;
 
 use std::fmt::Write;

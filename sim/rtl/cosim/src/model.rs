@@ -72,8 +72,14 @@ pub struct Outputs {
     pub idle: u8,
     /// The pixel's flag.
     pub finished: u8,
+    /// The row generator takes a splat over from setup.
+    pub splat_begun: u8,
+    /// A run leaves the row generator for a queue.
+    pub run_left: u8,
     /// Padding.
     pub spare: u8,
+    /// A bit for each lane that pops a run from its queue.
+    pub lanes_popped: u16,
     /// UQ1.transmittance.
     pub transmittance: u32,
     /// UQ5.accumulator.

@@ -3,7 +3,6 @@
 mod designs;
 mod hardware;
 mod layouts;
-mod points;
 mod speed;
 mod throughput;
 
