@@ -82,6 +82,14 @@ impl Pipeline {
         (at + self.stood, at + self.stages)
     }
 
+    /// Takes an entry as soon as it moves; gives the own time at which it reaches its end.
+    #[inline(always)]
+    fn enter_at_once(&mut self) -> u64 {
+        // `stood` catches up when a cycle is asked for.
+        self.next += 1;
+        self.next - 1 + self.stages
+    }
+
     /// The first cycle in which the entry that ends at this own time could leave; entries are asked for in their order.
     fn ready(&self, end: u64) -> u64 {
         end + self.stood_in_all
@@ -134,7 +142,6 @@ pub struct PrimitiveClock {
     /// Own time of the rows at which the first slot of the packet taken last reaches their end.
     first_end: Option<u64>,
     lanes: Vec<Lane>,
-    queue: usize,
     idle_at: u64,
 }
 
@@ -142,7 +149,8 @@ pub struct PrimitiveClock {
 struct Lane {
     /// Cycles in which the last runs were popped, a ring of the queue's size.
     pops: Vec<u64>,
-    runs: usize,
+    /// The oldest of them.
+    place: usize,
     /// First cycle in which the next run may be popped.
     free: u64,
 }
@@ -150,10 +158,9 @@ struct Lane {
 impl PrimitiveClock {
     /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on.
     pub fn new(lanes: usize, queue: u32) -> Self {
-        let queue = queue.max(1) as usize;
         let lane = Lane {
-            pops: vec![0; queue],
-            runs: 0,
+            pops: vec![0; queue.max(1) as usize],
+            place: 0,
             free: 0,
         };
         PrimitiveClock {
@@ -161,7 +168,6 @@ impl PrimitiveClock {
             rows: Pipeline::new(ROW_STAGES),
             first_end: None,
             lanes: vec![lane; lanes.max(1)],
-            queue,
             idle_at: 0,
         }
     }
@@ -176,10 +182,11 @@ impl PrimitiveClock {
     }
 
     /// The next row of the packet's box in the tile, with the run that it has.
+    #[inline]
     pub fn slot(&mut self, run: Option<LaneRun>) -> SlotStamp {
         let end = match self.first_end.take() {
             Some(end) => end,
-            None => self.rows.enter(0).1,
+            None => self.rows.enter_at_once(),
         };
         let ready = self.rows.ready(end);
         let Some(run) = run else {
@@ -191,16 +198,15 @@ impl PrimitiveClock {
             };
         };
         let lane = &mut self.lanes[run.lane];
-        let place = lane.runs % self.queue;
-        let left = if lane.runs >= self.queue {
-            ready.max(lane.pops[place] + 1)
-        } else {
-            ready
-        };
+        // Before the queue has been full once this place holds 0, and no slot is ready in cycle 0.
+        let left = ready.max(lane.pops[lane.place] + 1);
         self.rows.leave(end, left);
         let popped = lane.free.max(left + 1);
-        lane.pops[place] = popped;
-        lane.runs += 1;
+        lane.pops[lane.place] = popped;
+        lane.place += 1;
+        if lane.place == lane.pops.len() {
+            lane.place = 0;
+        }
         lane.free = popped + u64::from(run.length);
         self.idle_at = self.idle_at.max(lane.free + 1);
         SlotStamp {
@@ -216,30 +222,34 @@ impl PrimitiveClock {
     }
 }
 
-/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row.
-pub fn slots<D: Design>(
+/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row. `lanes` must be a power of two.
+#[inline]
+pub fn for_each_slot<D: Design>(
     design: D,
     footprint: &Footprint,
     window: &Window,
     lanes: usize,
-) -> Vec<Option<LaneRun>> {
+    mut slot: impl FnMut(Option<LaneRun>),
+) {
     let bounds = Window {
         first: footprint.first,
         last: footprint.last,
     };
     let visible = bounds.intersect(window);
     if visible.is_empty() {
-        return vec![None];
+        return slot(None);
     }
-    let mut slots = vec![None; usize::from(visible.last[1] - visible.first[1])];
     let mut rows = SpanRows::new(design, footprint, window);
+    let mut row = visible.first[1];
     while let Some(run) = rows.next_run() {
-        slots[usize::from(run.y - visible.first[1])] = Some(LaneRun {
-            lane: usize::from(run.y) % lanes,
+        (row..run.y).for_each(|_| slot(None));
+        row = run.y + 1;
+        slot(Some(LaneRun {
+            lane: usize::from(run.y) & (lanes - 1),
             length: run.length,
-        });
+        }));
     }
-    slots
+    (row..visible.last[1]).for_each(|_| slot(None));
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use anyhow::{Result, ensure};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, layouts, mutants, package};
+use splatline_rtl::{area, layouts, mutants, package, speed};
 use splatline_sim::design::DesignChoice;
 use std::path::Path;
 use std::process::ExitCode;
@@ -13,6 +13,7 @@ const USAGE: &str = "usage: rtl COMMAND
   cosim quick   the part of it that `cargo test` runs
   area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
   area DESIGN   one design's lines of it
+  speed         how many times as fast as the verilated circuits the model is
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
   mutants PART  those whose name contains PART
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
             layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
         }
         ["area", design] => area::table(design).map(|text| print!("{text}")),
+        ["speed"] => speed::report(&mut |line| println!("{line}")),
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
         _ => {

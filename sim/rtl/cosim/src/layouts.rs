@@ -12,7 +12,7 @@ use splatline::format::Lean18;
 use splatline::raster::{Rows, SpanRows, Window};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::kernel_rules;
-use splatline_sim::machine::primitive::{LATENCY, PrimitiveClock, QUEUE, slots};
+use splatline_sim::machine::primitive::{LATENCY, PrimitiveClock, QUEUE, for_each_slot};
 use splatline_sim::rules::Rules;
 
 /// Where the table is kept.
@@ -104,9 +104,9 @@ fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
         let mut clock = PrimitiveClock::new(LANES, queue);
         for footprint in drawn {
             clock.packet(0);
-            for slot in slots(Lean18, footprint, &tile.window, LANES) {
-                clock.slot(slot);
-            }
+            for_each_slot(Lean18, footprint, &tile.window, LANES, |run| {
+                clock.slot(run);
+            });
         }
         return clock.idle_at();
     }

@@ -3,7 +3,7 @@
 use crate::model::Outputs;
 use crate::workload::{Tile, Workload};
 use splatline::format::Design;
-use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, slots};
+use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
 
 /// Lanes that a circuit may have.
 const MOST_LANES: usize = 16;
@@ -78,13 +78,13 @@ impl Stamps {
             let stamp = clock.packet(offered.max(first));
             same.check("packet taken", stamp.taken, self.taken.get(place));
             same.check("rows begun", stamp.begun, self.begun.get(place));
-            for run in slots(design, footprint, &tile.window, lanes) {
+            for_each_slot(design, footprint, &tile.window, lanes, |run| {
                 let slot = clock.slot(run);
                 if let (Some(LaneRun { lane, .. }), Some(cycle)) = (run, slot.popped) {
                     same.check("run left the rows", slot.left, left.next());
                     same.check("run popped", cycle, popped[lane].next());
                 }
-            }
+            });
             timed.splats += 1;
             timed.wrong += u64::from(same.0.is_some());
             if let (None, Some(text)) = (&timed.first_difference, same.0) {

@@ -230,7 +230,7 @@ impl Loads {
 }
 
 /// The quick extent's limits: pairs of splat and tile, tiles.
-const QUICK: (usize, usize) = (9_000, 300);
+const QUICK: (usize, usize) = (5_000, 200);
 
 /// Keeps tiles spread over the workload until the limits are reached.
 fn shorten(workload: &mut Workload) {

@@ -73,6 +73,12 @@ pub fn guitar(
     view: GuitarView,
     size: usize,
 ) -> Result<Option<Workload>> {
+    let seen = guitar_scene(view, size)?;
+    Ok(seen.map(|(scene, camera)| from_scene("guitar", &scene, &camera, design, rules)))
+}
+
+/// The guitar and its camera.
+pub fn guitar_scene(view: GuitarView, size: usize) -> Result<Option<(Scene, Camera)>> {
     let Some(file) = shared("gaussians/guitar.ply") else {
         return Ok(None);
     };
@@ -83,7 +89,7 @@ pub fn guitar(
     };
     let camera = Camera::look_at(eye, target, [0.0, -1.0, 0.0], 50.0, size, size)
         .context("the guitar's camera")?;
-    Ok(Some(from_scene("guitar", &scene, &camera, design, rules)))
+    Ok(Some((scene, camera)))
 }
 
 /// The scanned lion as round volume splats in a square picture; nothing where the data is missing.

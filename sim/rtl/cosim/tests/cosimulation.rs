@@ -95,7 +95,9 @@ mod with_verilator {
             let after = bench
                 .draw(tile, &load.footprints, Pauses::default())
                 .unwrap();
-            assert_eq!(before, after);
+            let cycles = [&before, &after].map(|tile| tile.stamps.raster_cycles());
+            assert_eq!(cycles[0], cycles[1], "the tiles' cycles");
+            assert!(before.pixels == after.pixels, "the tiles' pixels");
         }
     }
 
