@@ -9,6 +9,7 @@ use std::process::ExitCode;
 
 const USAGE: &str = "usage: rtl COMMAND
   package       write sim/rtl/<design>/splatline_pkg.sv from the kernel's widths and tables
+  package FILE.toml FOLDER   the package of a design of your own into a folder
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
   area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["package"] => write_packages(),
+        ["package", design, folder] => write_package(design, Path::new(folder)),
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
         ["area"] => area::report().and_then(|text| Ok(std::fs::write(area::REPORT, text)?)),
@@ -50,12 +52,17 @@ fn main() -> ExitCode {
 
 fn write_packages() -> Result<()> {
     for design in DESIGNS {
-        let widths = DesignChoice::load(design)?.widths;
         let path = package::path(design);
-        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
-        std::fs::write(&path, package::text(design, &widths))?;
+        write_package(design, path.parent().unwrap_or(Path::new(".")))?;
     }
     Ok(())
+}
+
+fn write_package(design: &str, folder: &Path) -> Result<()> {
+    let choice = DesignChoice::load(design)?;
+    std::fs::create_dir_all(folder)?;
+    let text = package::text(choice.name.as_str(), &choice.widths);
+    Ok(std::fs::write(folder.join("splatline_pkg.sv"), text)?)
 }
 
 /// Words, cycles of every splat, and cycles of whole pictures, for all circuits.
