@@ -210,7 +210,7 @@ pub struct Classic8;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lean18;
 
-/// 24-bit mantissas, 32-bit pixel lanes.
+/// As accurate as single precision or better on every hard case (docs/stability.md), with 32-bit pixel lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Standard24;
 
@@ -260,17 +260,17 @@ impl Standard24 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
         view: 30,
-        mantissa: 24,
-        subpixel: 20,
+        mantissa: 28,
+        subpixel: 24,
         radial: 27,
-        table: 10,
-        interpolation: 14,
-        weight: 24,
+        table: 12,
+        interpolation: 15,
+        weight: 26,
         peak: 28,
-        alpha: 24,
+        alpha: 26,
         transmittance: 30,
-        colour: 18,
-        accumulator: 24,
+        colour: 24,
+        accumulator: 26,
         rounding: Rounding::Nearest,
     };
 }

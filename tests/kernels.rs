@@ -94,10 +94,12 @@ fn a_stamp_is_the_footprint_at_its_phase() {
         let mut words = vec![0; shape.words()];
         assert!(fill_stamps(&mut words, Standard24, &table, &shape, &model));
         let stamp = Stamp::new(&words, shape).unwrap();
-        // Phases of both axes, at the screen's corners and across a block of 64 columns.
+        // Phases of both axes, at the screen's corners and across blocks of columns.
         for at in [[0i64, 0], [17, 5], [63, 40], [95, 95]] {
             for step in 0..1i64 << bits {
-                let placed = at.map(|a| (a << 20) + ((step * 5 % (1 << bits)) << (20 - bits)));
+                let placed = at.map(|a| {
+                    (a << WIDTHS.subpixel) + ((step * 5 % (1 << bits)) << (WIDTHS.subpixel - bits))
+                });
                 let bounds = shape.bounds(&shape.place(placed, WIDTHS.subpixel), [SIZE; 2]);
                 let placed = Footprint {
                     centre: placed,
@@ -112,7 +114,7 @@ fn a_stamp_is_the_footprint_at_its_phase() {
                 painter.draw_stamp(&stamp, &placed, &mut target);
                 for (a, b) in by_spans.iter().zip(&by_stamp) {
                     let apart = a.transmittance.abs_diff(b.transmittance);
-                    // One unit of the kernel value, UQ1.24, in a transmittance of 30 bits.
+                    // Two units of the kernel value, UQ1.26, in a transmittance of 30 bits: the lanes differ in their last bits.
                     assert!(apart <= 128, "{bits} bits at {at:?}, step {step}: {apart}");
                 }
             }

@@ -144,29 +144,29 @@ fn the_leaf_looks_like_this() {
 const STANDARD24: &str = "\
 version              bit   0,  4 wide: 1
 depth                bit   4, 32 wide: 2000000
-centre_u             bit  36, 48 wide: fa8000
-centre_v             bit  84, 48 wide: 738000
-first_column         bit 132, 16 wide: 6
-first_row            bit 148, 16 wide: 2
-last_column          bit 164, 16 wide: 19
-last_row             bit 180, 16 wide: d
-curvature_mantissa   bit 196, 24 wide: 99e64f
-curvature_exponent   bit 220, 10 wide: 3e7
-spread_mantissa      bit 230, 24 wide: d4eb01
-spread_exponent      bit 254, 10 wide: 3ea
-slope_mantissa       bit 264, 25 wide: a3eb80
-slope_exponent       bit 289, 10 wide: 3e9
-stretch_mantissa     bit 299, 24 wide: a7984a
-stretch_exponent     bit 323, 10 wide: 3e7
-conic_a              bit 333, 24 wide: 4cf328
-conic_b              bit 357, 25 wide: 19d74c9
-conic_c              bit 382, 24 wide: d1febb
-conic_exponent       bit 406, 10 wide: 3e8
-cutoff               bit 416, 32 wide: a82073c6
-peak                 bit 448, 32 wide: c000000
-red                  bit 480, 22 wide: 40000
-green                bit 502, 22 wide: 20000
-blue                 bit 524, 22 wide: 10000
+centre_u             bit  36, 52 wide: fa80000
+centre_v             bit  88, 52 wide: 7380000
+first_column         bit 140, 16 wide: 6
+first_row            bit 156, 16 wide: 2
+last_column          bit 172, 16 wide: 19
+last_row             bit 188, 16 wide: d
+curvature_mantissa   bit 204, 28 wide: 99e64f2
+curvature_exponent   bit 232, 10 wide: 3e3
+spread_mantissa      bit 242, 28 wide: d4eb002
+spread_exponent      bit 270, 10 wide: 3e6
+slope_mantissa       bit 280, 29 wide: a3eb7f4
+slope_exponent       bit 309, 10 wide: 3e5
+stretch_mantissa     bit 319, 28 wide: a79849a
+stretch_exponent     bit 347, 10 wide: 3e3
+conic_a              bit 357, 28 wide: 4cf3279
+conic_b              bit 385, 29 wide: 19d74c8b
+conic_c              bit 414, 28 wide: d1febae
+conic_exponent       bit 442, 10 wide: 3e4
+cutoff               bit 452, 32 wide: a82073c6
+peak                 bit 484, 32 wide: c000000
+red                  bit 516, 28 wide: 1000000
+green                bit 544, 28 wide: 800000
+blue                 bit 572, 28 wide: 400000
 ";
 
 const LEAN18: &str = "\

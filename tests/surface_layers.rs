@@ -2,18 +2,23 @@
 
 use proptest::prelude::*;
 use splatline::blend::layers::Layers;
-use splatline::blend::surface::{Accumulation, Cell, Gather, Sample};
+use splatline::blend::surface::{Accumulation, Cell, Gather, Sample, sum_fraction};
 use splatline::footprint::surface::Attributes;
 use splatline::format::{Custom, Design, Standard24};
 
 const THRESHOLD: u32 = 100;
 
+/// 1.0 in UQ1.colour.
+const ONE: u32 = 1 << Standard24::WIDTHS.colour;
+/// Fraction bits of a result below those of the sums.
+const BELOW: u8 = Standard24::WIDTHS.accumulator - sum_fraction(&Standard24::WIDTHS);
+
 fn attributes(number: u32) -> Attributes {
     let number = number % 1_000_003;
     Attributes {
-        colour: [number * 997 % (1 << 18), number * 331 % (1 << 18), 1 << 17],
-        opacity: 1 << 17,
-        normal: [0, (number * 771 % (1 << 18)) as i32, -(1 << 18)],
+        colour: [number * 997 % ONE, number * 331 % ONE, ONE / 2],
+        opacity: ONE / 2,
+        normal: [0, (number * 771 % ONE) as i32, -(ONE as i32)],
         material: (number % 5) as u8,
     }
 }
@@ -107,7 +112,7 @@ proptest! {
         prop_assert!(fragments.windows(2).all(|pair| pair[0].far < pair[1].near));
         for fragment in fragments {
             let filtered = gather().normalise(fragment);
-            prop_assert!(filtered.opacity <= 1 << 24 && filtered.colour.iter().all(|c| *c <= 1 << 24));
+            prop_assert!(filtered.opacity <= 4 * ONE && filtered.colour.iter().all(|c| *c <= 4 * ONE));
         }
     }
 
@@ -149,8 +154,8 @@ fn a_constant_attribute_survives_the_division() {
     }
     let filtered = gather().normalise(&cell.fragments()[0]);
     for (got, stored) in filtered.colour.iter().zip(attributes.colour) {
-        let expected = stored << 6; // UQ1.18 to UQ4.24
-        assert!(got.abs_diff(expected) <= 2, "{got} {expected}");
+        let expected = stored << (Standard24::WIDTHS.accumulator - Standard24::WIDTHS.colour);
+        assert!(got.abs_diff(expected) <= 2 << BELOW, "{got} {expected}");
     }
 }
 
@@ -184,6 +189,6 @@ fn a_full_fragment_takes_no_more() {
         gather().normalise(&few.fragments()[0]),
     );
     for (a, b) in many.colour.iter().zip(few.colour) {
-        assert!(a.abs_diff(b) <= 2, "{a} {b}");
+        assert!(a.abs_diff(b) <= 2 << BELOW, "{a} {b}");
     }
 }

@@ -10,7 +10,7 @@ use splatline::blend::surface::{Cell, Gather, Sample};
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::{Attributes, SurfaceFootprint};
 use splatline::format::{Design, Standard24, Traversal};
-use splatline::kernel::{FootprintTable, gaussian};
+use splatline::kernel::{FootprintTable, entries, gaussian};
 use splatline::math::Scaled;
 use splatline::raster::Window;
 use splatline::rules::Rules;
@@ -21,7 +21,7 @@ use splatline::target::cells::CellTarget;
 use splatline::view::{Projection, RatioLimits, View};
 
 const SIDE: u16 = 96;
-static TABLE: [u32; 1025] = gaussian(&Standard24::WIDTHS, 2);
+static TABLE: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 2);
 
 fn scaled(value: f64) -> Scaled {
     Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)

@@ -1,7 +1,7 @@
 // From splats to runs of pixels: one row of a splat a cycle (`next_row` and `next_block` of src/raster/spans.rs).
 //
 // Down the rows, xc and C dy^2 are differenced; then eleven stages compute the row's span by the root table, the lanes' seed by two
-// multiplications, and drop what lies left of the window. The window must lie within one block of 64 columns, so that a row
+// multiplications, and drop what lies left of the window. The window must lie within one block of columns, so that a row
 // is one run. A row without pixels travels as a bubble, and so does a splat without rows, so that cycles depend on the number
 // of rows and on the lengths of the runs alone. All stages move together, or none.
 module row_generator (
@@ -18,6 +18,7 @@ module row_generator (
 );
   localparam M = splatline_pkg::MANTISSA;
   localparam RADIAL = splatline_pkg::RADIAL;
+  localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
 
   logic advance;
   assign advance = !run_valid || run_ready;
@@ -134,7 +135,7 @@ module row_generator (
   logic [5:0] head11;
   logic signed [63:0] radial_wide10;
   logic [31:0] radial11, first11;
-  logic [31:0] pairs11;
+  logic [9:0] pairs11;
 
   // `HalfWidth::of`: normalisation of the squared half-width by pairs of bits.
   assign squared2 = {{(32 - M) {1'b0}}, product2} << shape2.spread_odd;
@@ -153,7 +154,7 @@ module row_generator (
   endfunction
   assign low6 = clamp(low_wide6, shape6.box_first, shape6.box_last);
   assign high6 = clamp(high_wide6, shape6.box_first, shape6.box_last);
-  assign block6 = {shape6.first_column[15:6], 6'd0};
+  assign block6 = {shape6.first_column[15:BLOCK_BITS], BLOCK_BITS'(0)};
   assign x6 = low6 > block6 ? low6 : block6;
   assign end6 = high6 < shape6.last_column ? high6 : shape6.last_column;
   assign head6 = x6 < shape6.first_column ? shape6.first_column - x6 : 16'd0;
@@ -268,7 +269,7 @@ module row_generator (
 
       shape9 <= shape8;
       row9 <= row8;
-      vertical9 <= base8[31:0];
+      vertical9 <= base8[31:0] + shape8.balance;
       x9 <= x8;
       length9 <= length8;
       head9 <= head8;
@@ -291,15 +292,15 @@ module row_generator (
       head11 <= head10;
       radial11 <= radial_wide10[31:0] + vertical10;
       first11 <= first10;
-      pairs11 <= head10 == 0 ? 32'd0 : {26'd0, head10} - 32'd1;
+      pairs11 <= ({4'd0, head10} * ({4'd0, head10} - 10'd1)) >> 1;
 
-      // `Run::skip`: second is twice the unit, so n (n - 1) / 2 second = n (n - 1) unit.
+      // `Run::skip`.
       run.row <= row11;
       run.column <= x11 + {10'd0, head11};
       run.count <= length11 - {1'b0, head11};
-      run.radial <= radial11 + {26'd0, head11} * (first11 + pairs11 * shape11.unit);
-      run.first <= first11 + {25'd0, head11, 1'b0} * shape11.unit;
-      run.second <= shape11.unit << 1;
+      run.radial <= radial11 + {26'd0, head11} * first11 + {22'd0, pairs11} * shape11.second;
+      run.first <= first11 + {26'd0, head11} * shape11.second;
+      run.second <= shape11.second;
       run.paint <= shape11.paint;
     end
   end

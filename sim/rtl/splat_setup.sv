@@ -18,6 +18,8 @@ module splat_setup (
   localparam M = splatline_pkg::MANTISSA;
   localparam SUBPIXEL = splatline_pkg::SUBPIXEL;
   localparam RADIAL = splatline_pkg::RADIAL;
+  localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
+  localparam GUARD = splatline_pkg::GUARD;
   // Slack on the cut-off that makes spans conservative: 2^-10 in Q.52.
   localparam [55:0] SLACK = 56'd1 << 42;
 
@@ -72,7 +74,7 @@ module splat_setup (
   splatline_pkg::footprint_t f3;
   splatline_pkg::shape_t shape3;
   logic [15:0] row3, last_row3, skipped3;
-  logic signed [63:0] slope3, unit3, curvature_unit3;
+  logic signed [63:0] slope3, unit3, fine3;
   logic signed [15:0] half3;
   scaled_t dy3;
 
@@ -113,6 +115,14 @@ module splat_setup (
   assign drop_wide3 = half3 + 16'sd32 - $signed(16'(M));
   assign drop3 = drop_wide3 < 0 ? 16'sd0 : drop_wide3 > 63 ? 16'sd63 : drop_wide3;
   assign power3 = extend(f3.curvature_exponent) + drop3 - 16'sd32;
+
+  // `Balance::new`.
+  logic signed [63:0] second3, rounded3, excess3, balanced3, start3;
+  assign second3 = splatline_math::shift_round(fine3, 7'(GUARD - 1));
+  assign rounded3 = second3 <<< (GUARD - 1);
+  assign excess3 = rounded3 - fine3;
+  assign balanced3 = splatline_math::shift_round(rounded3 - (excess3 <<< BLOCK_BITS), 7'(GUARD));
+  assign start3 = splatline_math::shift_round(excess3 <<< (2 * BLOCK_BITS - 3), 7'(GUARD));
 
   logic [31:0] cutoff_rounded1;
   generate
@@ -181,13 +191,15 @@ module splat_setup (
       unit3 <= unit2;
       dy3 <= normalise(dy_wide2, -$signed(16'(SUBPIXEL)));
       half3 <= half_leading2;
-      curvature_unit3 <= splatline_math::shift_signed($signed({{(64 - M) {1'b0}}, f2.curvature_mantissa}), to_fraction(extend(f2.curvature_exponent), $signed(16'(RADIAL))));
+      fine3 <= splatline_math::shift_signed($signed({{(64 - M) {1'b0}}, f2.curvature_mantissa}), to_fraction(extend(f2.curvature_exponent), $signed(16'(RADIAL + GUARD))));
 
       shape4 <= shape3;
       shape4.drop_dx <= drop3[5:0];
       shape4.drop_radial <= 16'sd0 - (power3 + drop3 - 16'sd32 + $signed(16'(M)) + $signed(16'(RADIAL)));
       shape4.drop_first <= 16'sd0 - (power3 + 16'sd1 + $signed(16'(RADIAL)));
-      shape4.unit <= curvature_unit3[31:0];
+      shape4.second <= second3[31:0];
+      shape4.unit <= balanced3[31:0];
+      shape4.balance <= start3[31:0];
       row4 <= row3;
       last_row4 <= last_row3;
       skipped4 <= skipped3;

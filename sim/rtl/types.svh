@@ -41,7 +41,10 @@
     logic [5:0] drop_dx;
     logic signed [15:0] drop_radial;
     logic signed [15:0] drop_first;
-    logic [31:0] unit;  // A in Q.radial, low word: the lanes' arithmetic is modulo 2^32
+    // `Balance`, Q.radial, low words: the lanes' arithmetic is modulo 2^32.
+    logic [31:0] second;
+    logic [31:0] unit;
+    logic [31:0] balance;
     paint_t paint;
   } shape_t;
 

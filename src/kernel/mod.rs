@@ -202,8 +202,8 @@ mod tests {
             ("classic8 4", Classic8::WIDTHS, 4, 1.9e-2, 2e-4),
             ("lean18 2", Lean18::WIDTHS, 2, 4.1e-6, 1e-7),
             ("lean18 4", Lean18::WIDTHS, 4, 9e-6, 2e-7),
-            ("standard24 2", Standard24::WIDTHS, 2, 4e-7, 4e-8),
-            ("standard24 4", Standard24::WIDTHS, 4, 5.2e-6, 4e-8),
+            ("standard24 2", Standard24::WIDTHS, 2, 4e-8, 4e-9),
+            ("standard24 4", Standard24::WIDTHS, 4, 3.4e-7, 4e-9),
             ("deep32 2", Deep32::WIDTHS, 2, 3e-8, 1e-9),
             ("deep32 4", Deep32::WIDTHS, 4, 3.4e-7, 1e-9),
         ];
@@ -220,8 +220,8 @@ mod tests {
 
     #[test]
     fn compile_time_and_run_time_tables_are_equal() {
-        static TABLE: [u32; 1025] = gaussian(&Standard24::WIDTHS, 4);
-        let mut memory = [0; 1025];
+        static TABLE: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 4);
+        let mut memory = [0; entries(&Standard24::WIDTHS)];
         fill_gaussian(&mut memory, &Standard24::WIDTHS, 4);
         assert_eq!(TABLE, memory);
     }

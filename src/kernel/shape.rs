@@ -210,9 +210,9 @@ mod tests {
     fn tables_hold_their_formulas() {
         let widths = Standard24::WIDTHS;
         let rows = [
-            (Kernel::Gaussian, 5.2e-6),
-            (Kernel::Cubic, 2.1e-5),
-            (Kernel::Quadratic, 2e-7),
+            (Kernel::Gaussian, 3.4e-7),
+            (Kernel::Cubic, 1.4e-6),
+            (Kernel::Quadratic, 5e-8),
             (Kernel::Disc, 0.0),
         ];
         for (kernel, allowed) in rows {
@@ -225,7 +225,7 @@ mod tests {
                 .map(|i| (f64::from(i) + 0.37) / 1000.0 * end)
                 .map(|r| {
                     let got = table.weight((r * 2f64.powi(27)) as u64);
-                    (f64::from(got) / 2f64.powi(24) - profile(kernel, r)).abs()
+                    (f64::from(got) / 2f64.powi(widths.weight.into()) - profile(kernel, r)).abs()
                 })
                 .fold(0.0, f64::max);
             assert!(worst <= allowed, "{kernel:?}: {worst:.2e}");

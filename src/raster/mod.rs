@@ -9,7 +9,7 @@ mod spans;
 mod stamp;
 
 pub use conic::ConicRows;
-pub use spans::{BLOCK, SpanRows};
+pub use spans::{BLOCK, GUARD, SpanRows};
 pub use stamp::{
     MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
 };

@@ -4,9 +4,11 @@
 //! in 64-bit integers (Q.32 pixels, Q11.52). A row's half-width is sqrt((c - C dy^2) / A) from the root
 //! table; at its start the radial index is seeded by two multiplications and then differenced in the lanes.
 //!
-//! Two things bound the error. Seeds are taken anew at every multiple of [`BLOCK`] columns, so that the rounding of the second
-//! difference (half a unit) grows to at most `BLOCK^2 / 2` half-units. And the slack added to c makes spans include
-//! every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10, which the lane's own comparison rejects.
+//! Three things bound the error. Seeds are taken anew at every multiple of [`BLOCK`] columns. Seeds are balanced: the lanes' second difference
+//! is 2 A rounded, and the error e n^2 that this makes n pixels from a block's start is met by the line e (n BLOCK - BLOCK^2/8), which is folded
+//! into the constants of the seed, so that an eighth of e BLOCK^2 is left at most (e is up to a quarter of the lanes' unit; [`BLOCK`]^2/32 units).
+//! And the slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10,
+//! which the lane's own comparison rejects.
 
 use super::{Quadratic, Rows, Run, Window};
 use crate::footprint::Footprint;
@@ -14,7 +16,10 @@ use crate::format::{Design, Lane};
 use crate::math::{Scaled, root_seed, shift_left, shift_round, shift_signed};
 
 /// Columns between two seeds of the radial index within a row.
-pub const BLOCK: u16 = 64;
+pub const BLOCK: u16 = 32;
+
+/// Bits of the curvature below the lanes' unit from which the seeds are balanced.
+pub const GUARD: u32 = 8;
 
 /// Fraction bits of C dy^2.
 const VERTICAL: u32 = 52;
@@ -241,8 +246,37 @@ struct Seed<L> {
     drop_dx: u32,
     drop_radial: i32,
     drop_first: i32,
-    unit: i64,
+    balance: Balance,
     second: L,
+}
+
+/// The constants of a footprint's seeds, Q.fraction: what the lanes add up stays within `BLOCK^2 / 32` units of A dx^2.
+///
+/// With the lanes' curvature second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
+/// 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e (n^2 - n BLOCK + BLOCK^2/8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Balance {
+    /// 2 A to the nearest unit.
+    second: i64,
+    /// Added to 2 A dx for the first difference: second/2 - e BLOCK.
+    unit: i64,
+    /// Added to r: e BLOCK^2/8.
+    start: i64,
+}
+
+impl Balance {
+    /// `fine` is A in Q.(fraction + GUARD); wraps where A saturates, beyond any footprint of two adjacent pixels.
+    fn new(fine: i64) -> Self {
+        let block = i64::from(BLOCK);
+        let second = shift_round(fine, GUARD - 1);
+        let rounded = second << (GUARD - 1);
+        let excess = rounded.wrapping_sub(fine);
+        Balance {
+            second,
+            unit: shift_round(rounded.wrapping_sub(excess * block), GUARD),
+            start: shift_round(excess * block * block / 8, GUARD),
+        }
+    }
 }
 
 impl<L: Lane> Seed<L> {
@@ -251,7 +285,7 @@ impl<L: Lane> Seed<L> {
         let half = spread.leading().saturating_add(6) >> 1;
         let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);
         let power = curvature.exponent.clamp(-1024, 1024) + drop_dx - 32;
-        let unit = curvature.to_fixed(fraction);
+        let balance = Balance::new(curvature.to_fixed(fraction + GUARD));
         Seed {
             curvature: curvature.mantissa.into(),
             bits,
@@ -259,20 +293,52 @@ impl<L: Lane> Seed<L> {
             drop_dx: drop_dx as u32,
             drop_radial: -(power + drop_dx - 32 + bits as i32 + fraction as i32),
             drop_first: -(power + 1 + fraction as i32),
-            unit,
-            second: L::from_wide(unit.wrapping_mul(2)),
+            balance,
+            second: L::from_wide(balance.second),
         }
     }
 
-    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`; `centre` is xc - 1/2 in Q.32.
+    /// r = A dx^2 + vertical, its difference A (2 dx + 1) and 2 A at column `x`, balanced; `centre` is xc - 1/2 in Q.32.
     #[inline(always)]
     fn at(&self, x: u16, centre: i64, vertical: i64) -> (L, L, L) {
         let dx = shift_round((i64::from(x) << 32).wrapping_sub(centre), self.drop_dx);
         let along = self.curvature.wrapping_mul(dx);
         let across = shift_round(along, self.bits).wrapping_mul(dx);
         let radial = shift_signed(across, self.drop_radial)
-            .wrapping_add(shift_round(vertical, VERTICAL - self.fraction));
-        let first = shift_signed(along, self.drop_first).wrapping_add(self.unit);
+            .wrapping_add(shift_round(vertical, VERTICAL - self.fraction))
+            .wrapping_add(self.balance.start);
+        let first = shift_signed(along, self.drop_first).wrapping_add(self.balance.unit);
         (L::from_wide(radial), L::from_wide(first), self.second)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The oracle is the parabola itself, in units of the lanes' last place.
+        #[test]
+        fn balanced_differences_stay_close_to_the_parabola(fine in 0i64..1 << 40, dx in -64.0f64..64.0) {
+            let Balance { second, unit, start } = Balance::new(fine);
+            let curvature = fine as f64 / f64::from(1 << GUARD);
+            // The part of the first difference that depends on dx, rounded as the seed rounds it.
+            let along = (2.0 * curvature * dx).round();
+            let (mut radial, mut first) = (start as f64, along + unit as f64);
+            for n in 0..=i32::from(BLOCK) {
+                let exact = curvature * f64::from(n * n) + 2.0 * curvature * dx * f64::from(n);
+                // A quarter of BLOCK^2/8, and the roundings of both parts of the first difference.
+                let bound = f64::from(BLOCK).powi(2) / 32.0 + f64::from(n) + 1.0;
+                prop_assert!((radial - exact).abs() <= bound, "{n}: {}", radial - exact);
+                radial += first;
+                first += second as f64;
+            }
+        }
+
+        #[test]
+        fn every_curvature_is_defined(fine: i64) {
+            let _ = Balance::new(fine);
+        }
     }
 }

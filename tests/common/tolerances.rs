@@ -33,7 +33,8 @@ pub fn of(name: &'static str, widths: &Widths) -> Tolerance {
         centre: 4000.0 * unit(widths.view) + 2000.0 * view + unit(widths.subpixel),
         columns: 16.0 * mantissa + 8.0 * view,
         shape: 64.0 * mantissa + 32.0 * view,
-        // dx is held to 2^-(mantissa - 1) of the half-width, r to its own unit, 64 differences long.
-        radial: 128.0 * mantissa + 4096.0 * unit(widths.radial),
+        // dx is held to 2^-(mantissa - 1) of the half-width. In units of r: BLOCK^2 / 32 of the second difference, one a pixel of the
+        // first, two of the seed.
+        radial: 128.0 * mantissa + 66.0 * unit(widths.radial),
     }
 }

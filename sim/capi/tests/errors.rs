@@ -5,6 +5,8 @@ use splatline_capi::*;
 use std::ptr::{null, null_mut};
 
 const PIXELS: usize = 16 * 16;
+/// Entries of the table of `standard24`.
+const TABLE_COUNT: usize = (1 << 12) + 1;
 
 fn widths() -> SplatlineWidths {
     let mut widths = std::mem::MaybeUninit::uninit();
@@ -39,7 +41,7 @@ fn painter(table: &[u32]) -> SplatlinePainter {
 }
 
 fn table() -> Vec<u32> {
-    let mut table = vec![0; 1025];
+    let mut table = vec![0; TABLE_COUNT];
     // SAFETY: pointer and length of one vector.
     let status = unsafe { splatline_table_gaussian(&widths(), 2, table.as_mut_ptr(), table.len()) };
     assert_eq!(status, SPLATLINE_OK);
@@ -69,8 +71,8 @@ fn null_is_an_error_everywhere() {
             splatline_design_check(null()),
             splatline_rules(0, null_mut()),
             splatline_table_entries(&w, null_mut()),
-            splatline_table_gaussian(&w, 2, null_mut(), 1025),
-            splatline_table_weight(&w, 2, null(), 1025, 0, &mut 0),
+            splatline_table_gaussian(&w, 2, null_mut(), TABLE_COUNT),
+            splatline_table_weight(&w, 2, null(), TABLE_COUNT, 0, &mut 0),
             splatline_setup(&w, null(), &r, null(), &mut fp),
             splatline_setup_many(&w, null(), &r, null(), 200, &mut fp, 200, null_mut(), 1),
             splatline_packet_words(null(), &mut 0),
@@ -185,7 +187,7 @@ fn sizes_strides_and_choices_are_checked() {
         assert_eq!(next, SPLATLINE_ERROR_STATE);
         let odd = words.as_mut_ptr().byte_add(1);
         assert_eq!(
-            splatline_table_gaussian(&w, 2, odd, 1025),
+            splatline_table_gaussian(&w, 2, odd, TABLE_COUNT),
             SPLATLINE_ERROR_ALIGNMENT
         );
         let many = splatline_setup_many(
@@ -253,7 +255,7 @@ proptest! {
     fn any_footprint_is_drawn_without_a_panic(
         footprint in footprint(), traversal in 0u32..2, compositing in 0u32..3, rules_name in 0u32..2,
     ) {
-        let mut table = vec![0; 1025];
+        let mut table = vec![0; TABLE_COUNT];
         let mut pixels = [SplatlinePixel { colour: [7; 3], transmittance: 1 << 30 }; PIXELS];
         // SAFETY: pointers and counts belong together.
         unsafe {

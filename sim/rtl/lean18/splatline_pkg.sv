@@ -14,8 +14,10 @@ package splatline_pkg;
   localparam int COLOUR = 14;  // fraction bits of a splat's colour
   localparam int ACCUMULATOR = 20;  // fraction bits of a pixel's colour
   localparam int SUM_BITS = 25;  // bits of a pixel's colour: below 32, see blend.sv
-  localparam int TILE_COLUMN_BITS = 6;  // log2 of a tile's columns
-  localparam int TILE_ROW_BITS = 4;  // log2 of a tile's rows
+  localparam int BLOCK_BITS = 5;  // log2 of the columns between two seeds
+  localparam int GUARD = 8;  // bits below the lanes' unit from which seeds are balanced
+  localparam int TILE_COLUMN_BITS = 5;  // log2 of a tile's columns
+  localparam int TILE_ROW_BITS = 5;  // log2 of a tile's rows
   localparam int PACKET_BITS = 472;  // bits of a packet
   localparam logic [3:0] PACKET_VERSION = 4'd1;
 
@@ -289,7 +291,10 @@ package splatline_pkg;
     logic [5:0] drop_dx;
     logic signed [15:0] drop_radial;
     logic signed [15:0] drop_first;
-    logic [31:0] unit;  // A in Q.radial, low word: the lanes' arithmetic is modulo 2^32
+    // `Balance`, Q.radial, low words: the lanes' arithmetic is modulo 2^32.
+    logic [31:0] second;
+    logic [31:0] unit;
+    logic [31:0] balance;
     paint_t paint;
   } shape_t;
 

@@ -10,7 +10,9 @@ use proptest::prelude::*;
 const WIDTHS: Widths = Standard24::WIDTHS;
 
 fn value(pixel: &Pixel) -> [f64; 4] {
-    let [r, g, b] = pixel.colour.map(|c| f64::from(c) / 2f64.powi(24));
+    let [r, g, b] = pixel
+        .colour
+        .map(|c| f64::from(c) / 2f64.powi(WIDTHS.accumulator.into()));
     [r, g, b, f64::from(pixel.clear_share()) / 2f64.powi(30)]
 }
 
@@ -130,7 +132,7 @@ fn a_composited_sheet_is_empty_again() {
     let mut target = Target::new(&mut frame, window, 3).unwrap();
     let blend = Blend::new(&WIDTHS, &Rules::EWA);
     for pixel in sheet.target().row(1, 0, 2) {
-        blend.x_ray(pixel, 1 << 23, &[1 << 18; 3]);
+        blend.x_ray(pixel, 1 << (WIDTHS.alpha - 1), &[1 << WIDTHS.colour; 3]);
     }
     assert_eq!(sheet.composite_behind(&blend, &mut target), 2);
     assert_eq!(sheet.composite_behind(&blend, &mut target), 0);

@@ -125,7 +125,7 @@ pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/are
 const HEAD: &str = "# Area of the splat primitive
 
 Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23, hierarchy kept). LUT counts
-contain those used as memory and shift registers; memory is in whole blocks. A tile of 64 x 16 pixels is held in the primitive.
+contain those used as memory and shift registers; memory is in whole blocks. A tile of 32 x 32 pixels is held in the primitive.
 \"One lane\" is a third of the difference between four lanes and one, and \"shared\" what is left of one lane's circuit without it:
 the model of area is `shared + lanes * one lane`.
 

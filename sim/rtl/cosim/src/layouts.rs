@@ -69,7 +69,7 @@ pub fn report() -> Result<String> {
 }
 
 const FOOT: &str = "
-The circuit is the arrangement by rows with queues of 8 runs and a tile of 64 x 16. What is lost there on the whole guitar: a
+The circuit is the arrangement by rows with queues of 8 runs and a tile of 32 x 32. What is lost there on the whole guitar: a
 splat has 6.4 rows of 5.0 pixels in a tile, 32 pixels or 8 cycles of four lanes, while its box has 7.0 rows at one row a
 cycle, so that the row unit is nearly as busy as the lanes and every imbalance between them shows. Larger tiles cut fewer splats
 in two; deeper queues smooth the imbalance at 200 bits a run and lane.

@@ -132,8 +132,8 @@ pub const MUTANTS: [Mutant; 18] = [
     mutant(
         "head of a run off by one",
         "row_generator.sv",
-        "{26'd0, head10} - 32'd1",
-        "{26'd0, head10}",
+        "{4'd0, head10} - 10'd1",
+        "{4'd0, head10}",
     ),
     mutant(
         "seed's product truncated",

@@ -7,11 +7,13 @@ use splatline::footprint::packet::{Field, Layout, VERSION};
 use splatline::format::{Rounding, Widths};
 use splatline::kernel::{entries, fill_gaussian};
 use splatline::math::root_seed;
+use splatline::raster::{BLOCK, GUARD};
 use splatline::rules::Rules;
 use std::fmt::Write;
 
-/// Base-2 logarithms of a tile's columns and rows. The columns must be at most a seed block's 64.
-pub const TILE_BITS: [u32; 2] = [6, 4];
+/// Base-2 logarithms of a tile's columns and rows. The columns must be at most a seed block's, so that a row is one run.
+pub const TILE_BITS: [u32; 2] = [5, 5];
+const _: () = assert!(1 << TILE_BITS[0] <= BLOCK);
 
 /// Types of the units' interfaces, in terms of the generated widths.
 const TYPES: &str = include_str!("../../types.svh");
@@ -65,7 +67,7 @@ fn parameters(text: &mut String, widths: &Widths) {
         .max()
         .unwrap_or(1);
     let layout = Layout::new(widths);
-    let rows: [(&str, u32, &str); 16] = [
+    let rows: [(&str, u32, &str); 18] = [
         (
             "MANTISSA",
             widths.mantissa.into(),
@@ -126,6 +128,16 @@ fn parameters(text: &mut String, widths: &Widths) {
             "SUM_BITS",
             u32::from(widths.accumulator) + 5,
             "bits of a pixel's colour: below 32, see blend.sv",
+        ),
+        (
+            "BLOCK_BITS",
+            BLOCK.ilog2(),
+            "log2 of the columns between two seeds",
+        ),
+        (
+            "GUARD",
+            GUARD,
+            "bits below the lanes' unit from which seeds are balanced",
         ),
         ("TILE_COLUMN_BITS", TILE_BITS[0], "log2 of a tile's columns"),
         ("TILE_ROW_BITS", TILE_BITS[1], "log2 of a tile's rows"),

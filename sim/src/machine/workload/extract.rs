@@ -186,7 +186,18 @@ impl Note<'_> {
     fn rows<R: Rows>(&self, mut runs: R, target: &mut Target, rows: &mut [Row]) {
         let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
         while let Some(run) = runs.next_run() {
-            rows[usize::from(run.y - self.first_row)] = self.row(run, drop, target);
+            // A second seed within a row of the tile continues its run.
+            let part = self.row(run, drop, target);
+            let row = &mut rows[usize::from(run.y - self.first_row)];
+            *row = match row.length {
+                0 => part,
+                _ => Row {
+                    open: row.open | part.open,
+                    covered: row.covered | part.covered,
+                    x: row.x,
+                    length: row.length + part.length,
+                },
+            };
         }
     }
 
