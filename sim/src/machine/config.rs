@@ -197,7 +197,7 @@ impl Default for Config {
 impl Config {
     /// The machine around the splat primitive of `sim/rtl` with so many lanes (a power of two up to 16).
     pub fn primitive(lanes: u32) -> Config {
-        let [tile_width, tile_height] = [64, 16];
+        let [tile_width, tile_height] = primitive::TILE;
         Config {
             tile_width,
             tile_height,

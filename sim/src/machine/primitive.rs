@@ -19,11 +19,14 @@
 
 use splatline::footprint::Footprint;
 use splatline::format::Design;
-use splatline::raster::{Rows, SpanRows, Window};
+use splatline::raster::{BLOCK, Rows, SpanRows, Window};
 use std::collections::VecDeque;
 
 /// Runs that a lane's queue holds; `QUEUE` of splat_primitive.sv.
 pub const QUEUE: u32 = 8;
+
+/// Columns and rows of the tile buffer. The columns are those between two seeds, so that a row is one run.
+pub const TILE: [u16; 2] = [BLOCK, 32];
 
 /// Stages of splat_setup.sv.
 const SETUP_STAGES: u64 = 8;
@@ -222,7 +225,8 @@ impl PrimitiveClock {
     }
 }
 
-/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row. `lanes` must be a power of two.
+/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row. `lanes` must be a power of two. In a window
+/// wider than a seed's block (the circuit takes none) every further seed of a row is a further slot.
 #[inline]
 pub fn for_each_slot<D: Design>(
     design: D,

@@ -1,7 +1,7 @@
 //! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
 
 use super::fields::{FIELDS, Field, Range, field};
-use super::{Config, Layout, Overlap};
+use super::{Config, Layout, Overlap, primitive};
 use std::fmt::Write;
 use std::path::Path;
 use thiserror::Error;
@@ -181,6 +181,13 @@ impl Config {
                 let allowed = format!("overlap = \"primitive\" needs {needed}");
                 return Err((field.key, found, allowed));
             }
+        }
+        if self.tile_width > primitive::TILE[0] {
+            let allowed = format!(
+                "overlap = \"primitive\" allows up to {} columns, one seed a row",
+                primitive::TILE[0]
+            );
+            return Err(("tile_width", self.tile_width.to_string(), allowed));
         }
         if self.lanes > u32::from(self.tile_height) {
             let allowed = format!(
