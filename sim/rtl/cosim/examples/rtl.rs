@@ -150,13 +150,14 @@ fn summary(lines: &[Line], pictures: &[PictureLine]) -> Result<()> {
         .map(|line| line.cycles.deviation().abs())
         .fold(0.0, f64::max);
     println!(
-        "\n{} pixels, {} mismatches; handshakes of {} splats, {} of them in another cycle; pictures within {:.4} %",
+        "\n{} pixels, {} mismatches; {} roots of rows; handshakes of {} splats, {} of them in another cycle; pictures within {:.4} %",
         sum(|line| line.findings.visited),
         sum(|line| line.findings.mismatches)
             + pictures
                 .iter()
                 .map(|line| line.cycles.mismatches)
                 .sum::<u64>(),
+        sum(|line| line.findings.roots),
         sum(|line| line.findings.timed),
         sum(|line| line.findings.wrong_cycles),
         100.0 * worst,

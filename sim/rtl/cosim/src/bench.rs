@@ -2,6 +2,7 @@
 
 use crate::model::{Inputs, Missing, Model, Outputs};
 use crate::package::table;
+use crate::roots::Roots;
 use crate::stamps::Stamps;
 use crate::workload::Tile;
 use splatline::blend::{FINISHED, Pixel};
@@ -32,6 +33,8 @@ pub struct Outcome {
     pub pixels: Vec<Pixel>,
     /// In which cycle everything happened.
     pub stamps: Stamps,
+    /// The row unit's roots.
+    pub roots: Roots,
 }
 
 /// A circuit with its rules and footprint table loaded.
@@ -41,6 +44,7 @@ pub struct Bench {
     idle: Inputs,
     random: u64,
     stamps: Stamps,
+    roots: Roots,
 }
 
 impl Bench {
@@ -64,6 +68,7 @@ impl Bench {
             idle: rule_inputs(widths, rules),
             random: u64::from(seed) + 1,
             stamps: Stamps::default(),
+            roots: Roots::default(),
         };
         for (index, entry) in table(widths, rules).iter().enumerate() {
             let inputs = Inputs {
@@ -132,8 +137,10 @@ impl Bench {
         let offer = self.tile_offer(tile);
         self.wait("tile_ready", pauses, &offer, |out| out.tile_ready == 1)?;
         self.stamps = Stamps::default();
+        self.roots = Roots::default();
         self.packets(tile, footprints, pauses)?;
         let stamps = std::mem::take(&mut self.stamps);
+        let roots = std::mem::take(&mut self.roots);
         let finish = self.finish_offer();
         self.wait("finish_ready", pauses, &finish, |out| out.finish_ready == 1)?;
         let count = tile.size().iter().product();
@@ -148,7 +155,11 @@ impl Bench {
                 pixels.push(pixel(&out));
             }
         }
-        Ok(Outcome { pixels, stamps })
+        Ok(Outcome {
+            pixels,
+            stamps,
+            roots,
+        })
     }
 
     fn packets(
@@ -203,6 +214,7 @@ impl Bench {
         let now = self.model.cycles();
         let out = self.model.tick(inputs);
         self.stamps.note(now, &out);
+        self.roots.note(&out);
         out
     }
 

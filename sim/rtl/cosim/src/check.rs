@@ -21,6 +21,8 @@ pub struct Findings {
     pub covered: u64,
     /// Tile-buffer pixels (four words each) that differ from the kernel's.
     pub mismatches: u64,
+    /// Roots of the row unit compared with the kernel's.
+    pub roots: u64,
     /// Pairs of a splat and a tile whose handshakes were compared with the model's clock: where the lanes never paused.
     pub timed: u64,
     /// Of these, pairs with a handshake in another cycle.
@@ -38,6 +40,7 @@ impl AddAssign for Findings {
         self.visited += other.visited;
         self.covered += other.covered;
         self.mismatches += other.mismatches;
+        self.roots += other.roots;
         self.timed += other.timed;
         self.wrong_cycles += other.wrong_cycles;
         self.raster_cycles += other.raster_cycles;
@@ -90,6 +93,8 @@ pub fn compare<D: Design>(
             .filter(|(got, expected)| got != expected)
             .count() as u64;
         let mut difference = difference(tile, &got.pixels, &expected);
+        difference = difference.or(got.roots.first_difference);
+        findings.roots += got.roots.compared;
         if pauses.lanes == 0 {
             let timed = got.stamps.compare(design, lanes, tile, workload);
             findings.timed += timed.splats;

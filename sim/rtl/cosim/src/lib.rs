@@ -16,6 +16,7 @@ pub mod model;
 pub mod mutants;
 pub mod package;
 pub mod picture;
+pub mod roots;
 pub mod speed;
 pub mod stamps;
 pub mod suite;

@@ -90,6 +90,16 @@ pub struct Outputs {
     pub blue: u32,
     /// Packets dropped for their version.
     pub foreign_packets: u32,
+    /// A root of the row unit, UQ0.24.
+    pub root: u32,
+    /// `squared` holds something that moves on.
+    pub squared_valid: u8,
+    /// `root` holds something that moves on.
+    pub root_valid: u8,
+    /// Padding.
+    pub padding: [u8; 2],
+    /// What the row unit takes a root of.
+    pub squared: u64,
 }
 
 /// Why there is no circuit to simulate.

@@ -145,7 +145,7 @@ mod with_verilator {
     }
 
     #[test]
-    #[ignore = "verilates and compiles 18 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
+    #[ignore = "verilates and compiles 19 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
     fn every_mutant_is_noticed() {
         let judge = splatline_rtl::mutants::Judge::new().unwrap();
         for mutant in &splatline_rtl::mutants::MUTANTS {
