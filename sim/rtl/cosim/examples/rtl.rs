@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         ["layouts"] => {
             layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
         }
-        ["area", design] => area::table(design).map(|text| print!("{text}")),
+        ["area", design] => area::design(design).map(|text| print!("{text}")),
         ["speed"] => speed::report(&mut |line| println!("{line}")),
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
