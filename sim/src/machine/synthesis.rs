@@ -129,19 +129,19 @@ const ECP5: Prices = Prices {
 
 const ICE40: Prices = Prices {
     luts: Lines {
-        setup: line(5305.8, 131.6),
-        rows: line(3500.0, 44.0),
-        lane: line(1400.0, 3.55),
-        rest: -65.0,
+        setup: line(4802.2, 159.6),
+        rows: line(3605.4, 38.2),
+        lane: line(1227.7, 4.373),
+        rest: -21.0,
     },
     flip_flops: Lines {
-        setup: line(4149.0, 69.2),
-        rows: line(4336.0, 68.6),
-        lane: line(420.0, 5.33),
+        setup: line(4184.4, 67.2),
+        rows: line(4358.6, 67.3),
+        lane: line(426.2, 5.299),
         rest: 130.0,
     },
     multiplier: [17, 17],
-    fixed_multipliers: 15,
+    fixed_multipliers: 14,
     shapes: &SHAPES_4K,
     block_kbit: 4,
     root_kbit: 12,
@@ -312,5 +312,72 @@ impl Bits {
             colour,
             [self.step + 1, self.interpolation + 1],
         ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use splatline::format::{Lean18, Standard24};
+
+    /// Synthesis (Yosys 0.23) of both designs with one and four lanes, from `docs/area.md`.
+    const SYNTHESISED: [(Family, Widths, u32, [u64; 4]); 12] = [
+        (Family::Xilinx7, Lean18::WIDTHS, 1, [10789, 3751, 45, 162]),
+        (Family::Xilinx7, Lean18::WIDTHS, 4, [15111, 6245, 78, 432]),
+        (
+            Family::Xilinx7,
+            Standard24::WIDTHS,
+            1,
+            [13460, 4327, 65, 360],
+        ),
+        (
+            Family::Xilinx7,
+            Standard24::WIDTHS,
+            4,
+            [19031, 7376, 128, 1152],
+        ),
+        (Family::Ecp5, Lean18::WIDTHS, 1, [17476, 12744, 47, 198]),
+        (Family::Ecp5, Lean18::WIDTHS, 4, [26425, 16638, 81, 468]),
+        (Family::Ecp5, Standard24::WIDTHS, 1, [19939, 14499, 66, 396]),
+        (
+            Family::Ecp5,
+            Standard24::WIDTHS,
+            4,
+            [29952, 19500, 132, 1188],
+        ),
+        (Family::Ice40, Lean18::WIDTHS, 1, [14049, 12633, 59, 216]),
+        (Family::Ice40, Lean18::WIDTHS, 4, [20487, 17250, 122, 524]),
+        (
+            Family::Ice40,
+            Standard24::WIDTHS,
+            1,
+            [16451, 14386, 65, 416],
+        ),
+        (
+            Family::Ice40,
+            Standard24::WIDTHS,
+            4,
+            [23899, 20227, 131, 1244],
+        ),
+    ];
+
+    #[test]
+    fn estimates_are_within_a_tenth_of_synthesis() {
+        for (family, widths, lanes, found) in SYNTHESISED {
+            let fabric = estimate(&widths, lanes, 1024, family);
+            let estimated = [
+                fabric.luts,
+                fabric.flip_flops,
+                fabric.dsps,
+                fabric.memory_kbit,
+            ];
+            for (estimated, found) in estimated.iter().zip(found) {
+                let error = *estimated as f64 / found as f64 - 1.0;
+                assert!(
+                    error.abs() < 0.1,
+                    "{family:?}, {lanes} lanes: {fabric:?} against {found}"
+                );
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use anyhow::{Result, ensure};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
 use splatline_rtl::{area, layouts, mutants, package, speed};
 use splatline_sim::design::DesignChoice;
+use splatline_sim::machine::synthesis::{Family, estimate};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -15,6 +16,7 @@ const USAGE: &str = "usage: rtl COMMAND
   area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
   area DESIGN   one design's lines of it
   speed         how many times as fast as the verilated circuits the model is
+  estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
   mutants PART  those whose name contains PART
@@ -32,6 +34,7 @@ fn main() -> ExitCode {
         ["layouts"] => {
             layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
         }
+        ["estimate", design, lanes] => print_estimate(design, lanes),
         ["area", design] => area::design(design).map(|text| print!("{text}")),
         ["speed"] => speed::report(&mut |line| println!("{line}")),
         ["mutants"] => judge_mutants(""),
@@ -54,6 +57,22 @@ fn write_packages() -> Result<()> {
     for design in DESIGNS {
         let path = package::path(design);
         write_package(design, path.parent().unwrap_or(Path::new(".")))?;
+    }
+    Ok(())
+}
+
+fn print_estimate(design: &str, lanes: &str) -> Result<()> {
+    let widths = DesignChoice::load(design)?.widths;
+    for family in Family::ALL {
+        let area = estimate(&widths, lanes.parse()?, area::TILE_PIXELS, family);
+        println!(
+            "{}: {} LUT, {} FF, {} DSP, {} kbit",
+            family.name(),
+            area.luts,
+            area.flip_flops,
+            area.dsps,
+            area.memory_kbit
+        );
     }
     Ok(())
 }

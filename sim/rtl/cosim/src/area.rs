@@ -118,6 +118,9 @@ fn synthesise(
     Ok(count(cells))
 }
 
+/// Pixels of the tile buffer.
+pub const TILE_PIXELS: u64 = 1 << (TILE_BITS[0] + TILE_BITS[1]);
+
 /// Where the table is kept.
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/area.md");
 
@@ -159,8 +162,7 @@ fn table(subject: &Subject) -> Result<String> {
         for (lanes, fitted) in LANES {
             let rest = synthesise(subject, family, "splat_primitive", Some(lanes), &SHARED)?;
             let all = plus(&plus(&rest, &setup), &rows);
-            let pixels = 1 << (TILE_BITS[0] + TILE_BITS[1]);
-            let estimate = estimate(&subject.widths, lanes, pixels, family);
+            let estimate = estimate(&subject.widths, lanes, TILE_PIXELS, family);
             let point = if fitted && subject.fitted { "" } else { " ." };
             let part = format!("{lanes} lanes{point}");
             lines.push(line(subject.name, family, &part, &all, Some(&estimate)));
