@@ -99,7 +99,7 @@ const XILINX_7: Prices = Prices {
         rest: 125.0,
     },
     multiplier: [25, 18],
-    fixed_multipliers: 20,
+    fixed_multipliers: 19,
     shapes: &SHAPES_18K,
     block_kbit: 18,
     root_kbit: 0,
@@ -192,11 +192,10 @@ pub fn estimate(widths: &Widths, lanes: u32, tile_pixels: u64, family: Family) -
 }
 
 impl Prices {
-    /// Multipliers of a product of signed operands, laid out the better way round.
+    /// Multipliers of a product of signed operands: Yosys puts the wider one on the wider side, be it better or not.
     fn tiles(&self, [a, b]: [u64; 2]) -> u64 {
         let [wide, narrow] = self.multiplier.map(|bits| bits - 1);
-        let cover = |a: u64, b: u64| (a - 1).div_ceil(wide) * (b - 1).div_ceil(narrow);
-        cover(a, b).min(cover(b, a))
+        (a.max(b) - 1).div_ceil(wide) * (a.min(b) - 1).div_ceil(narrow)
     }
 
     /// Kilobits of a memory: blocks of the shape that takes fewest.
@@ -303,7 +302,7 @@ impl Bits {
 
     /// Products of a lane: opacity, share, three colours, interpolation, signed bits.
     fn lane_products(&self) -> [[u64; 2]; 6] {
-        let colour = [self.transmittance + 2, self.colour + 5];
+        let colour = [self.transmittance + 2, self.colour + 4];
         [
             [self.peak + 5, self.weight],
             [self.transmittance + 2, self.alpha],
