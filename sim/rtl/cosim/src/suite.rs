@@ -230,7 +230,7 @@ impl Loads {
 }
 
 /// The quick extent's limits: pairs of splat and tile, tiles.
-const QUICK: (usize, usize) = (5_000, 200);
+const QUICK: (usize, usize) = (6_000, 200);
 
 /// Keeps tiles spread over the workload until the limits are reached.
 fn shorten(workload: &mut Workload) {
@@ -239,7 +239,7 @@ fn shorten(workload: &mut Workload) {
     let count = workload.tiles.len();
     for i in 0..count.min(QUICK.1) {
         let tile = &workload.tiles[i * 37 % count];
-        if pairs + tile.list.len() <= QUICK.0 {
+        if tiles.is_empty() || pairs + tile.list.len() <= QUICK.0 {
             pairs += tile.list.len();
             tiles.push(tile.clone());
         }
