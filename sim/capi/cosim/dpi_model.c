@@ -1,49 +1,47 @@
 // DPI-C: the kernel as functions that a SystemVerilog bench imports. The state lives here because SystemVerilog has no pointers.
-#include "picture.h"
+#include "tiles.h"
+#include <svdpi.h>
 
-static Memory memory;
-static SplatlinePainter painter;
-static SplatlineRows rows;
-static SplatlineRun run;
-static int visible;
-static int next_footprint;
+static Bench bench;
 
-static int begin_footprint(void) {
-    SplatlineWindow window = {{0, 0}, {COLUMNS, ROWS}};
-    if (next_footprint >= visible) {
-        return 0;
-    }
-    const SplatlineFootprint *footprint = &memory.footprints[memory.order[next_footprint++]];
-    int32_t status = splatline_rows_begin(&painter.widths, footprint, painter.traversal, &window, &rows);
-    return status < 0 ? status : 1;
-}
-
-// 1, or an error below 0.
+// Packets of each tile, or an error below 0.
 int model_begin(void) {
-    int32_t status = prepare_picture(&memory, SPLATLINE_STANDARD24, SPLATLINE_TRAVERSAL_SPANS, &painter, &visible);
-    next_footprint = 0;
-    return status < 0 ? status : begin_footprint();
+    int32_t status = bench_prepare(&bench, SPLATLINE_STANDARD24);
+    return status < 0 ? status : bench.visible;
 }
 
-// The next run's seed: 1, 0 at the end of the picture, or an error below 0.
-int model_next_run(int *radial, int *first, int *second, int *length) {
-    int32_t status;
-    while ((status = splatline_rows_next(&rows, &run)) == SPLATLINE_OK) {
-        status = begin_footprint();
-        if (status <= 0) {
-            return status;
-        }
-    }
-    *radial = (int)run.radial;
-    *first = (int)run.first;
-    *second = (int)run.second;
-    *length = run.length;
-    return status;
+// The rules at the design's widths.
+void model_rules(int *alpha_max, int *alpha_min, int *stop, int *stop_before, int *wide_table) {
+    *alpha_max = (int)bench.rules.alpha_max;
+    *alpha_min = (int)bench.rules.alpha_min;
+    *stop = (int)bench.rules.stop;
+    *stop_before = (int)bench.rules.stop_before;
+    *wide_table = (int)bench.rules.wide_table;
 }
 
-// The radial index at the present pixel; moves on to the next.
-int model_pixel(void) {
-    int radial = (int)run.radial;
-    splatline_run_step(&run);
-    return radial;
+// An entry of the footprint table and the step to the next.
+void model_table(int index, int *low, int *step) {
+    uint32_t entry, down;
+    bench_table(&bench, (uint32_t)index, &entry, &down);
+    *low = (int)entry;
+    *step = (int)down;
+}
+
+// A tile's window: 1, or 0 if there is no such tile.
+int model_tile(int tile, int *first_column, int *first_row, int *last_column, int *last_row) {
+    SplatlineWindow window = bench_tile(tile);
+    *first_column = window.first[0];
+    *first_row = window.first[1];
+    *last_column = window.last[0];
+    *last_row = window.last[1];
+    return tile < TILE_COUNT;
+}
+
+// The i-th packet in drawing order.
+int model_packet(int i, svBitVecVal *packet) { return bench_packet(&bench, i, packet); }
+
+// Is that the pixel that the kernel has?
+int model_pixel_is(int x, int y, int flag, int transmittance, int red, int green, int blue) {
+    const uint32_t colour[3] = {(uint32_t)red, (uint32_t)green, (uint32_t)blue};
+    return bench_pixel_is(&bench, x, y, (uint32_t)flag, (uint32_t)transmittance, colour);
 }

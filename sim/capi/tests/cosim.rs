@@ -30,9 +30,26 @@ fn run(command: &mut Command) -> String {
     text
 }
 
+/// Where Verilator keeps its headers.
+fn verilator_include() -> PathBuf {
+    let root = run(Command::new("verilator").args(["--getenv", "VERILATOR_ROOT"]));
+    Path::new(root.trim()).join("include")
+}
+
+/// The primitive of a design: its package, then the units in their order.
+fn primitive(design: &str) -> Vec<PathBuf> {
+    let rtl = here("../rtl");
+    let units = std::fs::read_to_string(rtl.join("files.txt")).unwrap();
+    let package = rtl.join(design).join("splatline_pkg.sv");
+    std::iter::once(package)
+        .chain(units.lines().map(|unit| rtl.join(unit)))
+        .collect()
+}
+
 /// Compiles C sources into objects in `folder`.
 fn objects(folder: &Path, sources: &[&str]) -> Vec<PathBuf> {
     std::fs::create_dir_all(folder).unwrap();
+    let svdpi = verilator_include().join("vltstd");
     let compile = |source: &&str| {
         let object = folder
             .join(Path::new(source).file_stem().unwrap())
@@ -42,6 +59,10 @@ fn objects(folder: &Path, sources: &[&str]) -> Vec<PathBuf> {
             .arg(here("include"))
             .arg("-I")
             .arg(here("examples"))
+            .arg("-I")
+            .arg(here("cosim"))
+            .arg("-I")
+            .arg(&svdpi)
             .arg(here(source))
             .arg("-o")
             .arg(&object));
@@ -50,12 +71,17 @@ fn objects(folder: &Path, sources: &[&str]) -> Vec<PathBuf> {
     sources.iter().map(compile).collect()
 }
 
-/// Verilates `arguments` with the objects and the library, runs the result.
+/// Verilates the primitive of standard24 and `arguments` with the objects and the library, runs the result.
 fn verilated(folder: &Path, objects: &[PathBuf], arguments: &[&str], top: &str) -> String {
     let include = |path: &str| format!("-I{}", here(path).display());
-    let flags = format!("-O1 {} {}", include("include"), include("examples"));
+    let flags = format!(
+        "-O1 {} {} {}",
+        include("include"),
+        include("examples"),
+        include("cosim")
+    );
     run(Command::new("verilator")
-        .args(["--build", "-Wall", "-Wno-fatal", "-O3", "--Mdir"])
+        .args(["--build", "-O3", "--Mdir"])
         .arg(folder)
         .args([
             "-CFLAGS",
@@ -65,8 +91,8 @@ fn verilated(folder: &Path, objects: &[PathBuf], arguments: &[&str], top: &str) 
             "--top-module",
             top,
         ])
+        .args(primitive("standard24"))
         .args(arguments)
-        .arg(here("cosim/run_lane.sv"))
         .args(objects)
         .arg(static_library()));
     run(&mut Command::new(folder.join(format!("V{top}"))))
@@ -78,9 +104,11 @@ fn the_c_plus_plus_bench_finds_no_mismatch() {
         return;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cosim_cpp");
-    let objects = objects(&folder, &["examples/picture.c"]);
+    let objects = objects(&folder, &["examples/picture.c", "cosim/tiles.c"]);
     let bench = here("cosim/bench.cpp").display().to_string();
-    let said = verilated(&folder, &objects, &["--cc", "--exe", &bench], "run_lane");
+    let top = here("../rtl/cosim/flat_primitive.sv").display().to_string();
+    let arguments = ["-GLANES=4", "--cc", "--exe", &top, &bench];
+    let said = verilated(&folder, &objects, &arguments, "flat_primitive");
     assert!(said.contains("pixels, 0 mismatches"), "{said}");
     println!("{said}");
 }
@@ -91,7 +119,8 @@ fn the_dpi_bench_finds_no_mismatch() {
         return;
     }
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cosim_dpi");
-    let objects = objects(&folder, &["examples/picture.c", "cosim/dpi_model.c"]);
+    let sources = ["examples/picture.c", "cosim/tiles.c", "cosim/dpi_model.c"];
+    let objects = objects(&folder, &sources);
     let bench = here("cosim/dpi_bench.sv").display().to_string();
     let said = verilated(&folder, &objects, &["--binary", &bench], "dpi_bench");
     assert!(said.contains("pixels, 0 mismatches"), "{said}");

@@ -1,4 +1,5 @@
-// The splat primitive with one C integer for each port, for simulation.
+// The splat primitive with one C integer for each port, for simulation; the handshakes inside it whose cycles are compared; and the
+// row unit's root, whose last bit no pixel shows.
 module flat_primitive #(
     parameter LANES = 1
 ) (
@@ -34,7 +35,14 @@ module flat_primitive #(
     input logic lanes_enable,
     output logic raster_idle,
     output logic idle,
-    output logic [15:0] foreign_packets
+    output logic [15:0] foreign_packets,
+    output logic splat_begun,  // the row generator takes a splat over
+    output logic run_left,  // a run leaves the row generator
+    output logic [15:0] lanes_popped,  // lanes that pop a run from their queues
+    output logic [63:0] squared,  // what the row unit takes the root of
+    output logic squared_valid,
+    output logic [31:0] root,  // and the root, three stages later
+    output logic root_valid
 );
   localparam SUM = splatline_pkg::SUM_BITS;
   splatline_pkg::rules_t rules;
@@ -75,4 +83,18 @@ module flat_primitive #(
       .idle,
       .foreign_packets
   );
+
+  assign splat_begun = splats.splat_valid && splats.splat_ready;
+  assign run_left = splats.run_valid && splats.run_ready;
+  assign squared = splats.rows.squared2;
+  assign squared_valid = splats.rows.valid2 && splats.rows.advance;
+  assign root = 32'(splats.rows.root5);
+  assign root_valid = splats.rows.valid5 && splats.rows.advance;
+  genvar l;
+  generate
+    for (l = 0; l < 16; l = l + 1) begin : gen_popped
+      if (l < LANES) assign lanes_popped[l] = splats.gen_lane[l].queued && splats.gen_lane[l].taken;
+      else assign lanes_popped[l] = 1'b0;
+    end
+  endgenerate
 endmodule

@@ -22,8 +22,11 @@ struct Inputs {
 };
 
 struct Outputs {
-    uint8_t tile_ready, packet_ready, finish_ready, pixel_valid, raster_idle, idle, finished, spare;
-    uint32_t transmittance, red, green, blue, foreign_packets;
+    uint8_t tile_ready, packet_ready, finish_ready, pixel_valid, raster_idle, idle, finished, splat_begun, run_left, spare;
+    uint16_t lanes_popped;
+    uint32_t transmittance, red, green, blue, foreign_packets, root;
+    uint8_t squared_valid, root_valid, padding[2];
+    uint64_t squared;
 };
 
 struct Simulation {
@@ -70,8 +73,9 @@ void tick(void* simulation, const Inputs* in, Outputs* out) {
     if (in->packet_valid) std::memcpy(&m.packet, in->packet, sizeof(m.packet));
     m.clk = 0;
     m.eval();
-    *out = Outputs{m.tile_ready, m.packet_ready, m.finish_ready, m.pixel_valid, m.raster_idle, m.idle, m.finished, 0,
-                   m.transmittance, m.red, m.green, m.blue, m.foreign_packets};
+    *out = Outputs{m.tile_ready, m.packet_ready, m.finish_ready, m.pixel_valid, m.raster_idle, m.idle, m.finished, m.splat_begun, m.run_left, 0,
+                   m.lanes_popped, m.transmittance, m.red, m.green, m.blue, m.foreign_packets, m.root,
+                   m.squared_valid, m.root_valid, {0, 0}, m.squared};
     m.clk = 1;
     m.eval();
 }

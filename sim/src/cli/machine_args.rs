@@ -11,6 +11,7 @@ pub const MODEL_EXAMPLES: &str = "\
 Examples:
   splatline model guitar.ply
   splatline model guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
+  splatline model guitar.ply --machine primitive-4      the raster unit of sim/rtl, with four lanes
   splatline model --footprints f.csv --screen 512x512 --cutoff 4
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally cutoff and tiles
 
@@ -19,8 +20,8 @@ With -o: timing.json and machine.toml, the resolved configuration.";
 /// Which machine.
 #[derive(Debug, Args)]
 pub struct MachineOptions {
-    /// Machine (TOML); what it leaves out keeps its default
-    #[arg(long, value_name = "file.toml")]
+    /// Machine: primitive-1 to primitive-16 (the circuit of sim/rtl), or a TOML file; what that leaves out keeps its default
+    #[arg(long, value_name = "NAME|file.toml")]
     pub machine: Option<PathBuf>,
     /// Change one field of the machine; may be given more than once
     #[arg(long, value_name = "key=value")]

@@ -74,7 +74,10 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 /// The machine that the options describe.
 pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
     let mut config = match &options.machine {
-        Some(path) => config::from_file(path)?,
+        Some(path) => match path.to_str().and_then(Config::named) {
+            Some(config) => config,
+            None => config::from_file(path)?,
+        },
         None => Config::default(),
     };
     config

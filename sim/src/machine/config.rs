@@ -6,6 +6,8 @@
 mod fields;
 mod parse;
 
+use super::primitive;
+
 pub use fields::{FIELDS, Field, Range, field};
 pub use parse::{ConfigError, from_file, from_toml, line_of, to_toml};
 
@@ -29,6 +31,8 @@ pub enum Overlap {
     Serial,
     /// They work at the same time, with FIFOs between them.
     Pipelined,
+    /// They are the circuit of `sim/rtl`, cycle by cycle: pipelines that stop as a whole, and registered queues.
+    Primitive,
 }
 
 /// Who draws which tile.
@@ -139,6 +143,8 @@ pub struct Config {
     pub buffer_banks: u32,
     /// Cycles to begin a tile's write-back.
     pub write_back_cycles: u32,
+    /// Cycles to clear a tile buffer before it is drawn into; 0 where that happens during the write-back.
+    pub clear_cycles: u32,
 }
 
 impl Default for Config {
@@ -183,11 +189,43 @@ impl Default for Config {
             tile_buffers: 2,
             buffer_banks: 0,
             write_back_cycles: 4,
+            clear_cycles: 0,
         }
     }
 }
 
 impl Config {
+    /// The machine around the splat primitive of `sim/rtl` with so many lanes (a power of two up to 16).
+    pub fn primitive(lanes: u32) -> Config {
+        let [tile_width, tile_height] = primitive::TILE;
+        Config {
+            tile_width,
+            tile_height,
+            // Transmittance and three colours, a word each.
+            pixel_bytes: 16,
+            overlap: Overlap::Primitive,
+            rows_at_once: 1,
+            row_fifo: primitive::QUEUE,
+            lanes,
+            layout: Layout::Rows,
+            tile_termination: 0,
+            table_latency: 2,
+            tile_buffers: 1,
+            write_back_cycles: 2,
+            // A cycle takes the tile over.
+            clear_cycles: 1 + u32::from(tile_width * tile_height) / lanes.max(1),
+            ..Config::default()
+        }
+    }
+
+    /// A machine by its name: `primitive-1` to `primitive-16`.
+    pub fn named(name: &str) -> Option<Config> {
+        let lanes: u32 = name.strip_prefix("primitive-")?.parse().ok()?;
+        [1, 2, 4, 8, 16]
+            .contains(&lanes)
+            .then(|| Config::primitive(lanes))
+    }
+
     /// Cycles per group of lanes, stretched where ports or banks are fewer than lanes.
     pub fn stretch(&self) -> u32 {
         let shared = |ports: u32| {

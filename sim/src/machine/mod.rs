@@ -19,8 +19,10 @@ mod geometry;
 pub mod histogram;
 pub mod lanes;
 pub mod observe;
+pub mod primitive;
 mod raster;
 pub mod summary;
+pub mod synthesis;
 pub mod timing;
 pub mod workload;
 

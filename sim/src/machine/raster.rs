@@ -14,12 +14,13 @@ use super::accounts::{Account, Cause, Fifo};
 use super::config::{Config, Layout, Overlap};
 use super::lanes::{Band, PairWork};
 use super::observe::{Event, Observer, Stage};
+use super::primitive::{LaneRun, PrimitiveClock};
 use std::collections::VecDeque;
 
 /// Constants of a unit, resolved from the configuration.
 #[derive(Clone, Debug)]
 struct Costs {
-    serial: bool,
+    overlap: Overlap,
     /// Cycles of the read channel per packet, and from request to arrival.
     transfer: u64,
     latency: u64,
@@ -34,6 +35,7 @@ struct Costs {
     private_rows: bool,
     prefetch: usize,
     write_back: u64,
+    clear: u64,
     /// Bytes per pixel times units, and the bandwidth that all units share.
     pixel_bytes: u64,
     bandwidth: u64,
@@ -80,6 +82,8 @@ pub(super) struct RasterUnit {
     pub write_back: Account,
     pub packets: Fifo,
     pub splats: Fifo,
+    /// Its clock where it is the circuit of `sim/rtl`.
+    primitive: PrimitiveClock,
     /// Times at which tile buffers become free, oldest first.
     buffers: VecDeque<u64>,
     pub prefetched_in_vain: u64,
@@ -107,7 +111,7 @@ impl RasterUnit {
             rows: vec![RowFlights::default(); usize::from(config.tile_height)],
         };
         let costs = Costs {
-            serial: config.overlap == Overlap::Serial,
+            overlap: config.overlap,
             transfer: bytes.div_ceil(config.read_bandwidth.into()),
             latency: config.latency.into(),
             splat: config.splat_cycles.into(),
@@ -120,6 +124,7 @@ impl RasterUnit {
             private_rows,
             prefetch: config.packet_fifo as usize,
             write_back: config.write_back_cycles.into(),
+            clear: config.clear_cycles.into(),
             pixel_bytes: u64::from(config.pixel_bytes) * units,
             bandwidth: config.write_bandwidth.into(),
         };
@@ -140,7 +145,11 @@ impl RasterUnit {
             write_back: Account::default(),
             packets: Fifo::new(config.packet_fifo),
             splats: Fifo::new(config.splat_fifo),
-            buffers: VecDeque::from(vec![0; config.tile_buffers as usize]),
+            primitive: PrimitiveClock::new(config.lanes as usize, config.row_fifo),
+            buffers: VecDeque::from(vec![
+                u64::from(config.clear_cycles);
+                config.tile_buffers as usize
+            ]),
             prefetched_in_vain: 0,
         }
     }
@@ -178,10 +187,10 @@ impl RasterUnit {
                 splat: pair.splat,
                 observer,
             };
-            if self.costs.serial {
-                self.serial_pair(bands, buffer, &mut at);
-            } else {
-                self.pipelined_pair(bands, buffer, &mut at);
+            match self.costs.overlap {
+                Overlap::Serial => self.serial_pair(bands, buffer, &mut at),
+                Overlap::Pipelined => self.pipelined_pair(bands, buffer, &mut at),
+                Overlap::Primitive => self.primitive_pair(bands, buffer, &mut at),
             }
         }
         self.drop_prefetched(job.left_out);
@@ -288,6 +297,47 @@ impl RasterUnit {
         splat.wait(Cause::Turn, rows.at());
     }
 
+    /// The circuit of `sim/rtl`: the clock says when, the accounts why.
+    fn primitive_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
+        let requested = self.packets.free_at().max(self.fetch.at());
+        let arrival = self.fetch(at);
+        let stamp = self.primitive.packet(arrival.max(buffer));
+        // The place of a packet that has been taken is free in the next cycle.
+        self.packets.pass(requested, stamp.taken + 1);
+        self.splat.wait(Cause::Memory, arrival);
+        self.splat.wait(Cause::TileBuffer, buffer);
+        self.splat.wait(Cause::FifoFull, stamp.taken);
+        self.splat.work(1);
+        at.event(Stage::Setup, 0, 0, stamp.taken, stamp.begun);
+        for band in bands {
+            for row in 1..=band.rows {
+                let last = row == band.rows && band.groups > 0;
+                let lane = self.lane_of(band);
+                let slot = self.primitive.slot(last.then_some(LaneRun {
+                    lane,
+                    length: band.groups.into(),
+                }));
+                self.rows.wait(Cause::Memory, arrival);
+                self.rows.wait(Cause::TileBuffer, buffer);
+                self.rows.wait(Cause::SplatSetup, slot.ready);
+                self.rows.wait(Cause::FifoFull, slot.left);
+                self.rows.work(1);
+                at.event(Stage::Rows, 0, band.y, slot.left, slot.left + 1);
+                let Some(popped) = slot.popped else { continue };
+                let sequencer = &mut self.sequencers[lane];
+                sequencer.fifo.pass(slot.left, popped);
+                let lanes = &mut sequencer.account;
+                lanes.wait(Cause::Memory, arrival);
+                lanes.wait(Cause::TileBuffer, buffer);
+                lanes.wait(Cause::SplatSetup, stamp.begun);
+                lanes.wait(Cause::RowGenerator, popped + 1);
+                lanes.work(band.groups.into());
+                let end = lanes.at();
+                at.lanes(lane, band, popped + 1, end, &self.costs);
+            }
+        }
+    }
+
     #[inline(always)]
     fn lane_of(&self, band: &Band) -> usize {
         // Lanes are a power of two.
@@ -313,6 +363,13 @@ impl RasterUnit {
             .map(|sequencer| sequencer.account.at())
             .max()
             .unwrap_or(0);
+        let primitive = self.costs.overlap == Overlap::Primitive;
+        // The circuit reads its buffer out when its rows have come to an end as well, and a pixel a cycle.
+        let last = if primitive {
+            last.max(self.rows.at())
+        } else {
+            last
+        };
         let blended = if job.pairs.is_empty() {
             buffer
         } else {
@@ -321,9 +378,11 @@ impl RasterUnit {
         self.write_back.wait(Cause::Lanes, blended);
         let start = self.write_back.at();
         let bytes = u64::from(job.pixels) * self.costs.pixel_bytes;
-        self.write_back
-            .work(self.costs.write_back + bytes.div_ceil(self.costs.bandwidth));
-        self.buffers.push_back(self.write_back.at());
+        let port = if primitive { job.pixels.into() } else { 0 };
+        let transfer = bytes.div_ceil(self.costs.bandwidth).max(port);
+        self.write_back.work(self.costs.write_back + transfer);
+        self.buffers
+            .push_back(self.write_back.at() + self.costs.clear);
         let mut at = Place {
             unit: self.number,
             tile: job.tile,

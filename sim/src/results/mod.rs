@@ -13,6 +13,7 @@ pub mod accuracy;
 pub mod golden;
 pub mod packet;
 pub mod picture;
+pub mod points;
 pub mod systems;
 pub mod views;
 

@@ -1,19 +1,22 @@
 //! Commands around the RTL: `cargo run --release -p splatline-rtl --example rtl -- COMMAND`.
 
 use anyhow::{Result, ensure};
-use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, rules};
-use splatline_rtl::{area, layouts, mutants, package};
+use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
+use splatline_rtl::{area, layouts, mutants, package, speed};
 use splatline_sim::design::DesignChoice;
+use splatline_sim::machine::synthesis::{Family, estimate};
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 const USAGE: &str = "usage: rtl COMMAND
   package       write sim/rtl/<design>/splatline_pkg.sv from the kernel's widths and tables
+  package FILE.toml FOLDER   the package of a design of your own into a folder
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
   area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
   area DESIGN   one design's lines of it
+  speed         how many times as fast as the verilated circuits the model is
+  estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
   mutants PART  those whose name contains PART
@@ -24,13 +27,16 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["package"] => write_packages(),
+        ["package", design, folder] => write_package(design, Path::new(folder)),
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
         ["area"] => area::report().and_then(|text| Ok(std::fs::write(area::REPORT, text)?)),
         ["layouts"] => {
             layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
         }
-        ["area", design] => area::table(design).map(|text| print!("{text}")),
+        ["estimate", design, lanes] => print_estimate(design, lanes),
+        ["area", design] => area::design(design).map(|text| print!("{text}")),
+        ["speed"] => speed::report(&mut |line| println!("{line}")),
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
         _ => {
@@ -49,75 +55,131 @@ fn main() -> ExitCode {
 
 fn write_packages() -> Result<()> {
     for design in DESIGNS {
-        let widths = DesignChoice::load(design)?.widths;
         let path = package::path(design);
-        std::fs::create_dir_all(path.parent().unwrap_or(Path::new(".")))?;
-        std::fs::write(&path, package::text(design, &widths))?;
+        write_package(design, path.parent().unwrap_or(Path::new(".")))?;
     }
     Ok(())
 }
 
+fn print_estimate(design: &str, lanes: &str) -> Result<()> {
+    let widths = DesignChoice::load(design)?.widths;
+    for family in Family::ALL {
+        let area = estimate(&widths, lanes.parse()?, area::TILE_PIXELS, family);
+        println!(
+            "{}: {} LUT, {} FF, {} DSP, {} kbit",
+            family.name(),
+            area.luts,
+            area.flip_flops,
+            area.dsps,
+            area.memory_kbit
+        );
+    }
+    Ok(())
+}
+
+fn write_package(design: &str, folder: &Path) -> Result<()> {
+    let choice = DesignChoice::load(design)?;
+    std::fs::create_dir_all(folder)?;
+    let text = package::text(choice.name.as_str(), &choice.widths);
+    Ok(std::fs::write(folder.join("splatline_pkg.sv"), text)?)
+}
+
+/// Words, cycles of every splat, and cycles of whole pictures, for all circuits.
 fn cosim(extent: Extent) -> Result<()> {
     println!(
-        "| design | lanes | rules | workload | paused | tiles | splats | pixels | mismatches | raster cycles | wrong | covered per cycle and lane |"
+        "| design | lanes | rules | workload | tiles | splats | pixels, three times | mismatches | splats timed | in another cycle | raster cycles | covered per cycle and lane |"
     );
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
-    let mut lines = Vec::new();
+    let (mut lines, mut pictures) = (Vec::new(), Vec::new());
     for design in DESIGNS {
         for (name, rules) in rules() {
             let loads = Loads::new(design, name, &rules, extent)?;
             for lanes in LANES {
                 let mut bench = loads.bench(lanes)?;
-                for line in loads.check(&mut bench, lanes) {
-                    print_line(&line);
-                    lines.push(line);
+                for passes in loads.check(&mut bench, lanes).chunks(PASSES) {
+                    print_line(passes);
+                    lines.extend_from_slice(passes);
                 }
+                pictures.extend(loads.pictures(&mut bench, lanes)?);
             }
             for missing in &loads.missing {
                 println!("(no {missing}: its data is not at hand)");
             }
         }
     }
-    summary(&lines)
+    print_pictures(&pictures);
+    summary(&lines, &pictures)
 }
 
-fn print_line(line: &Line) {
-    let Line {
+/// One workload's passes: at full speed, with late packets, with back-pressure everywhere.
+fn print_line(passes: &[Line]) {
+    let Some(Line {
         design,
         lanes,
         rules,
         workload,
-        paused,
         findings,
-    } = line;
-    let paused = if *paused { "yes" } else { "" };
-    let cycles = if findings.raster_cycles == 0 {
-        "| | ".to_owned()
-    } else {
-        let rate = findings.covered as f64 / findings.raster_cycles as f64 / *lanes as f64;
-        format!(
-            "{} | {} | {rate:.3}",
-            findings.raster_cycles, findings.wrong_cycles
-        )
+        ..
+    }) = passes.first()
+    else {
+        return;
     };
+    let sum = |of: fn(&Line) -> u64| passes.iter().map(of).sum::<u64>();
+    let rate = findings.covered as f64 / findings.raster_cycles as f64 / *lanes as f64;
     println!(
-        "| {design} | {lanes} | {rules} | {workload} | {paused} | {} | {} | {} | {} | {cycles} |",
-        findings.tiles, findings.splats, findings.visited, findings.mismatches
+        "| {design} | {lanes} | {rules} | {workload} | {} | {} | {} | {} | {} | {} | {} | {rate:.3} |",
+        findings.tiles,
+        findings.splats,
+        sum(|line| line.findings.visited),
+        sum(|line| line.findings.mismatches),
+        sum(|line| line.findings.timed),
+        sum(|line| line.findings.wrong_cycles),
+        findings.raster_cycles,
     );
 }
 
-fn summary(lines: &[Line]) -> Result<()> {
-    let pixels: u64 = lines.iter().map(|line| line.findings.visited).sum();
-    let mismatches: u64 = lines.iter().map(|line| line.findings.mismatches).sum();
-    let wrong: u64 = lines.iter().map(|line| line.findings.wrong_cycles).sum();
-    println!("\n{pixels} pixels, {mismatches} mismatches; {wrong} tiles with wrong cycles");
-    let seconds =
-        |time: fn(&Line) -> Duration| lines.iter().map(time).sum::<Duration>().as_secs_f64();
-    let kernel = seconds(|line| line.findings.kernel_time);
-    let circuit = seconds(|line| line.findings.circuit_time);
-    let ratio = circuit / kernel;
+fn print_pictures(pictures: &[PictureLine]) {
     println!(
-        "kernel and closed form {kernel:.1} s, verilated circuits {circuit:.1} s: {ratio:.1} times as long"
+        "\n| design | lanes | rules | picture | memory's limits | cycles by the model | by the circuit | model / circuit - 1 | mismatches |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for line in pictures {
+        let PictureLine {
+            design,
+            lanes,
+            rules,
+            workload,
+            limits,
+            cycles,
+        } = line;
+        println!(
+            "| {design} | {lanes} | {rules} | {workload} | {limits} | {} | {} | {:+.4} % | {} |",
+            cycles.model,
+            cycles.circuit,
+            100.0 * cycles.deviation(),
+            cycles.mismatches
+        );
+    }
+}
+
+fn summary(lines: &[Line], pictures: &[PictureLine]) -> Result<()> {
+    let sum = |of: fn(&Line) -> u64| lines.iter().map(of).sum::<u64>();
+    let worst = pictures
+        .iter()
+        .map(|line| line.cycles.deviation().abs())
+        .fold(0.0, f64::max);
+    println!(
+        "\n{} pixels, {} mismatches; {} roots of rows; handshakes of {} splats, {} of them in another cycle; pictures within {:.4} %",
+        sum(|line| line.findings.visited),
+        sum(|line| line.findings.mismatches)
+            + pictures
+                .iter()
+                .map(|line| line.cycles.mismatches)
+                .sum::<u64>(),
+        sum(|line| line.findings.roots),
+        sum(|line| line.findings.timed),
+        sum(|line| line.findings.wrong_cycles),
+        100.0 * worst,
     );
     let difference = lines
         .iter()
@@ -127,6 +189,7 @@ fn summary(lines: &[Line]) -> Result<()> {
         "{}",
         difference.map_or("", |text| text)
     );
+    ensure!(worst <= 0.01, "a picture's cycles differ by more than 1 %");
     Ok(())
 }
 

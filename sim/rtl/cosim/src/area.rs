@@ -1,62 +1,27 @@
-//! Area: what Yosys makes of the primitive for three families of FPGAs, and the clock that nextpnr reaches where the device holds it.
+//! Area: what Yosys makes of the primitive for three families of FPGAs, beside what the model estimates.
 
 use crate::mutants::run;
-use crate::suite::DESIGNS;
+use crate::package::{self, TILE_BITS};
 use anyhow::{Context, Result};
 use serde_json::Value;
+use splatline::format::{Lean18, Standard24, Widths};
+use splatline_sim::machine::synthesis::{Fabric, Family, estimate};
+use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::{fs, iter};
 
-/// A family of devices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// Lattice iCE40: LUT4, 16-bit DSP (UltraPlus), 4 kbit memories.
-    Ice40,
-    /// Lattice ECP5: LUT4, 18-bit DSP, 18 kbit memories.
-    Ecp5,
-    /// Xilinx 7 series: LUT6, 25x18 DSP, 36 kbit memories.
-    Xilinx7,
-}
-
-impl Family {
-    /// All of them.
-    pub const ALL: [Family; 3] = [Family::Xilinx7, Family::Ecp5, Family::Ice40];
-
-    /// Name in the tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Family::Ice40 => "iCE40",
-            Family::Ecp5 => "ECP5",
-            Family::Xilinx7 => "Xilinx 7",
-        }
+/// Yosys' command for a family.
+fn synthesis(family: Family) -> &'static str {
+    match family {
+        Family::Ice40 => "synth_ice40 -dsp -noflatten",
+        Family::Ecp5 => "synth_ecp5 -noflatten",
+        Family::Xilinx7 => "synth_xilinx -family xc7 -noiopad -noclkbuf",
     }
-
-    fn synthesis(self) -> &'static str {
-        match self {
-            Family::Ice40 => "synth_ice40 -dsp -noflatten",
-            Family::Ecp5 => "synth_ecp5 -noflatten",
-            Family::Xilinx7 => "synth_xilinx -family xc7 -noiopad -noclkbuf",
-        }
-    }
-}
-
-/// What a circuit takes, in the family's own units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Area {
-    /// Look-up tables, those used as memory and shift registers included.
-    pub luts: u64,
-    /// Flip-flops.
-    pub flip_flops: u64,
-    /// Multiplier blocks.
-    pub dsps: u64,
-    /// Kilobits of block memory, in whole blocks.
-    pub memory_kbit: u64,
 }
 
 /// Counts the cells of a netlist by kind.
-fn count(cells: &serde_json::Map<String, Value>) -> Area {
-    let mut area = Area::default();
+fn count(cells: &serde_json::Map<String, Value>) -> Fabric {
+    let mut area = Fabric::default();
     for (kind, number) in cells {
         let number = number.as_u64().unwrap_or(0);
         match kind.as_str() {
@@ -81,19 +46,52 @@ fn count(cells: &serde_json::Map<String, Value>) -> Area {
 /// Units that are the same whatever the number of lanes: synthesised once for each design and family.
 const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
 
+/// A design that is synthesised: its name and widths.
+struct Subject {
+    name: &'static str,
+    widths: Widths,
+    /// Were the estimate's coefficients taken from it?
+    fitted: bool,
+}
+
+/// The designs, and one between them that the estimate has not seen.
+fn subjects() -> [Subject; 3] {
+    let between = Widths {
+        mantissa: 24,
+        subpixel: 20,
+        table: 10,
+        interpolation: 14,
+        weight: 24,
+        alpha: 24,
+        colour: 18,
+        accumulator: 24,
+        ..Standard24::WIDTHS
+    };
+    let subject = |name, widths, fitted| Subject {
+        name,
+        widths,
+        fitted,
+    };
+    [
+        subject("lean18", Lean18::WIDTHS, true),
+        subject("standard24", Standard24::WIDTHS, true),
+        subject("24-bit mantissa", between, false),
+    ]
+}
+
 /// Synthesises `unit` and what it contains, but for `boxes`, and counts.
 fn synthesise(
-    design: &str,
+    subject: &Subject,
     family: Family,
     unit: &str,
-    lanes: Option<usize>,
+    lanes: Option<u32>,
     boxes: &[&str],
-) -> Result<Area> {
+) -> Result<Fabric> {
     let rtl = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let units = fs::read_to_string(rtl.join("files.txt"))?;
-    let package = format!("{design}/splatline_pkg.sv");
-    let files: Vec<&str> = iter::once(package.as_str()).chain(units.lines()).collect();
     let folder = tempfile::tempdir()?;
+    let package = folder.path().join("splatline_pkg.sv");
+    fs::write(&package, package::text(subject.name, &subject.widths))?;
     let counts = folder.path().join("stat.json");
     let lanes = lanes.map_or(String::new(), |lanes| {
         format!("chparam -set LANES {lanes} {unit}; ")
@@ -103,9 +101,10 @@ fn synthesise(
         .map(|name| format!("blackbox {name}; "))
         .collect();
     let script = format!(
-        "read_verilog -sv {}; {boxes}{lanes}{} -top {unit}; flatten; opt_clean; tee -q -o {} stat -json",
-        files.join(" "),
-        family.synthesis(),
+        "read_verilog -sv {} {}; {boxes}{lanes}{} -top {unit}; flatten; opt_clean; tee -q -o {} stat -json",
+        package.display(),
+        units.lines().collect::<Vec<_>>().join(" "),
+        synthesis(family),
         counts.display()
     );
     run(Command::new("yosys")
@@ -119,6 +118,9 @@ fn synthesise(
     Ok(count(cells))
 }
 
+/// Pixels of the tile buffer.
+pub const TILE_PIXELS: u64 = 1 << (TILE_BITS[0] + TILE_BITS[1]);
+
 /// Where the table is kept.
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/area.md");
 
@@ -126,101 +128,82 @@ const HEAD: &str = "# Area of the splat primitive
 
 Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23, hierarchy kept). LUT counts
 contain those used as memory and shift registers; memory is in whole blocks. A tile of 32 x 32 pixels is held in the primitive.
-\"One lane\" is a third of the difference between four lanes and one, and \"shared\" what is left of one lane's circuit without it:
-the model of area is `shared + lanes * one lane`.
+Each cell: synthesis, the model's estimate (`sim/src/machine/synthesis.rs`), and its error. Lines with a point (.) were not fitted.
 
 | design | family | part | LUT | FF | DSP | memory, kbit |
 |---|---|---|---|---|---|---|
 ";
 
-const FOOT: &str = "
-Notes by hand:
+const FOOT: &str = include_str!("../area-notes.md");
 
-- Fmax is not measured yet: no iCE40 holds the primitive, and placing it for an ECP5 (`timing_wrapper.sv`, nextpnr-ecp5) was not finished. The
-  longest paths are likely those of setup (normalisation in one stage) and of the transmittance (read, product, comparison, write).
-- The largest iCE40 has 7,680 LUT4 and 128 kbit (UltraPlus: 5,280 and 8 DSPs): the primitive does not fit any of them.
-- Setup is two thirds of the shared part: it is built for one splat and one row a cycle, with eight shifters of 64 bits. One shifter
-  and one multiplier used over ten cycles would be smaller, but slower than the seven rows that a splat of guitar has in a tile.
-- Losing way: rounding shifts as `(value + half) >> shift` with a saturation check that shifts back. Four 64-bit shifters for one: the
-  setup unit took 8,900 LUT6 in place of 5,100, the row unit 5,000 in place of 3,200 (lean18).
-- Losing way: unsigned products. An 18-bit fraction whose 1.0 must be a value has 19 bits, 20 with a sign; with `offset_multiply` it
-  has 18, and a lane's blend unit takes 10 DSP48E1 in place of 20.
-";
+/// Numbers of lanes that are synthesised, and whether the estimate was fitted on them.
+const LANES: [(u32, bool); 3] = [(1, true), (2, false), (4, true)];
 
 /// The whole table.
 pub fn report() -> Result<String> {
-    let tables: Vec<String> = DESIGNS
-        .iter()
-        .map(|design| table(design))
-        .collect::<Result<_>>()?;
+    let tables: Vec<String> = subjects().iter().map(table).collect::<Result<_>>()?;
     Ok(HEAD.to_owned() + &tables.concat() + FOOT)
 }
 
+/// The lines of the design of that name.
+pub fn design(name: &str) -> Result<String> {
+    let subjects = subjects();
+    let subject = subjects.iter().find(|subject| subject.name == name);
+    table(subject.context("lean18, standard24 or '24-bit mantissa'")?)
+}
+
 /// One design's lines; shown on stderr as they come, since each takes a minute.
-pub fn table(design: &str) -> Result<String> {
+fn table(subject: &Subject) -> Result<String> {
     let mut text = String::new();
     for family in Family::ALL {
-        for (part, area) in parts(design, family)? {
-            let line = line(design, family, part, &area);
-            eprint!("{line}");
-            text += &line;
+        let [setup, rows] = SHARED.map(|unit| synthesise(subject, family, unit, None, &[]));
+        let (setup, rows) = (setup?, rows?);
+        let mut lines = Vec::new();
+        for (lanes, fitted) in LANES {
+            let rest = synthesise(subject, family, "splat_primitive", Some(lanes), &SHARED)?;
+            let all = plus(&plus(&rest, &setup), &rows);
+            let estimate = estimate(&subject.widths, lanes, TILE_PIXELS, family);
+            let point = if fitted && subject.fitted { "" } else { " ." };
+            let part = format!("{lanes} lanes{point}");
+            lines.push(line(subject.name, family, &part, &all, Some(&estimate)));
         }
+        lines.push(line(subject.name, family, "of it setup", &setup, None));
+        lines.push(line(subject.name, family, "of it rows", &rows, None));
+        eprint!("{}", lines.concat());
+        text += &lines.concat();
     }
     Ok(text)
 }
 
-/// The primitive with one and four lanes, a lane's own part and the shared rest, and of that the two largest units.
-fn parts(design: &str, family: Family) -> Result<[(&'static str, Area); 6]> {
-    let [setup, rows] = SHARED.map(|unit| synthesise(design, family, unit, None, &[]));
-    let (setup, rows) = (setup?, rows?);
-    let whole = |lanes| -> Result<Area> {
-        let rest = synthesise(design, family, "splat_primitive", Some(lanes), &SHARED)?;
-        Ok(rest.plus(&setup).plus(&rows))
+fn line(
+    design: &str,
+    family: Family,
+    part: &str,
+    area: &Fabric,
+    estimate: Option<&Fabric>,
+) -> String {
+    let cell = |of: fn(&Fabric) -> u64| match estimate.map(of) {
+        Some(estimated) => {
+            let error = 100.0 * (estimated as f64 / of(area) as f64 - 1.0);
+            format!("{} / {estimated} / {error:+.1} %", of(area))
+        }
+        None => of(area).to_string(),
     };
-    let (one, four) = (whole(1)?, whole(4)?);
-    let lane = four.minus(&one).third();
-    Ok([
-        ("1 lane in all", one),
-        ("4 lanes in all", four),
-        ("one lane", lane),
-        ("shared", one.minus(&lane)),
-        ("of it setup", setup),
-        ("of it rows", rows),
-    ])
-}
-
-fn line(design: &str, family: Family, part: &str, area: &Area) -> String {
-    let Area {
-        luts,
-        flip_flops,
-        dsps,
-        memory_kbit,
-    } = area;
     format!(
-        "| {design} | {} | {part} | {luts} | {flip_flops} | {dsps} | {memory_kbit} |\n",
-        family.name()
+        "| {design} | {} | {part} | {} | {} | {} | {} |\n",
+        family.name(),
+        cell(|area| area.luts),
+        cell(|area| area.flip_flops),
+        cell(|area| area.dsps),
+        cell(|area| area.memory_kbit),
     )
 }
 
-impl Area {
-    fn each(&self, other: &Area, by: impl Fn(u64, u64) -> u64) -> Area {
-        Area {
-            luts: by(self.luts, other.luts),
-            flip_flops: by(self.flip_flops, other.flip_flops),
-            dsps: by(self.dsps, other.dsps),
-            memory_kbit: by(self.memory_kbit, other.memory_kbit),
-        }
-    }
-
-    fn plus(&self, other: &Area) -> Area {
-        self.each(other, u64::saturating_add)
-    }
-
-    fn minus(&self, other: &Area) -> Area {
-        self.each(other, u64::saturating_sub)
-    }
-
-    fn third(&self) -> Area {
-        self.each(self, |value, _| (value + 1) / 3)
+fn plus(a: &Fabric, b: &Fabric) -> Fabric {
+    Fabric {
+        luts: a.luts + b.luts,
+        flip_flops: a.flip_flops + b.flip_flops,
+        dsps: a.dsps + b.dsps,
+        memory_kbit: a.memory_kbit + b.memory_kbit,
     }
 }

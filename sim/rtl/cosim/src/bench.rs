@@ -2,6 +2,8 @@
 
 use crate::model::{Inputs, Missing, Model, Outputs};
 use crate::package::table;
+use crate::roots::Roots;
+use crate::stamps::Stamps;
 use crate::workload::Tile;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::footprint::Footprint;
@@ -29,8 +31,10 @@ pub struct Pauses {
 pub struct Outcome {
     /// The window's pixels, row by row, in the kernel's words.
     pub pixels: Vec<Pixel>,
-    /// Cycles from the first packet's to the last packet's last pixel; 0 without packets.
-    pub raster_cycles: u64,
+    /// In which cycle everything happened.
+    pub stamps: Stamps,
+    /// The row unit's roots.
+    pub roots: Roots,
 }
 
 /// A circuit with its rules and footprint table loaded.
@@ -39,6 +43,8 @@ pub struct Bench {
     layout: Layout,
     idle: Inputs,
     random: u64,
+    stamps: Stamps,
+    roots: Roots,
 }
 
 impl Bench {
@@ -61,6 +67,8 @@ impl Bench {
             layout: Layout::new(widths),
             idle: rule_inputs(widths, rules),
             random: u64::from(seed) + 1,
+            stamps: Stamps::default(),
+            roots: Roots::default(),
         };
         for (index, entry) in table(widths, rules).iter().enumerate() {
             let inputs = Inputs {
@@ -80,6 +88,45 @@ impl Bench {
         self.model.cycles()
     }
 
+    /// Inputs that offer a tile.
+    pub(crate) fn tile_offer(&self, tile: &Tile) -> Inputs {
+        let [first_column, first_row] = tile.window.first;
+        let [last_column, last_row] = tile.window.last;
+        Inputs {
+            tile_valid: 1,
+            first_column,
+            first_row,
+            last_column,
+            last_row,
+            ..self.idle
+        }
+    }
+
+    /// Inputs that offer a packet.
+    pub(crate) fn packet_offer(&self, footprint: &Footprint) -> Inputs {
+        Inputs {
+            packet_valid: 1,
+            packet: self.layout.encode(footprint),
+            ..self.idle
+        }
+    }
+
+    /// Inputs that end a tile.
+    pub(crate) fn finish_offer(&self) -> Inputs {
+        Inputs {
+            finish_valid: 1,
+            ..self.idle
+        }
+    }
+
+    /// Inputs that take the read-out's pixel, or let it wait.
+    pub(crate) fn pixel_offer(&self, ready: bool) -> Inputs {
+        Inputs {
+            pixel_ready: ready.into(),
+            ..self.idle
+        }
+    }
+
     /// Draws a tile. The error says which handshake the circuit did not answer.
     pub fn draw(
         &mut self,
@@ -87,31 +134,20 @@ impl Bench {
         footprints: &[Footprint],
         pauses: Pauses,
     ) -> Result<Outcome, String> {
-        let [first_column, first_row] = tile.window.first;
-        let [last_column, last_row] = tile.window.last;
-        let offer = Inputs {
-            tile_valid: 1,
-            first_column,
-            first_row,
-            last_column,
-            last_row,
-            ..self.idle
-        };
+        let offer = self.tile_offer(tile);
         self.wait("tile_ready", pauses, &offer, |out| out.tile_ready == 1)?;
-        let raster_cycles = self.packets(tile, footprints, pauses)?;
-        let finish = Inputs {
-            finish_valid: 1,
-            ..self.idle
-        };
+        self.stamps = Stamps::default();
+        self.roots = Roots::default();
+        self.packets(tile, footprints, pauses)?;
+        let stamps = std::mem::take(&mut self.stamps);
+        let roots = std::mem::take(&mut self.roots);
+        let finish = self.finish_offer();
         self.wait("finish_ready", pauses, &finish, |out| out.finish_ready == 1)?;
-        let count = usize::from(last_column - first_column) * usize::from(last_row - first_row);
+        let count = tile.size().iter().product();
         let mut pixels = Vec::with_capacity(count);
         while pixels.len() < count {
             let ready = !self.chance(pauses.pixels);
-            let take = Inputs {
-                pixel_ready: ready.into(),
-                ..self.idle
-            };
+            let take = self.pixel_offer(ready);
             let out = self.wait("pixel_valid", Pauses::default(), &take, |out| {
                 out.pixel_valid == 1
             })?;
@@ -121,7 +157,8 @@ impl Bench {
         }
         Ok(Outcome {
             pixels,
-            raster_cycles,
+            stamps,
+            roots,
         })
     }
 
@@ -130,25 +167,21 @@ impl Bench {
         tile: &Tile,
         footprints: &[Footprint],
         pauses: Pauses,
-    ) -> Result<u64, String> {
-        let mut started = None;
+    ) -> Result<(), String> {
         for index in &tile.list {
             while self.chance(pauses.packets) {
                 let idle = self.idle;
                 self.tick(&idle, pauses);
             }
-            let packet = self.layout.encode(&footprints[*index as usize]);
-            let offer = Inputs {
-                packet_valid: 1,
-                packet,
-                ..self.idle
-            };
+            let offer = self.packet_offer(&footprints[*index as usize]);
+            self.stamps.offered.push(self.model.cycles());
             self.wait("packet_ready", pauses, &offer, |out| out.packet_ready == 1)?;
-            started.get_or_insert(self.model.cycles());
+            self.stamps.taken.push(self.model.cycles() - 1);
         }
         let idle = self.idle;
         self.wait("raster_idle", pauses, &idle, |out| out.raster_idle == 1)?;
-        Ok(started.map_or(0, |started| self.model.cycles() - started))
+        self.stamps.idle_at = self.model.cycles() - 1;
+        Ok(())
     }
 
     /// Repeats the inputs until the circuit answers.
@@ -170,10 +203,19 @@ impl Bench {
 
     fn tick(&mut self, inputs: &Inputs, pauses: Pauses) -> Outputs {
         let lanes_enable = !self.chance(pauses.lanes);
-        self.model.tick(&Inputs {
+        self.step(&Inputs {
             lanes_enable: lanes_enable.into(),
             ..*inputs
         })
+    }
+
+    /// One cycle; notes the handshakes inside the circuit.
+    pub(crate) fn step(&mut self, inputs: &Inputs) -> Outputs {
+        let now = self.model.cycles();
+        let out = self.model.tick(inputs);
+        self.stamps.note(now, &out);
+        self.roots.note(&out);
+        out
     }
 
     /// True in `share` of 256 cases (SplitMix64).
@@ -201,7 +243,8 @@ fn rule_inputs(widths: &Widths, rules: &Rules) -> Inputs {
     }
 }
 
-fn pixel(out: &Outputs) -> Pixel {
+/// The pixel that the read-out offers.
+pub(crate) fn pixel(out: &Outputs) -> Pixel {
     let flag = if out.finished == 1 { FINISHED } else { 0 };
     Pixel {
         colour: [out.red, out.green, out.blue],

@@ -1,11 +1,10 @@
 //! Arrangements of the pixel lanes, compared by their cycles on guitar: why each lane owns rows.
 //!
-//! Utilisation is covered pixels / (cycles * lanes). For interleaved rows, cycles are the circuit's own ([`RasterClock`]). The others are
+//! Utilisation is covered pixels / (cycles * lanes). For interleaved rows, cycles are the circuit's own ([`PrimitiveClock`]). The others are
 //! given the benefit of the doubt: each tile takes the larger of its row slots (one a cycle) and its groups of pixels, as though
 //! queues were endless, plus the pipeline's latency.
 
-use crate::clock::{LATENCY, QUEUE, RasterClock};
-use crate::golden;
+use crate::golden::Golden;
 use crate::workload::{GuitarView, TILE, Tile, Workload, guitar, tiles};
 use anyhow::{Context, Result};
 use splatline::footprint::Footprint;
@@ -13,6 +12,7 @@ use splatline::format::Lean18;
 use splatline::raster::{Rows, SpanRows, Window};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::kernel_rules;
+use splatline_sim::machine::primitive::{LATENCY, PrimitiveClock, QUEUE, for_each_slot};
 use splatline_sim::rules::Rules;
 
 /// Where the table is kept.
@@ -33,7 +33,7 @@ enum Layout {
     /// 2 x 2 pixels at even places, two rows of the splat at a time.
     Quads,
     /// A lane for each row modulo 4, with queues of so many runs.
-    Rows(usize),
+    Rows(u32),
 }
 
 /// The whole table.
@@ -89,11 +89,10 @@ impl Layout {
 fn utilisation(workload: &Workload, layout: Layout, size: [u16; 2]) -> f64 {
     let tiles = tiles(&workload.footprints, [SIZE as u16; 2], size);
     let rules = kernel_rules(&Rules::GAUSSIAN_3D);
+    let golden = Golden::new(Lean18, &rules);
     let (mut covered, mut cycles) = (0, 0);
     for tile in tiles.iter().filter(|tile| !tile.list.is_empty()) {
-        covered += golden::draw(Lean18, &rules, tile, &workload.footprints)
-            .1
-            .covered;
+        covered += golden.draw(tile, &workload.footprints).1.covered;
         cycles += tile_cycles(tile, &workload.footprints, layout);
     }
     covered as f64 / (cycles as f64 * LANES as f64)
@@ -102,9 +101,14 @@ fn utilisation(workload: &Workload, layout: Layout, size: [u16; 2]) -> f64 {
 fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
     let drawn = tile.list.iter().map(|index| &footprints[*index as usize]);
     if let Layout::Rows(queue) = layout {
-        let mut clock = RasterClock::with_queue(LANES, queue);
-        drawn.for_each(|footprint| clock.splat(Lean18, footprint, &tile.window));
-        return clock.cycles();
+        let mut clock = PrimitiveClock::new(LANES, queue);
+        for footprint in drawn {
+            clock.packet(0);
+            for_each_slot(Lean18, footprint, &tile.window, LANES, |run| {
+                clock.slot(run);
+            });
+        }
+        return clock.idle_at();
     }
     let (mut slots, mut groups) = (0, 0);
     for footprint in drawn {

@@ -2,17 +2,22 @@
 //!
 //! [`package`] writes the circuit's parameters from the kernel's; [`workload`] makes tiles of footprints; [`model`] is the
 //! verilated circuit and the only place with foreign code; [`mod@bench`] drives a tile through it; [`golden`] draws the same tile by the
-//! kernel; [`clock`] says how many cycles it takes; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
-//! [`mutants`] shows that mistakes are noticed, [`area`] what the circuit costs, [`layouts`] what other arrangements of lanes would do.
+//! kernel; [`stamps`] holds the cycles of its handshakes against the machine's clock (`splatline_sim::machine::primitive`), and [`picture`] those of
+//! whole pictures under a memory's limits; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
+//! [`mutants`] shows that mistakes are noticed, [`area`] what the circuit costs, [`layouts`] what other arrangements of lanes would do,
+//! [`speed`] how many times as fast as the verilated circuit the model is.
 
 pub mod area;
 pub mod bench;
 pub mod check;
-pub mod clock;
 pub mod golden;
 pub mod layouts;
 pub mod model;
 pub mod mutants;
 pub mod package;
+pub mod picture;
+pub mod roots;
+pub mod speed;
+pub mod stamps;
 pub mod suite;
 pub mod workload;

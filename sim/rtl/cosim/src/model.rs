@@ -72,8 +72,14 @@ pub struct Outputs {
     pub idle: u8,
     /// The pixel's flag.
     pub finished: u8,
+    /// The row generator takes a splat over from setup.
+    pub splat_begun: u8,
+    /// A run leaves the row generator for a queue.
+    pub run_left: u8,
     /// Padding.
     pub spare: u8,
+    /// A bit for each lane that pops a run from its queue.
+    pub lanes_popped: u16,
     /// UQ1.transmittance.
     pub transmittance: u32,
     /// UQ5.accumulator.
@@ -84,6 +90,16 @@ pub struct Outputs {
     pub blue: u32,
     /// Packets dropped for their version.
     pub foreign_packets: u32,
+    /// A root of the row unit, UQ0.24.
+    pub root: u32,
+    /// `squared` holds something that moves on.
+    pub squared_valid: u8,
+    /// `root` holds something that moves on.
+    pub root_valid: u8,
+    /// Padding.
+    pub padding: [u8; 2],
+    /// What the row unit takes a root of.
+    pub squared: u64,
 }
 
 /// Why there is no circuit to simulate.

@@ -2,8 +2,12 @@
 
 use crate::bench::{Bench, Pauses};
 use crate::check::{Findings, compare};
+use crate::golden::Golden;
+use crate::picture::{self, LIMITS, PictureCycles};
 use crate::workload::{self, GuitarView, Workload};
 use anyhow::Result;
+use splatline::blend::Pixel;
+use splatline::footprint::packet::Layout;
 use splatline::format::Design;
 use splatline_sim::design::{DesignChoice, DesignJob};
 use splatline_sim::fixed::kernel_rules;
@@ -21,6 +25,26 @@ pub const PAUSES: Pauses = Pauses {
     lanes: 60,
     pixels: 90,
 };
+
+/// Packets that come late, and nothing else: cycles can still be compared.
+pub const LATE: Pauses = Pauses {
+    packets: 200,
+    lanes: 0,
+    pixels: 0,
+};
+
+/// Every workload is drawn by each circuit so many times.
+pub const PASSES: usize = PASSES_BY_PAUSES.len();
+
+const PASSES_BY_PAUSES: [Pauses; 3] = [
+    Pauses {
+        packets: 0,
+        lanes: 0,
+        pixels: 0,
+    },
+    LATE,
+    PAUSES,
+];
 
 /// How much is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,10 +66,27 @@ pub struct Line {
     pub rules: &'static str,
     /// Workload.
     pub workload: &'static str,
-    /// Was there back-pressure?
-    pub paused: bool,
+    /// Pauses at the interfaces.
+    pub pauses: Pauses,
     /// The comparison.
     pub findings: Findings,
+}
+
+/// One picture under the limits of one memory.
+#[derive(Clone, Debug)]
+pub struct PictureLine {
+    /// Design.
+    pub design: &'static str,
+    /// Lanes.
+    pub lanes: usize,
+    /// Rules.
+    pub rules: &'static str,
+    /// Workload.
+    pub workload: &'static str,
+    /// The memory's limits.
+    pub limits: &'static str,
+    /// The comparison.
+    pub cycles: PictureCycles,
 }
 
 /// Footprints for one design under one of the rules.
@@ -55,6 +96,7 @@ pub struct Loads {
     /// Name of the rules.
     pub rules_name: &'static str,
     choice: DesignChoice,
+    scene_rules: Rules,
     rules: splatline::rules::Rules,
     workloads: Vec<Workload>,
     /// Workloads left out because their data is missing.
@@ -81,6 +123,7 @@ impl Loads {
         let mut workloads = vec![
             workload::random(&widths, random, 20, 7),
             workload::random(&widths, random / 4, 1, 8),
+            workload::crowd(&choice, rules),
             workload::deep_stack(&choice, rules, if full { 128 } else { 64 }),
         ];
         let mut missing = Vec::new();
@@ -90,6 +133,7 @@ impl Loads {
                 "guitar",
                 workload::guitar(&choice, rules, GuitarView::Close, size)?,
             ),
+            ("lion", workload::lion(&choice, rules, size)?),
         ] {
             match load {
                 Some(load) => workloads.push(load),
@@ -103,17 +147,18 @@ impl Loads {
             design,
             rules_name,
             choice,
+            scene_rules: *rules,
             rules: kernel_rules(rules),
             workloads,
             missing,
         })
     }
 
-    /// Draws everything by a circuit with so many lanes, once as fast as it goes and once with back-pressure.
+    /// Draws everything by a circuit with so many lanes: as fast as it goes, with packets that come late, with back-pressure everywhere.
     pub fn check(&self, bench: &mut Bench, lanes: usize) -> Vec<Line> {
         let mut lines = Vec::new();
         for workload in &self.workloads {
-            for pauses in [Pauses::default(), PAUSES] {
+            for pauses in PASSES_BY_PAUSES {
                 let findings = self.choice.dispatch(Comparison {
                     bench,
                     lanes,
@@ -126,12 +171,45 @@ impl Loads {
                     lanes,
                     rules: self.rules_name,
                     workload: workload.name,
-                    paused: pauses != Pauses::default(),
+                    pauses,
                     findings,
                 });
             }
         }
         lines
+    }
+
+    /// Cycles of whole pictures under the limits of memories, by model and circuit, and the circuit's words against the kernel's.
+    pub fn pictures(&self, bench: &mut Bench, lanes: usize) -> Result<Vec<PictureLine>> {
+        let mut lines = Vec::new();
+        for workload in self.workloads.iter().filter(|load| load.viewport.is_some()) {
+            for limits in LIMITS {
+                let config = picture::machine(lanes, &limits);
+                let model =
+                    picture::model_cycles(&self.choice, &self.scene_rules, workload, &config)?;
+                let layout = Layout::new(&self.choice.widths);
+                let (circuit, pixels) = picture::circuit_cycles(bench, &layout, workload, &config)?;
+                let mismatches = self.choice.dispatch(Words {
+                    rules: &self.rules,
+                    workload,
+                    pixels: &pixels,
+                });
+                let cycles = PictureCycles {
+                    model,
+                    circuit,
+                    mismatches,
+                };
+                lines.push(PictureLine {
+                    design: self.design,
+                    lanes,
+                    rules: self.rules_name,
+                    workload: workload.name,
+                    limits: limits.name,
+                    cycles,
+                });
+            }
+        }
+        Ok(lines)
     }
 
     /// The circuit that these loads are for.
@@ -152,7 +230,7 @@ impl Loads {
 }
 
 /// The quick extent's limits: pairs of splat and tile, tiles.
-const QUICK: (usize, usize) = (9_000, 300);
+const QUICK: (usize, usize) = (6_000, 200);
 
 /// Keeps tiles spread over the workload until the limits are reached.
 fn shorten(workload: &mut Workload) {
@@ -161,10 +239,13 @@ fn shorten(workload: &mut Workload) {
     let count = workload.tiles.len();
     for i in 0..count.min(QUICK.1) {
         let tile = &workload.tiles[i * 37 % count];
-        if pairs + tile.list.len() <= QUICK.0 {
+        if tiles.is_empty() || pairs + tile.list.len() <= QUICK.0 {
             pairs += tile.list.len();
             tiles.push(tile.clone());
         }
+    }
+    if tiles.len() < count {
+        workload.viewport = None;
     }
     workload.tiles = tiles;
 }
@@ -191,5 +272,27 @@ impl DesignJob for Comparison<'_> {
             tiles,
             self.pauses,
         )
+    }
+}
+
+/// The words of a picture's tiles against the kernel's: how many pixels differ.
+struct Words<'a> {
+    rules: &'a splatline::rules::Rules,
+    workload: &'a Workload,
+    pixels: &'a [Vec<Pixel>],
+}
+
+impl DesignJob for Words<'_> {
+    type Output = u64;
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> u64 {
+        let golden = Golden::new(design, self.rules);
+        let mut mismatches = 0;
+        for (tile, got) in self.workload.tiles.iter().zip(self.pixels) {
+            let expected = golden.draw(tile, &self.workload.footprints).0;
+            let pairs = got.iter().zip(&expected);
+            mismatches += pairs.filter(|(got, expected)| got != expected).count() as u64;
+        }
+        mismatches
     }
 }

@@ -10,6 +10,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::reference::golden;
+use splatline_sim::results::points;
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{self, Scene, synthetic};
 use std::path::{Path, PathBuf};
@@ -42,6 +43,8 @@ pub struct Workload {
     pub footprints: Vec<Footprint>,
     /// Tiles.
     pub tiles: Vec<Tile>,
+    /// Columns and rows of the picture that the tiles make, row by row, if they make one.
+    pub viewport: Option<[u16; 2]>,
 }
 
 /// The shared data's file, where it exists.
@@ -70,6 +73,12 @@ pub fn guitar(
     view: GuitarView,
     size: usize,
 ) -> Result<Option<Workload>> {
+    let seen = guitar_scene(view, size)?;
+    Ok(seen.map(|(scene, camera)| from_scene("guitar", &scene, &camera, design, rules)))
+}
+
+/// The guitar and its camera.
+pub fn guitar_scene(view: GuitarView, size: usize) -> Result<Option<(Scene, Camera)>> {
     let Some(file) = shared("gaussians/guitar.ply") else {
         return Ok(None);
     };
@@ -80,7 +89,26 @@ pub fn guitar(
     };
     let camera = Camera::look_at(eye, target, [0.0, -1.0, 0.0], 50.0, size, size)
         .context("the guitar's camera")?;
-    Ok(Some(from_scene("guitar", &scene, &camera, design, rules)))
+    Ok(Some((scene, camera)))
+}
+
+/// The scanned lion as round volume splats in a square picture; nothing where the data is missing.
+pub fn lion(design: &DesignChoice, rules: &Rules, size: usize) -> Result<Option<Workload>> {
+    let Some(file) = shared(points::FILE) else {
+        return Ok(None);
+    };
+    let scene = points::load(&file)?;
+    let (eye, target) = ([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16]);
+    let camera =
+        Camera::look_at(eye, target, scene.up, 45.0, size, size).context("the lion's camera")?;
+    Ok(Some(from_scene("lion", &scene, &camera, design, rules)))
+}
+
+/// A few thousand Gaussians of all sizes over a small picture.
+pub fn crowd(design: &DesignChoice, rules: &Rules) -> Workload {
+    let scene = synthetic::random_gaussians(2_000, 9, 4.0);
+    let camera = synthetic::camera(150, 100);
+    from_scene("crowd", &scene, &camera, design, rules)
 }
 
 /// Twenty thousand large, nearly transparent splats.
@@ -124,15 +152,13 @@ pub fn from_scene(
         .flatten()
         .collect();
     footprints.sort_by_key(|footprint| footprint.depth);
-    let tiles = tiles(
-        &footprints,
-        [camera.width, camera.height].map(|size| size as u16),
-        TILE,
-    );
+    let viewport = [camera.width, camera.height].map(|size| size as u16);
+    let tiles = tiles(&footprints, viewport, TILE);
     Workload {
         name,
         footprints,
         tiles,
+        viewport: Some(viewport),
     }
 }
 
@@ -181,6 +207,7 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Work
         name: "random packets",
         footprints,
         tiles,
+        viewport: None,
     }
 }
 

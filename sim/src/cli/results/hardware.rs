@@ -5,9 +5,10 @@
 use super::super::progress::Progress;
 use super::super::setup::write;
 use super::super::{Failure, say};
-use super::{designs, layouts, points, throughput};
+use super::{designs, layouts, throughput};
 use anyhow::Result;
 use splatline_sim::camera::Camera;
+use splatline_sim::results::points;
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::path::Path;

@@ -4,7 +4,6 @@ mod designs;
 mod hardware;
 mod host;
 mod layouts;
-mod points;
 mod speed;
 mod throughput;
 

@@ -53,7 +53,7 @@ const WIDTHS: Range = Range::OneOf(&[8, 16, 32, 64]);
 const LANES: Range = Range::OneOf(&[1, 2, 4, 8, 16, 32, 64]);
 
 const LAYOUTS: [Layout; 4] = [Layout::Run, Layout::Aligned, Layout::Quad, Layout::Rows];
-const OVERLAPS: [Overlap; 2] = [Overlap::Serial, Overlap::Pipelined];
+const OVERLAPS: [Overlap; 3] = [Overlap::Serial, Overlap::Pipelined, Overlap::Primitive];
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Static, Assignment::Dynamic];
 const TERMINATIONS: [Termination; 2] = [Termination::Discard, Termination::Skip];
 const BINNINGS: [Binning; 2] = [Binning::Box, Binning::Exact];
@@ -65,7 +65,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 39] = [
+pub const FIELDS: [Field; 40] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -87,7 +87,7 @@ pub const FIELDS: [Field; 39] = [
     entry("sort", "sort_cycles", POSITIVE_CYCLES, "cycles per entry and pass", |c| c.sort_cycles, |c, v| c.sort_cycles = v),
     entry("raster", "raster_units", COUNT, "raster units, sharing the bandwidth evenly", |c| c.raster_units, |c, v| c.raster_units = v),
     entry("raster", "assignment", Range::Choice(&["static", "dynamic"]), "who draws which tile", |c| index(&ASSIGNMENTS, &c.assignment), |c, v| c.assignment = ASSIGNMENTS[v as usize]),
-    entry("raster", "overlap", Range::Choice(&["serial", "pipelined"]), "do splat setup, row generator and lanes overlap?", |c| index(&OVERLAPS, &c.overlap), |c, v| c.overlap = OVERLAPS[v as usize]),
+    entry("raster", "overlap", Range::Choice(&["serial", "pipelined", "primitive"]), "do splat setup, row generator and lanes overlap? primitive: as in sim/rtl", |c| index(&OVERLAPS, &c.overlap), |c, v| c.overlap = OVERLAPS[v as usize]),
     entry("raster", "splat_cycles", CYCLES, "cycles per splat-tile pair", |c| c.splat_cycles, |c, v| c.splat_cycles = v),
     entry("raster", "row_cycles", CYCLES, "cycles per step of the row generator", |c| c.row_cycles, |c, v| c.row_cycles = v),
     entry("raster", "rows_at_once", Range::Number(1, 64), "rows per step of the row generator", |c| c.rows_at_once, |c, v| c.rows_at_once = v),
@@ -105,6 +105,7 @@ pub const FIELDS: [Field; 39] = [
     entry("buffer", "tile_buffers", Range::Number(1, 64), "tile buffers per raster unit", |c| c.tile_buffers, |c, v| c.tile_buffers = v),
     entry("buffer", "buffer_banks", Range::Number(0, 64), "pixels per cycle; 0: one per lane", |c| c.buffer_banks, |c, v| c.buffer_banks = v),
     entry("buffer", "write_back_cycles", CYCLES, "cycles to begin a write-back", |c| c.write_back_cycles, |c, v| c.write_back_cycles = v),
+    entry("buffer", "clear_cycles", CYCLES, "cycles to clear a buffer before a tile; 0: during the write-back", |c| c.clear_cycles, |c, v| c.clear_cycles = v),
 ];
 
 const fn entry(

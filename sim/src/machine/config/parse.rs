@@ -1,7 +1,7 @@
 //! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
 
 use super::fields::{FIELDS, Field, Range, field};
-use super::{Config, Layout, Overlap};
+use super::{Config, Layout, Overlap, primitive};
 use std::fmt::Write;
 use std::path::Path;
 use thiserror::Error;
@@ -146,13 +146,53 @@ impl Config {
             return Err((
                 "layout",
                 "\"rows\"".to_owned(),
-                "allowed with overlap = \"pipelined\"".to_owned(),
+                "allowed with overlap = \"pipelined\" or \"primitive\"".to_owned(),
             ));
+        }
+        if self.overlap == Overlap::Primitive {
+            self.check_primitive()?;
         }
         if self.lanes > u32::from(self.tile_width) && self.layout != Layout::Rows {
             let allowed = format!(
                 "allowed are up to tile_width = {} lanes in this layout",
                 self.tile_width
+            );
+            return Err(("lanes", self.lanes.to_string(), allowed));
+        }
+        Ok(())
+    }
+
+    /// What the circuit of `sim/rtl` fixes.
+    fn check_primitive(&self) -> Result<(), (&'static str, String, String)> {
+        let wanted = Config::primitive(self.lanes);
+        let fixed = [
+            "layout",
+            "splat_cycles",
+            "row_cycles",
+            "rows_at_once",
+            "pixel_termination",
+            "table_ports",
+            "blend_interval",
+            "buffer_banks",
+        ];
+        for field in fixed.iter().filter_map(|key| field(key)) {
+            let (found, needed) = (field.show(self), field.show(&wanted));
+            if found != needed {
+                let allowed = format!("overlap = \"primitive\" needs {needed}");
+                return Err((field.key, found, allowed));
+            }
+        }
+        if self.tile_width > primitive::TILE[0] {
+            let allowed = format!(
+                "overlap = \"primitive\" allows up to {} columns, one seed a row",
+                primitive::TILE[0]
+            );
+            return Err(("tile_width", self.tile_width.to_string(), allowed));
+        }
+        if self.lanes > u32::from(self.tile_height) {
+            let allowed = format!(
+                "overlap = \"primitive\" allows up to tile_height = {} lanes",
+                self.tile_height
             );
             return Err(("lanes", self.lanes.to_string(), allowed));
         }
@@ -296,6 +336,19 @@ mod tests {
             .unwrap();
         assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
         assert_eq!(from_toml("m.toml", ""), Ok(Config::default()));
+    }
+
+    #[test]
+    fn the_primitive_is_a_machine_and_keeps_what_the_circuit_fixes() {
+        for lanes in [1, 2, 4, 8, 16] {
+            let config = Config::named(&format!("primitive-{lanes}")).unwrap();
+            assert_eq!(config.lanes, lanes);
+            assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
+        }
+        assert_eq!(Config::named("primitive-3"), None);
+        let mut config = Config::primitive(4);
+        let error = config.set_words(&["rows_at_once=2".into()]).unwrap_err();
+        assert!(error.to_string().contains("needs 1"), "{error}");
     }
 
     #[test]

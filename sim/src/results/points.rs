@@ -4,11 +4,12 @@
 //! filter of the rules `ewa`. Normals and tangent planes do not matter to how many pixels a footprint of two pixels' radius has,
 //! and the machine models the volume splats' datapath: surface splats (`--as surface`) blend in their own unit, which it does not have.
 
+use crate::rules::Rules;
+use crate::scene::{Scene, Skipped, Splat, Weight};
 use anyhow::{Context, Result, ensure};
-use splatline_sim::rules::Rules;
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight};
 use std::path::Path;
 
+/// The scan, from the folder of shared data.
 pub const FILE: &str = "points/lion_takanawa.ply";
 
 /// Distance between neighbouring points, scene units.
@@ -34,6 +35,7 @@ const PROPERTIES: [&str; 9] = [
 ];
 const VERTEX: usize = 27;
 
+/// Reads the scan; each vertex becomes a splat.
 pub fn load(path: &Path) -> Result<Scene> {
     let bytes = std::fs::read(path).with_context(|| format!("cannot read '{}'", path.display()))?;
     let end = b"end_header\n";

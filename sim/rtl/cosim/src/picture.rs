@@ -1,0 +1,246 @@
+//! Whole pictures under the limits of a memory, by the circuit and by the machine's model: cycles of all tiles, one after the other.
+//!
+//! The memory is the model's (`docs/hardware-model.md`, section 2), clocked here beside the circuit: packets are read in order at so many
+//! bytes a cycle, arrive some cycles later and wait in a queue; finished pixels are written at so many bytes a cycle. The
+//! one thing that the model does not know is whether a tile's last pixel changes its word: it waits six cycles where the circuit may need fewer.
+
+use crate::bench::{Bench, pixel};
+use crate::model::Inputs;
+use crate::workload::{Tile, Workload};
+use anyhow::{Context, Result, ensure};
+use splatline::blend::Pixel;
+use splatline::footprint::packet::Layout;
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed;
+use splatline_sim::machine::workload::extract_from;
+use splatline_sim::machine::{Config, simulate_alone};
+use splatline_sim::rules::{Compositing, Rules};
+use std::collections::VecDeque;
+
+/// Cycles in which a picture must at least come forward.
+const PATIENCE: u64 = 1 << 24;
+
+/// A memory's limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limits {
+    /// What they are.
+    pub name: &'static str,
+    /// Bytes read and bytes written in a cycle.
+    pub bandwidth: u32,
+    /// Cycles from a request to its data.
+    pub latency: u32,
+    /// Packets in flight or waiting.
+    pub queue: u32,
+}
+
+/// A memory that never limits, and two that do.
+pub const LIMITS: [Limits; 3] = [
+    Limits {
+        name: "none",
+        bandwidth: 4096,
+        latency: 0,
+        queue: 64,
+    },
+    Limits {
+        name: "8 bytes a cycle, latency 60, 8 packets",
+        bandwidth: 8,
+        latency: 60,
+        queue: 8,
+    },
+    Limits {
+        name: "2 bytes a cycle, latency 200, 32 packets",
+        bandwidth: 2,
+        latency: 200,
+        queue: 32,
+    },
+];
+
+/// Cycles of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PictureCycles {
+    /// By the machine's model.
+    pub model: u64,
+    /// By the circuit.
+    pub circuit: u64,
+    /// Pixels whose words differ from those of the same tiles drawn without limits by the kernel.
+    pub mismatches: u64,
+}
+
+impl PictureCycles {
+    /// How much more the model says than the circuit takes, as a part of 1.
+    pub fn deviation(&self) -> f64 {
+        self.model as f64 / self.circuit as f64 - 1.0
+    }
+}
+
+/// The machine around the primitive, with a memory's limits.
+pub fn machine(lanes: usize, limits: &Limits) -> Config {
+    Config {
+        read_bandwidth: limits.bandwidth,
+        write_bandwidth: limits.bandwidth,
+        latency: limits.latency,
+        packet_fifo: limits.queue,
+        ..Config::primitive(lanes as u32)
+    }
+}
+
+/// The model's cycles of a scene's picture, by the way that `splatline model` goes: workload, lane work, raster unit.
+pub fn model_cycles(
+    design: &DesignChoice,
+    rules: &Rules,
+    workload: &Workload,
+    config: &Config,
+) -> Result<u64> {
+    let [width, height] = workload.viewport.context("a workload from a scene")?;
+    let camera = Camera::look_at(
+        [0.0, 0.0, -1.0],
+        [0.0; 3],
+        [0.0, 1.0, 0.0],
+        50.0,
+        width.into(),
+        height.into(),
+    )
+    .context("a camera of that size")?;
+    let options = fixed::Options {
+        rules,
+        compositing: Compositing::FrontToBack,
+        design,
+        traversal: splatline::format::Traversal::Spans,
+    };
+    let footprints: Vec<_> = workload.footprints.iter().copied().map(Ok).collect();
+    let tile = [config.tile_width, config.tile_height];
+    let work = extract_from(&footprints, &camera, &options, tile);
+    Ok(simulate_alone(&work, config).raster)
+}
+
+/// The circuit's cycles of the same picture, and its tiles' pixels.
+pub fn circuit_cycles(
+    bench: &mut Bench,
+    layout: &Layout,
+    workload: &Workload,
+    config: &Config,
+) -> Result<(u64, Vec<Vec<Pixel>>)> {
+    let order = workload.tiles.iter().flat_map(|tile| &tile.list).copied();
+    let mut memory = Memory::new(layout, config, order.collect());
+    let start = bench.cycles();
+    let mut pictures = Vec::new();
+    for tile in &workload.tiles {
+        pictures.push(draw(bench, &mut memory, workload, tile, start)?);
+    }
+    Ok((bench.cycles() - start, pictures))
+}
+
+/// Packets on their way, and the channel of finished pixels.
+struct Memory {
+    transfer: u64,
+    latency: u64,
+    queue: usize,
+    pixel_cycles: u64,
+    /// Packets to be requested, and those requested with the cycles of their arrival.
+    to_come: VecDeque<u32>,
+    coming: VecDeque<(u32, u64)>,
+    /// First cycle in which the next packet may be requested.
+    free: u64,
+}
+
+impl Memory {
+    fn new(layout: &Layout, config: &Config, order: VecDeque<u32>) -> Memory {
+        let bytes = 4 * layout.words() as u32 + config.list_bytes;
+        Memory {
+            transfer: bytes.div_ceil(config.read_bandwidth).into(),
+            latency: config.latency.into(),
+            queue: config.packet_fifo as usize,
+            pixel_cycles: config.pixel_bytes.div_ceil(config.write_bandwidth).into(),
+            to_come: order,
+            coming: VecDeque::new(),
+            free: 0,
+        }
+    }
+
+    /// A cycle begins: requests a packet where there is room; gives the packet that waits.
+    fn begin(&mut self, now: u64) -> Option<u32> {
+        if self.free <= now
+            && self.coming.len() < self.queue
+            && let Some(packet) = self.to_come.pop_front()
+        {
+            self.free = now + self.transfer;
+            self.coming.push_back((packet, self.free + self.latency));
+        }
+        self.coming
+            .front()
+            .filter(|(_, arrival)| *arrival <= now)
+            .map(|(packet, _)| *packet)
+    }
+}
+
+/// What the circuit is asked for.
+enum Phase {
+    Tile,
+    Packets(usize),
+    Finish,
+    /// The cycle in which the write channel has taken the next pixel, once that is known.
+    Pixels(Option<u64>),
+}
+
+/// One tile, from its offer until the circuit has read out its last pixel and is ready for another.
+fn draw(
+    bench: &mut Bench,
+    memory: &mut Memory,
+    workload: &Workload,
+    tile: &Tile,
+    start: u64,
+) -> Result<Vec<Pixel>> {
+    let count = tile.size().iter().product();
+    let mut pixels = Vec::with_capacity(count);
+    let mut phase = Phase::Tile;
+    let begun = bench.cycles();
+    while pixels.len() < count || !matches!(phase, Phase::Tile) {
+        ensure!(bench.cycles() - begun < PATIENCE, "the circuit hangs");
+        let now = bench.cycles() - start;
+        let packet = memory.begin(now);
+        let inputs = match (&phase, packet) {
+            (Phase::Tile, _) => bench.tile_offer(tile),
+            (Phase::Packets(_), Some(packet)) => {
+                bench.packet_offer(&workload.footprints[packet as usize])
+            }
+            (Phase::Packets(_), None) => bench.pixel_offer(false),
+            (Phase::Finish, _) => bench.finish_offer(),
+            (Phase::Pixels(written), _) => {
+                bench.pixel_offer(*written == Some(now) || memory.pixel_cycles == 1)
+            }
+        };
+        let out = bench.step(&inputs);
+        let left = tile.list.len();
+        phase = match phase {
+            Phase::Tile if out.tile_ready == 1 && left == 0 => Phase::Finish,
+            Phase::Tile if out.tile_ready == 1 => Phase::Packets(left),
+            Phase::Packets(left) if taken(&inputs, out.packet_ready) => {
+                memory.coming.pop_front();
+                if left == 1 {
+                    Phase::Finish
+                } else {
+                    Phase::Packets(left - 1)
+                }
+            }
+            Phase::Finish if out.finish_ready == 1 => Phase::Pixels(None),
+            Phase::Pixels(_) if out.pixel_valid == 1 && inputs.pixel_ready == 1 => {
+                pixels.push(pixel(&out));
+                if pixels.len() == count {
+                    Phase::Tile
+                } else {
+                    Phase::Pixels(Some(now + memory.pixel_cycles))
+                }
+            }
+            Phase::Pixels(None) if out.pixel_valid == 1 => {
+                Phase::Pixels(Some(now + memory.pixel_cycles - 1))
+            }
+            same => same,
+        };
+    }
+    Ok(pixels)
+}
+
+fn taken(inputs: &Inputs, packet_ready: u8) -> bool {
+    inputs.packet_valid == 1 && packet_ready == 1
+}

@@ -1,0 +1,116 @@
+//! In which cycle every handshake inside the circuit took place, and whether the machine's clock says the same, splat by splat.
+
+use crate::model::Outputs;
+use crate::workload::{Tile, Workload};
+use splatline::format::Design;
+use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
+
+/// Lanes that a circuit may have.
+const MOST_LANES: usize = 16;
+
+/// Cycles of a tile's handshakes, in the order in which they took place.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stamps {
+    /// From which cycle on each packet was offered.
+    pub offered: Vec<u64>,
+    /// Each packet's handshake.
+    pub taken: Vec<u64>,
+    /// The row generator takes each splat over from setup.
+    pub begun: Vec<u64>,
+    /// Each run leaves the row generator.
+    pub left: Vec<u64>,
+    /// Each run is popped from the queue of its lane.
+    pub popped: [Vec<u64>; MOST_LANES],
+    /// The last packet's last pixel has left its lane.
+    pub idle_at: u64,
+}
+
+/// What a comparison of stamps found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Timed {
+    /// Splats whose handshakes were compared.
+    pub splats: u64,
+    /// Of these, splats of which any handshake took place in another cycle than the clock says.
+    pub wrong: u64,
+    /// The first difference, in words.
+    pub first_difference: Option<String>,
+}
+
+impl Stamps {
+    /// Notes what the circuit's outputs of a cycle say.
+    pub fn note(&mut self, now: u64, out: &Outputs) {
+        if out.splat_begun == 1 {
+            self.begun.push(now);
+        }
+        if out.run_left == 1 {
+            self.left.push(now);
+        }
+        let mut lanes = out.lanes_popped;
+        while lanes != 0 {
+            self.popped[lanes.trailing_zeros() as usize].push(now);
+            lanes &= lanes - 1;
+        }
+    }
+
+    /// Cycles from the first packet's handshake to the last packet's last pixel; 0 without packets.
+    pub fn raster_cycles(&self) -> u64 {
+        self.taken.first().map_or(0, |first| self.idle_at - first)
+    }
+
+    /// Compares every splat's handshakes with the machine's clock, to which the same packets are offered in the same cycles.
+    pub fn compare<D: Design>(
+        &self,
+        design: D,
+        lanes: usize,
+        tile: &Tile,
+        workload: &Workload,
+    ) -> Timed {
+        let mut timed = Timed::default();
+        let mut clock = PrimitiveClock::new(lanes, QUEUE);
+        // The first packet is offered while the tile is still being cleared; time is counted from its handshake.
+        let first = self.taken.first().copied().unwrap_or(0);
+        let mut left = self.left.iter();
+        let mut popped = self.popped.each_ref().map(|lane| lane.iter());
+        for (place, index) in tile.list.iter().enumerate() {
+            let footprint = &workload.footprints[*index as usize];
+            let mut same = Same(None);
+            let offered = self.offered.get(place).copied().unwrap_or(0);
+            let stamp = clock.packet(offered.max(first));
+            same.check("packet taken", stamp.taken, self.taken.get(place));
+            same.check("rows begun", stamp.begun, self.begun.get(place));
+            for_each_slot(design, footprint, &tile.window, lanes, |run| {
+                let slot = clock.slot(run);
+                if let (Some(LaneRun { lane, .. }), Some(cycle)) = (run, slot.popped) {
+                    same.check("run left the rows", slot.left, left.next());
+                    same.check("run popped", cycle, popped[lane].next());
+                }
+            });
+            timed.splats += 1;
+            timed.wrong += u64::from(same.0.is_some());
+            if let (None, Some(text)) = (&timed.first_difference, same.0) {
+                timed.first_difference = Some(format!("splat {place}: {text}"));
+            }
+        }
+        let mut same = Same(None);
+        if !tile.list.is_empty() {
+            same.check("last pixel", clock.idle_at(), Some(&self.idle_at));
+        }
+        same.check("runs left over", 0, Some(&(left.len() as u64)));
+        timed.first_difference = timed.first_difference.or(same.0);
+        timed
+    }
+}
+
+/// The first cycle that is not the same, in words.
+struct Same(Option<String>);
+
+impl Same {
+    fn check(&mut self, what: &str, model: u64, circuit: Option<&u64>) {
+        if self.0.is_none() && circuit != Some(&model) {
+            let circuit = circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
+            self.0 = Some(format!(
+                "{what} in cycle {model} by the model, {circuit} by the circuit"
+            ));
+        }
+    }
+}
