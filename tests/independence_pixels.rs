@@ -175,7 +175,7 @@ proptest! {
             alpha_min: source.bits(31) as u32 & 0xffff,
             alpha_max: 1 << 31,
             stop: source.bits(31) as u32 & 0xff_ffff,
-            stop_before: source.byte() % 2 == 0,
+            stop_before: source.byte() < 128,
             ..Rules::EWA
         };
         let (blend, wide) = (Blend::new(&widths, &rules), Wide::new(widths, &rules));
