@@ -3,8 +3,7 @@
 use crate::hybrid::{Hybrid, Points};
 use crate::rules::{Compositing, Kernel, Rules};
 use crate::surface::{Buffer, Style};
-use serde::Serialize;
-use splatline::format::Traversal;
+use serde::{Deserialize, Serialize};
 
 /// A system of the papers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,8 +93,6 @@ pub enum Use<'a> {
         rules: &'a Rules,
         /// Order and operator.
         compositing: Compositing,
-        /// How footprints are walked.
-        traversal: Traversal,
         /// Points and stamps, if any.
         hybrid: Option<&'a Hybrid>,
         /// Was it classified from voxels?
@@ -111,12 +108,12 @@ pub enum Use<'a> {
 }
 
 /// Whether a system is exercised, and why.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Verdict {
     /// 1 to 18.
     pub number: u8,
     /// What it is.
-    pub name: &'static str,
+    pub name: String,
     /// Is it exercised?
     pub used: bool,
     /// Why, or what it lacks.
@@ -132,7 +129,7 @@ pub fn exercised(asked: &Use) -> Vec<Verdict> {
         };
         Verdict {
             number: system.number,
-            name: system.name,
+            name: system.name.to_owned(),
             used,
             reason,
         }
@@ -144,7 +141,6 @@ fn of_volume(number: u8, asked: &Use) -> (bool, String) {
     let Use::Volume {
         rules,
         compositing,
-        traversal,
         hybrid,
         classified,
     } = asked
@@ -159,13 +155,7 @@ fn of_volume(number: u8, asked: &Use) -> (bool, String) {
             true,
             format!("volume splats under the rules '{}'", rules.name),
         ),
-        4 => (
-            true,
-            format!(
-                "footprints walked by {}",
-                crate::design::traversal_name(*traversal)
-            ),
-        ),
+        4 => (true, "every footprint is walked over its rows".to_owned()),
         5 => (
             true,
             format!("{compositing:?} into one pixel per place, no sheets"),
@@ -266,7 +256,6 @@ mod tests {
             numbers(&Use::Volume {
                 rules,
                 compositing: Compositing::FrontToBack,
-                traversal: Traversal::Spans,
                 hybrid,
                 classified,
             })

@@ -42,7 +42,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
         .collect();
     let workload = from_scene(&view, &options.work, &config)?;
     let found = needs(&workload, &footprints, design.widths.peak, &config);
-    let systems = systems_of_volume(&view, options, traversal);
+    let systems = systems_of_volume(&view, options);
     say(&text(&view.scene.name, &found));
     say(&systems_text(&systems));
     let fitted = match options.max_error {
@@ -77,7 +77,7 @@ fn run_surface(options: &NeedsOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-fn systems_of_volume(view: &View, options: &NeedsOptions, traversal: Traversal) -> Vec<Verdict> {
+fn systems_of_volume(view: &View, options: &NeedsOptions) -> Vec<Verdict> {
     let stamps = Hybrid {
         phase_bits: Some(3),
         ..Hybrid::default()
@@ -86,7 +86,6 @@ fn systems_of_volume(view: &View, options: &NeedsOptions, traversal: Traversal) 
     exercised(&Use::Volume {
         rules: &view.rules,
         compositing: options.work.compositing.into(),
-        traversal,
         hybrid: stamped.then_some(&stamps),
         classified: view.scene.weight == Weight::Mass,
     })

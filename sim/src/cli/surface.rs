@@ -22,6 +22,7 @@ use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Pixels, Report, Row, 
 use splatline_sim::scene::points::height_field::{self, HeightField};
 use splatline_sim::scene::points::{self, SurfaceScene};
 use splatline_sim::surface::{Buffer, Style, USUAL_EDGE};
+use splatline_sim::systems::{Use, exercised};
 use splatline_sim::texture::Texture;
 use splatline_sim::texture::drape::drape;
 use splatline_sim::{fixed, reference};
@@ -34,6 +35,7 @@ pub(super) struct SurfaceView {
     pub(super) scene: SurfaceScene,
     camera: Camera,
     pub(super) style: Style,
+    textured: bool,
 }
 
 impl SurfaceView {
@@ -59,6 +61,7 @@ impl SurfaceView {
             scene,
             camera,
             style,
+            textured: surface.texture.is_some(),
         })
     }
 }
@@ -227,6 +230,7 @@ fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Res
         scene,
         camera,
         style,
+        ..
     } = view;
     measure(manner, || {
         let drawing = fixed::surface::draw(scene, camera, style, &entry.design, entry.traversal);
@@ -286,6 +290,7 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
         scene,
         camera,
         style,
+        ..
     } = view;
     let skipped = (scene.skipped > 0).then(|| ("unusable".to_owned(), scene.skipped as u64));
     Report {
@@ -320,6 +325,10 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
             Buffer::Layers(count) => format!("{count} layers"),
         },
         error: None,
+        systems: exercised(&Use::Surface {
+            style,
+            textured: view.textured,
+        }),
         error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,

@@ -17,7 +17,8 @@ use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
 use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
 use splatline_sim::rules::Compositing;
-use splatline_sim::scene::Scene;
+use splatline_sim::scene::{Scene, Weight};
+use splatline_sim::systems::{Use, exercised};
 use std::path::Path;
 use std::time::Instant;
 
@@ -322,6 +323,12 @@ pub fn report_of_drawing(
         rules: RulesFacts::from(&view.rules),
         compositing: compositing_name(manner.compositing).to_owned(),
         error: None,
+        systems: exercised(&Use::Volume {
+            rules: &view.rules,
+            compositing: manner.compositing,
+            hybrid: manner.hybrid.as_ref(),
+            classified: view.scene.weight == Weight::Mass,
+        }),
         error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,

@@ -9,6 +9,7 @@ use super::png::Rgb;
 use super::table::{self, HEADINGS, WORD_COLUMNS};
 use super::{ChannelFacts, ErrorFacts, Report, Row};
 use crate::picture::Picture;
+use crate::systems::Verdict;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::ImageError;
@@ -44,6 +45,7 @@ pub fn page(
         header(report),
         pictures(report, fixed, float, map)?,
         sweep(report)?,
+        systems(report),
         details(report)?,
     ];
     Ok(format!(
@@ -356,6 +358,45 @@ fn plural(count: usize, noun: &str, many: &str) -> String {
     } else {
         format!("{many}{count} {noun}s")
     }
+}
+
+/// Which systems of the papers were at work, each with the error of the picture that they made together.
+fn systems(report: &Report) -> String {
+    if report.systems.is_empty() {
+        return String::new();
+    }
+    let error = report.error.as_ref();
+    let line = |verdict: &Verdict| {
+        let measured = error.filter(|_| verdict.used).map_or(
+            "<td></td><td></td><td></td>".to_owned(),
+            |error| {
+                format!(
+                    "<td>{}</td><td>{}</td><td>{}</td>",
+                    table::decibels(&error.rgb),
+                    table::scientific(error.rgb.max_abs),
+                    table::signed(error.rgb.bias)
+                )
+            },
+        );
+        let used = if verdict.used {
+            "used"
+        } else {
+            "not exercised"
+        };
+        format!(
+            "<tr><td>{}</td><td class=\"word\">{}</td><td class=\"word\">{used}: {}</td>{measured}</tr>\n",
+            verdict.number,
+            escape(&verdict.name),
+            escape(&verdict.reason)
+        )
+    };
+    let lines: String = report.systems.iter().map(line).collect();
+    format!(
+        "<section>\n<h2>Systems of the papers</h2>\n<p class=\"read\">Which systems this picture exercises. The error is that of the picture, \
+         which those in use made together; each system by itself is measured in docs/results/systems.md.</p>\n<div class=\"scroll\"><table>\n\
+         <tr><th>#</th><th class=\"word\">system</th><th class=\"word\">in this picture</th><th>PSNR dB</th><th>max error</th><th>bias</th></tr>\n\
+         {lines}</table></div>\n</section>\n"
+    )
 }
 
 /// Errors of the chosen design per channel group.
