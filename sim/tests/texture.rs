@@ -157,7 +157,7 @@ fn hill() -> (HeightField, Texture) {
         0.6 * (-x * x - y * y).exp()
     });
     let texture = Texture::from_pattern(144, 144, |u, v| {
-        [if (u / 24.0) as i32 + (v / 24.0) as i32 & 1 == 0 {
+        [if ((u / 24.0) as i32 + (v / 24.0) as i32) & 1 == 0 {
             0.3
         } else {
             0.7
