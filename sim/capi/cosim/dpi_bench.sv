@@ -70,6 +70,8 @@ module dpi_bench;
         end
         table_valid = 0;
         for (int number = 0; model_tile(number, first_column, first_row, last_column, last_row) > 0; number++) begin
+            if (last_column - first_column > 1 << splatline_pkg::TILE_COLUMN_BITS || last_row - first_row > 1 << splatline_pkg::TILE_ROW_BITS)
+                $fatal(1, "tile %0d is larger than the circuit's buffer", number);
             tile_valid = 1;
             #1 while (!tile_ready) clock();
             clock();

@@ -8,7 +8,8 @@
 extern "C" {
 #endif
 
-enum { TILE_COLUMNS = 64, TILE_ROWS = 16, TILES_ACROSS = (COLUMNS + TILE_COLUMNS - 1) / TILE_COLUMNS, TILE_COUNT = TILES_ACROSS * (ROWS / TILE_ROWS) };
+// Tiles as large as the circuit's buffer (TILE_COLUMN_BITS and TILE_ROW_BITS of its package).
+enum { TILE_COLUMNS = 32, TILE_ROWS = 32, TILES_ACROSS = (COLUMNS + TILE_COLUMNS - 1) / TILE_COLUMNS, TILE_COUNT = TILES_ACROSS * (ROWS / TILE_ROWS) };
 
 // The rules of blending at the design's widths: the circuit's `rules_t`.
 typedef struct {

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Its stages move all
-//! together or not at all ([`Pipeline`]); a slot whose run finds its lane's queue full stops them. Queues are registered: a run can be
+//! together or not at all (`Pipeline`); a slot whose run finds its lane's queue full stops them. Queues are registered: a run can be
 //! popped in the cycle after it came, and its place is free in the cycle after that. With e(i) the cycle in which slot i
 //! leaves the pipeline and p(i) the one in which its run is popped, packets never running out, this is
 //!
