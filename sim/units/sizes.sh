@@ -17,7 +17,7 @@ section() { llvm-size -A "$1" | awk -v name="$2" '$1 ~ "^\\"name { sum += $2 } E
 echo "# What each set of systems costs"
 echo
 echo "Printed by \`sim/units/sizes.sh\`: one entry point per row, linked alone for \`$target\` (opt-level s, LTO), in \`standard24\`. Code and tables are the"
-echo "bytes of the linked image, state is what one pixel keeps. The 1,025-entry footprint table is 4,100 bytes of every row's tables."
+echo "bytes of the linked image, state is what one pixel keeps. The footprint table is 16,388 bytes of every row's tables."
 echo "The last column names the units of the kernel that left symbols; inlined code shows in the size alone."
 echo
 echo "| set | systems | code | tables | state per pixel | symbols of other units than volume splats |"
@@ -29,6 +29,10 @@ row() {
     found=$(llvm-nm --demangle "$out/$1.elf" | grep -oE "splatline::[a-z_:]*($others)" | grep -oE "($others)\$" | sort -u | paste -sd, - | sed 's/,/, /g' || true)
     if [ "$1" = volume ] && [ -n "$found" ]; then
         echo "sizes.sh: the volume image holds symbols of: $found" >&2
+        exit 1
+    fi
+    if [ "$(section "$out/$1.elf" .rodata)" -lt 16388 ]; then
+        echo "sizes.sh: the image of $1 holds no footprint table: its entry point does not draw" >&2
         exit 1
     fi
     echo "| $1 | $2 | $(section "$out/$1.elf" .text) | $(section "$out/$1.elf" .rodata) | $(section "$out/$1.elf" .bss) | ${found:-none} |"

@@ -31,7 +31,7 @@ mod common {
     use splatline::rules::{Compositing, Rules};
 
     pub const WIDTHS: Widths = Standard24::WIDTHS;
-    pub static TABLE: [u32; 1025] = kernel::gaussian(&WIDTHS, 4);
+    pub static TABLE: [u32; kernel::entries(&WIDTHS)] = kernel::gaussian(&WIDTHS, 4);
 
     /// The painter that a front-to-back drawing by spans uses; none if the table did not fit, which it does.
     pub fn painter(rules: &Rules, compositing: Compositing) -> Option<Painter<'static, Standard24>> {
