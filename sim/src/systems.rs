@@ -158,7 +158,10 @@ fn of_volume(number: u8, asked: &Use) -> (bool, String) {
         4 => (true, "every footprint is walked over its rows".to_owned()),
         5 => (
             true,
-            format!("{compositing:?} into one pixel per place, no sheets"),
+            format!(
+                "{} into one pixel per place, no sheets",
+                in_words(*compositing)
+            ),
         ),
         6 => said(
             rules.spacing > 0.0,
@@ -237,6 +240,15 @@ fn of_surface(number: u8, style: &Style, textured: bool) -> (bool, String) {
         3 => (false, "points are surface splats already".to_owned()),
         17 => (false, "no depth image".to_owned()),
         _ => (false, "no volume".to_owned()),
+    }
+}
+
+/// The operator as the report says it.
+fn in_words(compositing: Compositing) -> &'static str {
+    match compositing {
+        Compositing::FrontToBack => "front to back",
+        Compositing::BackToFront => "back to front",
+        Compositing::XRay => "summation",
     }
 }
 

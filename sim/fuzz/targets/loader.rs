@@ -11,7 +11,7 @@ fn file(bytes: &[u8], extension: &str) -> PathBuf {
 }
 
 /// Loads `bytes` as a scene file of the given extension; the outcome does not matter.
-#[allow(dead_code)] // Each target uses one of the two.
+#[allow(dead_code)] // Each target uses one of the three.
 pub fn load(bytes: &[u8], extension: &str) {
     let _ = scene::load(&file(bytes, extension), &scene::LoadOptions::default());
 }
@@ -20,4 +20,13 @@ pub fn load(bytes: &[u8], extension: &str) {
 #[allow(dead_code)]
 pub fn load_points(bytes: &[u8], extension: &str) {
     let _ = points::load(&file(bytes, extension));
+}
+
+/// Loads `bytes` as a height field.
+#[allow(dead_code)]
+pub fn load_height_field(bytes: &[u8]) {
+    let _ = points::height_field::HeightField::load(
+        &file(bytes, "csv"),
+        points::height_field::USUAL_SPACING,
+    );
 }
