@@ -30,9 +30,9 @@ fn main() -> ExitCode {
         ["package", design, folder] => write_package(design, Path::new(folder)),
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
-        ["area"] => area::report().and_then(|text| Ok(std::fs::write(area::REPORT, text)?)),
+        ["area"] => area::report().and_then(|text| write_whole(area::REPORT.as_ref(), &text)),
         ["layouts"] => {
-            layouts::report().and_then(|text| Ok(std::fs::write(layouts::REPORT, text)?))
+            layouts::report().and_then(|text| write_whole(layouts::REPORT.as_ref(), &text))
         }
         ["estimate", design, lanes] => print_estimate(design, lanes),
         ["area", design] => area::design(design).map(|text| print!("{text}")),
@@ -81,7 +81,12 @@ fn write_package(design: &str, folder: &Path) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     std::fs::create_dir_all(folder)?;
     let text = package::text(choice.name.as_str(), &choice.widths);
-    Ok(std::fs::write(folder.join("splatline_pkg.sv"), text)?)
+    write_whole(&folder.join("splatline_pkg.sv"), &text)
+}
+
+/// A file under its name is always a whole one.
+fn write_whole(path: &Path, text: &str) -> Result<()> {
+    Ok(splatline_sim::atomic::write(path, text.as_bytes())?)
 }
 
 /// Words, cycles of every splat, and cycles of whole pictures, for all circuits.
