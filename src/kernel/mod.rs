@@ -100,12 +100,6 @@ impl<'a> FootprintTable<'a> {
         self.rest_bits
     }
 
-    /// The upper ones of these bits, which the interpolator sees; 0 without interpolation.
-    #[inline(always)]
-    pub const fn kept_bits(&self) -> u32 {
-        self.kept
-    }
-
     /// Kernel at `radial` (UQ4.radial), UQ1.weight; 0 beyond the table. Interpolated results are rounded to nearest.
     #[inline(always)]
     pub fn weight(&self, radial: u64) -> u32 {
