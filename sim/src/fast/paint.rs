@@ -1,5 +1,6 @@
 //! Painting a tile: the kernel's rows, the vectors' pixels, and the scalar painter for what they cannot do.
 
+use super::fused::{self, FusedPainter};
 use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
 use super::pixels::{Counts, Intervals, PixelPath, supports};
 use super::rows::RowBatch;
@@ -33,7 +34,8 @@ pub struct FastPainter<'a, D> {
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    tile: Tile,
+    words: Option<Tile>,
+    pub(super) fused: Option<fused::Tile>,
 }
 
 /// What setup made of every splat, in the scene's order.
@@ -41,25 +43,30 @@ pub type Results = [Result<Footprint, Cull>];
 
 /// Paints tiles front to back along spans, whatever the design.
 pub trait TilePainter: Sync {
-    /// Paints the footprints of `list`, in this order, into the scratch memory's tile, made transparent before.
+    /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `rows`.
     fn paint(
         &self,
         scratch: &mut Scratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
+        rows: &mut [&mut [Pixel]],
     ) -> Coverage;
 }
 
 /// A painter on vectors for a design and rules; `None` where only the scalar painter can.
 ///
 /// One compiled copy exists for each named design with 32-bit lanes, because its shifts are constants of the instructions.
-pub fn tile_painter<'a, D: Design>(
+pub fn tile_painter<'a, D: Design + Sync + 'a>(
     design: D,
     rules: &Rules,
     table: FootprintTable<'a>,
     choice: Choice,
+    footprints: &Results,
 ) -> Option<Box<dyn TilePainter + 'a>> {
+    if let Some(painter) = FusedPainter::new(design, rules, table, choice, footprints) {
+        return Some(Box::new(painter));
+    }
     // Lanes of 64 bits do not wrap where those of 32 do.
     if size_of::<D::Lane>() != size_of::<i32>() {
         return None;
@@ -115,26 +122,21 @@ impl<D: Design<Lane = i32> + Sync> TilePainter for FastPainter<'_, D> {
         window: Window,
         footprints: &Results,
         list: &[u32],
+        rows: &mut [&mut [Pixel]],
     ) -> Coverage {
-        scratch
-            .tile
-            .open(window, Pixel::clear(&self.design.widths()));
-        dispatch(
-            self.choice,
-            Painting {
-                painter: self,
-                tile: &mut scratch.tile,
-                footprints,
-                list,
-            },
-        )
-    }
-}
-
-impl Scratch {
-    /// Row `y` of the tile painted last, counted from its first.
-    pub fn copy_row(&self, y: usize, to: &mut [Pixel]) {
-        self.tile.copy_row(y, to);
+        let tile = scratch.words.get_or_insert_with(Tile::new);
+        tile.open(window, Pixel::clear(&self.design.widths()));
+        let painting = Painting {
+            painter: self,
+            tile,
+            footprints,
+            list,
+        };
+        let coverage = dispatch(self.choice, painting);
+        for (y, row) in rows.iter_mut().enumerate() {
+            tile.copy_row(y, row);
+        }
+        coverage
     }
 }
 
@@ -187,8 +189,10 @@ impl<D: Design<Lane = i32>> Painting<'_, '_, D> {
                 let Ok(footprint) = &footprints[*index as usize] else {
                     continue;
                 };
-                let rows = SpanRows::new(painter.design, footprint, &window).constants();
-                let brush = path.brush(footprint, rows.second);
+                let rows = SpanRows::new(painter.design, footprint, &window)
+                    .constants()
+                    .widened();
+                let brush = path.brush(footprint, rows.second as i32);
                 let fits = batch.fill(lanes, &rows, window.first[0]);
                 let (Some(brush), true) = (brush, fits) else {
                     coverage += paint_scalar(&painter.scalar, footprint, tile);

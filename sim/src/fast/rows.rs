@@ -6,7 +6,7 @@
 //!
 //! [`SpanRows`]: splatline::raster::SpanRows
 
-use super::lanes::Lanes;
+use super::lanes::Wide;
 use super::setup::number::Arithmetic;
 use super::tile::TILE;
 use core::ops::Range;
@@ -31,6 +31,14 @@ struct Spans {
     first: [i64; ROOM],
 }
 
+/// A run of pixels: its first column, its length, its first radial index and difference, not cut to the lanes' word yet.
+#[derive(Clone, Copy, Debug)]
+pub struct Seeds {
+    pub x: usize,
+    pub length: usize,
+    pub seed: (i64, i64),
+}
+
 /// What the recurrences down the rows give, row by row; memory that is used again for every footprint.
 struct Recurrences {
     centre: [i64; ROOM],
@@ -50,7 +58,7 @@ impl Recurrences {
 
     /// A footprint's rows; `false` where words are larger than the vectors' arithmetic takes.
     #[inline(always)]
-    pub fn fill(&mut self, constants: &RowConstants<i32>) -> bool {
+    pub fn fill(&mut self, constants: &RowConstants<i64>) -> bool {
         let (_, bits, drop_radial, drop_first) = constants.drops;
         // Designs of at most 15 bits multiply the root's argument in two halves.
         let spread_bits = if bits <= 15 { 15 } else { 32 };
@@ -97,10 +105,10 @@ impl Spans {
 
     /// The runs in block number `block` of the tile that begins at column `left`; `false` if a word was too long for the arithmetic.
     #[inline(always)]
-    pub fn fill<L: Lanes>(
+    pub fn fill<L: Wide>(
         &mut self,
         lanes: L,
-        constants: &RowConstants<i32>,
+        constants: &RowConstants<i64>,
         rows: &Recurrences,
         left: u16,
         block: usize,
@@ -143,13 +151,25 @@ impl Spans {
         lanes.wide_store(&mut largest, large);
         // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
         let bits = constants.drops.1;
-        let limit = if bits <= 15 { bits } else { 30 };
+        let limit = if bits <= 15 { bits } else { bits.max(30) };
         largest.iter().fold(0, |all, word| all | word) >> limit == 0
     }
 
     /// The run of row number `row`, if it has pixels in the block.
     #[inline(always)]
-    pub fn run(&self, constants: &RowConstants<i32>, row: usize) -> Option<Run<i32>> {
+    pub fn seeds(&self, row: usize) -> Option<Seeds> {
+        let row = row % ROWS;
+        let (x, end) = (self.x[row], self.end[row]);
+        (x < end).then(|| Seeds {
+            x: x as usize,
+            length: (end - x) as usize,
+            seed: (self.radial[row], self.first[row]),
+        })
+    }
+
+    /// The run of row number `row`, if it has pixels in the block.
+    #[inline(always)]
+    pub fn run(&self, constants: &RowConstants<i64>, row: usize) -> Option<Run<i32>> {
         let row = row % ROWS;
         let (x, end) = (self.x[row], self.end[row]);
         (x < end).then(|| Run {
@@ -158,7 +178,7 @@ impl Spans {
             length: (end - x) as u16,
             radial: self.radial[row] as i32,
             first: self.first[row] as i32,
-            second: constants.second,
+            second: constants.second as i32,
         })
     }
 }
@@ -183,7 +203,7 @@ impl RowBatch {
 
     /// Computes the runs of a footprint in the tile that begins at column `left`; `false` if vectors cannot.
     #[inline(always)]
-    pub fn fill<L: Lanes>(&mut self, lanes: L, constants: &RowConstants<i32>, left: u16) -> bool {
+    pub fn fill<L: Wide>(&mut self, lanes: L, constants: &RowConstants<i64>, left: u16) -> bool {
         if !self.recurrences.fill(constants) {
             return false;
         }
@@ -213,16 +233,22 @@ impl RowBatch {
 
     /// The run in one row and block, if it has pixels.
     #[inline(always)]
-    pub fn run(&self, constants: &RowConstants<i32>, row: usize, block: usize) -> Option<Run<i32>> {
+    pub fn seeds(&self, row: usize, block: usize) -> Option<Seeds> {
+        self.blocks[block].seeds(row)
+    }
+
+    /// The run in one row and block, if it has pixels.
+    #[inline(always)]
+    pub fn run(&self, constants: &RowConstants<i64>, row: usize, block: usize) -> Option<Run<i32>> {
         self.blocks[block].run(constants, row)
     }
 }
 
 /// First and one past the last column of the rows' spans within the window; 0 and 0 where the ellipse does not reach.
 #[inline(always)]
-fn span<L: Lanes>(
+fn span<L: Wide>(
     math: Arithmetic<L>,
-    constants: &RowConstants<i32>,
+    constants: &RowConstants<i64>,
     centre: L::Word,
     vertical: L::Word,
 ) -> (L::Word, L::Word) {

@@ -1,6 +1,7 @@
 //! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word, and the counts.
 
 use super::TILE;
+use super::fused::FusedPainter;
 use super::lanes::Choice;
 use super::paint::{FastPainter, Scratch, TilePainter};
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
@@ -139,6 +140,26 @@ fn ordinary(
         .collect()
 }
 
+/// The tile as a painter gives it.
+fn painted(
+    painter: &impl TilePainter,
+    window: Window,
+    footprints: &[Result<Footprint, Cull>],
+) -> (Vec<Pixel>, Coverage) {
+    let [columns, rows] = [0, 1].map(|axis| usize::from(window.last[axis] - window.first[axis]));
+    let list: Vec<u32> = (0..footprints.len() as u32).collect();
+    let mut pixels = vec![Pixel::default(); columns * rows];
+    let mut parts: Vec<&mut [Pixel]> = pixels.chunks_exact_mut(columns).collect();
+    let coverage = painter.paint(
+        &mut Scratch::default(),
+        window,
+        footprints,
+        &list,
+        &mut parts,
+    );
+    (pixels, coverage)
+}
+
 /// Draws by both; `false` if vectors do not draw under these widths.
 fn agree(
     widths: Widths,
@@ -160,19 +181,21 @@ fn agree(
     for footprint in footprints.iter().flatten() {
         expected += scalar.draw(footprint, &mut target);
     }
-    let list: Vec<u32> = (0..footprints.len() as u32).collect();
     for choice in [Choice::Best, Choice::Eight, Choice::Portable] {
         let Some(painter) = FastPainter::new(Narrow(widths), rules, table, choice) else {
             return false;
         };
-        let mut scratch = Scratch::default();
-        let coverage = painter.paint(&mut scratch, window, footprints, &list);
-        for (y, row) in pixels.chunks_exact(columns).enumerate() {
-            let mut got = vec![Pixel::default(); columns];
-            scratch.copy_row(y, &mut got);
-            assert_eq!(got, row, "{choice:?}, row {y}");
-        }
+        let (got, coverage) = painted(&painter, window, footprints);
+        assert_eq!(got, pixels, "{choice:?}");
         assert_eq!(coverage, expected, "{choice:?}");
+    }
+    for portable in [false, true] {
+        let Some(painter) = FusedPainter::on(Narrow(widths), rules, table, footprints, portable) else {
+            return false;
+        };
+        let (got, coverage) = painted(&painter, window, footprints);
+        assert_eq!(got, pixels, "fused, portable: {portable}");
+        assert_eq!(coverage, expected, "fused, portable: {portable}");
     }
     true
 }

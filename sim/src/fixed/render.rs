@@ -338,19 +338,13 @@ fn raster<D: Design + Send + Sync>(
         options.compositing == Compositing::FrontToBack && options.traversal == Traversal::Spans;
     if let Engine::Vectors(choice) = engine
         && spans_in_order
-        && let Some(painter) = tile_painter(design, rules, table, choice)
+        && let Some(painter) = tile_painter(design, rules, table, choice, results)
     {
         return paint_frame(
             &widths,
             tiles,
             Scratch::default,
-            |scratch, window, list, rows| {
-                let coverage = painter.paint(scratch, window, results, list);
-                for (y, row) in rows.iter_mut().enumerate() {
-                    scratch.copy_row(y, row);
-                }
-                coverage
-            },
+            |scratch, window, list, rows| painter.paint(scratch, window, results, list, rows),
         );
     }
     let compositing = kernel_compositing(options.compositing);

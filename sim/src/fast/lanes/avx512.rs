@@ -2,10 +2,11 @@
 
 #![allow(unsafe_code)]
 
+use super::fused::FusedJob;
 use super::{Drop, Job, Lanes};
 use std::arch::x86_64::*;
 
-/// Proof that the processor has AVX-512 F, BW, DQ, VL and CD and all that AVX2 processors have.
+/// Proof that the processor has AVX-512 F, BW, DQ, VL, CD and IFMA and all that AVX2 processors have.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(());
 
@@ -18,16 +19,33 @@ impl Avx512 {
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("avx512cd");
+            && is_x86_feature_detected!("avx512cd")
+            && is_x86_feature_detected!("avx512ifma");
         all.then_some(Avx512(()))
     }
 }
 
 #[target_feature(
-    enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
+    enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
 )]
 fn run_with<J: Job>(lanes: Avx512, job: J) -> J::Output {
     job.run(lanes)
+}
+
+#[target_feature(
+    enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
+)]
+fn run_fused_with<J: FusedJob>(lanes: Avx512, job: J) -> J::Output {
+    job.run(lanes)
+}
+
+impl Avx512 {
+    /// Runs a job compiled for this processor.
+    #[inline(always)]
+    pub fn run_fused<J: FusedJob>(self, job: J) -> J::Output {
+        // SAFETY: `self` proves that the processor has what the function is compiled for.
+        unsafe { run_fused_with(self, job) }
+    }
 }
 
 /// An intrinsic on registers. SAFETY of every use: `self` proves that the processor has the instruction.

@@ -4,7 +4,7 @@
 //! |---|--:|---|
 //! | [`Portable`] | 8 | everywhere else; arrays that the compiler turns into NEON on aarch64 |
 //! | [`avx2::Avx2`] | 8 | x86-64 that reports AVX2 |
-//! | [`avx512::Avx512`] | 16 | x86-64 that reports AVX-512 F, BW, DQ and VL |
+//! | [`avx512::Avx512`] | 16 | x86-64 that reports AVX-512 F, BW, DQ, VL, CD and IFMA |
 //!
 //! A value of an x86 type is the proof that the processor has its instructions, because only detection makes one; that is what makes the
 //! methods safe to call. [`dispatch`] runs a [`Job`] on the widest of them, compiled for it. Every method is one or two instructions;
@@ -15,6 +15,7 @@ pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
 mod floats;
+pub mod fused;
 mod portable;
 mod wide;
 
