@@ -31,14 +31,6 @@ struct Spans {
     first: [i64; ROOM],
 }
 
-/// A run of pixels: its first column, its length, its first radial index and difference, not cut to the lanes' word yet.
-#[derive(Clone, Copy, Debug)]
-pub struct Seeds {
-    pub x: usize,
-    pub length: usize,
-    pub seed: (i64, i64),
-}
-
 /// What the recurrences down the rows give, row by row; memory that is used again for every footprint.
 struct Recurrences {
     centre: [i64; ROOM],
@@ -59,16 +51,7 @@ impl Recurrences {
     /// A footprint's rows; `false` where words are larger than the vectors' arithmetic takes.
     #[inline(always)]
     pub fn fill(&mut self, constants: &RowConstants<i64>) -> bool {
-        let (_, bits, drop_radial, drop_first) = constants.drops;
-        // Designs of at most 15 bits multiply the root's argument in two halves.
-        let spread_bits = if bits <= 15 { 15 } else { 32 };
-        let tame = constants.spread.0 < 1 << spread_bits
-            && constants.spread.2 <= 30
-            && constants.curvature.unsigned_abs() <= 1 << bits
-            && drop_radial >= 0
-            && drop_first >= 0
-            && constants.fraction < VERTICAL_FRACTION;
-        if !tame {
+        if !is_tame(constants) {
             return false;
         }
         let [first, last] = constants.rows;
@@ -115,56 +98,18 @@ impl Spans {
     ) -> bool {
         let math = Arithmetic { lanes };
         let first_column = i64::from(left) + (block * usize::from(BLOCK)) as i64;
-        let last_column = first_column + i64::from(BLOCK);
-        let zero = math.splat(0);
-        let mut large = zero;
+        let columns = [first_column, first_column + i64::from(BLOCK)];
+        let mut large = math.splat(0);
         for start in (0..rows.count).step_by(L::WIDE) {
             let centre = lanes.wide_load(window(&rows.centre, start));
             let vertical = lanes.wide_load(window(&rows.vertical, start));
-            let (low, high) = span(math, constants, centre, vertical);
-            let x = math.max(low, math.splat(first_column));
-            let end = math.min(high, math.splat(last_column));
-            let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
-            let dx = math.sub(math.shl(x, 32), centre);
-            let dx = math.align(dx, math.splat(drop_dx.into()));
-            large = math.max(
-                large,
-                math.select(zero, math.magnitude(dx), math.greater(end, x)),
-            );
-            let along = math.mul(math.splat(constants.curvature), dx);
-            let across = math.mul(math.round(along, bits), dx);
-            let radial = math.add(
-                math.align(across, math.splat(drop_radial.into())),
-                math.round(vertical, VERTICAL_FRACTION - constants.fraction),
-            );
-            let radial = math.add(radial, math.splat(constants.start));
-            let first = math.add(
-                math.align(along, math.splat(drop_first.into())),
-                math.splat(constants.unit),
-            );
-            lanes.wide_store(window_mut(&mut self.x, start), x);
-            lanes.wide_store(window_mut(&mut self.end, start), end);
-            lanes.wide_store(window_mut(&mut self.radial, start), radial);
-            lanes.wide_store(window_mut(&mut self.first, start), first);
+            let runs = runs(math, constants, [centre, vertical], columns, &mut large);
+            lanes.wide_store(window_mut(&mut self.x, start), runs.x);
+            lanes.wide_store(window_mut(&mut self.end, start), runs.end);
+            lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
+            lanes.wide_store(window_mut(&mut self.first, start), runs.first);
         }
-        let mut largest = [0; 8];
-        lanes.wide_store(&mut largest, large);
-        // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
-        let bits = constants.drops.1;
-        let limit = if bits <= 15 { bits } else { bits.max(30) };
-        largest.iter().fold(0, |all, word| all | word) >> limit == 0
-    }
-
-    /// The run of row number `row`, if it has pixels in the block.
-    #[inline(always)]
-    pub fn seeds(&self, row: usize) -> Option<Seeds> {
-        let row = row % ROWS;
-        let (x, end) = (self.x[row], self.end[row]);
-        (x < end).then(|| Seeds {
-            x: x as usize,
-            length: (end - x) as usize,
-            seed: (self.radial[row], self.first[row]),
-        })
+        is_short(lanes, constants, large)
     }
 
     /// The run of row number `row`, if it has pixels in the block.
@@ -233,15 +178,81 @@ impl RowBatch {
 
     /// The run in one row and block, if it has pixels.
     #[inline(always)]
-    pub fn seeds(&self, row: usize, block: usize) -> Option<Seeds> {
-        self.blocks[block].seeds(row)
-    }
-
-    /// The run in one row and block, if it has pixels.
-    #[inline(always)]
     pub fn run(&self, constants: &RowConstants<i64>, row: usize, block: usize) -> Option<Run<i32>> {
         self.blocks[block].run(constants, row)
     }
+}
+
+/// Runs of several rows in one block: a word for each row. Empty where `end` is not beyond `x`.
+#[derive(Clone, Copy)]
+pub struct Runs<L: Wide> {
+    /// First column, and one past the last.
+    pub x: L::Word,
+    /// See `x`.
+    pub end: L::Word,
+    /// Radial index and first difference at `x`, not cut to the lanes' word yet.
+    pub radial: L::Word,
+    /// See `radial`.
+    pub first: L::Word,
+}
+
+/// The runs between two columns, the first of which begins a block, of rows with these centres and radial indices at the centre. `large`
+/// becomes the largest distance from the centre.
+#[inline(always)]
+pub fn runs<L: Wide>(
+    math: Arithmetic<L>,
+    constants: &RowConstants<i64>,
+    [centre, vertical]: [L::Word; 2],
+    columns: [i64; 2],
+    large: &mut L::Word,
+) -> Runs<L> {
+    let (low, high) = span(math, constants, centre, vertical);
+    let x = math.max(low, math.splat(columns[0]));
+    let end = math.min(high, math.splat(columns[1]));
+    let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
+    let dx = math.sub(math.shl(x, 32), centre);
+    let dx = math.align(dx, math.splat(drop_dx.into()));
+    let open = math.greater(end, x);
+    let far = math.select(math.splat(0), math.magnitude(dx), open);
+    *large = math.max(*large, far);
+    let along = math.mul(math.splat(constants.curvature), dx);
+    let across = math.mul(math.round(along, bits), dx);
+    let radial = math.add(
+        math.align(across, math.splat(drop_radial.into())),
+        math.round(vertical, VERTICAL_FRACTION - constants.fraction),
+    );
+    let first = math.align(along, math.splat(drop_first.into()));
+    Runs {
+        x,
+        end,
+        radial: math.add(radial, math.splat(constants.start)),
+        first: math.add(first, math.splat(constants.unit)),
+    }
+}
+
+/// Were all distances from the centre short enough for the arithmetic of [`runs`]?
+#[inline(always)]
+pub fn is_short<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> bool {
+    let mut largest = [0; 8];
+    lanes.wide_store(&mut largest, large);
+    // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
+    let bits = constants.drops.1;
+    let limit = if bits <= 15 { bits } else { bits.max(30) };
+    largest.iter().fold(0, |all, word| all | word) >> limit == 0
+}
+
+/// Are a footprint's words small enough for vectors, whatever the row?
+#[inline(always)]
+pub fn is_tame(constants: &RowConstants<i64>) -> bool {
+    let (_, bits, drop_radial, drop_first) = constants.drops;
+    // Designs of at most 15 bits multiply the root's argument in two halves.
+    let spread_bits = if bits <= 15 { 15 } else { 32 };
+    constants.spread.0 < 1 << spread_bits
+        && constants.spread.2 <= 30
+        && constants.curvature.unsigned_abs() <= 1 << bits
+        && drop_radial >= 0
+        && drop_first >= 0
+        && constants.fraction < VERTICAL_FRACTION
 }
 
 /// First and one past the last column of the rows' spans within the window; 0 and 0 where the ellipse does not reach.

@@ -4,6 +4,7 @@
 //! pixels. What vectors cannot do in a tile is left to the kernel's painter. The vectors' code knows a design only by its numbers, so
 //! that one compiled copy serves all that have lanes of the same depth.
 
+mod cells;
 mod pixels;
 mod scale;
 mod tile;
@@ -11,7 +12,8 @@ mod tile;
 use super::lanes::fused::{Fused, FusedJob, dispatch_fused, has_fused};
 use super::lanes::Choice;
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
-use super::rows::RowBatch;
+use super::rows::is_tame;
+use cells::Parts;
 use pixels::{Brush, Palette, PixelPath};
 use rayon::prelude::*;
 use splatline::blend::Pixel;
@@ -72,11 +74,9 @@ impl<'a, D: Design + Sync> FusedPainter<'a, D> {
                 first: footprint.first,
                 last: footprint.last,
             };
-            let rows = SpanRows::new(design, footprint, &window).constants();
-            Some(Prepared {
-                rows: rows.widened(),
-                brush: palette.brush(footprint)?,
-            })
+            let rows = SpanRows::new(design, footprint, &window).constants().widened();
+            let brush = palette.brush(footprint)?;
+            is_tame(&rows).then_some(Prepared { rows, brush })
         };
         let prepared = footprints
             .par_iter()
@@ -107,8 +107,7 @@ impl<D: Design + Sync> TilePainter for FusedPainter<'_, D> {
         let tile = scratch
             .fused
             .get_or_insert_with(|| Tile::new(self.palette.scale));
-        tile.open(window, Pixel::clear(&self.design.widths()));
-        let coverage = dispatch_fused(
+        dispatch_fused(
             self.portable,
             Painting {
                 palette: &self.palette,
@@ -116,14 +115,13 @@ impl<D: Design + Sync> TilePainter for FusedPainter<'_, D> {
                 prepared: &self.prepared,
                 scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
+                window,
+                clear: Pixel::clear(&self.design.widths()),
                 list,
+                frame: rows,
                 deep: D::Lane::BITS > 32,
             },
-        );
-        for (y, row) in rows.iter_mut().enumerate() {
-            tile.copy_row(y, row);
-        }
-        coverage
+        )
     }
 }
 
@@ -146,18 +144,22 @@ impl<D: Design> FusedPainter<'_, D> {
 }
 
 /// A tile to be painted, by whatever vectors.
-struct Painting<'a> {
+struct Painting<'a, 'f> {
     palette: &'a Palette,
     rules: &'a Rules,
     prepared: &'a [Option<Prepared>],
     /// Paints the footprint of this number by the kernel.
     scalar: &'a dyn Fn(u32, &mut Tile) -> Coverage,
     tile: &'a mut Tile,
+    window: Window,
+    clear: Pixel,
     list: &'a [u32],
+    /// The tile's rows of the frame.
+    frame: &'a mut [&'f mut [Pixel]],
     deep: bool,
 }
 
-impl FusedJob for Painting<'_> {
+impl FusedJob for Painting<'_, '_> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -171,7 +173,7 @@ impl FusedJob for Painting<'_> {
     }
 }
 
-impl Painting<'_> {
+impl Painting<'_, '_> {
     #[inline(always)]
     fn paint<L: Fused, const STOP_BEFORE: bool, const DEEP: bool>(self, lanes: L) -> Coverage {
         let Painting {
@@ -180,13 +182,16 @@ impl Painting<'_> {
             prepared,
             scalar,
             tile,
+            window,
+            clear,
             list,
+            frame,
             ..
         } = self;
         let path = PixelPath::<L, STOP_BEFORE, DEEP>::new(lanes, palette, rules);
         let mut coverage = Coverage::default();
-        let mut batch = RowBatch::new();
-        let window = tile.window();
+        let mut parts = Parts::<DEEP>::new();
+        tile.open(window, clear);
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
                 if let Some(next) = part.get(number + AHEAD) {
@@ -197,25 +202,20 @@ impl Painting<'_> {
                     continue;
                 };
                 let rows = rows.within(&window);
-                if !batch.fill(lanes, &rows, window.first[0]) {
+                if !parts.fill(lanes, &rows, &window) {
                     coverage += scalar(*index, tile);
                     continue;
                 }
                 let colours = path.colours(brush, rows.second);
-                let planes = tile.rows_from(rows.rows[0]);
-                for (row, plane) in planes.iter_mut().take(batch.rows()).enumerate() {
-                    for block in batch.touched() {
-                        if let Some(run) = batch.seeds(row, block) {
-                            let x = run.x - usize::from(window.first[0]);
-                            path.paint(&colours, run.seed, x, run.length, plane, &mut coverage);
-                        }
-                    }
+                for part in parts.iter() {
+                    path.paint(&colours, &part, tile.cell(part.cell), &mut coverage);
                 }
             }
             if tile.is_finished() {
                 break;
             }
         }
+        tile.copy(frame.iter_mut().map(|row| &mut **row));
         coverage
     }
 }

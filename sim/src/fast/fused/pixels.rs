@@ -5,12 +5,12 @@
 //! instructions beside its load and store; words of 64 bits take as much room as the products need anyway, so that nothing is taken
 //! apart into even and odd words and interleaved again.
 //!
-//! As in [`pixels`](crate::fast::pixels), r is differenced eight pixels at a time, and an opacity of 0 changes no pixel.
+//! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
 
 use super::scale::Scale;
-use super::tile::{MARK, Row};
-use crate::fast::lanes::fused::Fused;
-use crate::fast::tile::TILE;
+use super::cells::Part;
+use super::tile::{Cell, MARK};
+use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
 use splatline::blend::Blend;
 use splatline::draw::{Coverage, cutoff_in_lane};
 use splatline::footprint::Footprint;
@@ -21,7 +21,8 @@ use splatline::rules::Rules;
 /// The table as vectors read it: an interval's value in the upper half of a word, its change in the lower one.
 #[derive(Clone, Debug)]
 pub struct Intervals {
-    pairs: Vec<u64>,
+    pairs: Pairs,
+    count: u64,
     rest_bits: u32,
 }
 
@@ -40,14 +41,15 @@ impl Intervals {
         };
         let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight);
         fits.then(|| Intervals {
-            pairs: entries.windows(2).map(pair).collect(),
+            pairs: Pairs::new(entries.windows(2).map(pair).collect()),
+            count: entries.len().saturating_sub(1) as u64,
             rest_bits: table.rest_bits(),
         })
     }
 
     /// Do all radial indices up to `last` lie in the table?
     fn reach(&self, last: i64) -> bool {
-        last < 0 || ((last as u64) >> self.rest_bits) < self.pairs.len() as u64
+        last < 0 || ((last as u64) >> self.rest_bits) < self.count
     }
 }
 
@@ -115,16 +117,16 @@ impl Palette {
 #[derive(Clone, Copy)]
 pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
     lanes: L,
-    table: &'a [u64],
+    table: &'a Pairs,
     iota: L::Word,
-    triangle: L::Word,
-    zero: L::Word,
-    /// Right shift from a radial index to its interval.
+    /// k (k - 1) / 2 for pixel k.
+    corners: L::Word,
+    /// Right turn from a radial index to its interval.
     interval: L::Word,
     /// Right turn and mask that leave the position within it.
     position: L::Word,
     position_mask: L::Word,
-    /// Right shift from a pair to its value, the mask that leaves it, and the rounding of the interpolated one.
+    /// Right turn from a pair to its value, the mask that leaves it, and the rounding of the interpolated one.
     value: L::Word,
     value_mask: L::Word,
     value_half: L::Word,
@@ -134,6 +136,7 @@ pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
     alpha_min: L::Word,
     share_half: L::Word,
     share_mask: L::Word,
+    /// Right turn that makes a share a transmittance.
     to_light: L::Word,
     /// Transmittances below this finish a pixel.
     stop: L::Word,
@@ -148,10 +151,8 @@ pub struct Colours<L: Fused> {
     end: L::Word,
     peak: L::Word,
     colour: [L::Word; 3],
-    /// k (k - 1) / 2 s and 28 s + 8 k s for pixel k of a vector.
-    ahead: [L::Word; 2],
-    /// 64 s.
-    second: L::Word,
+    /// k (k - 1) / 2 s for pixel k.
+    ahead: L::Word,
 }
 
 impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
@@ -172,25 +173,22 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         // The position's left shift: it stands where its product with a change is a value at its scale.
         let raised = scale.weight - kept;
         let splat = |value: u64| lanes.wide_splat(value as i64);
-        let above = |below: u32| splat(u64::MAX << below);
+        let turn = |right: u32| splat(u64::from(right % 64));
+        let factor = u64::MAX >> (64 - DROPPED);
+        let above = |below: u32| splat(factor & (u64::MAX << below));
         let half = |below: u32| splat(scale.half(below));
         let value_half = if kept > 0 { 1 << (kept - 1) << raised } else { 0 };
+        let iota = lanes.wide_iota();
+        let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
         PixelPath {
             lanes,
             table: &intervals.pairs,
-            iota: lanes.wide_iota(),
-            triangle: lanes.wide_shr(
-                lanes.mul_words(
-                    lanes.wide_iota(),
-                    lanes.max_whole(splat(0), lanes.wide_sub(lanes.wide_iota(), splat(1))),
-                ),
-                splat(1),
-            ),
-            zero: splat(0),
-            interval: splat(rest.into()),
-            position: splat(u64::from((rest - kept).wrapping_sub(raised) % 64)),
+            iota,
+            corners: lanes.wide_shr(corners, splat(1)),
+            interval: turn(rest),
+            position: turn((rest - kept).wrapping_sub(raised)),
             position_mask: splat(((1 << kept) - 1) << raised),
-            value: splat(u64::from(32 - scale.weight)),
+            value: turn(32 - scale.weight),
             value_mask: above(scale.weight),
             value_half: splat(value_half),
             alpha_half: half(scale.alpha),
@@ -199,120 +197,72 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
             alpha_min: splat(u64::from(constants.alpha_min) << scale.alpha),
             share_half: half(scale.share),
             share_mask: above(scale.share),
-            to_light: splat(scale.to_light.into()),
+            to_light: turn(64 - scale.to_light),
             stop: splat((u64::from(constants.stop) + 1) << scale.transmittance),
             mark: splat(MARK),
             sum_half: half(scale.sum),
-            sum_mask: above(scale.sum),
+            sum_mask: splat(u64::MAX << scale.sum),
         }
     }
 
     /// A brush on vectors, for rows with this second difference.
     #[inline(always)]
     pub fn colours(&self, brush: &Brush, second: i64) -> Colours<L> {
-        let lanes = self.lanes;
-        let splat = |value: i64| lanes.wide_splat(value);
-        let second = self.lane(second);
-        let part = |factor: i64| self.lane(second.wrapping_mul(factor));
+        let splat = |value: i64| self.lanes.wide_splat(value);
         Colours {
             end: splat(brush.end),
             peak: splat(brush.peak as i64),
             colour: brush.colour.map(|c| splat(c as i64)),
-            ahead: [
-                self.multiply(self.triangle, splat(second)),
-                self.sum(splat(part(28)), self.multiply(self.iota, splat(part(8)))),
-            ],
-            second: splat(part(64)),
+            ahead: self.multiply(self.corners, splat(second)),
         }
     }
 
-    /// A lane's word without its sign.
-    #[inline(always)]
-    fn lane(&self, word: i64) -> i64 {
-        if DEEP { word } else { (word as u32).into() }
-    }
-
+    /// A product modulo the lanes' word; what is above it is anything.
     #[inline(always)]
     fn multiply(&self, a: L::Word, b: L::Word) -> L::Word {
         if DEEP {
             self.lanes.mul_whole(a, b)
         } else {
-            self.lanes.mul_words(a, b)
+            self.lanes.wide_mul(a, b)
         }
     }
 
+    /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
-    fn sum(&self, a: L::Word, b: L::Word) -> L::Word {
+    fn radial(&self, colours: &Colours<L>, part: &Part) -> L::Word {
+        let lanes = self.lanes;
+        let [radial, first] = [part.radial, part.first].map(|word| lanes.wide_splat(word as i64));
+        let along = self.multiply(self.iota, first);
+        let radial = lanes.wide_add(lanes.wide_add(radial, colours.ahead), along);
         if DEEP {
-            self.lanes.wide_add(a, b)
+            lanes.max_whole(radial, lanes.wide_splat(0))
         } else {
-            self.lanes.add_words(a, b)
+            lanes.half_from_zero(radial)
         }
     }
 
-    /// Paints one run into a row of the tile, from its column `x`: radial index and first difference at its first pixel.
+    /// Paints what a footprint covers of a cell.
     #[inline(always)]
     pub fn paint(
         &self,
         colours: &Colours<L>,
-        (radial, first): (i64, i64),
-        x: usize,
-        length: usize,
-        row: &mut Row,
+        part: &Part,
+        cell: &mut Cell,
         coverage: &mut Coverage,
     ) {
         let lanes = self.lanes;
-        let first = lanes.wide_splat(self.lane(first));
-        let radial = lanes.wide_splat(self.lane(radial));
-        let mut radial = self.sum(
-            self.sum(radial, self.multiply(self.iota, first)),
-            colours.ahead[0],
-        );
-        coverage.visited += length as u64;
-        if length > L::WIDE {
-            let eight = lanes.wide_splat(8);
-            let mut difference = self.sum(self.multiply(first, eight), colours.ahead[1]);
-            let (mut x, mut rest) = (x, length);
-            while rest > L::WIDE {
-                self.blend(colours, radial, u8::MAX, x, row, coverage);
-                radial = self.sum(radial, difference);
-                difference = self.sum(difference, colours.second);
-                x += L::WIDE;
-                rest -= L::WIDE;
-            }
-            return self.blend(colours, radial, first_bits(rest), x, row, coverage);
-        }
-        self.blend(colours, radial, first_bits(length), x, row, coverage);
-    }
-
-    /// One vector of pixels, of which those with their bit belong to the run.
-    #[inline(always)]
-    fn blend(
-        &self,
-        colours: &Colours<L>,
-        radial: L::Word,
-        of_run: u8,
-        x: usize,
-        row: &mut Row,
-        coverage: &mut Coverage,
-    ) {
-        let lanes = self.lanes;
-        // Never changes x; tells the compiler that a vector fits.
-        let x = x % usize::from(TILE[0]);
-        let radial = if DEEP {
-            lanes.max_whole(radial, self.zero)
-        } else {
-            lanes.max_words(radial, self.zero)
-        };
-        let inside = lanes.bits(lanes.wide_greater(colours.end, radial)) & of_run;
-        let light = lanes.read(&row[0][x..]);
-        let live = inside & !lanes.bits(lanes.negative_word(light));
-        coverage.covered += u64::from(inside.count_ones());
+        let radial = self.radial(colours, part);
+        let inside = lanes.greater_among(colours.end, radial, part.pixels);
+        let light = lanes.read(&cell.light);
+        let live = lanes.clear_among(light, self.mark, inside);
+        let covered = u64::from(inside.count_ones());
+        coverage.visited += u64::from(part.pixels.count_ones());
+        coverage.covered += covered;
+        coverage.finished += covered;
         if live == 0 {
-            coverage.finished += u64::from(inside.count_ones());
             return;
         }
-        coverage.finished += u64::from((inside & !live).count_ones());
+        coverage.finished -= u64::from(live.count_ones());
         let value = self.value(radial, lanes.truth(live));
         let alpha = lanes.fused(self.alpha_half, value, colours.peak);
         let alpha = lanes.min_whole(alpha, self.alpha_max);
@@ -321,22 +271,20 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         let alpha = lanes.keep(alpha, self.alpha_mask, counts);
         let share = lanes.fused(self.share_half, light, alpha);
         let share = lanes.wide_and(share, self.share_mask);
-        let rest = lanes.wide_sub(light, lanes.wide_shl(share, self.to_light));
+        let rest = lanes.wide_sub(light, lanes.turn(share, self.to_light));
         let goes_on = lanes.at_least(rest, self.stop);
         let before = if STOP_BEFORE { light } else { rest };
-        let after = lanes.choose(rest, before, self.mark, goes_on);
-        lanes.write(&mut row[0][x..], after);
-        for (plane, colour) in row[1..].iter_mut().zip(colours.colour) {
-            let sum = lanes.read(&plane[x..]);
+        let stopped = lanes.merge(before, before, self.mark);
+        let after = lanes.wide_select(stopped, rest, goes_on);
+        lanes.write(&mut cell.light, after);
+        for (plane, colour) in cell.colour.iter_mut().zip(colours.colour) {
+            let sum = lanes.read(plane);
             let sum = if STOP_BEFORE {
                 lanes.fused_where(sum, share, colour, goes_on)
             } else {
                 lanes.fused(sum, share, colour)
             };
-            lanes.write(
-                &mut plane[x..],
-                lanes.merge(sum, self.sum_mask, self.sum_half),
-            );
+            lanes.write(plane, lanes.merge(sum, self.sum_mask, self.sum_half));
         }
     }
 
@@ -344,21 +292,12 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
     #[inline(always)]
     fn value(&self, radial: L::Word, live: L::Truth) -> L::Word {
         let lanes = self.lanes;
-        let interval = lanes.wide_shr(radial, self.interval);
+        let interval = lanes.turn(radial, self.interval);
         let pair = lanes.gather_pairs(self.table, interval, live);
         let position = lanes.wide_and(lanes.turn(radial, self.position), self.position_mask);
-        let value = lanes.merge(
-            lanes.wide_shr(pair, self.value),
-            self.value_mask,
-            self.value_half,
-        );
+        let value = lanes.turn(pair, self.value);
+        let value = lanes.merge(value, self.value_mask, self.value_half);
         let value = lanes.wide_add(value, lanes.wide_mul(pair, position));
         lanes.wide_and(value, self.value_mask)
     }
-}
-
-/// The lowest `count` bits of eight, `count` up to 8.
-#[inline(always)]
-fn first_bits(count: usize) -> u8 {
-    ((1u32 << count) - 1) as u8
 }

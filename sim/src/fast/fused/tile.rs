@@ -1,26 +1,39 @@
-//! A tile's pixels as the fused path keeps them: one plane of 64-bit words per quantity, at the scales of the fused products.
+//! A tile's pixels as the fused path keeps them: eight neighbours of a row together, as 64-bit words at the scales of the fused products.
+//!
+//! A vector is always one [`Cell`]. So none crosses a line of the cache, and what one splat stored is what the next one loads; runs
+//! that begin anywhere would split most loads and stores in two and find half of a word still on its way to the cache.
 
 use super::scale::Scale;
 use crate::fast::tile::TILE;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
 
-/// Columns that a vector may reach beyond the tile's last pixel.
-const SPARE: usize = 8;
+/// Pixels of a cell.
+pub const CELL: usize = 8;
 
-/// Words from one plane of a row to the next.
-pub const STRIDE: usize = TILE[0] as usize + SPARE;
+/// Cells of a tile's row.
+pub const CELLS_OF_ROW: usize = TILE[0] as usize / CELL;
 
-/// One row: transmittance, red, green, blue. The spare columns hold finished pixels.
-pub type Row = [[u64; STRIDE]; 4];
+/// Cells of a tile.
+pub const CELLS: usize = CELLS_OF_ROW * TILE[1] as usize;
+
+const _: () = assert!(CELLS.is_power_of_two() && (TILE[0] as usize).is_multiple_of(CELL));
 
 /// The mark of a finished pixel, which no fused product sees.
 pub const MARK: u64 = 1 << 63;
 
-/// The planes of one tile, kept from tile to tile by a thread.
+/// Eight pixels of a row: transmittances, and sums of red, green and blue.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Cell {
+    pub light: [u64; CELL],
+    pub colour: [[u64; CELL]; 3],
+}
+
+/// The cells of one tile, kept from tile to tile by a thread.
 #[derive(Clone, Debug)]
 pub struct Tile {
-    rows: Box<[Row; TILE[1] as usize]>,
+    cells: Box<[Cell; CELLS]>,
     window: Window,
     scale: Scale,
 }
@@ -28,8 +41,12 @@ pub struct Tile {
 impl Tile {
     /// Memory for a tile, empty.
     pub fn new(scale: Scale) -> Self {
+        let empty = Cell {
+            light: [0; CELL],
+            colour: [[0; CELL]; 3],
+        };
         Tile {
-            rows: Box::new([[[0; STRIDE]; 4]; TILE[1] as usize]),
+            cells: Box::new([empty; CELLS]),
             window: Window {
                 first: [0; 2],
                 last: [0; 2],
@@ -39,16 +56,21 @@ impl Tile {
     }
 
     /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
+    #[inline(always)]
     pub fn open(&mut self, window: Window, clear: Pixel) {
         self.window = window;
         let (columns, rows) = (self.columns(), self.rows());
-        let words = self.scale.words(clear);
-        for row in self.rows.iter_mut().take(rows) {
-            for (plane, word) in row.iter_mut().zip(words) {
-                plane.fill(word);
-            }
+        let [light, colour @ ..] = self.scale.words(clear);
+        let clear = Cell {
+            light: [light; CELL],
+            colour: colour.map(|sum| [sum; CELL]),
+        };
+        for row in self.cells.chunks_exact_mut(CELLS_OF_ROW).take(rows) {
+            row.fill(clear);
             // Nothing that a vector finds beyond the tile counts as a pixel.
-            row[0][columns..].fill(MARK);
+            for x in columns..TILE[0].into() {
+                row[x / CELL].light[x % CELL] = MARK;
+            }
         }
     }
 
@@ -65,57 +87,67 @@ impl Tile {
         usize::from(self.window.last[1] - self.window.first[1]).min(TILE[1].into())
     }
 
-    /// The rows from row `y` of the screen on.
+    /// The cell of this number, counted along the rows from the tile's first.
     #[inline(always)]
-    pub fn rows_from(&mut self, y: u16) -> &mut [Row] {
-        let row = y.wrapping_sub(self.window.first[1]) % TILE[1];
-        &mut self.rows[usize::from(row)..]
+    pub fn cell(&mut self, number: usize) -> &mut Cell {
+        &mut self.cells[number % CELLS]
     }
 
     /// Have all its pixels finished?
     #[inline(always)]
     pub fn is_finished(&self) -> bool {
-        self.rows[..self.rows()]
-            .iter()
-            .all(|row| row[0].iter().fold(MARK, |all, t| all & t) != 0)
+        let mut cells = self.cells.iter().take(self.rows() * CELLS_OF_ROW);
+        cells.all(|cell| cell.light.iter().fold(MARK, |all, light| all & light) != 0)
     }
 
     /// The pixels as the kernel knows them, row by row.
     pub fn to_pixels(&self) -> Vec<Pixel> {
         let columns = self.columns();
         let mut pixels = vec![Pixel::default(); columns * self.rows()];
-        for (row, y) in pixels.chunks_exact_mut(columns.max(1)).zip(0..) {
-            self.copy_row(y, row);
-        }
+        self.copy(pixels.chunks_exact_mut(columns.max(1)));
         pixels
     }
 
     /// The inverse of [`Tile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
         let columns = self.columns().max(1);
-        for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
+        let rows = self.cells.chunks_exact_mut(CELLS_OF_ROW);
+        for (row, pixels) in rows.zip(pixels.chunks_exact(columns)) {
             for (x, pixel) in pixels.iter().enumerate() {
-                for (plane, word) in row.iter_mut().zip(self.scale.words(*pixel)) {
-                    plane[x] = word;
-                }
+                let (cell, k) = (&mut row[x / CELL], x % CELL);
+                let [light, red, green, blue] = self.scale.words(*pixel);
+                cell.light[k] = light;
+                cell.colour[0][k] = red;
+                cell.colour[1][k] = green;
+                cell.colour[2][k] = blue;
             }
         }
     }
 
-    /// Writes the tile's row `y`, counted from its first, as pixels.
+    /// Writes the tile's rows as pixels.
     #[inline(always)]
-    pub fn copy_row(&self, y: usize, to: &mut [Pixel]) {
-        let Some([transmittance, red, green, blue]) = self.rows.get(y) else {
-            return;
-        };
-        let scale = self.scale;
-        let colours = red.iter().zip(green).zip(blue);
-        for ((pixel, transmittance), ((r, g), b)) in to.iter_mut().zip(transmittance).zip(colours) {
-            let mark = if transmittance & MARK == 0 { 0 } else { FINISHED };
-            *pixel = Pixel {
-                colour: [*r, *g, *b].map(|sum| (sum >> scale.sum) as u32),
-                transmittance: ((transmittance & !MARK) >> scale.transmittance) as u32 | mark,
-            };
+    pub fn copy<'p>(&self, rows: impl Iterator<Item = &'p mut [Pixel]>) {
+        for (cells, row) in self.cells.chunks_exact(CELLS_OF_ROW).zip(rows) {
+            for (cell, pixels) in cells.iter().zip(row.chunks_mut(CELL)) {
+                let words = self.pixels(cell);
+                pixels.copy_from_slice(&words[..pixels.len()]);
+            }
         }
+    }
+
+    /// A cell's pixels.
+    #[inline(always)]
+    fn pixels(&self, cell: &Cell) -> [Pixel; CELL] {
+        let Scale {
+            sum, transmittance, ..
+        } = self.scale;
+        std::array::from_fn(|k| {
+            let light = cell.light[k];
+            let mark = if light & MARK == 0 { 0 } else { FINISHED };
+            Pixel {
+                colour: cell.colour.map(|plane| (plane[k] >> sum) as u32),
+                transmittance: ((light & !MARK) >> transmittance) as u32 | mark,
+            }
+        })
     }
 }

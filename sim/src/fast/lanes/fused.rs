@@ -10,14 +10,28 @@ use super::{Portable, Wide};
 /// Fraction bits that the fused product drops.
 pub const DROPPED: u32 = 52;
 
+/// A table whose length is a power of two.
+#[derive(Clone, Debug)]
+pub struct Pairs(Box<[u64]>);
+
+impl Pairs {
+    /// These entries, and zeros up to a power of two.
+    pub fn new(mut entries: Vec<u64>) -> Self {
+        entries.resize(entries.len().next_power_of_two(), 0);
+        Pairs(entries.into())
+    }
+}
+
 /// Operations of the fused pixel path. Arithmetic wraps.
 pub trait Fused: Wide {
     /// 0, 1, 2, ...
     fn wide_iota(self) -> Self::Word;
-    /// The first words of `from`, which must have [`Wide::WIDE`] of them; zeros if it has not.
-    fn read(self, from: &[u64]) -> Self::Word;
-    /// Stores into the first words of `to`; nothing if it has fewer than [`Wide::WIDE`].
-    fn write(self, to: &mut [u64], value: Self::Word);
+    /// The words of memory.
+    fn read(self, from: &[u64; 8]) -> Self::Word;
+    /// Stores the words.
+    fn write(self, to: &mut [u64; 8], value: Self::Word);
+    /// Stores those that are true, one after the other, and anything after them.
+    fn pack(self, to: &mut [u64; 8], value: Self::Word, truth: Self::Truth);
     /// acc + (a b >> 52), of the low 52 bits of a and of b.
     fn fused(self, acc: Self::Word, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The same where it is true, else acc.
@@ -28,14 +42,12 @@ pub trait Fused: Wide {
         b: Self::Word,
         truth: Self::Truth,
     ) -> Self::Word;
-    /// a b of words that fit 32 bits without a sign, low 32 bits.
-    fn mul_words(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Low 64 bits of a b.
     fn mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Sums of the 32-bit halves, each by itself.
     fn add_words(self, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// The larger ones of the 32-bit halves, as signed numbers.
-    fn max_words(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// The low 32-bit half as a signed number, 0 where it is negative.
+    fn half_from_zero(self, a: Self::Word) -> Self::Word;
     /// The larger one, as signed numbers.
     fn max_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The smaller one, as unsigned numbers.
@@ -46,20 +58,14 @@ pub trait Fused: Wide {
     fn merge(self, a: Self::Word, mask: Self::Word, b: Self::Word) -> Self::Word;
     /// a & mask where it is true, 0 elsewhere.
     fn keep(self, a: Self::Word, mask: Self::Word, truth: Self::Truth) -> Self::Word;
-    /// a where it is true, b | c elsewhere.
-    fn choose(
-        self,
-        a: Self::Word,
-        b: Self::Word,
-        c: Self::Word,
-        truth: Self::Truth,
-    ) -> Self::Word;
     /// a >= b as signed numbers.
     fn at_least(self, a: Self::Word, b: Self::Word) -> Self::Truth;
-    /// Words whose most significant bit is set.
-    fn negative_word(self, a: Self::Word) -> Self::Truth;
-    /// `table[index]` where it is true, 0 elsewhere; the table's last entry beyond it.
-    fn gather_pairs(self, table: &[u64], index: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// Where a > b among those of these bits.
+    fn greater_among(self, a: Self::Word, b: Self::Word, bits: u8) -> u8;
+    /// Where a & mask = 0 among those of these bits.
+    fn clear_among(self, a: Self::Word, mask: Self::Word, bits: u8) -> u8;
+    /// The entries of these indices, modulo the table's length, where it is true, 0 elsewhere.
+    fn gather_pairs(self, table: &Pairs, index: Self::Word, truth: Self::Truth) -> Self::Word;
     /// A bit for every word.
     fn bits(self, truth: Self::Truth) -> u8;
     /// Truth values from bits.
@@ -114,13 +120,16 @@ impl Fused for Portable {
     fn wide_iota(self) -> Words {
         [0, 1, 2, 3, 4, 5, 6, 7]
     }
-    fn read(self, from: &[u64]) -> Words {
-        let words: [u64; 8] = from.first_chunk().copied().unwrap_or_default();
-        words.map(|word| word as i64)
+    fn read(self, from: &[u64; 8]) -> Words {
+        from.map(|word| word as i64)
     }
-    fn write(self, to: &mut [u64], value: Words) {
-        if let Some(words) = to.first_chunk_mut::<8>() {
-            *words = value.map(|word| word as u64);
+    fn write(self, to: &mut [u64; 8], value: Words) {
+        *to = value.map(|word| word as u64);
+    }
+    fn pack(self, to: &mut [u64; 8], value: Words, truth: [bool; 8]) {
+        let words = value.iter().zip(truth).filter(|(_, truth)| *truth);
+        for (to, (word, _)) in to.iter_mut().zip(words) {
+            *to = *word as u64;
         }
     }
     fn fused(self, acc: Words, a: Words, b: Words) -> Words {
@@ -131,17 +140,14 @@ impl Fused for Portable {
     fn fused_where(self, acc: Words, a: Words, b: Words, truth: [bool; 8]) -> Words {
         self.wide_select(acc, self.fused(acc, a, b), truth)
     }
-    fn mul_words(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| i64::from((a as u32).wrapping_mul(b as u32)))
-    }
     fn mul_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::wrapping_mul)
     }
     fn add_words(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| halves(a, b, i32::wrapping_add))
     }
-    fn max_words(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| halves(a, b, i32::max))
+    fn half_from_zero(self, a: Words) -> Words {
+        a.map(|a| (a as i32).max(0).into())
     }
     fn max_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::max)
@@ -158,19 +164,17 @@ impl Fused for Portable {
     fn keep(self, a: Words, mask: Words, truth: [bool; 8]) -> Words {
         self.wide_select([0; 8], self.wide_and(a, mask), truth)
     }
-    fn choose(self, a: Words, b: Words, c: Words, truth: [bool; 8]) -> Words {
-        self.wide_select(zip(b, c, |b, c| b | c), a, truth)
-    }
     fn at_least(self, a: Words, b: Words) -> [bool; 8] {
         std::array::from_fn(|k| a[k] >= b[k])
     }
-    fn negative_word(self, a: Words) -> [bool; 8] {
-        a.map(|a| a < 0)
+    fn greater_among(self, a: Words, b: Words, bits: u8) -> u8 {
+        self.bits(self.wide_greater(a, b)) & bits
     }
-    fn gather_pairs(self, table: &[u64], index: Words, truth: [bool; 8]) -> Words {
-        let last = table.len().saturating_sub(1) as u64;
-        let entry = |index: i64| table.get((index as u64).min(last) as usize);
-        let entries = index.map(|index| entry(index).copied().unwrap_or(0) as i64);
+    fn clear_among(self, a: Words, mask: Words, bits: u8) -> u8 {
+        self.bits(std::array::from_fn(|k| a[k] & mask[k] == 0)) & bits
+    }
+    fn gather_pairs(self, table: &Pairs, index: Words, truth: [bool; 8]) -> Words {
+        let entries = index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i64);
         self.wide_select([0; 8], entries, truth)
     }
     fn bits(self, truth: [bool; 8]) -> u8 {
@@ -187,7 +191,7 @@ mod x86 {
     //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction.
 
     use super::super::avx512::Avx512;
-    use super::Fused;
+    use super::{Fused, Pairs};
     use std::arch::x86_64::*;
 
     macro_rules! op {
@@ -202,17 +206,19 @@ mod x86 {
             op!(_mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7))
         }
         #[inline(always)]
-        fn read(self, from: &[u64]) -> __m512i {
-            let words: [u64; 8] = from.first_chunk().copied().unwrap_or_default();
+        fn read(self, from: &[u64; 8]) -> __m512i {
             // SAFETY: the array has the 64 bytes that are read; no alignment is needed.
-            unsafe { _mm512_loadu_si512(words.as_ptr().cast()) }
+            unsafe { _mm512_loadu_si512(from.as_ptr().cast()) }
         }
         #[inline(always)]
-        fn write(self, to: &mut [u64], value: __m512i) {
-            if let Some(words) = to.first_chunk_mut::<8>() {
-                // SAFETY: the array has the 64 bytes that are written; no alignment is needed.
-                unsafe { _mm512_storeu_si512(words.as_mut_ptr().cast(), value) }
-            }
+        fn write(self, to: &mut [u64; 8], value: __m512i) {
+            // SAFETY: the array has the 64 bytes that are written; no alignment is needed.
+            unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), value) }
+        }
+        #[inline(always)]
+        fn pack(self, to: &mut [u64; 8], value: __m512i, truth: u8) {
+            // Packed in a register: storing only some of the words is microcode on some processors.
+            self.write(to, op!(_mm512_maskz_compress_epi64(truth, value)));
         }
         #[inline(always)]
         fn fused(self, acc: __m512i, a: __m512i, b: __m512i) -> __m512i {
@@ -223,13 +229,6 @@ mod x86 {
             op!(_mm512_mask_madd52hi_epu64(acc, truth, a, b))
         }
         #[inline(always)]
-        fn mul_words(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_and_si512(
-                _mm512_mul_epu32(a, b),
-                _mm512_set1_epi64(0xffff_ffff)
-            ))
-        }
-        #[inline(always)]
         fn mul_whole(self, a: __m512i, b: __m512i) -> __m512i {
             op!(_mm512_mullo_epi64(a, b))
         }
@@ -238,8 +237,9 @@ mod x86 {
             op!(_mm512_add_epi32(a, b))
         }
         #[inline(always)]
-        fn max_words(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_max_epi32(a, b))
+        fn half_from_zero(self, a: __m512i) -> __m512i {
+            const LOW: u16 = 0x5555;
+            op!(_mm512_maskz_max_epi32(LOW, a, _mm512_setzero_si512()))
         }
         #[inline(always)]
         fn max_whole(self, a: __m512i, b: __m512i) -> __m512i {
@@ -263,31 +263,26 @@ mod x86 {
             op!(_mm512_maskz_and_epi64(truth, a, mask))
         }
         #[inline(always)]
-        fn choose(self, a: __m512i, b: __m512i, c: __m512i, truth: u8) -> __m512i {
-            op!(_mm512_mask_or_epi64(a, !truth, b, c))
-        }
-        #[inline(always)]
         fn at_least(self, a: __m512i, b: __m512i) -> u8 {
             op!(_mm512_cmpge_epi64_mask(a, b))
         }
         #[inline(always)]
-        fn negative_word(self, a: __m512i) -> u8 {
-            op!(_mm512_movepi64_mask(a))
+        fn greater_among(self, a: __m512i, b: __m512i, bits: u8) -> u8 {
+            op!(_mm512_mask_cmpgt_epi64_mask(bits, a, b))
         }
         #[inline(always)]
-        fn gather_pairs(self, table: &[u64], index: __m512i, truth: u8) -> __m512i {
-            let Some(last) = table.len().checked_sub(1) else {
-                return op!(_mm512_setzero_si512());
-            };
-            // SAFETY: every index lies in the table.
+        fn clear_among(self, a: __m512i, mask: __m512i, bits: u8) -> u8 {
+            op!(_mm512_mask_testn_epi64_mask(bits, a, mask))
+        }
+        #[inline(always)]
+        fn gather_pairs(self, table: &Pairs, index: __m512i, truth: u8) -> __m512i {
+            let last = table.0.len() as i64 - 1;
+            // SAFETY: the length is a power of two, so that every masked index lies in the table.
             unsafe {
-                let index = _mm512_min_epu64(index, _mm512_set1_epi64(last as i64));
-                _mm512_mask_i64gather_epi64::<8>(
-                    _mm512_setzero_si512(),
-                    truth,
-                    index,
-                    table.as_ptr().cast(),
-                )
+                let index = _mm512_and_si512(index, _mm512_set1_epi64(last));
+                let none = _mm512_setzero_si512();
+                let first = table.0.as_ptr().cast();
+                _mm512_mask_i64gather_epi64::<8>(none, truth, index, first)
             }
         }
         #[inline(always)]

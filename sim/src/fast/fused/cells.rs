@@ -1,0 +1,237 @@
+//! The cells that a footprint touches in a tile, each with its pixels and the radial index at its left edge.
+//!
+//! Rows are computed eight at a time, and their runs' seeds moved back to the left edges of cells, which is exact modulo the lanes' word: r(x - k) =
+//! r(x) - k f + k (k + 1) / 2 s. The list is in no order that matters, since a footprint touches a pixel once; what matters is that the pixels'
+//! loop runs through one long list and not through rows of two cells, whose ends no processor foresees.
+
+use super::tile::{CELL, CELLS, CELLS_OF_ROW};
+use crate::fast::lanes::fused::Fused;
+use crate::fast::rows::{Runs, is_short, runs};
+use crate::fast::setup::number::Arithmetic;
+use crate::fast::tile::TILE;
+use splatline::raster::{BLOCK, RowConstants, Window};
+
+/// A vector may reach beyond the last cell.
+const ROOM: usize = CELLS + 8;
+
+/// Cells of a block.
+const CELLS_OF_BLOCK: u16 = BLOCK / CELL as u16;
+
+/// Bits of a place that hold the run's pixels, one each.
+const PIXELS: u32 = CELL as u32;
+
+/// One cell of a footprint.
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Radial index and first difference at the cell's first pixel, to be cut to the lanes' word.
+    pub radial: u64,
+    pub first: u64,
+    /// The cell's number in the tile.
+    pub cell: usize,
+    /// A bit for each pixel of the run, the first one's the lowest.
+    pub pixels: u8,
+}
+
+/// The cells of a footprint in a tile: memory that is used again for every footprint.
+pub struct Parts<const DEEP: bool> {
+    radial: [u64; ROOM],
+    first: [u64; ROOM],
+    place: [u64; ROOM],
+    count: usize,
+}
+
+impl<const DEEP: bool> Parts<DEEP> {
+    /// No cells.
+    #[inline(always)]
+    pub fn new() -> Self {
+        Parts {
+            radial: [0; ROOM],
+            first: [0; ROOM],
+            place: [0; ROOM],
+            count: 0,
+        }
+    }
+
+    /// The cells.
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = Part> {
+        let words = self.radial.iter().zip(&self.first).zip(&self.place);
+        words
+            .take(self.count)
+            .map(|((radial, first), place)| Part {
+                radial: *radial,
+                first: *first,
+                cell: (place >> PIXELS) as usize,
+                pixels: *place as u8,
+            })
+    }
+
+    /// Lists the cells of a footprint's rows within the window; `false` if a word was too long for vectors.
+    #[inline(always)]
+    pub fn fill<L: Fused>(
+        &mut self,
+        lanes: L,
+        constants: &RowConstants<i64>,
+        window: &Window,
+    ) -> bool {
+        let math = Arithmetic { lanes };
+        self.count = 0;
+        let [top, bottom] = constants.rows;
+        let count = bottom.saturating_sub(top).min(TILE[1]);
+        let offset = top.wrapping_sub(window.first[1]) % TILE[1];
+        let mut rows = Rows::new(lanes, constants);
+        let mut large = math.splat(0);
+        for start in (0..count).step_by(L::WIDE) {
+            let open = first_bits(usize::from(count - start));
+            let [first, last] = constants.visible;
+            for left in (first - first % BLOCK..last).step_by(BLOCK.into()) {
+                let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
+                let [centre, vertical] = [rows.centre, rows.vertical];
+                let runs = runs(math, constants, [centre, vertical], columns, &mut large);
+                let corner = usize::from(offset + start) * CELLS_OF_ROW
+                    + usize::from(left.wrapping_sub(window.first[0])) / CELL;
+                let seen = [first.max(left) - left, (last - left).min(BLOCK)];
+                self.append(math, &runs, constants.second, open, left, seen, corner);
+            }
+            rows.step(lanes, constants.reach);
+        }
+        rows.are_short(lanes) && is_short(lanes, constants, large)
+    }
+
+    /// Lists the cells of eight rows in the block that begins at column `left`, in whose columns `seen` the footprint is. `corner` is the
+    /// number of the block's first cell in the first row.
+    #[allow(clippy::too_many_arguments)]
+    #[inline(always)]
+    fn append<L: Fused>(
+        &mut self,
+        math: Arithmetic<L>,
+        runs: &Runs<L>,
+        second: i64,
+        open: u8,
+        left: u16,
+        [seen, end_seen]: [u16; 2],
+        corner: usize,
+    ) {
+        let lanes = math.lanes;
+        let one = math.splat(1);
+        let begin = math.plus(runs.x, -i64::from(left));
+        let end = math.plus(runs.end, -i64::from(left));
+        let bits = math.sub(lanes.wide_shl(one, end), lanes.wide_shl(one, begin));
+        let is_open = lanes.bits(math.greater(end, begin)) & open;
+        let bits = math.select(math.splat(0), bits, lanes.truth(is_open));
+        let cells = seen / CELL as u16..end_seen.div_ceil(CELL as u16).min(CELLS_OF_BLOCK);
+        let back = math.plus(begin, -i64::from(cells.start * CELL as u16));
+        let corners = self.multiply(lanes, back, math.plus(back, 1));
+        let corners = self.multiply(lanes, math.sar(corners, 1), math.splat(second));
+        let moved = self.multiply(lanes, back, runs.first);
+        let mut radial = math.add(math.sub(runs.radial, moved), corners);
+        let slowed = self.multiply(lanes, back, math.splat(second));
+        let mut first = math.sub(runs.first, slowed);
+        let mut bits = lanes.turn(bits, math.splat(i64::from(cells.start) * 8));
+        let number = corner + usize::from(cells.start);
+        let number = math.splat((number << PIXELS) as i64);
+        let row = math.shl(lanes.wide_iota(), (CELLS_OF_ROW << PIXELS).ilog2().into());
+        let mut place = math.add(number, row);
+        for _ in cells {
+            let pixels = math.and(bits, 0xff);
+            let truth = math.greater(pixels, math.splat(0));
+            self.pack(lanes, [radial, first, math.add(place, pixels)], truth);
+            radial = math.add(radial, math.plus(math.shl(first, 3), second.wrapping_mul(28)));
+            first = math.plus(first, second.wrapping_mul(8));
+            bits = lanes.turn(bits, math.splat(8));
+            place = math.plus(place, 1 << PIXELS);
+        }
+    }
+
+    /// Words modulo the lanes' word.
+    #[inline(always)]
+    fn multiply<L: Fused>(&self, lanes: L, a: L::Word, b: L::Word) -> L::Word {
+        if DEEP {
+            lanes.mul_whole(a, b)
+        } else {
+            lanes.wide_mul(a, b)
+        }
+    }
+
+    /// Adds the cells where it is true.
+    #[inline(always)]
+    fn pack<L: Fused>(&mut self, lanes: L, words: [L::Word; 3], truth: L::Truth) {
+        let lists = [&mut self.radial, &mut self.first, &mut self.place];
+        for (list, word) in lists.into_iter().zip(words) {
+            if let Some(room) = list.get_mut(self.count..self.count + 8)
+                && let Some(room) = room.first_chunk_mut()
+            {
+                lanes.pack(room, word, truth);
+            }
+        }
+        self.count += lanes.bits(truth).count_ones() as usize;
+    }
+}
+
+/// What the recurrences down the rows give for eight rows, and what takes them to the next eight.
+struct Rows<L: Fused> {
+    centre: L::Word,
+    centre_step: L::Word,
+    vertical: L::Word,
+    vertical_step: L::Word,
+    vertical_change: L::Word,
+    /// Bits of centres from 2^61 on, and the largest rest of the cut-off, so far.
+    far: L::Word,
+    long: L::Word,
+}
+
+impl<L: Fused> Rows<L> {
+    /// The first eight rows.
+    #[inline(always)]
+    fn new(lanes: L, constants: &RowConstants<i64>) -> Self {
+        let splat = |value: i64| lanes.wide_splat(value);
+        let rows = lanes.wide_iota();
+        let before = lanes.wide_sub(rows, splat(1));
+        let corners = lanes.wide_mul(rows, before);
+        let corners = lanes.wide_sar(corners, splat(1));
+        let [vertical, change, second] = constants.vertical;
+        let times = |rows: L::Word, change: i64| lanes.mul_whole(rows, splat(change));
+        let eight = change
+            .wrapping_mul(8)
+            .wrapping_add(second.wrapping_mul(28));
+        Rows {
+            centre: lanes.wide_add(splat(constants.centre), times(rows, constants.slope)),
+            centre_step: splat(constants.slope.wrapping_mul(8)),
+            vertical: lanes.wide_add(
+                lanes.wide_add(splat(vertical), times(rows, change)),
+                times(corners, second),
+            ),
+            vertical_step: lanes.wide_add(splat(eight), times(rows, second.wrapping_mul(8))),
+            vertical_change: splat(second.wrapping_mul(64)),
+            far: splat(0),
+            long: splat(0),
+        }
+    }
+
+    /// On to the next eight rows.
+    #[inline(always)]
+    fn step(&mut self, lanes: L, reach: i64) {
+        let magnitude = Arithmetic { lanes }.magnitude(self.centre);
+        let above = lanes.wide_shr(magnitude, lanes.wide_splat(61));
+        self.far = lanes.max_whole(self.far, above);
+        let rest = lanes.wide_sub(lanes.wide_splat(reach), self.vertical);
+        self.long = lanes.max_whole(self.long, rest);
+        self.centre = lanes.wide_add(self.centre, self.centre_step);
+        self.vertical = lanes.wide_add(self.vertical, self.vertical_step);
+        self.vertical_step = lanes.wide_add(self.vertical_step, self.vertical_change);
+    }
+
+    /// Were all centres below 2^61, and all remaining radial indices below 2^56?
+    #[inline(always)]
+    fn are_short(&self, lanes: L) -> bool {
+        let far = lanes.wide_greater(self.far, lanes.wide_splat(0));
+        let long = lanes.wide_greater(self.long, lanes.wide_splat((1 << 56) - 1));
+        lanes.bits(far) | lanes.bits(long) == 0
+    }
+}
+
+/// The lowest `count` bits of eight.
+#[inline(always)]
+fn first_bits(count: usize) -> u8 {
+    if count >= 8 { u8::MAX } else { (1 << count) - 1 }
+}
