@@ -11,8 +11,12 @@ use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 use splatline::raster::{BLOCK, RowConstants, Window};
 
-/// A vector may reach beyond the last cell.
-const ROOM: usize = CELLS + 8;
+/// A list with so many cells is painted before more are listed: enough to compute the rows of several footprints side by side, and little
+/// enough to stay in the first-level cache.
+const MANY: usize = 256;
+
+/// Room for a whole footprint after that; a vector may reach beyond the last cell.
+const ROOM: usize = MANY + CELLS + 8;
 
 /// Cells of a block.
 const CELLS_OF_BLOCK: u16 = BLOCK / CELL as u16;
@@ -26,13 +30,25 @@ pub struct Part {
     /// Radial index and first difference at the cell's first pixel, to be cut to the lanes' word.
     pub radial: u64,
     pub first: u64,
-    /// The cell's number in the tile.
-    pub cell: usize,
-    /// A bit for each pixel of the run, the first one's the lowest.
-    pub pixels: u8,
+    /// The cell's number in the tile, and below it a bit for each pixel of the run, the first one's the lowest.
+    pub place: u64,
 }
 
-/// The cells of a footprint in a tile: memory that is used again for every footprint.
+impl Part {
+    /// The cell's number in the tile.
+    #[inline(always)]
+    pub fn cell(&self) -> usize {
+        (self.place >> PIXELS) as usize
+    }
+
+    /// Pixels of the run.
+    #[inline(always)]
+    pub fn visited(&self) -> u64 {
+        (self.place as u8).count_ones().into()
+    }
+}
+
+/// Cells of footprints in a tile: memory that is used again and again.
 pub struct Parts<const DEEP: bool> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
@@ -52,21 +68,40 @@ impl<const DEEP: bool> Parts<DEEP> {
         }
     }
 
-    /// The cells.
+    /// Forgets all cells.
     #[inline(always)]
-    pub fn iter(&self) -> impl Iterator<Item = Part> {
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Cells listed.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Should they be painted before more are listed?
+    #[inline(always)]
+    pub fn is_full(&self) -> bool {
+        self.count >= MANY
+    }
+
+    /// The cells of these numbers in the list.
+    #[inline(always)]
+    pub fn range(&self, first: usize, end: usize) -> impl Iterator<Item = Part> {
         let words = self.radial.iter().zip(&self.first).zip(&self.place);
         words
-            .take(self.count)
+            .take(end)
+            .skip(first)
             .map(|((radial, first), place)| Part {
                 radial: *radial,
                 first: *first,
-                cell: (place >> PIXELS) as usize,
-                pixels: *place as u8,
+                place: *place,
             })
     }
 
-    /// Lists the cells of a footprint's rows within the window; `false` if a word was too long for vectors.
+    /// Lists the cells of a footprint's rows within the window; `false` and none of them if a word was too long for vectors. The list must
+    /// not be full.
     #[inline(always)]
     pub fn fill<L: Fused>(
         &mut self,
@@ -75,7 +110,7 @@ impl<const DEEP: bool> Parts<DEEP> {
         window: &Window,
     ) -> bool {
         let math = Arithmetic { lanes };
-        self.count = 0;
+        let listed = self.count;
         let [top, bottom] = constants.rows;
         let count = bottom.saturating_sub(top).min(TILE[1]);
         let offset = top.wrapping_sub(window.first[1]) % TILE[1];
@@ -95,7 +130,11 @@ impl<const DEEP: bool> Parts<DEEP> {
             }
             rows.step(lanes, constants.reach);
         }
-        rows.are_short(lanes) && is_short(lanes, constants, large)
+        let fits = rows.are_short(lanes) && is_short(lanes, constants, large);
+        if !fits {
+            self.count = listed;
+        }
+        fits
     }
 
     /// Lists the cells of eight rows in the block that begins at column `left`, in whose columns `seen` the footprint is. `corner` is the

@@ -192,24 +192,40 @@ impl Painting<'_, '_> {
         let mut coverage = Coverage::default();
         let mut parts = Parts::<DEEP>::new();
         tile.open(window, clear);
-        for part in list.chunks(CHECK_INTERVAL) {
-            for (number, index) in part.iter().enumerate() {
-                if let Some(next) = part.get(number + AHEAD) {
-                    lanes.fetch(&prepared[*next as usize]);
+        let mut ends = [0; CHECK_INTERVAL];
+        for chunk in list.chunks(CHECK_INTERVAL) {
+            let mut rest = chunk;
+            while let Some(left_over) = rest.first() {
+                parts.clear();
+                let mut listed = 0;
+                for (index, end) in rest.iter().zip(&mut ends) {
+                    if let Some(next) = rest.get(listed + AHEAD) {
+                        lanes.fetch(&prepared[*next as usize]);
+                    }
+                    let Some(Prepared { rows, .. }) = &prepared[*index as usize] else {
+                        break;
+                    };
+                    if parts.is_full() || !parts.fill(lanes, &rows.within(&window), &window) {
+                        break;
+                    }
+                    *end = parts.count();
+                    listed += 1;
                 }
-                let Some(Prepared { rows, brush }) = &prepared[*index as usize] else {
-                    coverage += scalar(*index, tile);
-                    continue;
-                };
-                let rows = rows.within(&window);
-                if !parts.fill(lanes, &rows, &window) {
-                    coverage += scalar(*index, tile);
-                    continue;
+                let mut first = 0;
+                for (index, end) in rest.iter().zip(ends).take(listed) {
+                    if let Some(Prepared { rows, brush }) = &prepared[*index as usize] {
+                        let colours = path.colours(brush, rows.second);
+                        for part in parts.range(first, end) {
+                            path.paint(&colours, &part, tile.cell(part.cell()), &mut coverage);
+                        }
+                    }
+                    first = end;
                 }
-                let colours = path.colours(brush, rows.second);
-                for part in parts.iter() {
-                    path.paint(&colours, &part, tile.cell(part.cell), &mut coverage);
+                if listed == 0 {
+                    coverage += scalar(*left_over, tile);
+                    listed = 1;
                 }
+                rest = &rest[listed..];
             }
             if tile.is_finished() {
                 break;

@@ -242,6 +242,9 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
     }
 
     /// Paints what a footprint covers of a cell.
+    ///
+    /// Conditions stay in the words, as their most significant bits: a detour through the mask registers takes ten cycles of the way from
+    /// a radial index to a pixel.
     #[inline(always)]
     pub fn paint(
         &self,
@@ -252,52 +255,52 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
-        let inside = lanes.greater_among(colours.end, radial, part.pixels);
+        let of_run = lanes.marks(part.place);
+        let inside = lanes.wide_and(lanes.wide_sub(radial, colours.end), of_run);
         let light = lanes.read(&cell.light);
-        let live = lanes.clear_among(light, self.mark, inside);
-        let covered = u64::from(inside.count_ones());
-        coverage.visited += u64::from(part.pixels.count_ones());
+        let live = lanes.without(inside, inside, light);
+        let covered = u64::from(lanes.marked(inside).count_ones());
+        let alive = u64::from(lanes.marked(live).count_ones());
+        coverage.visited += part.visited();
         coverage.covered += covered;
-        coverage.finished += covered;
-        if live == 0 {
+        coverage.finished += covered - alive;
+        if alive == 0 {
             return;
         }
-        coverage.finished -= u64::from(live.count_ones());
-        let value = self.value(radial, lanes.truth(live));
+        let value = self.value(radial, lanes.spread(live));
         let alpha = lanes.fused(self.alpha_half, value, colours.peak);
         let alpha = lanes.min_whole(alpha, self.alpha_max);
         // Where no pixel is live the value and with it the opacity is 0 already.
-        let counts = lanes.at_least(alpha, self.alpha_min);
-        let alpha = lanes.keep(alpha, self.alpha_mask, counts);
+        let too_small = lanes.spread(lanes.wide_sub(alpha, self.alpha_min));
+        let alpha = lanes.without(alpha, self.alpha_mask, too_small);
         let share = lanes.fused(self.share_half, light, alpha);
         let share = lanes.wide_and(share, self.share_mask);
         let rest = lanes.wide_sub(light, lanes.turn(share, self.to_light));
-        let goes_on = lanes.at_least(rest, self.stop);
+        let stops = lanes.spread(lanes.wide_sub(rest, self.stop));
         let before = if STOP_BEFORE { light } else { rest };
         let stopped = lanes.merge(before, before, self.mark);
-        let after = lanes.wide_select(stopped, rest, goes_on);
-        lanes.write(&mut cell.light, after);
+        lanes.write(&mut cell.light, lanes.blend(stops, stopped, rest));
+        let share = if STOP_BEFORE {
+            lanes.without(share, share, stops)
+        } else {
+            share
+        };
         for (plane, colour) in cell.colour.iter_mut().zip(colours.colour) {
-            let sum = lanes.read(plane);
-            let sum = if STOP_BEFORE {
-                lanes.fused_where(sum, share, colour, goes_on)
-            } else {
-                lanes.fused(sum, share, colour)
-            };
+            let sum = lanes.fused(lanes.read(plane), share, colour);
             lanes.write(plane, lanes.merge(sum, self.sum_mask, self.sum_half));
         }
     }
 
-    /// The kernel at the radial indices where it is true, 0 elsewhere.
+    /// The kernel at the radial indices where `live` is -1, 0 where it is 0.
     #[inline(always)]
-    fn value(&self, radial: L::Word, live: L::Truth) -> L::Word {
+    fn value(&self, radial: L::Word, live: L::Word) -> L::Word {
         let lanes = self.lanes;
         let interval = lanes.turn(radial, self.interval);
-        let pair = lanes.gather_pairs(self.table, interval, live);
+        let pair = lanes.gather_pairs(self.table, interval);
         let position = lanes.wide_and(lanes.turn(radial, self.position), self.position_mask);
         let value = lanes.turn(pair, self.value);
         let value = lanes.merge(value, self.value_mask, self.value_half);
         let value = lanes.wide_add(value, lanes.wide_mul(pair, position));
-        lanes.wide_and(value, self.value_mask)
+        lanes.all_three(value, self.value_mask, live)
     }
 }

@@ -130,7 +130,10 @@ impl Tile {
         for (cells, row) in self.cells.chunks_exact(CELLS_OF_ROW).zip(rows) {
             for (cell, pixels) in cells.iter().zip(row.chunks_mut(CELL)) {
                 let words = self.pixels(cell);
-                pixels.copy_from_slice(&words[..pixels.len()]);
+                match pixels.first_chunk_mut() {
+                    Some(pixels) => *pixels = words,
+                    None => pixels.copy_from_slice(&words[..pixels.len()]),
+                }
             }
         }
     }

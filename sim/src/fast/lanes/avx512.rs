@@ -215,10 +215,10 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
         let first = std::ptr::from_ref(place).cast::<i8>();
-        // SAFETY: asking for memory never faults; the last byte lies in the same object as the first.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<T>().saturating_sub(1)));
+        let last = size_of::<T>().saturating_sub(1);
+        for byte in (0..last).step_by(64).chain([last]) {
+            // SAFETY: asking for memory never faults; the byte lies in the same object as the first.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(byte)) };
         }
     }
     #[inline(always)]

@@ -34,14 +34,6 @@ pub trait Fused: Wide {
     fn pack(self, to: &mut [u64; 8], value: Self::Word, truth: Self::Truth);
     /// acc + (a b >> 52), of the low 52 bits of a and of b.
     fn fused(self, acc: Self::Word, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// The same where it is true, else acc.
-    fn fused_where(
-        self,
-        acc: Self::Word,
-        a: Self::Word,
-        b: Self::Word,
-        truth: Self::Truth,
-    ) -> Self::Word;
     /// Low 64 bits of a b.
     fn mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Sums of the 32-bit halves, each by itself.
@@ -56,16 +48,20 @@ pub trait Fused: Wide {
     fn turn(self, a: Self::Word, by: Self::Word) -> Self::Word;
     /// (a & mask) | b.
     fn merge(self, a: Self::Word, mask: Self::Word, b: Self::Word) -> Self::Word;
-    /// a & mask where it is true, 0 elsewhere.
-    fn keep(self, a: Self::Word, mask: Self::Word, truth: Self::Truth) -> Self::Word;
-    /// a >= b as signed numbers.
-    fn at_least(self, a: Self::Word, b: Self::Word) -> Self::Truth;
-    /// Where a > b among those of these bits.
-    fn greater_among(self, a: Self::Word, b: Self::Word, bits: u8) -> u8;
-    /// Where a & mask = 0 among those of these bits.
-    fn clear_among(self, a: Self::Word, mask: Self::Word, bits: u8) -> u8;
-    /// The entries of these indices, modulo the table's length, where it is true, 0 elsewhere.
-    fn gather_pairs(self, table: &Pairs, index: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// a & b & c.
+    fn all_three(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// a & b & !c.
+    fn without(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// The bits of b where those of a are set, else those of c.
+    fn blend(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// -1 where the most significant bit is set, else 0.
+    fn spread(self, a: Self::Word) -> Self::Word;
+    /// Bit k of `bits` in word k, as its most significant bit; the others are anything.
+    fn marks(self, bits: u64) -> Self::Word;
+    /// A bit for every word: its most significant one.
+    fn marked(self, a: Self::Word) -> u8;
+    /// The entries of these indices, modulo the table's length.
+    fn gather_pairs(self, table: &Pairs, index: Self::Word) -> Self::Word;
     /// A bit for every word.
     fn bits(self, truth: Self::Truth) -> u8;
     /// Truth values from bits.
@@ -137,9 +133,6 @@ impl Fused for Portable {
         let product = zip(a, b, |a, b| ((low(a) * low(b)) >> DROPPED) as i64);
         zip(acc, product, i64::wrapping_add)
     }
-    fn fused_where(self, acc: Words, a: Words, b: Words, truth: [bool; 8]) -> Words {
-        self.wide_select(acc, self.fused(acc, a, b), truth)
-    }
     fn mul_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::wrapping_mul)
     }
@@ -161,21 +154,26 @@ impl Fused for Portable {
     fn merge(self, a: Words, mask: Words, b: Words) -> Words {
         zip(zip(a, mask, |a, mask| a & mask), b, |a, b| a | b)
     }
-    fn keep(self, a: Words, mask: Words, truth: [bool; 8]) -> Words {
-        self.wide_select([0; 8], self.wide_and(a, mask), truth)
+    fn all_three(self, a: Words, b: Words, c: Words) -> Words {
+        zip(zip(a, b, |a, b| a & b), c, |ab, c| ab & c)
     }
-    fn at_least(self, a: Words, b: Words) -> [bool; 8] {
-        std::array::from_fn(|k| a[k] >= b[k])
+    fn without(self, a: Words, b: Words, c: Words) -> Words {
+        zip(zip(a, b, |a, b| a & b), c, |ab, c| ab & !c)
     }
-    fn greater_among(self, a: Words, b: Words, bits: u8) -> u8 {
-        self.bits(self.wide_greater(a, b)) & bits
+    fn blend(self, a: Words, b: Words, c: Words) -> Words {
+        std::array::from_fn(|k| (a[k] & b[k]) | (!a[k] & c[k]))
     }
-    fn clear_among(self, a: Words, mask: Words, bits: u8) -> u8 {
-        self.bits(std::array::from_fn(|k| a[k] & mask[k] == 0)) & bits
+    fn spread(self, a: Words) -> Words {
+        a.map(|a| a >> 63)
     }
-    fn gather_pairs(self, table: &Pairs, index: Words, truth: [bool; 8]) -> Words {
-        let entries = index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i64);
-        self.wide_select([0; 8], entries, truth)
+    fn marks(self, bits: u64) -> Words {
+        std::array::from_fn(|k| (bits << (63 - k)) as i64)
+    }
+    fn marked(self, a: Words) -> u8 {
+        self.bits(a.map(|a| a < 0))
+    }
+    fn gather_pairs(self, table: &Pairs, index: Words) -> Words {
+        index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i64)
     }
     fn bits(self, truth: [bool; 8]) -> u8 {
         (0..8).fold(0, |bits, k| bits | (u8::from(truth[k]) << k))
@@ -225,10 +223,6 @@ mod x86 {
             op!(_mm512_madd52hi_epu64(acc, a, b))
         }
         #[inline(always)]
-        fn fused_where(self, acc: __m512i, a: __m512i, b: __m512i, truth: u8) -> __m512i {
-            op!(_mm512_mask_madd52hi_epu64(acc, truth, a, b))
-        }
-        #[inline(always)]
         fn mul_whole(self, a: __m512i, b: __m512i) -> __m512i {
             op!(_mm512_mullo_epi64(a, b))
         }
@@ -255,34 +249,41 @@ mod x86 {
         }
         #[inline(always)]
         fn merge(self, a: __m512i, mask: __m512i, b: __m512i) -> __m512i {
-            // The truth table of (a & mask) | b.
+            // The number is the truth table of (a & mask) | b.
             op!(_mm512_ternarylogic_epi64::<0b1110_1010>(a, mask, b))
         }
         #[inline(always)]
-        fn keep(self, a: __m512i, mask: __m512i, truth: u8) -> __m512i {
-            op!(_mm512_maskz_and_epi64(truth, a, mask))
+        fn all_three(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            op!(_mm512_ternarylogic_epi64::<0b1000_0000>(a, b, c))
         }
         #[inline(always)]
-        fn at_least(self, a: __m512i, b: __m512i) -> u8 {
-            op!(_mm512_cmpge_epi64_mask(a, b))
+        fn without(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            op!(_mm512_ternarylogic_epi64::<0b0100_0000>(a, b, c))
         }
         #[inline(always)]
-        fn greater_among(self, a: __m512i, b: __m512i, bits: u8) -> u8 {
-            op!(_mm512_mask_cmpgt_epi64_mask(bits, a, b))
+        fn blend(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            op!(_mm512_ternarylogic_epi64::<0b1100_1010>(a, b, c))
         }
         #[inline(always)]
-        fn clear_among(self, a: __m512i, mask: __m512i, bits: u8) -> u8 {
-            op!(_mm512_mask_testn_epi64_mask(bits, a, mask))
+        fn spread(self, a: __m512i) -> __m512i {
+            op!(_mm512_srai_epi64::<63>(a))
         }
         #[inline(always)]
-        fn gather_pairs(self, table: &Pairs, index: __m512i, truth: u8) -> __m512i {
+        fn marks(self, bits: u64) -> __m512i {
+            let to_the_top = op!(_mm512_setr_epi64(63, 62, 61, 60, 59, 58, 57, 56));
+            op!(_mm512_sllv_epi64(_mm512_set1_epi64(bits as i64), to_the_top))
+        }
+        #[inline(always)]
+        fn marked(self, a: __m512i) -> u8 {
+            op!(_mm512_movepi64_mask(a))
+        }
+        #[inline(always)]
+        fn gather_pairs(self, table: &Pairs, index: __m512i) -> __m512i {
             let last = table.0.len() as i64 - 1;
             // SAFETY: the length is a power of two, so that every masked index lies in the table.
             unsafe {
                 let index = _mm512_and_si512(index, _mm512_set1_epi64(last));
-                let none = _mm512_setzero_si512();
-                let first = table.0.as_ptr().cast();
-                _mm512_mask_i64gather_epi64::<8>(none, truth, index, first)
+                _mm512_i64gather_epi64::<8>(index, table.0.as_ptr().cast())
             }
         }
         #[inline(always)]
