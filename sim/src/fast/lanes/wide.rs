@@ -39,8 +39,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_sar(self, a: Self::Word, by: Self::Word) -> Self::Word;
     /// Zeros before the first one, of words that are not negative; 64 for 0.
     fn wide_leading_zeros(self, a: Self::Word) -> Self::Word;
-    /// `table[index]`; the table's last entry beyond it.
-    fn wide_gather(self, table: &[u32], index: Self::Word) -> Self::Word;
+    /// `table[index]` and `table[index + 1]`; the table's last two entries beyond it, zeros if it has fewer.
+    fn wide_gather(self, table: &[u32], index: Self::Word) -> [Self::Word; 2];
     /// a > b.
     fn wide_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// a = b.
@@ -120,12 +120,12 @@ impl Wide for Portable {
         a.map(|a| a.leading_zeros().into())
     }
     #[inline(always)]
-    fn wide_gather(self, table: &[u32], index: Words) -> Words {
-        let last = table.len().saturating_sub(1);
-        index.map(|index| {
-            let entry = table.get((index as u64).min(last as u64) as usize);
-            entry.copied().unwrap_or(0).into()
-        })
+    fn wide_gather(self, table: &[u32], index: Words) -> [Words; 2] {
+        let last = table.len().saturating_sub(2) as u64;
+        let first = index.map(|index| (index as u64).min(last) as usize);
+        let entry = |index: usize| table.get(index..).and_then(|pair| pair.first_chunk::<2>());
+        let pairs = first.map(|first| entry(first).copied().unwrap_or_default());
+        [0, 1].map(|which| pairs.map(|pair| i64::from(pair[which])))
     }
     #[inline(always)]
     fn wide_greater(self, a: Words, b: Words) -> [bool; 8] {
@@ -211,15 +211,16 @@ mod x86 {
             op!(_mm512_lzcnt_epi64(a))
         }
         #[inline(always)]
-        fn wide_gather(self, table: &[u32], index: __m512i) -> __m512i {
-            let Some(last) = table.len().checked_sub(1) else {
-                return self.wide_splat(0);
+        fn wide_gather(self, table: &[u32], index: __m512i) -> [__m512i; 2] {
+            let Some(last) = table.len().checked_sub(2) else {
+                return [self.wide_splat(0); 2];
             };
-            // SAFETY: every index lies in the table.
+            // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
             unsafe {
                 let index = _mm512_min_epu64(index, _mm512_set1_epi64(last as i64));
-                let entries = _mm512_i64gather_epi32::<4>(index, table.as_ptr().cast());
-                _mm512_cvtepu32_epi64(entries)
+                let pairs = _mm512_i64gather_epi64::<4>(index, table.as_ptr().cast());
+                let low = _mm512_and_si512(pairs, _mm512_set1_epi64(u32::MAX.into()));
+                [low, _mm512_srli_epi64::<32>(pairs)]
             }
         }
         #[inline(always)]
@@ -315,19 +316,20 @@ mod x86 {
             })
         }
         #[inline(always)]
-        fn wide_gather(self, table: &[u32], index: __m256i) -> __m256i {
-            let Some(last) = table.len().checked_sub(1) else {
-                return self.wide_splat(0);
+        fn wide_gather(self, table: &[u32], index: __m256i) -> [__m256i; 2] {
+            let Some(last) = table.len().checked_sub(2) else {
+                return [self.wide_splat(0); 2];
             };
             let last = self.wide_splat(last as i64);
             // Negative indices are the largest as unsigned numbers.
             let inside = self.wide_select(index, last, self.wide_greater(index, last));
             let negative = self.wide_greater(self.wide_splat(0), inside);
             let index = self.wide_select(inside, last, negative);
-            // SAFETY: every index lies in the table.
+            // SAFETY: every index and the next one lie in the table. An entry and the next one are a word of 64 bits.
             unsafe {
-                let entries = _mm256_i64gather_epi32::<4>(table.as_ptr().cast(), index);
-                _mm256_cvtepu32_epi64(entries)
+                let pairs = _mm256_i64gather_epi64::<4>(table.as_ptr().cast(), index);
+                let low = _mm256_and_si256(pairs, self.wide_splat(u32::MAX.into()));
+                [low, _mm256_srli_epi64::<32>(pairs)]
             }
         }
         #[inline(always)]

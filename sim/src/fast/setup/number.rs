@@ -239,18 +239,11 @@ impl<W: Wide> Arithmetic<W> {
         self.lanes.wide_shl(magnitude, zeros)
     }
 
-    /// Two neighbouring entries.
-    #[inline(always)]
-    fn pair(self, table: &[u32], index: Word<W>) -> (Word<W>, Word<W>) {
-        let low = self.lanes.wide_gather(table, index);
-        (low, self.lanes.wide_gather(table, self.plus(index, 1)))
-    }
-
     /// `reciprocal` of numbers other than 0.
     #[inline(always)]
     pub fn reciprocal(self, value: Number<W>, bits: u32) -> Number<W> {
         let x = self.top(value.mantissa);
-        let (low, high) = self.pair(&RECIPROCALS, self.and(self.shr(x, 23), 0xff));
+        let [low, high] = self.lanes.wide_gather(&RECIPROCALS, self.and(self.shr(x, 23), 0xff));
         let rest = self.and(x, 0x7f_ffff);
         let step = self.round(self.mul(self.sub(high, low), rest), 23);
         let seed = self.add(low, step);
@@ -315,7 +308,7 @@ impl<W: Wide> Arithmetic<W> {
         let even = self.and(self.lanes.wide_leading_zeros(value), !1);
         let normal = self.lanes.wide_shl(value, even);
         let index = self.plus(self.shr(normal, 56), -64);
-        let (low, high) = self.pair(&ROOTS, index);
+        let [low, high] = self.lanes.wide_gather(&ROOTS, index);
         let rest = self.and(self.shr(normal, 40), 0xffff);
         let step = self.round(self.mul(self.sub(high, low), rest), 16);
         (
@@ -328,7 +321,7 @@ impl<W: Wide> Arithmetic<W> {
     #[inline(always)]
     pub fn log2_upper(self, value: Number<W>) -> Word<W> {
         let x = self.top(value.mantissa);
-        let (low, high) = self.pair(&LOGARITHMS, self.and(self.shr(x, 26), 31));
+        let [low, high] = self.lanes.wide_gather(&LOGARITHMS, self.and(self.shr(x, 26), 31));
         let rest = self.and(self.shr(x, 10), 0xffff);
         let step = self.shr(self.mul(self.sub(high, low), rest), 16);
         let fraction = self.plus(self.add(low, step), (1 << 4) + 2);
