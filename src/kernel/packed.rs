@@ -12,6 +12,9 @@
 //! position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same bits as
 //! [`FootprintTable`](super::FootprintTable).
 //!
+//! The position is not cut out of the lane: what stands above it is the interval's number i, and the word holds (a - b) 2^k i more, which
+//! is 0 again after the multiplication, modulo 2^32.
+//!
 //! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
 //! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And lanes are aligned
 //! so that the largest radial index is 2^31 (`radial + range == 31`): a look-up is the word's leading bits, which cannot miss the
@@ -64,7 +67,7 @@ impl<const N: usize> PackedTable<N> {
         let mut i = 0;
         while i < N {
             let level = if i == 0 { 0 } else { i - 1 };
-            match word(entries[level], entries[i], position) {
+            match word(entries[level], entries[i], i as u32, position) {
                 Some(packed) => words[i] = packed,
                 None => return Err(PackedError::Room),
             }
@@ -75,6 +78,18 @@ impl<const N: usize> PackedTable<N> {
             table: widths.table,
             interpolation: widths.interpolation,
         })
+    }
+
+    /// The words, for a pixel loop of one's own that keeps them otherwise.
+    #[inline(always)]
+    pub const fn words(&self) -> &[u32; N] {
+        &self.words
+    }
+
+    /// The slope a - b in a word; `interpolation` is the width that the table was packed for, and not 0.
+    #[inline(always)]
+    pub const fn slope(word: u32, interpolation: u8) -> u32 {
+        word & (1u32.wrapping_shl(interpolation.wrapping_sub(1) as u32) - 1)
     }
 
     /// Was the table packed for these widths?
@@ -94,8 +109,8 @@ impl<const N: usize> PackedTable<N> {
         1u32.wrapping_shl(below) + position
     }
 
-    /// Kernel at the radial index `ahead - lead` (UQ4.radial; the sign bit is ignored), UQ1.weight, rounded to nearest; for `ahead` below
-    /// the lead the kernel at 0. `interpolation` is the width that the table was packed for.
+    /// Kernel at the radial index `ahead - lead` (UQ4.radial, below 2^31), UQ1.weight, rounded to nearest; for `ahead` below the lead the
+    /// kernel at 0. `interpolation` is the width that the table was packed for.
     #[inline(always)]
     pub fn weight(&self, ahead: u32, interpolation: u8) -> u32 {
         let below = LANE - N.ilog2();
@@ -105,15 +120,14 @@ impl<const N: usize> PackedTable<N> {
         if position == 0 {
             return word;
         }
-        let mask = (1 << position) - 1;
-        let after = (ahead >> below.saturating_sub(position)) & mask;
-        let slope = word & (mask >> 1);
+        let after = ahead >> below.saturating_sub(position);
+        let slope = Self::slope(word, interpolation);
         word.wrapping_sub(slope.wrapping_mul(after)) >> position
     }
 }
 
-/// One interval from `a` to `b`; `None` if it does not fit.
-const fn word(a: u32, b: u32, position: u32) -> Option<u32> {
+/// The interval with this number, from `a` to `b`; `None` if it does not fit.
+const fn word(a: u32, b: u32, number: u32, position: u32) -> Option<u32> {
     if position == 0 {
         return Some(a);
     }
@@ -124,5 +138,6 @@ const fn word(a: u32, b: u32, position: u32) -> Option<u32> {
     if ((a as u64) << position) + half > u32::MAX as u64 {
         return None;
     }
-    Some((a << position) + half as u32 + (a - b))
+    let above = (a - b).wrapping_mul(number) << position;
+    Some(((a << position) + half as u32 + (a - b)).wrapping_add(above))
 }
