@@ -1,0 +1,313 @@
+//! The pixel loop of Armv6-M (Cortex-M0, M0+) in assembly: the same bits as [`NarrowPainter::paint`](splatline::draw::NarrowPainter::paint),
+//! which stays its definition (`bin/loops.rs` compares the two run by run, `run.sh` the checksum of the picture with the host's).
+//!
+//! A compiler for this processor works in seven of eight low registers and spills the rest. Here the upper registers hold what is only added,
+//! moved or compared, which are the three things that an instruction can do with them, and the stack holds what a pixel reads once:
+//!
+//! | register | holds |
+//! |---|---|
+//! | r0 | the pixel |
+//! | r1 | radial index, twice, so that its leading bit is the table's |
+//! | r2 | opacity, then share of the light |
+//! | r3 | scratch |
+//! | r4, r5, r6 | value and slope of the interval; then the three colour sums |
+//! | r7 | transmittance |
+//! | r8, r9 | first and second difference, twice |
+//! | r10 | largest radial index inside the footprint, twice |
+//! | r11 | table |
+//! | r12 | rounding constant, the same for opacity and share: the peak is scaled for that |
+//! | lr | end of the run |
+//! | stack | peak, red, green, blue |
+//!
+//! Transmittance and sums lie side by side, so one instruction reads the sums, one writes all four and goes on to the next pixel.
+//! The loop draws two pixels in turn; a run of an odd length begins with the second.
+
+use crate::design::Firmware16;
+use crate::fixed_picture::{INTERVALS, PACKED};
+use crate::scene::RULES;
+use core::arch::naked_asm;
+use core::mem::{offset_of, size_of};
+use splatline::blend::{Blend, BlendConstants, FINISHED, Pixel};
+use splatline::draw::{NarrowLanes, NarrowRun};
+use splatline::footprint::Footprint;
+use splatline::format::Rounding;
+
+const INTERPOLATION: u8 = Firmware16::WIDTHS.interpolation;
+const BLEND: BlendConstants = Blend::new(&Firmware16::WIDTHS, &RULES).constants();
+
+/// Twice a radial index to the interval's number, and to the position that [`PackedTable`](splatline::kernel::PackedTable) takes.
+const TO_INTERVAL: u32 = 32 - INTERVALS.ilog2();
+const TO_POSITION: u32 = TO_INTERVAL - INTERPOLATION as u32;
+
+/// From the peak's scale to the one at which opacity and share are rounded at the same bit.
+const SCALE: i32 = BLEND.share_shift - BLEND.opacity_shift;
+
+// What the assembly takes for granted.
+const _: () = {
+    assert!(matches!(BLEND.rounding, Rounding::Nearest) && BLEND.stop_before);
+    assert!(BLEND.alpha_min < 256 && BLEND.stop < 256 && BLEND.alpha_max >= BLEND.alpha_min);
+    assert!(BLEND.share_shift > 0 && BLEND.opacity_shift > 0 && BLEND.colour_shift == 0);
+    // The scaled peak of a splat that is not clamped is below 2^(peak + SCALE).
+    let widths = Firmware16::WIDTHS;
+    assert!(SCALE >= 0 && widths.peak as i32 + SCALE + (widths.weight as i32) < 32);
+    assert!(size_of::<Pixel>() == 16 && offset_of!(Pixel, colour) == 0);
+    assert!(offset_of!(NarrowLanes, last) == 12);
+    assert!(FINISHED == 1 << 31);
+};
+
+/// An interval as the loop reads it: both words by one instruction.
+#[cfg(not(feature = "plain"))]
+type Interval = [u32; 2];
+/// Without interpolation the value is all there is.
+#[cfg(feature = "plain")]
+type Interval = u16;
+
+const fn interval(word: u32) -> Interval {
+    #[cfg(not(feature = "plain"))]
+    return [word, splatline::kernel::PackedTable::<INTERVALS>::slope(word, INTERPOLATION)];
+    #[cfg(feature = "plain")]
+    return {
+        assert!(word < 1 << 16);
+        word as u16
+    };
+}
+
+/// The packed table in the loop's layout. The index has as many bits as the table: no radial index reads beside it.
+static TABLE: [Interval; INTERVALS] = {
+    let mut table = [interval(0); INTERVALS];
+    let mut i = 0;
+    while i < INTERVALS {
+        table[i] = interval(PACKED.words()[i]);
+        i += 1;
+    }
+    table
+};
+
+/// Blends a run.
+#[inline(always)]
+pub fn paint(run: NarrowRun) {
+    let NarrowRun {
+        pixels,
+        lanes,
+        footprint,
+        clamped,
+    } = run;
+    let pixels = pixels.as_mut_ptr_range();
+    // SAFETY: the range is a borrowed slice's; the other two are references.
+    unsafe {
+        if clamped {
+            paint_clamped(pixels.start, pixels.end, &lanes, footprint);
+        } else {
+            paint_unclamped(pixels.start, pixels.end, &lanes, footprint);
+        }
+    }
+}
+
+/// The kernel at r1 into r2; r3 to r6 are free.
+#[cfg(not(feature = "plain"))]
+macro_rules! kernel {
+    () => {
+        "
+        lsrs r3, r1, #{to_interval}
+        lsls r3, #3
+        add r3, r11
+        ldmia r3!, {{r4, r5}}
+        lsrs r3, r1, #{to_position}
+        muls r5, r3
+        subs r4, r5
+        lsrs r2, r4, #{interpolation}
+        "
+    };
+}
+#[cfg(feature = "plain")]
+macro_rules! kernel {
+    () => {
+        "
+        lsrs r2, r1, #{to_interval}
+        lsls r2, #1
+        add r2, r11
+        ldrh r2, [r2]           @ {interpolation} bits of position, {to_position}
+        "
+    };
+}
+
+/// Peak times kernel, rounded.
+macro_rules! opacity_unclamped {
+    () => {
+        "
+        ldr r3, [sp]
+        muls r2, r3
+        add r2, r12
+        lsrs r2, #{share_shift}     @ by {opacity_shift} without the peak's scale
+        "
+    };
+}
+
+/// The same with a peak up to 16, whose scaled product would not fit: the last bit shifted out is the rounding.
+macro_rules! opacity_clamped {
+    () => {
+        "
+        ldr r3, [sp]
+        muls r2, r3
+        movs r3, #0
+        lsrs r2, #{opacity_shift}
+        adcs r2, r3
+        ldr r3, 8f
+        cmp r2, r3
+        bls 7f
+        mov r2, r3
+        7:
+        "
+    };
+}
+
+/// One pixel: to `$skip` if it lies outside or takes nothing, to `$finish` if the layer would finish it. Ends with the next pixel in r0.
+macro_rules! pixel {
+    ($opacity:expr, $skip:literal, $finish:literal) => {
+        concat!(
+            "cmp r1, r10
+            bhi ", $skip, "
+            ldr r7, [r0, #12]
+            cmp r7, #0
+            bmi ", $skip,
+            kernel!(),
+            $opacity,
+            "cmp r2, #{alpha_min}
+            blo ", $skip, "
+            muls r2, r7
+            add r2, r12
+            lsrs r2, #{share_shift}
+            subs r7, r2
+            cmp r7, #{stop}
+            bls ", $finish, "
+            ldmia r0!, {{r4, r5, r6}}
+            ldr r3, [sp, #4]
+            muls r3, r2
+            adds r4, r3
+            ldr r3, [sp, #8]
+            muls r3, r2
+            adds r5, r3
+            ldr r3, [sp, #12]
+            muls r3, r2
+            adds r6, r3
+            subs r0, #12
+            stmia r0!, {{r4, r5, r6, r7}}
+            "
+        )
+    };
+}
+
+/// A function `(pixels, end, lanes, footprint)`. Reads and writes the pixels of the range alone, reads the references and [`TABLE`].
+macro_rules! paint {
+    ($(#[$what:meta])* $name:ident, $opacity:expr, $scale:expr) => {
+        $(#[$what])*
+        /// # Safety
+        /// The pixels from `pixels` to `end` must be writable.
+        #[unsafe(naked)]
+        unsafe extern "C" fn $name(
+            pixels: *mut Pixel,
+            end: *mut Pixel,
+            lanes: &NarrowLanes,
+            footprint: &Footprint,
+        ) {
+            naked_asm!(
+                "push {{r4, r5, r6, r7, lr}}
+                mov r4, r8
+                mov r5, r9
+                mov r6, r10
+                mov r7, r11
+                push {{r4, r5, r6, r7}}
+                mov lr, r1
+                ldr r4, [r3, #{peak}]
+                lsls r4, #{scale}
+                ldr r5, [r3, #{colour}]
+                ldr r6, [r3, #{colour} + 4]
+                ldr r7, [r3, #{colour} + 8]
+                push {{r4, r5, r6, r7}}
+                ldmia r2!, {{r1, r4, r5, r6}}
+                lsls r1, #1
+                lsls r4, #1
+                mov r8, r4
+                lsls r5, #1
+                mov r9, r5
+                lsls r6, #1
+                mov r10, r6
+                ldr r4, 9f
+                mov r11, r4
+                movs r4, #1
+                lsls r4, #{share_shift} - 1
+                mov r12, r4
+                mov r4, lr
+                subs r4, r0
+                beq 6f
+                lsrs r4, #5
+                bcs 3f",
+                // The first of two pixels.
+                "2:",
+                pixel!($opacity, "4f", "20f"),
+                "21:
+                add r1, r8
+                add r8, r9",
+                // The second, or a run's odd first one.
+                "3:",
+                pixel!($opacity, "5f", "30f"),
+                "31:
+                add r1, r8
+                add r8, r9
+                cmp r0, lr
+                bne 2b",
+                "6:
+                add sp, #16
+                pop {{r4, r5, r6, r7}}
+                mov r8, r4
+                mov r9, r5
+                mov r10, r6
+                mov r11, r7
+                pop {{r4, r5, r6, r7, pc}}",
+                // Left out: only the flag changes.
+                "20:
+                adds r7, r2
+                movs r3, #1
+                lsls r3, #31
+                orrs r7, r3
+                str r7, [r0, #12]
+                4:
+                adds r0, #16
+                b 21b",
+                "30:
+                adds r7, r2
+                movs r3, #1
+                lsls r3, #31
+                orrs r7, r3
+                str r7, [r0, #12]
+                5:
+                adds r0, #16
+                b 31b",
+                ".balign 4
+                8: .word {alpha_max}
+                9: .word {table}",
+                to_interval = const TO_INTERVAL,
+                to_position = const TO_POSITION,
+                interpolation = const INTERPOLATION,
+                peak = const offset_of!(Footprint, peak),
+                colour = const offset_of!(Footprint, colour),
+                scale = const $scale,
+                share_shift = const BLEND.share_shift,
+                opacity_shift = const BLEND.opacity_shift,
+                alpha_min = const BLEND.alpha_min,
+                alpha_max = const BLEND.alpha_max,
+                stop = const BLEND.stop,
+                table = sym TABLE,
+            )
+        }
+    };
+}
+
+paint! {
+    /// For splats whose opacity cannot exceed the clamp.
+    paint_unclamped, opacity_unclamped!(), SCALE
+}
+paint! {
+    /// For all others.
+    paint_clamped, opacity_clamped!(), 0
+}
