@@ -52,7 +52,7 @@ const _: () = {
     assert!(SCALE >= 0 && widths.peak as i32 + SCALE + (widths.weight as i32) < 32);
     assert!(size_of::<Pixel>() == 16 && offset_of!(Pixel, colour) == 0);
     assert!(offset_of!(NarrowLanes, last) == 12);
-    assert!(FINISHED == 1 << 31);
+    assert!(FINISHED == 1 << 31 && widths.transmittance < 24 && cfg!(target_endian = "little"));
 };
 
 /// An interval as the loop reads it: both words by one instruction.
@@ -64,7 +64,10 @@ type Interval = u16;
 
 const fn interval(word: u32) -> Interval {
     #[cfg(not(feature = "plain"))]
-    return [word, splatline::kernel::PackedTable::<INTERVALS>::slope(word, INTERPOLATION)];
+    return [
+        word,
+        splatline::kernel::PackedTable::<INTERVALS>::slope(word, INTERPOLATION),
+    ];
     #[cfg(feature = "plain")]
     return {
         assert!(word < 1 << 16);
@@ -93,14 +96,9 @@ pub fn paint(run: NarrowRun) {
         clamped,
     } = run;
     let pixels = pixels.as_mut_ptr_range();
+    let scale = if clamped { 0 } else { SCALE as u32 };
     // SAFETY: the range is a borrowed slice's; the other two are references.
-    unsafe {
-        if clamped {
-            paint_clamped(pixels.start, pixels.end, &lanes, footprint);
-        } else {
-            paint_unclamped(pixels.start, pixels.end, &lanes, footprint);
-        }
-    }
+    unsafe { paint_range(pixels.start, footprint, &lanes, pixels.end, scale) }
 }
 
 /// The kernel at r1 into r2; r3 to r6 are free.
@@ -166,20 +164,27 @@ macro_rules! pixel {
     ($opacity:expr, $skip:literal, $finish:literal) => {
         concat!(
             "cmp r1, r10
-            bhi ", $skip, "
+            bhi ",
+            $skip,
+            "
             ldr r7, [r0, #12]
             cmp r7, #0
-            bmi ", $skip,
+            bmi ",
+            $skip,
             kernel!(),
             $opacity,
             "cmp r2, #{alpha_min}
-            blo ", $skip, "
+            blo ",
+            $skip,
+            "
             muls r2, r7
             add r2, r12
             lsrs r2, #{share_shift}
             subs r7, r2
             cmp r7, #{stop}
-            bls ", $finish, "
+            bls ",
+            $finish,
+            "
             ldmia r0!, {{r4, r5, r6}}
             ldr r3, [sp, #4]
             muls r3, r2
@@ -197,117 +202,128 @@ macro_rules! pixel {
     };
 }
 
-/// A function `(pixels, end, lanes, footprint)`. Reads and writes the pixels of the range alone, reads the references and [`TABLE`].
-macro_rules! paint {
-    ($(#[$what:meta])* $name:ident, $opacity:expr, $scale:expr) => {
-        $(#[$what])*
-        /// # Safety
-        /// The pixels from `pixels` to `end` must be writable.
-        #[unsafe(naked)]
-        unsafe extern "C" fn $name(
-            pixels: *mut Pixel,
-            end: *mut Pixel,
-            lanes: &NarrowLanes,
-            footprint: &Footprint,
-        ) {
-            naked_asm!(
-                "push {{r4, r5, r6, r7, lr}}
-                mov r4, r8
-                mov r5, r9
-                mov r6, r10
-                mov r7, r11
-                push {{r4, r5, r6, r7}}
-                mov lr, r1
-                ldr r4, [r3, #{peak}]
-                lsls r4, #{scale}
-                ldr r5, [r3, #{colour}]
-                ldr r6, [r3, #{colour} + 4]
-                ldr r7, [r3, #{colour} + 8]
-                push {{r4, r5, r6, r7}}
-                ldmia r2!, {{r1, r4, r5, r6}}
-                lsls r1, #1
-                lsls r4, #1
-                mov r8, r4
-                lsls r5, #1
-                mov r9, r5
-                lsls r6, #1
-                mov r10, r6
-                ldr r4, 9f
-                mov r11, r4
-                movs r4, #1
-                lsls r4, #{share_shift} - 1
-                mov r12, r4
-                mov r4, lr
-                subs r4, r0
-                beq 6f
-                lsrs r4, #5
-                bcs 3f",
-                // The first of two pixels.
-                "2:",
-                pixel!($opacity, "4f", "20f"),
-                "21:
-                add r1, r8
-                add r8, r9",
-                // The second, or a run's odd first one.
-                "3:",
-                pixel!($opacity, "5f", "30f"),
-                "31:
-                add r1, r8
-                add r8, r9
-                cmp r0, lr
-                bne 2b",
-                "6:
-                add sp, #16
-                pop {{r4, r5, r6, r7}}
-                mov r8, r4
-                mov r9, r5
-                mov r10, r6
-                mov r11, r7
-                pop {{r4, r5, r6, r7, pc}}",
-                // Left out: only the flag changes.
-                "20:
-                adds r7, r2
-                movs r3, #1
-                lsls r3, #31
-                orrs r7, r3
-                str r7, [r0, #12]
-                4:
-                adds r0, #16
-                b 21b",
-                "30:
-                adds r7, r2
-                movs r3, #1
-                lsls r3, #31
-                orrs r7, r3
-                str r7, [r0, #12]
-                5:
-                adds r0, #16
-                b 31b",
-                ".balign 4
-                8: .word {alpha_max}
-                9: .word {table}",
-                to_interval = const TO_INTERVAL,
-                to_position = const TO_POSITION,
-                interpolation = const INTERPOLATION,
-                peak = const offset_of!(Footprint, peak),
-                colour = const offset_of!(Footprint, colour),
-                scale = const $scale,
-                share_shift = const BLEND.share_shift,
-                opacity_shift = const BLEND.opacity_shift,
-                alpha_min = const BLEND.alpha_min,
-                alpha_max = const BLEND.alpha_max,
-                stop = const BLEND.stop,
-                table = sym TABLE,
-            )
-        }
+/// What the pixel's skips come to: at `$finish` only the flag is set, which has a byte of its own in memory, at `$skip` nothing.
+macro_rules! left_out {
+    ($finish:literal, $skip:literal, $next:literal) => {
+        concat!(
+            $finish,
+            ":
+            movs r3, #{finished} >> 24
+            strb r3, [r0, #15]
+            ",
+            $skip,
+            ":
+            adds r0, #16
+            b ",
+            $next,
+            "
+            "
+        )
     };
 }
 
-paint! {
-    /// For splats whose opacity cannot exceed the clamp.
-    paint_unclamped, opacity_unclamped!(), SCALE
-}
-paint! {
-    /// For all others.
-    paint_clamped, opacity_clamped!(), 0
+/// Blends the pixels from `pixels` to `end`: two in turn where the peak is scaled, one by one with the clamp where it is not (`scale` 0).
+///
+/// It writes those pixels alone, and reads them, the two references and [`TABLE`]. It calls nothing and uses 56 bytes of stack.
+///
+/// # Safety
+/// The pixels from `pixels` to `end` must be readable and writable.
+#[unsafe(naked)]
+unsafe extern "C" fn paint_range(
+    pixels: *mut Pixel,
+    footprint: &Footprint,
+    lanes: &NarrowLanes,
+    end: *mut Pixel,
+    scale: u32,
+) {
+    naked_asm!(
+        "
+        push {{r4, r5, r6, r7, lr}}
+        mov r4, r8
+        mov r5, r9
+        mov r6, r10
+        mov r7, r11
+        push {{r4, r5, r6, r7}}
+        mov lr, r3
+        ldr r4, [r1, #{peak}]
+        ldr r5, [sp, #36]
+        lsls r4, r5
+        ldr r5, [r1, #{colour}]
+        ldr r6, [r1, #{colour} + 4]
+        ldr r7, [r1, #{colour} + 8]
+        push {{r4, r5, r6, r7}}
+        ldmia r2!, {{r1, r4, r5, r6}}
+        lsls r1, #1
+        lsls r4, #1
+        mov r8, r4
+        lsls r5, #1
+        mov r9, r5
+        lsls r6, #1
+        mov r10, r6
+        ldr r4, 9f
+        mov r11, r4
+        movs r4, #1
+        lsls r4, #{share_shift} - 1
+        mov r12, r4
+        subs r3, r0
+        beq 6f
+        ldr r4, [sp, #52]
+        cmp r4, #0
+        beq 40f
+        lsrs r3, #5
+        bcs 30f
+        ",
+        "20:",
+        pixel!(opacity_unclamped!(), "22f", "21f"),
+        "23:
+        add r1, r8
+        add r8, r9
+        ",
+        "30:",
+        pixel!(opacity_unclamped!(), "32f", "31f"),
+        "33:
+        add r1, r8
+        add r8, r9
+        cmp r0, lr
+        bne 20b
+        ",
+        "6:
+        add sp, #16
+        pop {{r4, r5, r6, r7}}
+        mov r8, r4
+        mov r9, r5
+        mov r10, r6
+        mov r11, r7
+        pop {{r4, r5, r6, r7, pc}}
+        ",
+        left_out!("21", "22", "23b"),
+        left_out!("31", "32", "33b"),
+        "40:",
+        pixel!(opacity_clamped!(), "42f", "41f"),
+        "43:
+        add r1, r8
+        add r8, r9
+        cmp r0, lr
+        bne 40b
+        b 6b
+        ",
+        left_out!("41", "42", "43b"),
+        "
+        .balign 4
+        8: .word {alpha_max}
+        9: .word {table}
+        ",
+        to_interval = const TO_INTERVAL,
+        to_position = const TO_POSITION,
+        interpolation = const INTERPOLATION,
+        peak = const offset_of!(Footprint, peak),
+        colour = const offset_of!(Footprint, colour),
+        share_shift = const BLEND.share_shift,
+        opacity_shift = const BLEND.opacity_shift,
+        alpha_min = const BLEND.alpha_min,
+        alpha_max = const BLEND.alpha_max,
+        stop = const BLEND.stop,
+        finished = const FINISHED,
+        table = sym TABLE,
+    )
 }

@@ -1,0 +1,151 @@
+//! The pixel loop in assembly against its definition, on a board under QEMU: runs of a linear congruential generator, every pixel word.
+//!
+//! Prints how many runs there were, how many pixels they changed, and how many pixels differ, which must be none. Where there is no
+//! such loop it prints that nothing was compared.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(armv6m)]
+mod image {
+    use splatline::blend::{Blend, FINISHED, Pixel};
+    use splatline::draw::{NarrowLanes, NarrowPainter, NarrowRun};
+    use splatline::footprint::{Conic, Footprint, Scan};
+    use splatline::kernel::PackedTable;
+    use splatline::math::Scaled;
+    use splatline_firmware::design::Firmware16;
+    use splatline_firmware::fixed_picture::{INTERVALS, PACKED};
+    use splatline_firmware::scene::RULES;
+    use splatline_firmware::{board, pixel_loop};
+
+    const RUNS: u32 = 3000;
+    /// Longer than a block of the rows.
+    const LONGEST: usize = 40;
+    const LEAD: i64 = PackedTable::<INTERVALS>::lead(&Firmware16::WIDTHS) as i64;
+
+    struct Random(u32);
+
+    impl Random {
+        /// A number of so many bits; one in two is much smaller.
+        fn bits(&mut self, bits: u32) -> u32 {
+            let number = self.next() >> (32 - bits);
+            let smaller = self.next() >> 27;
+            if smaller < bits {
+                number >> smaller
+            } else {
+                number
+            }
+        }
+
+        fn next(&mut self) -> u32 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            self.0 ^ self.0 >> 15
+        }
+
+        fn signed(&mut self, bits: u32) -> i64 {
+            i64::from(self.bits(bits)) - i64::from(self.bits(bits))
+        }
+
+        /// Lanes that stay within their word for `length` pixels, as those of footprints do.
+        fn lanes(&mut self, length: usize) -> NarrowLanes {
+            loop {
+                let radial = i64::from(self.bits(31)) + self.signed(10);
+                let (first, second) = (self.signed(28), i64::from(self.bits(22)));
+                let (mut here, mut step) = (radial, first);
+                let mut within = (0..1 << 31).contains(&here);
+                for _ in 0..length {
+                    here += step;
+                    step += second;
+                    within &= (0..1 << 31).contains(&here);
+                }
+                if within {
+                    return NarrowLanes {
+                        radial: radial as i32,
+                        first: first as i32,
+                        second: second as i32,
+                        last: (i64::from(self.bits(31)) + LEAD).min(i32::MAX.into()) as i32,
+                    };
+                }
+            }
+        }
+
+        fn pixel(&mut self) -> Pixel {
+            let transmittance = self.bits(16) + 1;
+            let finished = if self.bits(3) == 7 { FINISHED } else { 0 };
+            Pixel {
+                colour: [0; 3].map(|_: u32| self.bits(30)),
+                transmittance: transmittance | finished,
+            }
+        }
+
+        fn footprint(&mut self) -> Footprint {
+            let peak = if self.bits(1) == 0 { 14 } else { 18 };
+            Footprint {
+                depth: 0,
+                centre: [0; 2],
+                first: [0; 2],
+                last: [0; 2],
+                scan: Scan {
+                    curvature: Scaled::ZERO,
+                    spread: Scaled::ZERO,
+                    slope: Scaled::ZERO,
+                    stretch: Scaled::ZERO,
+                },
+                conic: Conic::default(),
+                cutoff: 0,
+                peak: self.bits(peak),
+                colour: [0; 3].map(|_: u32| self.bits(14)),
+            }
+        }
+    }
+
+    #[unsafe(no_mangle)]
+    fn image_main() {
+        let Ok(painter) = NarrowPainter::new(Firmware16, &RULES, &PACKED) else {
+            return;
+        };
+        let widths = Firmware16::WIDTHS;
+        let blend = Blend::new(&widths, &RULES);
+        let mut random = Random(1);
+        let (mut clamped_runs, mut changed, mut differing) = (0, 0, 0);
+        for _ in 0..RUNS {
+            let mut expected = [Pixel::default(); LONGEST];
+            expected.fill_with(|| random.pixel());
+            let before = expected;
+            let mut got = expected;
+            let length = (random.next() % (LONGEST as u32 + 1)) as usize;
+            let lanes = random.lanes(length);
+            let footprint = &random.footprint();
+            let clamped = blend.is_clamped(footprint.peak, widths.weight);
+            clamped_runs += u32::from(clamped);
+            let run = |pixels| NarrowRun {
+                pixels,
+                lanes,
+                footprint,
+                clamped,
+            };
+            painter.paint(run(expected.get_mut(..length).unwrap_or_default()));
+            pixel_loop::paint(run(got.get_mut(..length).unwrap_or_default()));
+            changed += different(&before, &expected);
+            differing += different(&expected, &got);
+        }
+        board::print("runs", RUNS);
+        board::print("clamped", clamped_runs);
+        board::print("changed", changed);
+        board::print("differing", differing);
+    }
+
+    fn different(some: &[Pixel], others: &[Pixel]) -> u32 {
+        let pairs = some.iter().zip(others);
+        pairs.filter(|(one, other)| one != other).count() as u32
+    }
+}
+
+#[cfg(all(target_os = "none", not(armv6m)))]
+#[unsafe(no_mangle)]
+fn image_main() {
+    splatline_firmware::board::print("runs", 0);
+}
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    println!("runs=0");
+}
