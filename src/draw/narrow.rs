@@ -178,8 +178,7 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
             last,
         } = lanes;
         let blend_in = |pixel: &mut Pixel, radial: i32| {
-            // Outside, or finished: one look at two sign bits.
-            if (last.wrapping_sub(radial) | pixel.transmittance as i32) < 0 {
+            if is_left_out(radial, last, pixel) {
                 return;
             }
             let weight = self.table.weight(radial as u32, widths.interpolation);
@@ -197,5 +196,15 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
             radial = radial.wrapping_add(first);
             first = first.wrapping_add(second);
         }
+    }
+}
+
+/// Outside the footprint, or finished: one look at two sign bits, or two where a branch compares by itself.
+#[inline(always)]
+fn is_left_out(radial: i32, last: i32, pixel: &Pixel) -> bool {
+    if cfg!(target_arch = "riscv32") {
+        last < radial || pixel.is_finished()
+    } else {
+        (last.wrapping_sub(radial) | pixel.transmittance as i32) < 0
     }
 }

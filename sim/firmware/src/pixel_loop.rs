@@ -224,7 +224,7 @@ macro_rules! left_out {
 
 /// Blends the pixels from `pixels` to `end`: two in turn where the peak is scaled, one by one with the clamp where it is not (`scale` 0).
 ///
-/// It writes those pixels alone, and reads them, the two references and [`TABLE`]. It calls nothing and uses 56 bytes of stack.
+/// It writes those pixels alone, and reads them, the two references and [`TABLE`]. It calls nothing and uses 52 bytes of stack.
 ///
 /// # Safety
 /// The pixels from `pixels` to `end` must be readable and writable.

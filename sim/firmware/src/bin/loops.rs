@@ -1,11 +1,12 @@
 //! The pixel loop in assembly against its definition, on a board under QEMU: runs of a linear congruential generator, every pixel word.
 //!
-//! Prints how many runs there were, how many pixels they changed, and how many pixels differ, which must be none. Where there is no
-//! such loop it prints that nothing was compared.
+//! Prints how many runs there were, how many pixels they changed, how many pixels differ and which bits of the registers that a callee must
+//! keep were lost: none, both. Where there is no such loop it prints that nothing was compared.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(armv6m)]
 mod image {
+    use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
     use splatline::draw::{NarrowLanes, NarrowPainter, NarrowRun};
     use splatline::footprint::{Conic, Footprint, Scan};
@@ -44,24 +45,28 @@ mod image {
             i64::from(self.bits(bits)) - i64::from(self.bits(bits))
         }
 
-        /// Lanes that stay within their word for `length` pixels, as those of footprints do.
+        /// Lanes that stay within their word for `length` pixels, as those of footprints do. In one run of four a pixel lies on the edge.
         fn lanes(&mut self, length: usize) -> NarrowLanes {
             loop {
                 let radial = i64::from(self.bits(31)) + self.signed(10);
                 let (first, second) = (self.signed(28), i64::from(self.bits(22)));
                 let (mut here, mut step) = (radial, first);
                 let mut within = (0..1 << 31).contains(&here);
+                let mut edge = here;
                 for _ in 0..length {
                     here += step;
                     step += second;
                     within &= (0..1 << 31).contains(&here);
+                    edge = if self.bits(3) == 1 { here } else { edge };
                 }
+                let elsewhere = i64::from(self.bits(31)) + LEAD;
+                let last = if self.bits(2) == 1 { edge } else { elsewhere };
                 if within {
                     return NarrowLanes {
                         radial: radial as i32,
                         first: first as i32,
                         second: second as i32,
-                        last: (i64::from(self.bits(31)) + LEAD).min(i32::MAX.into()) as i32,
+                        last: last.min(i32::MAX.into()) as i32,
                     };
                 }
             }
@@ -106,6 +111,7 @@ mod image {
         let blend = Blend::new(&widths, &RULES);
         let mut random = Random(1);
         let (mut clamped_runs, mut changed, mut differing) = (0, 0, 0);
+        let mut lost = 0;
         for _ in 0..RUNS {
             let mut expected = [Pixel::default(); LONGEST];
             expected.fill_with(|| random.pixel());
@@ -123,7 +129,8 @@ mod image {
                 clamped,
             };
             painter.paint(run(expected.get_mut(..length).unwrap_or_default()));
-            pixel_loop::paint(run(got.get_mut(..length).unwrap_or_default()));
+            let mut run = Some(run(got.get_mut(..length).unwrap_or_default()));
+            lost |= registers_lost(&mut run);
             changed += different(&before, &expected);
             differing += different(&expected, &got);
         }
@@ -131,6 +138,55 @@ mod image {
         board::print("clamped", clamped_runs);
         board::print("changed", changed);
         board::print("differing", differing);
+        board::print("registers_lost", lost);
+    }
+
+    extern "C" fn paint(run: &mut Option<NarrowRun>) {
+        if let Some(run) = run.take() {
+            pixel_loop::paint(run);
+        }
+    }
+
+    /// Paints with known words in the registers that a callee must keep; what of them changed.
+    fn registers_lost(run: &mut Option<NarrowRun>) -> u32 {
+        let function: extern "C" fn(&mut Option<NarrowRun>) = paint;
+        let lost;
+        // SAFETY: a call by the calling convention; every register that is written is declared.
+        unsafe {
+            asm!(
+                "mov r4, r1",
+                "mov r5, r1",
+                "mov r8, r1",
+                "adds r1, #8",
+                "mov r9, r1",
+                "adds r1, #8",
+                "mov r10, r1",
+                "adds r1, #8",
+                "mov r11, r1",
+                "blx r5",
+                "eors r5, r4",
+                "mov r0, r8",
+                "eors r0, r4",
+                "orrs r5, r0",
+                "adds r4, #8",
+                "mov r0, r9",
+                "eors r0, r4",
+                "orrs r5, r0",
+                "adds r4, #8",
+                "mov r0, r10",
+                "eors r0, r4",
+                "orrs r5, r0",
+                "adds r4, #8",
+                "mov r0, r11",
+                "eors r0, r4",
+                "orrs r0, r5",
+                inout("r0") run => lost,
+                inout("r1") function => _,
+                out("r4") _, out("r5") _, out("r8") _, out("r9") _, out("r10") _, out("r11") _,
+                clobber_abi("C"),
+            )
+        }
+        lost
     }
 
     fn different(some: &[Pixel], others: &[Pixel]) -> u32 {
