@@ -42,7 +42,7 @@ pub struct NarrowLanes {
     pub first: i32,
     /// Difference of differences.
     pub second: i32,
-    /// The largest index inside the footprint.
+    /// The largest index inside the footprint, before the table's end.
     pub last: i32,
 }
 
@@ -107,7 +107,7 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         if !Blend::new(&widths, rules).is_narrow() {
             return Err(NarrowError::Products);
         }
-        if !table.is_for(&widths) {
+        if !table.is_for(&widths, rules.table_range) {
             return Err(NarrowError::Table);
         }
         Ok(NarrowPainter {
@@ -134,12 +134,14 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
     #[inline(always)]
     pub fn runs<'f>(self, footprint: &'f Footprint, window: &Window) -> Option<NarrowRuns<'f>> {
         let widths = self.design.widths();
-        let lead = PackedTable::<N>::lead(&widths);
+        let range = self.rules.table_range;
+        let lead = PackedTable::<N>::lead(&widths, range);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         if end == 0 {
             return None;
         }
-        let last = (end - 1 + u64::from(lead)).min(i32::MAX as u64) as i32;
+        let table_end = 1u64 << ((widths.radial + range) & 31);
+        let last = (end - 1 + u64::from(lead)).min(table_end - 1) as i32;
         let blend = Blend::new(&widths, self.rules);
         Some(NarrowRuns {
             footprint,
@@ -181,7 +183,9 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
             if is_left_out(radial, last, pixel) {
                 return;
             }
-            let weight = self.table.weight(radial as u32, widths.interpolation);
+            let weight = self
+                .table
+                .weight(radial as u32, &widths, self.rules.table_range);
             let alpha = if CLAMPED {
                 Some(blend.opacity(peak, weight)).filter(|alpha| *alpha > 0)
             } else {

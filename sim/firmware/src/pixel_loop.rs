@@ -7,13 +7,13 @@
 //! | register | holds |
 //! |---|---|
 //! | r0 | the pixel |
-//! | r1 | radial index, twice, so that its leading bit is the table's |
+//! | r1 | radial index |
 //! | r2 | opacity, then share of the light |
 //! | r3 | scratch |
 //! | r4, r5, r6 | value and slope of the interval; then the three colour sums |
 //! | r7 | transmittance |
-//! | r8, r9 | first and second difference, twice |
-//! | r10 | largest radial index inside the footprint, twice |
+//! | r8, r9 | first and second difference |
+//! | r10 | largest radial index inside the footprint |
 //! | r11 | table |
 //! | r12 | rounding constant, the same for opacity and share: the peak is scaled for that |
 //! | lr | end of the run |
@@ -35,9 +35,9 @@ use splatline::format::Rounding;
 const INTERPOLATION: u8 = Firmware16::WIDTHS.interpolation;
 const BLEND: BlendConstants = Blend::new(&Firmware16::WIDTHS, &RULES).constants();
 
-/// Twice a radial index to the interval's number, and to the position that [`PackedTable`](splatline::kernel::PackedTable) takes.
-const TO_INTERVAL: u32 = 32 - INTERVALS.ilog2();
-const TO_POSITION: u32 = TO_INTERVAL - INTERPOLATION as u32;
+/// Bits of a radial index, and those of them below the interval's number.
+const LANE: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
+const BELOW: u32 = LANE - INTERVALS.ilog2();
 
 /// From the peak's scale to the one at which opacity and share are rounded at the same bit.
 const SCALE: i32 = BLEND.share_shift - BLEND.opacity_shift;
@@ -50,6 +50,8 @@ const _: () = {
     // The scaled peak of a splat that is not clamped is below 2^(peak + SCALE).
     let widths = Firmware16::WIDTHS;
     assert!(SCALE >= 0 && widths.peak as i32 + SCALE + (widths.weight as i32) < 32);
+    // The position ends where the lane ends.
+    assert!(INTERPOLATION == 0 || INTERPOLATION as u32 == BELOW);
     assert!(size_of::<Pixel>() == 16 && offset_of!(Pixel, colour) == 0);
     assert!(offset_of!(NarrowLanes, last) == 12);
     assert!(FINISHED == 1 << 31 && widths.transmittance < 24 && cfg!(target_endian = "little"));
@@ -75,7 +77,7 @@ const fn interval(word: u32) -> Interval {
     };
 }
 
-/// The packed table in the loop's layout. The index has as many bits as the table: no radial index reads beside it.
+/// The packed table in the loop's layout. No radial index inside a footprint reads beside it: [`paint`] sees to that.
 static TABLE: [Interval; INTERVALS] = {
     let mut table = [interval(0); INTERVALS];
     let mut i = 0;
@@ -96,8 +98,11 @@ pub fn paint(run: NarrowRun) {
         clamped,
     } = run;
     let pixels = pixels.as_mut_ptr_range();
+    // The comparison with it is unsigned, and all that keeps a radial index within the table.
+    let last = (lanes.last as u32).min((1 << LANE) - 1) as i32;
+    let lanes = NarrowLanes { last, ..lanes };
     let scale = if clamped { 0 } else { SCALE as u32 };
-    // SAFETY: the range is a borrowed slice's; the other two are references.
+    // SAFETY: the range is a borrowed slice's, and `last` lies within the table.
     unsafe { paint_range(pixels.start, footprint, &lanes, pixels.end, scale) }
 }
 
@@ -106,12 +111,11 @@ pub fn paint(run: NarrowRun) {
 macro_rules! kernel {
     () => {
         "
-        lsrs r3, r1, #{to_interval}
+        lsrs r3, r1, #{below}
         lsls r3, #3
         add r3, r11
         ldmia r3!, {{r4, r5}}
-        lsrs r3, r1, #{to_position}
-        muls r5, r3
+        muls r5, r1
         subs r4, r5
         lsrs r2, r4, #{interpolation}
         "
@@ -121,10 +125,10 @@ macro_rules! kernel {
 macro_rules! kernel {
     () => {
         "
-        lsrs r2, r1, #{to_interval}
+        lsrs r2, r1, #{below}
         lsls r2, #1
         add r2, r11
-        ldrh r2, [r2]           @ {interpolation} bits of position, {to_position}
+        ldrh r2, [r2]           @ {interpolation} bits of position
         "
     };
 }
@@ -227,7 +231,7 @@ macro_rules! left_out {
 /// It writes those pixels alone, and reads them, the two references and [`TABLE`]. It calls nothing and uses 52 bytes of stack.
 ///
 /// # Safety
-/// The pixels from `pixels` to `end` must be readable and writable.
+/// The pixels from `pixels` to `end` must be readable and writable, and `lanes.last` below `2^LANE`.
 #[unsafe(naked)]
 unsafe extern "C" fn paint_range(
     pixels: *mut Pixel,
@@ -253,12 +257,8 @@ unsafe extern "C" fn paint_range(
         ldr r7, [r1, #{colour} + 8]
         push {{r4, r5, r6, r7}}
         ldmia r2!, {{r1, r4, r5, r6}}
-        lsls r1, #1
-        lsls r4, #1
         mov r8, r4
-        lsls r5, #1
         mov r9, r5
-        lsls r6, #1
         mov r10, r6
         ldr r4, 9f
         mov r11, r4
@@ -313,8 +313,7 @@ unsafe extern "C" fn paint_range(
         8: .word {alpha_max}
         9: .word {table}
         ",
-        to_interval = const TO_INTERVAL,
-        to_position = const TO_POSITION,
+        below = const BELOW,
         interpolation = const INTERPOLATION,
         peak = const offset_of!(Footprint, peak),
         colour = const offset_of!(Footprint, colour),

@@ -20,7 +20,10 @@ mod image {
     const RUNS: u32 = 3000;
     /// Longer than a block of the rows.
     const LONGEST: usize = 40;
-    const LEAD: i64 = PackedTable::<INTERVALS>::lead(&Firmware16::WIDTHS) as i64;
+    const LEAD: i64 = PackedTable::<INTERVALS>::lead(&Firmware16::WIDTHS, RULES.table_range) as i64;
+    /// Bits of the largest radial index, and the first word beyond.
+    const BITS: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
+    const END: i64 = 1 << BITS;
 
     struct Random(u32);
 
@@ -45,28 +48,28 @@ mod image {
             i64::from(self.bits(bits)) - i64::from(self.bits(bits))
         }
 
-        /// Lanes that stay within their word for `length` pixels, as those of footprints do. In one run of four a pixel lies on the edge.
+        /// Lanes that stay within twice the table for `length` pixels, as those of footprints do. In one run of four a pixel lies on the edge.
         fn lanes(&mut self, length: usize) -> NarrowLanes {
             loop {
-                let radial = i64::from(self.bits(31)) + self.signed(10);
-                let (first, second) = (self.signed(28), i64::from(self.bits(22)));
+                let radial = i64::from(self.bits(BITS)) + self.signed(10);
+                let (first, second) = (self.signed(BITS - 3), i64::from(self.bits(BITS - 9)));
                 let (mut here, mut step) = (radial, first);
-                let mut within = (0..1 << 31).contains(&here);
+                let mut within = (0..2 * END).contains(&here);
                 let mut edge = here;
                 for _ in 0..length {
                     here += step;
                     step += second;
-                    within &= (0..1 << 31).contains(&here);
+                    within &= (0..2 * END).contains(&here);
                     edge = if self.bits(3) == 1 { here } else { edge };
                 }
-                let elsewhere = i64::from(self.bits(31)) + LEAD;
+                let elsewhere = i64::from(self.bits(BITS)) + LEAD;
                 let last = if self.bits(2) == 1 { edge } else { elsewhere };
                 if within {
                     return NarrowLanes {
                         radial: radial as i32,
                         first: first as i32,
                         second: second as i32,
-                        last: last.min(i32::MAX.into()) as i32,
+                        last: last.min(END - 1) as i32,
                     };
                 }
             }
