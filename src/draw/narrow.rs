@@ -32,7 +32,7 @@ pub enum NarrowError {
 
 /// The radial indices of a run: three words of forward differencing that lead by [`PackedTable::lead`], and where the footprint ends.
 ///
-/// In this order in memory.
+/// In this order in memory. Footprints of setup keep the indices of a run at 0 or above and within the word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub struct NarrowLanes {
