@@ -8,7 +8,7 @@ pub mod surface;
 mod visit;
 
 pub use hybrid::Gathering;
-pub use narrow::{NarrowError, NarrowPainter};
+pub use narrow::{NarrowError, NarrowLanes, NarrowPainter, NarrowRun, NarrowRuns};
 pub use sphere::Perspective;
 
 use crate::blend::{Blend, Pixel};

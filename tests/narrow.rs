@@ -25,7 +25,7 @@ const FIRMWARE: Widths = Widths {
     view: 24,
     mantissa: 15,
     subpixel: 12,
-    radial: 27,
+    radial: 20,
     table: 7,
     interpolation: 17,
     weight: 14,
@@ -39,6 +39,7 @@ const FIRMWARE: Widths = Widths {
 
 /// A coarse table without interpolation, truncated products, rounded sums.
 const PLAIN: Widths = Widths {
+    radial: 27,
     table: 9,
     interpolation: 0,
     weight: 13,
@@ -53,6 +54,7 @@ const PLAIN: Widths = Widths {
 const LONG: Widths = Widths {
     mantissa: 18,
     subpixel: 18,
+    radial: 27,
     table: 5,
     interpolation: 12,
     weight: 12,
@@ -166,8 +168,8 @@ fn packed_look_ups_equal_plain_ones() {
     fn check<const N: usize>(widths: Widths) {
         let (memory, packed) = table::<N>(&widths);
         let plain = FootprintTable::new(&memory, &widths, RANGE).unwrap();
-        let lead = PackedTable::<N>::lead(&widths);
-        let at = |ahead| packed.weight(ahead, widths.interpolation);
+        let lead = PackedTable::<N>::lead(&widths, RANGE);
+        let at = |ahead| packed.weight(ahead, &widths, RANGE);
         // Cut-offs end at 15, one interval below the table's end.
         let end = 15u32 << widths.radial;
         for radial in (0..end).step_by(251).chain(end - 1000..end) {
@@ -197,6 +199,17 @@ fn what_is_not_narrow_is_refused() {
         PackedError::Intervals
     );
     assert_eq!(refused(FIRMWARE, 2), PackedError::Alignment);
+    let wide = Widths {
+        radial: 28,
+        ..FIRMWARE
+    };
+    assert_eq!(refused(wide, RANGE), PackedError::Alignment);
+    let coarse = Widths {
+        radial: 9,
+        interpolation: 6,
+        ..FIRMWARE
+    };
+    assert_eq!(refused(coarse, RANGE), PackedError::Noise);
     let noisy = Widths {
         mantissa: 10,
         ..FIRMWARE

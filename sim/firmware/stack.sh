@@ -4,8 +4,8 @@
 #
 #   sim/firmware/stack.sh [TARGET [FUNCTION]]        e.g. thumbv6m-none-eabi set_up
 #
-# Frame sizes are an unstable compiler flag, hence RUSTC_BOOTSTRAP. Library routines without a recorded frame (integer helpers,
-# memcpy) count 24 bytes. Indirect calls and recursion are errors; the images have neither.
+# Frame sizes are an unstable compiler flag, hence RUSTC_BOOTSTRAP. Functions without a recorded frame (assembly, integer helpers,
+# memcpy) count what they push, and 24 bytes at least. Indirect calls and recursion are errors; the images have neither.
 set -eu
 cd "$(dirname "$0")"
 target=${1:-thumbv6m-none-eabi}
@@ -22,14 +22,16 @@ elf=$CARGO_TARGET_DIR/$target/release/fixed
         awk '/Functions:/ { gsub(/[][,]/, ""); name = $2 } /Size: 0x/ { print "frame", name, substr($2, 3) }' |
         while read -r kind name size; do echo "$kind $name $((0x$size))"; done
     "$tools/llvm-objdump" -d --no-show-raw-insn "$elf" | awk '
+        $2 == "push" { print "pushed", name, 4 * split($0, registers, ",") }
         /^[0-9a-f]+ <.*>:$/ { name = substr($2, 2, length($2) - 3) }
         $2 ~ /^(bl|jal|jalr|call|tail|b|b\.w|j)$/ && match($0, /<[^>+]*>/) { print "call", name, substr($0, RSTART + 1, RLENGTH - 2) }
         $2 ~ /^(blx)$/ { print "indirect", name, $3 }' | sort -u
 } | awk -v from="$from" '
     $1 == "frame" { frame[$2] = $3 }
+    $1 == "pushed" { pushed[$2] += $3 }
     $1 == "call" && $2 != $3 { calls[$2] = calls[$2] " " $3 }
     $1 == "indirect" { print "stack.sh: indirect call in " $2 > "/dev/stderr"; bad = 1 }
-    function own(f) { return f in frame ? frame[f] : 24 }
+    function own(f) { return f in frame ? frame[f] : pushed[f] > 24 ? pushed[f] : 24 }
     function depth(f, level,    list, n, i, d, best) {
         if (f in known) return known[f]
         if (level > 50) { print "stack.sh: recursion through " f > "/dev/stderr"; bad = 1; return 0 }

@@ -9,7 +9,7 @@ use crate::draw::cutoff_in_lane;
 use crate::footprint::Footprint;
 use crate::format::Design;
 use crate::kernel::PackedTable;
-use crate::raster::{Rows, SpanRows};
+use crate::raster::{Rows, Run, SpanRows, Window};
 use crate::rules::Rules;
 use crate::target::Target;
 
@@ -30,14 +30,69 @@ pub enum NarrowError {
     Table,
 }
 
-/// A run whose radial indices lead by [`PackedTable::lead`].
-#[derive(Clone, Copy, Debug)]
-struct Lanes {
-    radial: i32,
-    first: i32,
-    second: i32,
-    /// The largest of them inside the footprint.
+/// The radial indices of a run: three words of forward differencing that lead by [`PackedTable::lead`], and where the footprint ends.
+///
+/// In this order in memory. Footprints of setup keep the indices of a run at 0 or above and within the word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct NarrowLanes {
+    /// At the first pixel.
+    pub radial: i32,
+    /// Difference to the next pixel.
+    pub first: i32,
+    /// Difference of differences.
+    pub second: i32,
+    /// The largest index inside the footprint, before the table's end.
+    pub last: i32,
+}
+
+/// Adjacent pixels of a row, and all that blending a footprint into them depends on: what a pixel loop gets.
+#[derive(Debug)]
+pub struct NarrowRun<'t, 'f> {
+    /// The pixels, each with the lanes' next index; may be empty.
+    pub pixels: &'t mut [Pixel],
+    /// Their radial indices.
+    pub lanes: NarrowLanes,
+    /// Peak and colour are its.
+    pub footprint: &'f Footprint,
+    /// Can its opacity exceed the clamp? See [`Blend::is_clamped`].
+    pub clamped: bool,
+}
+
+/// The runs of one footprint, row by row, for a pixel loop of the caller's: [`NarrowPainter::runs`].
+#[derive(Clone, Debug)]
+pub struct NarrowRuns<'f> {
+    rows: SpanRows<i32>,
+    footprint: &'f Footprint,
+    clamped: bool,
+    lead: i32,
     last: i32,
+}
+
+impl<'f> NarrowRuns<'f> {
+    /// The next run, without its pixels.
+    #[inline(always)]
+    pub fn next_run(&mut self) -> Option<Run<i32>> {
+        self.rows.next_run()
+    }
+
+    /// A run with its pixels of the target: what the pixel loop gets.
+    ///
+    /// Not joined with [`next_run`](NarrowRuns::next_run): an `Option` of all this costs Cortex-M five instructions a run.
+    #[inline(always)]
+    pub fn with_pixels<'t>(&self, run: Run<i32>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
+        NarrowRun {
+            pixels: target.row(run.y, run.x, run.length),
+            lanes: NarrowLanes {
+                radial: run.radial.wrapping_add(self.lead),
+                first: run.first,
+                second: run.second,
+                last: self.last,
+            },
+            footprint: self.footprint,
+            clamped: self.clamped,
+        }
+    }
 }
 
 impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
@@ -52,7 +107,7 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         if !Blend::new(&widths, rules).is_narrow() {
             return Err(NarrowError::Products);
         }
-        if !table.is_for(&widths) {
+        if !table.is_for(&widths, rules.table_range) {
             return Err(NarrowError::Table);
         }
         Ok(NarrowPainter {
@@ -67,50 +122,70 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
     /// At most as many steps as the window has pixels, plus one per row, whatever the footprint's bits.
     #[inline(always)]
     pub fn draw(self, footprint: &Footprint, target: &mut Target) {
-        let widths = self.design.widths();
-        let lead = PackedTable::<N>::lead(&widths);
-        let end = cutoff_in_lane(footprint.cutoff, widths.radial);
-        if end == 0 {
+        let Some(mut runs) = self.runs(footprint, &target.window()) else {
             return;
-        }
-        let last = (end - 1 + u64::from(lead)).min(i32::MAX as u64) as i32;
-        let blend = Blend::new(&widths, self.rules);
-        let clamped = blend.is_clamped(footprint.peak, widths.weight);
-        let mut rows = SpanRows::new(self.design, footprint, &target.window());
-        while let Some(run) = rows.next_run() {
-            let pixels = target.row(run.y, run.x, run.length);
-            let lanes = Lanes {
-                radial: run.radial.wrapping_add(lead as i32),
-                first: run.first,
-                second: run.second,
-                last,
-            };
-            if clamped {
-                self.paint::<true>(pixels, lanes, footprint);
-            } else {
-                self.paint::<false>(pixels, lanes, footprint);
-            }
+        };
+        while let Some(run) = runs.next_run() {
+            self.paint(runs.with_pixels(run, target));
         }
     }
 
-    /// The pixel loop: a function of its own, so that it has all registers, and one for each way of clamping.
+    /// The runs of one footprint in a window; `None` if no pixel can lie inside it.
+    #[inline(always)]
+    pub fn runs<'f>(self, footprint: &'f Footprint, window: &Window) -> Option<NarrowRuns<'f>> {
+        let widths = self.design.widths();
+        let range = self.rules.table_range;
+        let lead = PackedTable::<N>::lead(&widths, range);
+        let end = cutoff_in_lane(footprint.cutoff, widths.radial);
+        if end == 0 {
+            return None;
+        }
+        let table_end = 1u64 << ((widths.radial + range) & 31);
+        let last = (end - 1 + u64::from(lead)).min(table_end - 1) as i32;
+        let blend = Blend::new(&widths, self.rules);
+        Some(NarrowRuns {
+            footprint,
+            clamped: blend.is_clamped(footprint.peak, widths.weight),
+            lead: lead as i32,
+            last,
+            rows: SpanRows::new(self.design, footprint, window),
+        })
+    }
+
+    /// The pixel loop: the definition of what a loop of the caller's does with a run.
+    #[inline(always)]
+    pub fn paint(self, run: NarrowRun) {
+        if run.clamped {
+            self.paint_as::<true>(run.pixels, run.lanes, run.footprint);
+        } else {
+            self.paint_as::<false>(run.pixels, run.lanes, run.footprint);
+        }
+    }
+
+    /// A function of its own, so that the loop has all registers, and one for each way of clamping.
     #[inline(never)]
-    fn paint<const CLAMPED: bool>(self, pixels: &mut [Pixel], lanes: Lanes, footprint: &Footprint) {
+    fn paint_as<const CLAMPED: bool>(
+        self,
+        pixels: &mut [Pixel],
+        lanes: NarrowLanes,
+        footprint: &Footprint,
+    ) {
         let widths = self.design.widths();
         let blend = Blend::new(&widths, self.rules);
         let Footprint { peak, colour, .. } = *footprint;
-        let Lanes {
+        let NarrowLanes {
             mut radial,
             mut first,
             second,
             last,
         } = lanes;
         let blend_in = |pixel: &mut Pixel, radial: i32| {
-            // Outside, or finished: one look at two sign bits.
-            if (last.wrapping_sub(radial) | pixel.transmittance as i32) < 0 {
+            if is_left_out(radial, last, pixel) {
                 return;
             }
-            let weight = self.table.weight(radial as u32, widths.interpolation);
+            let weight = self
+                .table
+                .weight(radial as u32, &widths, self.rules.table_range);
             let alpha = if CLAMPED {
                 Some(blend.opacity(peak, weight)).filter(|alpha| *alpha > 0)
             } else {
@@ -125,5 +200,15 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
             radial = radial.wrapping_add(first);
             first = first.wrapping_add(second);
         }
+    }
+}
+
+/// Outside the footprint, or finished: one look at two sign bits, or two where a branch compares by itself.
+#[inline(always)]
+fn is_left_out(radial: i32, last: i32, pixel: &Pixel) -> bool {
+    if cfg!(target_arch = "riscv32") {
+        last < radial || pixel.is_finished()
+    } else {
+        (last.wrapping_sub(radial) | pixel.transmittance as i32) < 0
     }
 }

@@ -12,15 +12,21 @@
 //! position ahead. Where that carries into the next interval, f + 1 is 0 and w is b, as it must be. Same bits as
 //! [`FootprintTable`](super::FootprintTable).
 //!
+//! The position is not cut out of the lane: what stands above it is the interval's number i, and the word holds (a - b) 2^k i more, which
+//! is 0 again after the multiplication, modulo 2^32.
+//!
 //! Two more instructions are saved by what lies before and behind the table. Radial indices below 0 are rounding noise and
-//! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And lanes are aligned
-//! so that the largest radial index is 2^31 (`radial + range == 31`): a look-up is the word's leading bits, which cannot miss the
-//! table. The last interval gives its place to the level one; cut-offs end at 15, one unit before the table.
+//! count as 0: lanes run one *interval* ahead too, and the first word is a level one, so that no pixel clamps. And an index is as many bits
+//! of the lane as the table has, which cannot miss it. The last interval gives its place to the level one; cut-offs end at 15, one
+//! unit before the table. Lanes whose lowest bit is the position's (`radial + range == table + interpolation`) need no shift.
 
 use crate::format::Widths;
 
 /// Bits of a radial index that a lane word has.
 const LANE: u32 = 31;
+
+/// Base-2 logarithm of the rounding noise of a run's radial indices in the lanes' unit: `BLOCK^2/32 + BLOCK` and a few roundings.
+const LANE_NOISE: u32 = 7;
 
 /// A table with `N` intervals (a power of two).
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +34,8 @@ pub struct PackedTable<const N: usize> {
     words: [u32; N],
     table: u8,
     interpolation: u8,
+    radial: u8,
+    range: u8,
 }
 
 /// Why a design has no packed table.
@@ -35,11 +43,12 @@ pub struct PackedTable<const N: usize> {
 pub enum PackedError {
     /// `N` is not the number of intervals, `2^table`.
     Intervals,
-    /// The lanes are not aligned: `radial + range` must be 31.
+    /// The largest radial index leaves the lane: `radial + range` must be at most 31, and at least `table + interpolation`.
     Alignment,
     /// Values rise, or value and slope have no room in one word: `2^k a + 2^(k-1)` must be below 2^32 and a - b below `2^(k-1)`.
     Room,
-    /// Intervals are so narrow that the rounding noise of the row seeds exceeds one: `mantissa` must be at least `table + 4`.
+    /// Intervals are so narrow that the rounding noise of the row seeds exceeds one: `mantissa` must be at least `table + 4`, and
+    /// `radial + range` at least `table + 7`.
     Noise,
 }
 
@@ -49,22 +58,20 @@ impl<const N: usize> PackedTable<N> {
         if N != 1 << widths.table || entries.len() != N + 1 {
             return Err(PackedError::Intervals);
         }
-        if widths.radial as u32 + range as u32 != LANE {
+        let lane = widths.radial as u32 + range as u32;
+        let position = widths.interpolation as u32;
+        if lane > LANE || lane < widths.table as u32 + position {
             return Err(PackedError::Alignment);
         }
-        let position = widths.interpolation as u32;
-        if position > LANE - widths.table as u32 {
-            return Err(PackedError::Room);
-        }
         // A seed's product is rounded to the mantissa: 16 * 2^-mantissa at most, with room for its two roundings and the steps'.
-        if widths.mantissa < widths.table + 4 {
+        if widths.mantissa < widths.table + 4 || lane < widths.table as u32 + LANE_NOISE {
             return Err(PackedError::Noise);
         }
         let mut words = [0; N];
         let mut i = 0;
         while i < N {
             let level = if i == 0 { 0 } else { i - 1 };
-            match word(entries[level], entries[i], position) {
+            match word(entries[level], entries[i], i as u32, position) {
                 Some(packed) => words[i] = packed,
                 None => return Err(PackedError::Room),
             }
@@ -74,19 +81,36 @@ impl<const N: usize> PackedTable<N> {
             words,
             table: widths.table,
             interpolation: widths.interpolation,
+            radial: widths.radial,
+            range,
         })
     }
 
-    /// Was the table packed for these widths?
+    /// The words, for a pixel loop of one's own that keeps them otherwise.
     #[inline(always)]
-    pub const fn is_for(&self, widths: &Widths) -> bool {
-        self.table == widths.table && self.interpolation == widths.interpolation
+    pub const fn words(&self) -> &[u32; N] {
+        &self.words
+    }
+
+    /// The slope a - b in a word; `interpolation` is the width that the table was packed for, and not 0.
+    #[inline(always)]
+    pub const fn slope(word: u32, interpolation: u8) -> u32 {
+        word & (1u32.wrapping_shl(interpolation.wrapping_sub(1) as u32) - 1)
+    }
+
+    /// Was the table packed for these widths and this range?
+    #[inline(always)]
+    pub const fn is_for(&self, widths: &Widths, range: u8) -> bool {
+        self.table == widths.table
+            && self.interpolation == widths.interpolation
+            && self.radial == widths.radial
+            && self.range == range
     }
 
     /// How far lanes must run ahead of the radial index, UQ4.radial: one interval and one unit of the position within it.
     #[inline(always)]
-    pub const fn lead(widths: &Widths) -> u32 {
-        let below = LANE.wrapping_sub(widths.table as u32);
+    pub const fn lead(widths: &Widths, range: u8) -> u32 {
+        let below = below_index(widths, range);
         let position = match widths.interpolation {
             0 => 0,
             k => 1u32.wrapping_shl(below.wrapping_sub(k as u32)),
@@ -94,26 +118,32 @@ impl<const N: usize> PackedTable<N> {
         1u32.wrapping_shl(below) + position
     }
 
-    /// Kernel at the radial index `ahead - lead` (UQ4.radial; the sign bit is ignored), UQ1.weight, rounded to nearest; for `ahead` below
-    /// the lead the kernel at 0. `interpolation` is the width that the table was packed for.
+    /// Kernel at the radial index `ahead - lead` (UQ4.radial, below `2^range`), UQ1.weight, rounded to nearest; for `ahead` below the lead
+    /// the kernel at 0. For the widths and the range that the table was packed for.
     #[inline(always)]
-    pub fn weight(&self, ahead: u32, interpolation: u8) -> u32 {
-        let below = LANE - N.ilog2();
-        let index = (ahead << 1 >> 1 >> below) as usize;
+    pub fn weight(&self, ahead: u32, widths: &Widths, range: u8) -> u32 {
+        let below = below_index(widths, range);
+        let index = ahead.wrapping_shr(below) as usize & (N - 1);
         let word = self.words.get(index).copied().unwrap_or(0);
-        let position = u32::from(interpolation);
+        let position = u32::from(widths.interpolation);
         if position == 0 {
             return word;
         }
-        let mask = (1 << position) - 1;
-        let after = (ahead >> below.saturating_sub(position)) & mask;
-        let slope = word & (mask >> 1);
-        word.wrapping_sub(slope.wrapping_mul(after)) >> position
+        let after = ahead.wrapping_shr(below.wrapping_sub(position));
+        let slope = Self::slope(word, widths.interpolation);
+        word.wrapping_sub(slope.wrapping_mul(after))
+            .wrapping_shr(position)
     }
 }
 
-/// One interval from `a` to `b`; `None` if it does not fit.
-const fn word(a: u32, b: u32, position: u32) -> Option<u32> {
+/// Bits of a lane below the table's index.
+#[inline(always)]
+const fn below_index(widths: &Widths, range: u8) -> u32 {
+    (widths.radial as u32 + range as u32).wrapping_sub(widths.table as u32)
+}
+
+/// The interval with this number, from `a` to `b`; `None` if it does not fit.
+const fn word(a: u32, b: u32, number: u32, position: u32) -> Option<u32> {
     if position == 0 {
         return Some(a);
     }
@@ -124,5 +154,6 @@ const fn word(a: u32, b: u32, position: u32) -> Option<u32> {
     if ((a as u64) << position) + half > u32::MAX as u64 {
         return None;
     }
-    Some((a << position) + half as u32 + (a - b))
+    let above = (a - b).wrapping_mul(number) << position;
+    Some(((a << position) + half as u32 + (a - b)).wrapping_add(above))
 }

@@ -11,8 +11,9 @@
 //! | table step UQ0.11 x position 17 | 28 |
 //! | row seed: 15-bit mantissas | 31 |
 //!
-//! The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing shifted. Lanes
-//! are aligned for the packed table (27 + 4 bits), and 17 bits of position leave a half-word for the table's slope.
+//! The accumulated colour has as many fraction bits as share and colour together: nothing is rounded there, and nothing shifted. 17
+//! bits of position leave a half-word for the table's slope. Lanes end where the position ends (20 + 4 = 7 + 17 bits), so that nothing is
+//! shifted there either.
 
 use splatline::format::{Design, Rounding, Widths};
 
@@ -33,7 +34,7 @@ impl Firmware16 {
         view: 24,
         mantissa: 15,
         subpixel: 12,
-        radial: 27,
+        radial: 20,
         table: TABLE.0,
         interpolation: TABLE.1,
         weight: 14,

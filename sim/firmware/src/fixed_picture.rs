@@ -19,8 +19,8 @@ pub const INTERVALS: usize = 1 << Firmware16::WIDTHS.table;
 /// The footprint table, made by the compiler.
 pub static ENTRIES: [u32; INTERVALS + 1] = gaussian(&Firmware16::WIDTHS, RULES.table_range);
 
-/// The same packed for the pixel loop: the one that is in the image.
-static TABLE: PackedTable<INTERVALS> = {
+/// The same packed for the pixel loop.
+pub static PACKED: PackedTable<INTERVALS> = {
     match PackedTable::new(&ENTRIES, &Firmware16::WIDTHS, RULES.table_range) {
         Ok(table) => table,
         Err(_) => panic!("the widths have no packed table"),
@@ -111,7 +111,7 @@ fn draw_strip(memory: &mut Memory, first_row: u16) {
         first: [0, first_row],
         last: [COLUMNS, first_row + STRIP],
     };
-    let painter = NarrowPainter::new(Firmware16, &RULES, &TABLE);
+    let painter = NarrowPainter::new(Firmware16, &RULES, &PACKED);
     let target = Target::new(&mut memory.strip, window, COLUMNS.into());
     let (Ok(mut target), Ok(painter)) = (target, painter) else {
         return;
@@ -124,7 +124,24 @@ fn draw_strip(memory: &mut Memory, first_row: u16) {
         };
         // Preparing the rows of a footprint costs more than a look at its box.
         if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
-            painter.draw(footprint, &mut target);
+            draw_footprint(painter, footprint, &mut target);
+        }
+    }
+}
+
+/// By the processor's own pixel loop where there is one.
+#[inline(always)]
+fn draw_footprint(
+    painter: NarrowPainter<Firmware16, INTERVALS>,
+    footprint: &Footprint,
+    target: &mut Target,
+) {
+    #[cfg(not(armv6m))]
+    painter.draw(footprint, target);
+    #[cfg(armv6m)]
+    if let Some(mut runs) = painter.runs(footprint, &target.window()) {
+        while let Some(run) = runs.next_run() {
+            crate::pixel_loop::paint(runs.with_pixels(run, target));
         }
     }
 }

@@ -8,7 +8,10 @@
 //! | `fixed_picture` | the kernel: setup, depth order, strips |
 //! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
 //! | `general` | the same strips by the kernel's general painter, on the host: they must be equal |
-//! | `board` | reset, semihosting output, stack gauge; the only `unsafe` code |
+//! | `pixel_loop` | the pixel loop of Cortex-M0 and M0+ in assembly |
+//! | `board` | reset, semihosting output, stack gauge |
+//!
+//! `board` and `pixel_loop` are the only `unsafe` code.
 //!
 //! The picture is drawn in strips, as one would for a display on a serial bus: setup once, then rows of
 //! eight lines each in a buffer that is sent off and used again. Here "sent off" is a checksum.
@@ -23,6 +26,8 @@ pub mod float_picture;
 #[cfg(not(target_os = "none"))]
 pub mod general;
 pub mod order;
+#[cfg(armv6m)]
+pub mod pixel_loop;
 pub mod scene;
 
 /// What the instructions are counted for. The counter in `counter/` knows these functions by name.
