@@ -5,11 +5,12 @@ use splatline_sim::design::{DesignChoice, NAMES};
 use splatline_sim::fast::lanes::Choice;
 use splatline_sim::fixed::{Engine, Options, QuantisedScene, draw_quantised};
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, synthetic};
+use splatline_sim::scene::{self, LoadOptions, Scene, synthetic};
+use std::path::Path;
 
-/// Draws the scene by every engine, in every design, under both rules.
-fn agree(name: &str, scene: &Scene, camera: &Camera) {
-    for rules in [Rules::GAUSSIAN_3D, Rules::EWA] {
+/// Draws the scene by every engine, in every design, under these rules.
+fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
+    for rules in rules.iter().copied() {
         for design in NAMES.iter().filter_map(|name| DesignChoice::named(name)) {
             let options = Options {
                 rules: &rules,
@@ -41,6 +42,8 @@ fn agree(name: &str, scene: &Scene, camera: &Camera) {
     }
 }
 
+const BOTH: [Rules; 2] = [Rules::GAUSSIAN_3D, Rules::EWA];
+
 #[test]
 fn random_scenes() {
     // Neither side is a multiple of a tile.
@@ -49,10 +52,47 @@ fn random_scenes() {
         "small splats",
         &synthetic::random_gaussians(3_000, 1, 1.0),
         &camera,
+        &BOTH,
     );
     agree(
         "large splats",
         &synthetic::random_gaussians(2_000, 2, 8.0),
         &camera,
+        &BOTH,
     );
+}
+
+/// Splats larger than the picture, and the camera among them.
+#[test]
+fn from_within() {
+    let camera = Camera::look_at(
+        [0.0, 0.1, -0.3],
+        [0.3, 0.0, 1.0],
+        [0.0, -1.0, 0.0],
+        90.0,
+        131,
+        97,
+    );
+    let scene = synthetic::random_gaussians(600, 3, 40.0);
+    agree("from within", &scene, &camera.unwrap(), &BOTH);
+}
+
+/// Captured scenes: needles, tiny splats, saturated pixels; each under the rules it was made for.
+#[test]
+fn captured_scenes() {
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data");
+    for file in [
+        "gaussians/guitar.ply",
+        "gaussians/playbot_lod4.ply",
+        "volumes/fuel.nhdr",
+    ] {
+        let path = Path::new(data).join(file);
+        if !path.exists() {
+            eprintln!("{file} is missing: not drawn");
+            continue;
+        }
+        let scene = scene::load(&path, &LoadOptions::default()).unwrap();
+        let camera = scene.default_camera(151, 113);
+        agree(file, &scene, &camera, &[scene.natural_rules]);
+    }
 }

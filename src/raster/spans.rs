@@ -51,7 +51,7 @@ pub struct SpanRows<L> {
 
 /// What the rows of one footprint are computed from, for implementations that compute several at once: [`SpanRows`] stays their
 /// definition.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RowConstants<L> {
     /// First row, and one past the last.
     pub rows: [u16; 2],

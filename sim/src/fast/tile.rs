@@ -4,9 +4,9 @@ use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
 
 /// Columns and rows of a tile. The columns are a multiple of the rasterizer's [`BLOCK`](splatline::raster::BLOCK), so that every run
-/// that starts at a tile's edge is seeded there. Taller tiles would cut fewer splats in two, but their planes must stay in the first-level
-/// cache: these take 40 KiB with the spare columns, 32 without.
-pub const TILE: [u16; 2] = [64, 32];
+/// that starts at a tile's edge is seeded there. Smaller tiles would lie in the first-level cache, but cut more splats in two, whose rows
+/// and place in a list cost more than a way to the second level.
+pub const TILE: [u16; 2] = [64, 64];
 
 /// Columns that a vector may reach beyond the tile's last pixel.
 const SPARE: usize = 16;

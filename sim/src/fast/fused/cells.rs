@@ -18,9 +18,6 @@ const MANY: usize = 256;
 /// Room for a whole footprint after that; a vector may reach beyond the last cell.
 const ROOM: usize = MANY + CELLS + 8;
 
-/// Cells of a block.
-const CELLS_OF_BLOCK: u16 = BLOCK / CELL as u16;
-
 /// Bits of a place that hold the run's pixels, one each.
 const PIXELS: u32 = CELL as u32;
 
@@ -46,6 +43,18 @@ impl Part {
     pub fn visited(&self) -> u64 {
         (self.place as u8).count_ones().into()
     }
+}
+
+/// A block of eight rows.
+struct Block {
+    /// First column.
+    left: u16,
+    /// First and one past the last of its cells that the footprint's box touches.
+    cells: [u16; 2],
+    /// Number of its first cell in the first row.
+    corner: usize,
+    /// Rows that the footprint has, a bit each.
+    open: u8,
 }
 
 /// Cells of footprints in a tile: memory that is used again and again.
@@ -123,10 +132,15 @@ impl<const DEEP: bool> Parts<DEEP> {
                 let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
                 let [centre, vertical] = [rows.centre, rows.vertical];
                 let runs = runs(math, constants, [centre, vertical], columns, &mut large);
-                let corner = usize::from(offset + start) * CELLS_OF_ROW
-                    + usize::from(left.wrapping_sub(window.first[0])) / CELL;
                 let seen = [first.max(left) - left, (last - left).min(BLOCK)];
-                self.append(math, &runs, constants.second, open, left, seen, corner);
+                let block = Block {
+                    left,
+                    cells: [seen[0] / CELL as u16, seen[1].div_ceil(CELL as u16)],
+                    corner: usize::from(offset + start) * CELLS_OF_ROW
+                        + usize::from(left.wrapping_sub(window.first[0])) / CELL,
+                    open,
+                };
+                self.append(math, &runs, constants.second, &block);
             }
             rows.step(lanes, constants.reach);
         }
@@ -137,45 +151,43 @@ impl<const DEEP: bool> Parts<DEEP> {
         fits
     }
 
-    /// Lists the cells of eight rows in the block that begins at column `left`, in whose columns `seen` the footprint is. `corner` is the
-    /// number of the block's first cell in the first row.
-    #[allow(clippy::too_many_arguments)]
+    /// Lists the cells of eight rows in a block.
     #[inline(always)]
     fn append<L: Fused>(
         &mut self,
         math: Arithmetic<L>,
         runs: &Runs<L>,
         second: i64,
-        open: u8,
-        left: u16,
-        [seen, end_seen]: [u16; 2],
-        corner: usize,
+        block: &Block,
     ) {
         let lanes = math.lanes;
         let one = math.splat(1);
-        let begin = math.plus(runs.x, -i64::from(left));
-        let end = math.plus(runs.end, -i64::from(left));
+        let begin = math.plus(runs.x, -i64::from(block.left));
+        let end = math.plus(runs.end, -i64::from(block.left));
         let bits = math.sub(lanes.wide_shl(one, end), lanes.wide_shl(one, begin));
-        let is_open = lanes.bits(math.greater(end, begin)) & open;
+        let is_open = lanes.bits(math.greater(end, begin)) & block.open;
         let bits = math.select(math.splat(0), bits, lanes.truth(is_open));
-        let cells = seen / CELL as u16..end_seen.div_ceil(CELL as u16).min(CELLS_OF_BLOCK);
-        let back = math.plus(begin, -i64::from(cells.start * CELL as u16));
+        let [first_cell, end_cell] = block.cells;
+        let back = math.plus(begin, -i64::from(first_cell * CELL as u16));
         let corners = self.multiply(lanes, back, math.plus(back, 1));
         let corners = self.multiply(lanes, math.sar(corners, 1), math.splat(second));
         let moved = self.multiply(lanes, back, runs.first);
         let mut radial = math.add(math.sub(runs.radial, moved), corners);
         let slowed = self.multiply(lanes, back, math.splat(second));
         let mut first = math.sub(runs.first, slowed);
-        let mut bits = lanes.turn(bits, math.splat(i64::from(cells.start) * 8));
-        let number = corner + usize::from(cells.start);
+        let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * 8));
+        let number = block.corner + usize::from(first_cell);
         let number = math.splat((number << PIXELS) as i64);
         let row = math.shl(lanes.wide_iota(), (CELLS_OF_ROW << PIXELS).ilog2().into());
         let mut place = math.add(number, row);
-        for _ in cells {
+        for _ in first_cell..end_cell {
             let pixels = math.and(bits, 0xff);
             let truth = math.greater(pixels, math.splat(0));
             self.pack(lanes, [radial, first, math.add(place, pixels)], truth);
-            radial = math.add(radial, math.plus(math.shl(first, 3), second.wrapping_mul(28)));
+            radial = math.add(
+                radial,
+                math.plus(math.shl(first, 3), second.wrapping_mul(28)),
+            );
             first = math.plus(first, second.wrapping_mul(8));
             bits = lanes.turn(bits, math.splat(8));
             place = math.plus(place, 1 << PIXELS);
@@ -230,9 +242,7 @@ impl<L: Fused> Rows<L> {
         let corners = lanes.wide_sar(corners, splat(1));
         let [vertical, change, second] = constants.vertical;
         let times = |rows: L::Word, change: i64| lanes.mul_whole(rows, splat(change));
-        let eight = change
-            .wrapping_mul(8)
-            .wrapping_add(second.wrapping_mul(28));
+        let eight = change.wrapping_mul(8).wrapping_add(second.wrapping_mul(28));
         Rows {
             centre: lanes.wide_add(splat(constants.centre), times(rows, constants.slope)),
             centre_step: splat(constants.slope.wrapping_mul(8)),
@@ -272,5 +282,9 @@ impl<L: Fused> Rows<L> {
 /// The lowest `count` bits of eight.
 #[inline(always)]
 fn first_bits(count: usize) -> u8 {
-    if count >= 8 { u8::MAX } else { (1 << count) - 1 }
+    if count >= 8 {
+        u8::MAX
+    } else {
+        (1 << count) - 1
+    }
 }

@@ -1,41 +1,33 @@
 //! Painting tiles with fused products of 52 bits, in any design.
 //!
 //! Of a footprint everything that does not depend on the tile is computed once per picture ([`Prepared`]): the constants of its rows and of its
-//! pixels. What vectors cannot do in a tile is left to the kernel's painter. The vectors' code knows a design only by its numbers, so
+//! pixels. In a tile its rows are computed first, as a list of cells ([`cells`]), of several footprints at once ([`batch`]), and then its
+//! pixels ([`pixels`]). What vectors cannot do is left to the kernel's painter. The vectors' code knows a design only by its numbers, so
 //! that one compiled copy serves all that have lanes of the same depth.
 
+mod batch;
 mod cells;
 mod pixels;
 mod scale;
 mod tile;
 
-use super::lanes::fused::{Fused, FusedJob, dispatch_fused, has_fused};
 use super::lanes::Choice;
+use super::lanes::fused::{Fused, FusedJob, dispatch_fused, has_fused};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
 use super::rows::is_tame;
-use cells::Parts;
-use pixels::{Brush, Palette, PixelPath};
+use batch::{Batch, Prepared};
+use pixels::{Palette, PixelPath};
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Lane, Traversal};
 use splatline::kernel::FootprintTable;
-use splatline::raster::{RowConstants, SpanRows, Window};
+use splatline::raster::{SpanRows, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
 pub use tile::Tile;
-
-/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
-const AHEAD: usize = 4;
-
-/// What a footprint's rows and pixels are computed from, in every tile.
-#[derive(Clone, Copy, Debug)]
-struct Prepared {
-    rows: RowConstants<i64>,
-    brush: Brush,
-}
 
 /// Everything that is constant for a picture.
 pub struct FusedPainter<'a, D> {
@@ -74,7 +66,9 @@ impl<'a, D: Design + Sync> FusedPainter<'a, D> {
                 first: footprint.first,
                 last: footprint.last,
             };
-            let rows = SpanRows::new(design, footprint, &window).constants().widened();
+            let rows = SpanRows::new(design, footprint, &window)
+                .constants()
+                .widened();
             let brush = palette.brush(footprint)?;
             is_tame(&rows).then_some(Prepared { rows, brush })
         };
@@ -190,42 +184,19 @@ impl Painting<'_, '_> {
         } = self;
         let path = PixelPath::<L, STOP_BEFORE, DEEP>::new(lanes, palette, rules);
         let mut coverage = Coverage::default();
-        let mut parts = Parts::<DEEP>::new();
+        let mut batch = Batch::<DEEP>::new();
         tile.open(window, clear);
-        let mut ends = [0; CHECK_INTERVAL];
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
-            while let Some(left_over) = rest.first() {
-                parts.clear();
-                let mut listed = 0;
-                for (index, end) in rest.iter().zip(&mut ends) {
-                    if let Some(next) = rest.get(listed + AHEAD) {
-                        lanes.fetch(&prepared[*next as usize]);
-                    }
-                    let Some(Prepared { rows, .. }) = &prepared[*index as usize] else {
-                        break;
-                    };
-                    if parts.is_full() || !parts.fill(lanes, &rows.within(&window), &window) {
-                        break;
-                    }
-                    *end = parts.count();
-                    listed += 1;
-                }
-                let mut first = 0;
-                for (index, end) in rest.iter().zip(ends).take(listed) {
-                    if let Some(Prepared { rows, brush }) = &prepared[*index as usize] {
-                        let colours = path.colours(brush, rows.second);
-                        for part in parts.range(first, end) {
-                            path.paint(&colours, &part, tile.cell(part.cell()), &mut coverage);
-                        }
-                    }
-                    first = end;
-                }
-                if listed == 0 {
-                    coverage += scalar(*left_over, tile);
-                    listed = 1;
-                }
-                rest = &rest[listed..];
+            while let Some((first, others)) = rest.split_first() {
+                let listed = batch.fill(lanes, prepared, rest, &window);
+                batch.paint(&path, prepared, &rest[..listed], tile, &mut coverage);
+                rest = if listed == 0 {
+                    coverage += scalar(*first, tile);
+                    others
+                } else {
+                    &rest[listed..]
+                };
             }
             if tile.is_finished() {
                 break;

@@ -7,8 +7,8 @@
 //!
 //! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
 
-use super::scale::Scale;
 use super::cells::Part;
+use super::scale::Scale;
 use super::tile::{Cell, MARK};
 use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
 use splatline::blend::Blend;
@@ -102,7 +102,10 @@ impl Palette {
         let end = i64::try_from(end).ok()?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
         let fits = in_format(footprint.peak, widths.peak)
-            && footprint.colour.iter().all(|c| in_format(*c, widths.colour))
+            && footprint
+                .colour
+                .iter()
+                .all(|c| in_format(*c, widths.colour))
             && (self.deep || end <= i64::from(i32::MAX))
             && self.intervals.reach(end.checked_sub(1)?);
         fits.then(|| Brush {
@@ -155,9 +158,7 @@ pub struct Colours<L: Fused> {
     ahead: L::Word,
 }
 
-impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
-    PixelPath<'a, L, STOP_BEFORE, DEEP>
-{
+impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, STOP_BEFORE, DEEP> {
     /// For a palette of lanes as deep as these.
     #[inline(always)]
     pub fn new(lanes: L, palette: &'a Palette, rules: &Rules) -> Self {
@@ -177,7 +178,11 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         let factor = u64::MAX >> (64 - DROPPED);
         let above = |below: u32| splat(factor & (u64::MAX << below));
         let half = |below: u32| splat(scale.half(below));
-        let value_half = if kept > 0 { 1 << (kept - 1) << raised } else { 0 };
+        let value_half = if kept > 0 {
+            1 << (kept - 1) << raised
+        } else {
+            0
+        };
         let iota = lanes.wide_iota();
         let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
         PixelPath {

@@ -271,7 +271,10 @@ mod x86 {
         #[inline(always)]
         fn marks(self, bits: u64) -> __m512i {
             let to_the_top = op!(_mm512_setr_epi64(63, 62, 61, 60, 59, 58, 57, 56));
-            op!(_mm512_sllv_epi64(_mm512_set1_epi64(bits as i64), to_the_top))
+            op!(_mm512_sllv_epi64(
+                _mm512_set1_epi64(bits as i64),
+                to_the_top
+            ))
         }
         #[inline(always)]
         fn marked(self, a: __m512i) -> u8 {

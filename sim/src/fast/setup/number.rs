@@ -243,7 +243,9 @@ impl<W: Wide> Arithmetic<W> {
     #[inline(always)]
     pub fn reciprocal(self, value: Number<W>, bits: u32) -> Number<W> {
         let x = self.top(value.mantissa);
-        let [low, high] = self.lanes.wide_gather(&RECIPROCALS, self.and(self.shr(x, 23), 0xff));
+        let [low, high] = self
+            .lanes
+            .wide_gather(&RECIPROCALS, self.and(self.shr(x, 23), 0xff));
         let rest = self.and(x, 0x7f_ffff);
         let step = self.round(self.mul(self.sub(high, low), rest), 23);
         let seed = self.add(low, step);
@@ -321,7 +323,9 @@ impl<W: Wide> Arithmetic<W> {
     #[inline(always)]
     pub fn log2_upper(self, value: Number<W>) -> Word<W> {
         let x = self.top(value.mantissa);
-        let [low, high] = self.lanes.wide_gather(&LOGARITHMS, self.and(self.shr(x, 26), 31));
+        let [low, high] = self
+            .lanes
+            .wide_gather(&LOGARITHMS, self.and(self.shr(x, 26), 31));
         let rest = self.and(self.shr(x, 10), 0xffff);
         let step = self.shr(self.mul(self.sub(high, low), rest), 16);
         let fraction = self.plus(self.add(low, step), (1 << 4) + 2);
