@@ -8,8 +8,8 @@ mod pixels;
 mod scale;
 mod tile;
 
-use super::lanes::fused::{Fused, FusedJob, dispatch_fused, has_fused};
 use super::lanes::Choice;
+use super::lanes::fused::{Fused, FusedJob, dispatch_fused, has_fused};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
 use super::rows::RowBatch;
 use pixels::{Brush, Palette, PixelPath};

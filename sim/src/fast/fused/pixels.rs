@@ -100,7 +100,10 @@ impl Palette {
         let end = i64::try_from(end).ok()?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
         let fits = in_format(footprint.peak, widths.peak)
-            && footprint.colour.iter().all(|c| in_format(*c, widths.colour))
+            && footprint
+                .colour
+                .iter()
+                .all(|c| in_format(*c, widths.colour))
             && (self.deep || end <= i64::from(i32::MAX))
             && self.intervals.reach(end.checked_sub(1)?);
         fits.then(|| Brush {
@@ -154,9 +157,7 @@ pub struct Colours<L: Fused> {
     second: L::Word,
 }
 
-impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
-    PixelPath<'a, L, STOP_BEFORE, DEEP>
-{
+impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, STOP_BEFORE, DEEP> {
     /// For a palette of lanes as deep as these.
     #[inline(always)]
     pub fn new(lanes: L, palette: &'a Palette, rules: &Rules) -> Self {
@@ -174,7 +175,11 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool>
         let splat = |value: u64| lanes.wide_splat(value as i64);
         let above = |below: u32| splat(u64::MAX << below);
         let half = |below: u32| splat(scale.half(below));
-        let value_half = if kept > 0 { 1 << (kept - 1) << raised } else { 0 };
+        let value_half = if kept > 0 {
+            1 << (kept - 1) << raised
+        } else {
+            0
+        };
         PixelPath {
             lanes,
             table: &intervals.pairs,

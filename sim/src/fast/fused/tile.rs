@@ -111,7 +111,11 @@ impl Tile {
         let scale = self.scale;
         let colours = red.iter().zip(green).zip(blue);
         for ((pixel, transmittance), ((r, g), b)) in to.iter_mut().zip(transmittance).zip(colours) {
-            let mark = if transmittance & MARK == 0 { 0 } else { FINISHED };
+            let mark = if transmittance & MARK == 0 {
+                0
+            } else {
+                FINISHED
+            };
             *pixel = Pixel {
                 colour: [*r, *g, *b].map(|sum| (sum >> scale.sum) as u32),
                 transmittance: ((transmittance & !MARK) >> scale.transmittance) as u32 | mark,

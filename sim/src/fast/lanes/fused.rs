@@ -47,13 +47,7 @@ pub trait Fused: Wide {
     /// a & mask where it is true, 0 elsewhere.
     fn keep(self, a: Self::Word, mask: Self::Word, truth: Self::Truth) -> Self::Word;
     /// a where it is true, b | c elsewhere.
-    fn choose(
-        self,
-        a: Self::Word,
-        b: Self::Word,
-        c: Self::Word,
-        truth: Self::Truth,
-    ) -> Self::Word;
+    fn choose(self, a: Self::Word, b: Self::Word, c: Self::Word, truth: Self::Truth) -> Self::Word;
     /// a >= b as signed numbers.
     fn at_least(self, a: Self::Word, b: Self::Word) -> Self::Truth;
     /// Words whose most significant bit is set.
