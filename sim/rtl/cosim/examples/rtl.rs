@@ -15,10 +15,10 @@ const USAGE: &str = "usage: rtl COMMAND
   package FILE.toml FOLDER   the package of a design of your own into a folder
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
-  area          LUT, FF, DSP and memory of all circuits by Yosys (10 minutes): calibrates the estimate, writes docs/area.md
+  area          LUT, FF, DSP and memory of all circuits by Yosys (15 minutes): calibrates the estimate, writes docs/area.md
   area DESIGN   one design's lines of it
   area page     docs/area.md again without synthesis
-  area fmax     Fmax by nextpnr, where it is there and the device is large enough (40 minutes), into docs/area.md
+  area fmax     Fmax by nextpnr, where it is there and the device is large enough (an hour), into docs/area.md
   speed         how many times as fast as the verilated circuits the model is
   estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
