@@ -42,6 +42,10 @@ fn model_writes_accounts_and_the_resolved_machine() {
     assert!(printed.contains("simulated cycles per second"));
     let timing: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
+    let luts = timing["area"]["raster"]["luts"].as_u64().unwrap();
+    assert!(
+        printed.contains(&format!("area: raster units {luts} LUT")) && printed.contains("Xilinx 7")
+    );
     let total = timing["cycles"]["total"].as_u64().unwrap();
     for (name, unit) in timing["cycles"]["units"].as_object().unwrap() {
         let stalled: u64 = unit["stalled"]
@@ -61,6 +65,20 @@ fn model_writes_accounts_and_the_resolved_machine() {
     );
     let again = succeed(&with("model", &["--machine", text(&machine)]));
     assert_eq!(again.lines().next(), printed.lines().next());
+}
+
+#[test]
+fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let prices = folder.path().join("prices.toml");
+    std::fs::write(&prices, "family = \"ice40\"\nluts_per_dsp = 1.0\n").unwrap();
+    let ecp5 = succeed(&with("model", &["--family", "ecp5"]));
+    assert!(ecp5.contains("area for ECP5") && ecp5.contains("of its synthesis"));
+    let own = succeed(&with("model", &["--calibration", text(&prices)]));
+    assert!(own.contains("not held against any synthesis"));
+    std::fs::write(&prices, "luts_per_dps = 1.0\n").unwrap();
+    let refused = fail(1, &with("model", &["--calibration", text(&prices)]));
+    assert!(refused.contains("luts_per_dps"), "{refused}");
 }
 
 #[test]
@@ -115,6 +133,9 @@ fn a_sweep_in_shards_is_the_whole_sweep() {
     let read = |folder: &Path, file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
     assert_eq!(read(&whole, "front.csv"), read(&merged, "front.csv"));
     assert!(read(&whole, "front.html").contains("<title>point"));
+    for sweep in [&whole, &merged] {
+        assert!(read(sweep, "front.html").contains("Estimate of area for Xilinx 7"));
+    }
     std::fs::write(path("s.toml"), "[machine]\nlanes = [2]\n").unwrap();
     let refused = fail(
         1,

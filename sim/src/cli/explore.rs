@@ -1,7 +1,7 @@
 //! `splatline explore` and `splatline merge`: sweeps, in one piece or in shards.
 
 use super::compare::create_folder;
-use super::machine_args::{ExploreOptions, MergeOptions, WorkOptions};
+use super::machine_args::{AreaOptions, ExploreOptions, MergeOptions, WorkOptions};
 use super::model::machine;
 use super::progress::Progress;
 use super::setup::{View, write};
@@ -13,7 +13,7 @@ use splatline_sim::explore::plot;
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard, Subject};
 use splatline_sim::explore::table::{Appender, Table, heading};
-use splatline_sim::machine::area::Calibration;
+use splatline_sim::machine::area::{Calibration, Family, synthesis};
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
 use splatline_sim::rules::Compositing;
@@ -34,7 +34,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         design: DesignChoice::load(&options.work.design.0)?,
         traversal: options.work.traversal.map(Into::into),
         machine: machine(&options.machine)?,
-        calibration: calibration(options.calibration.as_deref())?,
+        calibration: calibration(&options.area)?,
         reference: reference.as_ref(),
     };
     keep_identity(&options.output, &sweep::identity(&subject, &text)?)?;
@@ -66,7 +66,8 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         mine - before.min(mine)
     ));
     if options.shard.count == 1 {
-        finish(&view.scene.name, &table(&path)?, &options.output)?;
+        let note = synthesis::statement(&subject.calibration);
+        finish(&view.scene.name, &note, &table(&path)?, &options.output)?;
     }
     Ok(())
 }
@@ -102,11 +103,16 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
     )?;
     write(&options.output.join("sweep.json"), identity.as_bytes())?;
     say(&format!("{} points\n", merged.lines.len()));
-    finish("merged sweep", &merged, &options.output)
+    finish(
+        "merged sweep",
+        &note_of(&identity),
+        &merged,
+        &options.output,
+    )
 }
 
 /// Front, plot and a line for each of the front's points.
-fn finish(name: &str, table: &Table, folder: &Path) -> Result<(), Failure> {
+fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Failure> {
     let all = candidates(table);
     let kept = front(&all);
     write(
@@ -115,8 +121,9 @@ fn finish(name: &str, table: &Table, folder: &Path) -> Result<(), Failure> {
     )?;
     write(
         &folder.join("front.html"),
-        plot::page(&format!("Speed, error and area: {name}"), &all).as_bytes(),
+        plot::page(&format!("Speed, error and area: {name}"), note, &all).as_bytes(),
     )?;
+    say(&format!("{note}\n"));
     say(&format!(
         "front of error, cycles and area: {} of {} points\n",
         kept.len(),
@@ -161,9 +168,17 @@ fn keep_identity(folder: &Path, identity: &str) -> Result<(), Failure> {
     }
 }
 
-fn calibration(path: Option<&Path>) -> Result<Calibration, Failure> {
-    match path {
-        None => Ok(Calibration::default()),
+/// What the sweep's identity says of its area.
+fn note_of(identity: &str) -> String {
+    let facts: Option<serde_json::Value> = serde_json::from_str(identity).ok();
+    let note = facts.and_then(|facts| Some(facts.get("area")?.as_str()?.to_owned()));
+    note.unwrap_or_default()
+}
+
+/// The prices that the options name.
+pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
+    match &options.calibration {
+        None => Ok(Family::from(options.family).calibration()),
         Some(path) => {
             let text = read(path)?;
             Ok(Calibration::from_toml(&path.display().to_string(), &text)

@@ -5,6 +5,7 @@ use super::args::{
 };
 use clap::Args;
 use splatline_sim::explore::sweep::Shard;
+use splatline_sim::machine::area::Family;
 use std::path::PathBuf;
 
 pub const MODEL_EXAMPLES: &str = "\
@@ -42,6 +43,38 @@ pub struct WorkOptions {
     pub compositing: CompositingChoice,
 }
 
+/// What area is counted in.
+#[derive(Debug, Args)]
+pub struct AreaOptions {
+    /// FPGA whose resources the area estimate counts
+    #[arg(long, value_enum, default_value = "xilinx7")]
+    pub family: FamilyChoice,
+    /// Prices of your own (TOML); what the file leaves out is that of its `family`
+    #[arg(long, value_name = "file.toml", conflicts_with = "family")]
+    pub calibration: Option<PathBuf>,
+}
+
+/// A family of FPGAs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum FamilyChoice {
+    /// Xilinx 7 series
+    Xilinx7,
+    /// Lattice ECP5
+    Ecp5,
+    /// Lattice iCE40
+    Ice40,
+}
+
+impl From<FamilyChoice> for Family {
+    fn from(choice: FamilyChoice) -> Family {
+        match choice {
+            FamilyChoice::Xilinx7 => Family::Xilinx7,
+            FamilyChoice::Ecp5 => Family::Ecp5,
+            FamilyChoice::Ice40 => Family::Ice40,
+        }
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct ModelOptions {
     #[command(flatten)]
@@ -59,6 +92,8 @@ pub struct ModelOptions {
     pub work: WorkOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
+    #[command(flatten)]
+    pub area: AreaOptions,
     /// Simulate N times and report the median speed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
@@ -99,9 +134,8 @@ pub struct ExploreOptions {
     /// Run part i of n only
     #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
     pub shard: Shard,
-    /// Prices of area (TOML)
-    #[arg(long, value_name = "file.toml")]
-    pub calibration: Option<PathBuf>,
+    #[command(flatten)]
+    pub area: AreaOptions,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,

@@ -1,6 +1,7 @@
 //! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
 
 use super::compare::create_folder;
+use super::explore::calibration;
 use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
 use super::setup::{View, write};
 use super::{Failure, say};
@@ -9,6 +10,7 @@ use serde_json::json;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
+use splatline_sim::machine::area::{self, synthesis};
 use splatline_sim::machine::config::{self, Config};
 use splatline_sim::machine::histogram::Histograms;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
@@ -43,6 +45,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
     let speed = timing.total as f64 / seconds / 1e6;
     say(&summary::text(&name, &timing));
+    let area = estimate_area(options, &config)?;
     say(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
@@ -56,6 +59,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
             "splats": workload.splats.len(),
             "visible": workload.visible(),
             "cycles": timing,
+            "area": area,
             "histograms": histograms,
             "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
         });
@@ -69,6 +73,25 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         )?;
     }
     Ok(())
+}
+
+/// The machine's area, which is also said.
+fn estimate_area(options: &ModelOptions, config: &Config) -> Result<serde_json::Value, Failure> {
+    let design = DesignChoice::load(&options.work.design.0)?;
+    let traversal = options
+        .work
+        .traversal
+        .map_or(design.traversal, Traversal::from);
+    let prices = calibration(&options.area)?;
+    let area = area::estimate(&design.widths, traversal, config, &prices);
+    let statement = synthesis::statement(&prices);
+    say(&format!(
+        "area: raster units {}; around them {}\n{statement}\n",
+        area.raster, area.around
+    ));
+    Ok(
+        json!({ "raster": area.raster, "around": area.around, "luts_in_all": area.weight, "of": statement }),
+    )
 }
 
 /// The machine that the options describe.

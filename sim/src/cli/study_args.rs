@@ -173,8 +173,10 @@ pub enum ResultsPage {
     Golden,
     /// Bit layout of the footprint packet.
     Packet,
-    /// Cycles: throughput, lane layouts, designs.
+    /// Cycles: throughput, designs.
     Hardware,
+    /// Cycles and area of lane layouts.
+    Layouts,
     /// How fast the kernel draws on the host, against single-precision rasterizers.
     Host,
     /// How fast comparing, sweeping and simulating are.

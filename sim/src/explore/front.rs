@@ -11,7 +11,7 @@ pub struct Candidate {
     pub rms: f64,
     /// All cycles.
     pub cycles: f64,
-    /// Area in LUTs.
+    /// All resources, in look-up tables.
     pub area: f64,
     /// Every axis and result, for people: `lanes 4, layout rows, ...`.
     pub label: String,

@@ -65,10 +65,10 @@ impl Scale {
     }
 }
 
-/// The page.
-pub fn page(title: &str, candidates: &[Candidate]) -> String {
+/// The page; `note` says what the area is an estimate of.
+pub fn page(title: &str, note: &str, candidates: &[Candidate]) -> String {
     let kept = front(candidates);
-    let title = escape(title);
+    let (title, note) = (escape(title), escape(note));
     let count = format!(
         "{} points, {} on the front of error, cycles and area (filled).",
         candidates.len(),
@@ -79,7 +79,7 @@ pub fn page(title: &str, candidates: &[Candidate]) -> String {
          body{{font:15px/1.5 system-ui,sans-serif;max-width:820px;margin:2em auto;color:#222;background:#fff}}\
          svg text{{font:12px system-ui,sans-serif;fill:#444}}circle{{stroke-width:1.2}}circle:hover{{stroke:#000;stroke-width:3}}\
          table{{border-collapse:collapse;font-size:12px}}td{{border-top:1px solid #ddd;padding:3px 8px}}</style></head><body>\
-         <h1>{title}</h1><p>{count} Point at a circle for its settings and results.</p>\n"
+         <h1>{title}</h1><p>{count} Point at a circle for its settings and results.</p>\n<p>Estimate of {note}.</p>\n"
     );
     match candidates {
         // A sweep that measures no error leaves its column empty, which reads as 0.
@@ -98,7 +98,12 @@ pub fn page(title: &str, candidates: &[Candidate]) -> String {
             |c| c.rms,
         )),
     }
-    page.push_str(&chart(candidates, &kept, "area (LUTs)", |c| c.area));
+    page.push_str(&chart(
+        candidates,
+        &kept,
+        "area (all resources, in LUTs)",
+        |c| c.area,
+    ));
     page.push_str("<h2>The front, fastest first</h2><table>\n");
     for candidate in &kept {
         // Writing to a String cannot fail.
@@ -206,10 +211,13 @@ mod tests {
             candidate(1, 0.0, 2e6, 9e3),
             candidate(2, 1e-2, 3e6, 9e3),
         ];
-        let page = page("a & b", &all);
+        let page = page("a & b", "area < all", &all);
         assert_eq!(page.matches("<circle").count(), 6);
         assert!(
-            page.contains("p &lt;2&gt;") && page.contains("a &amp; b") && !page.contains("NaN")
+            page.contains("p &lt;2&gt;")
+                && page.contains("a &amp; b")
+                && page.contains("Estimate of area &lt; all.")
+                && !page.contains("NaN")
         );
         assert!(page.contains("3 points, 2 on the front"));
         assert_eq!(page.matches("<svg").count(), 2);
@@ -224,7 +232,7 @@ mod tests {
             area: 7e4 * point as f64,
             label: String::new(),
         });
-        let page = page("t", &all);
+        let page = page("t", "", &all);
         assert!(page.contains("same error, 2.000e-6"));
         assert_eq!(page.matches("<svg").count(), 1);
         assert!(page.contains(">90k<"), "a short axis has all its digits");

@@ -6,7 +6,7 @@ use super::table::{Appender, Table};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
 use crate::fixed::{self, Options};
-use crate::machine::area::{Area, Calibration, estimate};
+use crate::machine::area::{Area, Calibration, estimate, synthesis};
 use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::workload::{Workload, extract};
@@ -282,10 +282,10 @@ fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<St
         ]
         .map(|part| format!("{part:.4}")),
     );
-    let total = &area.total;
-    fields.push(format!("{:.0}", total.luts));
-    fields.extend([total.multipliers, total.blocks].map(|count| count.to_string()));
-    fields.push(format!("{:.0}", total.area));
+    for part in [&area.raster, &area.around] {
+        fields.extend(part.resources().map(|(_, count)| count.to_string()));
+    }
+    fields.push(format!("{:.0}", area.weight));
     fields.push(String::new());
     fields
 }
@@ -299,7 +299,7 @@ fn left_out(reason: &str) -> Vec<String> {
 /// Everything that decides a sweep's results, as text: two sweeps may share a table only if this is equal.
 pub fn identity(subject: &Subject, space_text: &str) -> Result<String> {
     let facts = serde_json::json!({
-        "format": "splatline-sweep/1",
+        "format": "splatline-sweep/2",
         "scene": subject.scene.name,
         "splats": subject.scene.splats.len(),
         "camera": serde_json::from_str::<serde_json::Value>(&subject.camera.to_json())?,
@@ -309,6 +309,7 @@ pub fn identity(subject: &Subject, space_text: &str) -> Result<String> {
         "traversal": subject.traversal.map(traversal_name),
         "machine": crate::machine::config::to_toml(&subject.machine),
         "calibration": subject.calibration,
+        "area": synthesis::statement(&subject.calibration),
         "errors": subject.reference.is_some(),
         "space": space_text,
     });

@@ -11,8 +11,8 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::Mutex;
 
-/// Columns behind the axes.
-pub const RESULTS: [&str; 17] = [
+/// Columns behind the axes. Area is that of the raster units, of what is around them, and all of it in look-up tables.
+pub const RESULTS: [&str; 22] = [
     "psnr_db",
     "rms",
     "max_abs",
@@ -25,9 +25,14 @@ pub const RESULTS: [&str; 17] = [
     "lanes_busy",
     "covered_per_cycle_and_lane",
     "live_per_cycle_and_lane",
-    "luts",
-    "multipliers",
-    "blocks",
+    "raster_luts",
+    "raster_flip_flops",
+    "raster_dsps",
+    "raster_memory_kbit",
+    "around_luts",
+    "around_flip_flops",
+    "around_dsps",
+    "around_memory_kbit",
     "area",
     "left_out",
 ];

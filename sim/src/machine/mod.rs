@@ -22,7 +22,6 @@ pub mod observe;
 pub mod primitive;
 mod raster;
 pub mod summary;
-pub mod synthesis;
 pub mod timing;
 pub mod workload;
 

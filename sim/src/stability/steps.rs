@@ -6,7 +6,7 @@
 use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
 use super::{Extent, Line, measure};
 use crate::design::DesignChoice;
-use crate::machine::area::{Calibration, estimate};
+use crate::machine::area::{Family, raster_unit, synthesis};
 use crate::machine::config::Config;
 use splatline::format::Widths;
 use std::fmt::Write;
@@ -19,6 +19,9 @@ struct Step {
     began: u8,
     of: fn(&mut Widths) -> &mut u8,
 }
+
+/// Where designs are priced.
+const FAMILY: Family = Family::Xilinx7;
 
 /// In the order in which the data meets them.
 const STEPS: [Step; 8] = [
@@ -41,8 +44,9 @@ pub fn markdown(extent: Extent) -> String {
     let designs = [growing(), shrinking()];
     let lines = measure(&designs.concat(), extent);
     let [growing, shrinking] = designs;
+    let note = synthesis::statement(&FAMILY.calibration());
     format!(
-        "From the widths that `standard24` began with to today's, one after the other, as numbers of cases that are worse than f32:\n\n{}\n\
+        "LUT, FF, DSP and memory are those of the primitive with one lane ({note}).\n\nFrom the widths that `standard24` began with to today's, one after the other, as numbers of cases that are worse than f32:\n\n{}\n\
          Today's widths with one of them a bit smaller:\n\n{}",
         table(&growing, &lines),
         table(&shrinking, &lines)
@@ -93,9 +97,9 @@ fn design_of_today() -> DesignChoice {
 fn table(designs: &[DesignChoice], lines: &[Line]) -> String {
     let stages: Vec<&str> = STAGES.iter().map(|(name, _)| *name).collect();
     let mut text = format!(
-        "| widths | {} | wrong decisions | needle 10:1, times better | table, kbit | area estimate |\n|---|{}\n",
+        "| widths | {} | wrong decisions | needle 10:1, times better | table, kbit | LUT | FF | DSP | memory, kbit |\n|---|{}\n",
         stages.join(" | "),
-        "--:|".repeat(STAGES.len() + 4)
+        "--:|".repeat(STAGES.len() + 7)
     );
     for design in designs {
         let _ = writeln!(text, "{}", row(design, lines));
@@ -121,16 +125,13 @@ fn row(design: &DesignChoice, lines: &[Line]) -> String {
         });
     let widths = &design.widths;
     let kbit = f64::from(widths.weight + 1) * f64::from(widths.table).exp2() / 1024.0;
-    let area = estimate(
-        widths,
-        design.traversal,
-        &Config::default(),
-        &Calibration::default(),
-    );
+    let machine = Config::primitive(1);
+    let area = raster_unit(widths, design.traversal, &machine, &FAMILY.calibration());
+    let area = area.resources().map(|(_, count)| count.to_string());
     format!(
-        "| {} | {} | {decisions} | {needle:.1} | {kbit:.0} | {:.0} |",
+        "| {} | {} | {decisions} | {needle:.1} | {kbit:.0} | {} |",
         design.name,
         counts.join(" | "),
-        area.total.area
+        area.join(" | ")
     )
 }

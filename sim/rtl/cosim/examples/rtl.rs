@@ -1,10 +1,12 @@
 //! Commands around the RTL: `cargo run --release -p splatline-rtl --example rtl -- COMMAND`.
 
 use anyhow::{Result, ensure};
+use splatline::format::Traversal;
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, layouts, mutants, package, speed};
+use splatline_rtl::{area, fmax, layouts, mutants, package, speed};
 use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::synthesis::{Family, estimate};
+use splatline_sim::machine::Config;
+use splatline_sim::machine::area::{Family, raster_unit, synthesis};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -13,8 +15,10 @@ const USAGE: &str = "usage: rtl COMMAND
   package FILE.toml FOLDER   the package of a design of your own into a folder
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
-  area          LUT, FF, DSP and memory of all circuits by Yosys, written to docs/area.md
+  area          LUT, FF, DSP and memory of all circuits by Yosys (15 minutes): calibrates the estimate, writes docs/area.md
   area DESIGN   one design's lines of it
+  area page     docs/area.md again without synthesis
+  area fmax     Fmax by nextpnr, where it is there and the device is large enough (an hour), into docs/area.md
   speed         how many times as fast as the verilated circuits the model is
   estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
@@ -30,7 +34,9 @@ fn main() -> ExitCode {
         ["package", design, folder] => write_package(design, Path::new(folder)),
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
-        ["area"] => area::report().and_then(|text| write_whole(area::REPORT.as_ref(), &text)),
+        ["area"] => area::report(),
+        ["area", "page"] => area::page(),
+        ["area", "fmax"] => fmax::report(),
         ["layouts"] => {
             layouts::report().and_then(|text| write_whole(layouts::REPORT.as_ref(), &text))
         }
@@ -62,16 +68,15 @@ fn write_packages() -> Result<()> {
 }
 
 fn print_estimate(design: &str, lanes: &str) -> Result<()> {
-    let widths = DesignChoice::load(design)?.widths;
+    let design = DesignChoice::load(design)?;
+    let machine = Config::primitive(lanes.parse()?);
     for family in Family::ALL {
-        let area = estimate(&widths, lanes.parse()?, area::TILE_PIXELS, family);
+        let prices = family.calibration();
+        let area = raster_unit(&design.widths, Traversal::Spans, &machine, &prices);
         println!(
-            "{}: {} LUT, {} FF, {} DSP, {} kbit",
+            "{}: {area}\n  ({})",
             family.name(),
-            area.luts,
-            area.flip_flops,
-            area.dsps,
-            area.memory_kbit
+            synthesis::statement(&prices)
         );
     }
     Ok(())

@@ -1,20 +1,25 @@
 //! Area: what Yosys makes of the primitive for three families of FPGAs, beside what the model estimates.
+//!
+//! The counts go into `sim/src/machine/area/synthesised.csv`, which calibrates the estimate, and with it onto the page. `page` writes the
+//! page again without synthesis, for a changed estimate.
 
 use crate::mutants::run;
-use crate::package::{self, TILE_BITS};
-use anyhow::{Context, Result};
+use crate::package;
+use anyhow::{Context, Result, ensure};
 use serde_json::Value;
-use splatline::format::{Lean18, Standard24, Widths};
-use splatline_sim::machine::synthesis::{Fabric, Family, estimate};
+use splatline::format::Widths;
+use splatline_sim::atomic;
+use splatline_sim::machine::area::synthesis::{Part, Subject, Synthesised, subjects, to_csv};
+use splatline_sim::machine::area::{Calibration, Fabric, Family};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Yosys' command for a family.
-fn synthesis(family: Family) -> &'static str {
+pub fn synthesis(family: Family) -> &'static str {
     match family {
-        Family::Ice40 => "synth_ice40 -dsp -noflatten",
-        Family::Ecp5 => "synth_ecp5 -noflatten",
+        Family::Ice40 => "synth_ice40 -dsp",
+        Family::Ecp5 => "synth_ecp5",
         Family::Xilinx7 => "synth_xilinx -family xc7 -noiopad -noclkbuf",
     }
 }
@@ -43,73 +48,39 @@ fn count(cells: &serde_json::Map<String, Value>) -> Fabric {
     area
 }
 
-/// Units that are the same whatever the number of lanes: synthesised once for each design and family.
-const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
-
-/// A design that is synthesised: its name and widths.
-struct Subject {
-    name: &'static str,
-    widths: Widths,
-    /// Were the estimate's coefficients taken from it?
-    fitted: bool,
+/// Folder of the RTL.
+pub fn rtl() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The designs, and one between them that the estimate has not seen.
-fn subjects() -> [Subject; 3] {
-    let between = Widths {
-        mantissa: 24,
-        subpixel: 20,
-        table: 10,
-        interpolation: 14,
-        weight: 24,
-        alpha: 24,
-        colour: 18,
-        accumulator: 24,
-        ..Standard24::WIDTHS
-    };
-    let subject = |name, widths, fitted| Subject {
-        name,
-        widths,
-        fitted,
-    };
-    [
-        subject("lean18", Lean18::WIDTHS, true),
-        subject("standard24", Standard24::WIDTHS, true),
-        subject("24-bit mantissa", between, false),
-    ]
-}
-
-/// Synthesises `unit` and what it contains, but for `boxes`, and counts.
-fn synthesise(
-    subject: &Subject,
-    family: Family,
-    unit: &str,
-    lanes: Option<u32>,
-    boxes: &[&str],
-) -> Result<Fabric> {
-    let rtl = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let units = fs::read_to_string(rtl.join("files.txt"))?;
-    let folder = tempfile::tempdir()?;
-    let package = folder.path().join("splatline_pkg.sv");
-    fs::write(&package, package::text(subject.name, &subject.widths))?;
-    let counts = folder.path().join("stat.json");
-    let lanes = lanes.map_or(String::new(), |lanes| {
-        format!("chparam -set LANES {lanes} {unit}; ")
-    });
-    let boxes: String = boxes
-        .iter()
-        .map(|name| format!("blackbox {name}; "))
-        .collect();
-    let script = format!(
-        "read_verilog -sv {} {}; {boxes}{lanes}{} -top {unit}; flatten; opt_clean; tee -q -o {} stat -json",
+/// Writes a design's package into a folder; gives Yosys' words for reading it with all units.
+pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
+    let units = fs::read_to_string(rtl().join("files.txt"))?;
+    let package = folder.join("splatline_pkg.sv");
+    fs::write(&package, package::text(name, widths))?;
+    let units: Vec<&str> = units.lines().collect();
+    Ok(format!(
+        "read_verilog -sv {} {}",
         package.display(),
-        units.lines().collect::<Vec<_>>().join(" "),
-        synthesis(family),
-        counts.display()
-    );
+        units.join(" ")
+    ))
+}
+
+/// Runs Yosys in the folder of the RTL.
+pub fn yosys(script: &str) -> Result<()> {
     run(Command::new("yosys")
-        .args(["-q", "-p", &script])
-        .current_dir(&rtl))?;
+        .args(["-q", "-p", script])
+        .current_dir(rtl()))
+    .map(|_| ())
+}
+
+/// The same for a script that leaves one module of cells, which are counted.
+pub fn synthesised_cells(script: &str, folder: &Path) -> Result<Fabric> {
+    let counts = folder.join("stat.json");
+    yosys(&format!(
+        "{script}; tee -q -o {} stat -json",
+        counts.display()
+    ))?;
     let text = fs::read_to_string(&counts)?;
     let statistics: Value = serde_json::from_str(&text).context("yosys' statistics")?;
     let cells = statistics["design"]["num_cells_by_type"]
@@ -118,92 +89,153 @@ fn synthesise(
     Ok(count(cells))
 }
 
-/// Pixels of the tile buffer.
-pub const TILE_PIXELS: u64 = 1 << (TILE_BITS[0] + TILE_BITS[1]);
+/// Units that are the same whatever the number of lanes: synthesised once for each design and family.
+const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
 
-/// Where the table is kept.
+/// Synthesises `unit` and what it contains, but for `boxes`, and counts. Hierarchy is kept, so that equal lanes are synthesised once.
+fn synthesise(
+    subject: &Subject,
+    family: Family,
+    unit: &str,
+    lanes: Option<u32>,
+    boxes: &[&str],
+) -> Result<Fabric> {
+    let folder = tempfile::tempdir()?;
+    let read = sources(folder.path(), subject.name, &subject.widths)?;
+    let lanes = lanes.map_or(String::new(), |lanes| {
+        format!("chparam -set LANES {lanes} {unit}; ")
+    });
+    let boxes: String = boxes
+        .iter()
+        .map(|name| format!("blackbox {name}; "))
+        .collect();
+    let keep = if family == Family::Xilinx7 {
+        ""
+    } else {
+        " -noflatten"
+    };
+    let script = format!(
+        "{read}; {boxes}{lanes}{}{keep} -top {unit}; flatten; opt_clean",
+        synthesis(family),
+    );
+    synthesised_cells(&script, folder.path())
+}
+
+/// Where the page is kept.
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/area.md");
+
+/// Where the counts are kept.
+const COUNTS: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../src/machine/area/synthesised.csv"
+);
 
 const HEAD: &str = "# Area of the splat primitive
 
-Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23, hierarchy kept). LUT counts
-contain those used as memory and shift registers; memory is in whole blocks. A tile of 32 x 32 pixels is held in the primitive.
-Each cell: synthesis, the model's estimate (`sim/src/machine/synthesis.rs`), and its error. Lines with a point (.) were not fitted.
+Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23, hierarchy kept), which writes the counts into `sim/src/machine/area/synthesised.csv` too:
+they calibrate the estimate. LUT counts contain those used as memory and shift registers; memory is in whole blocks. A tile of 32 x 32 pixels is held in the primitive.
+Each cell: synthesis, the model's estimate (`sim/src/machine/area`), and its error. Lines with a point (.) were not fitted.
 
 | design | family | part | LUT | FF | DSP | memory, kbit |
 |---|---|---|---|---|---|---|
 ";
 
-const FOOT: &str = include_str!("../area-notes.md");
+const NOTES: &str = include_str!("../area-notes.md");
 
-/// Numbers of lanes that are synthesised, and whether the estimate was fitted on them.
-const LANES: [(u32, bool); 3] = [(1, true), (2, false), (4, true)];
+/// Numbers of lanes that are synthesised.
+const LANES: [u32; 3] = [1, 2, 4];
 
-/// The whole table.
-pub fn report() -> Result<String> {
-    let tables: Vec<String> = subjects().iter().map(table).collect::<Result<_>>()?;
-    Ok(HEAD.to_owned() + &tables.concat() + FOOT)
+/// Synthesises everything; writes counts and page.
+pub fn report() -> Result<()> {
+    let lines: Vec<Vec<Synthesised>> = subjects().iter().map(circuits).collect::<Result<_>>()?;
+    let lines = lines.concat();
+    atomic::write(COUNTS.as_ref(), to_csv(&lines).as_bytes())?;
+    write_page(&lines)
+}
+
+/// The page again, from the counts of the last synthesis.
+pub fn page() -> Result<()> {
+    write_page(&counts()?)
+}
+
+/// The counts of the last synthesis.
+pub fn counts() -> Result<Vec<Synthesised>> {
+    let text = fs::read_to_string(COUNTS)?;
+    splatline_sim::machine::area::synthesis::parse(&text).context("not a table of counts")
+}
+
+fn write_page(lines: &[Synthesised]) -> Result<()> {
+    let table: String = lines
+        .iter()
+        .map(|found| line(found, &Calibration::fitted(found.family, lines)))
+        .collect();
+    let fmax = fs::read_to_string(crate::fmax::TABLE).context("the table of rtl -- area fmax")?;
+    let text = [HEAD, &table, "\n", &fmax, NOTES].concat();
+    Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
 }
 
 /// The lines of the design of that name.
 pub fn design(name: &str) -> Result<String> {
     let subjects = subjects();
     let subject = subjects.iter().find(|subject| subject.name == name);
-    table(subject.context("lean18, standard24 or '24-bit mantissa'")?)
+    let found = circuits(subject.context("lean18, standard24 or '24-bit mantissa'")?)?;
+    let lines = found
+        .iter()
+        .map(|found| line(found, &found.family.calibration()));
+    Ok(lines.collect())
 }
 
-/// One design's lines; shown on stderr as they come, since each takes a minute.
-fn table(subject: &Subject) -> Result<String> {
-    let mut text = String::new();
+/// One design's circuits; shown on stderr as they come, against the calibration of the last synthesis, since they take minutes.
+fn circuits(subject: &Subject) -> Result<Vec<Synthesised>> {
+    let mut found = Vec::new();
     for family in Family::ALL {
+        let mut keep = |part, fabric| {
+            let circuit = Synthesised {
+                design: subject.name.to_owned(),
+                widths: subject.widths,
+                family,
+                part,
+                fabric,
+            };
+            eprint!("{}", line(&circuit, &family.calibration()));
+            found.push(circuit);
+        };
         let [setup, rows] = SHARED.map(|unit| synthesise(subject, family, unit, None, &[]));
         let (setup, rows) = (setup?, rows?);
-        let mut lines = Vec::new();
-        for (lanes, fitted) in LANES {
+        keep(Part::Setup, setup);
+        keep(Part::Rows, rows);
+        for lanes in LANES {
             let rest = synthesise(subject, family, "splat_primitive", Some(lanes), &SHARED)?;
-            let all = plus(&plus(&rest, &setup), &rows);
-            let estimate = estimate(&subject.widths, lanes, TILE_PIXELS, family);
-            let point = if fitted && subject.fitted { "" } else { " ." };
-            let part = format!("{lanes} lanes{point}");
-            lines.push(line(subject.name, family, &part, &all, Some(&estimate)));
+            ensure!(rest.luts > 0, "yosys counts no look-up tables");
+            keep(Part::Lanes(lanes), rest + setup + rows);
         }
-        lines.push(line(subject.name, family, "of it setup", &setup, None));
-        lines.push(line(subject.name, family, "of it rows", &rows, None));
-        eprint!("{}", lines.concat());
-        text += &lines.concat();
     }
-    Ok(text)
+    Ok(found)
 }
 
-fn line(
-    design: &str,
-    family: Family,
-    part: &str,
-    area: &Fabric,
-    estimate: Option<&Fabric>,
-) -> String {
-    let cell = |of: fn(&Fabric) -> u64| match estimate.map(of) {
-        Some(estimated) => {
-            let error = 100.0 * (estimated as f64 / of(area) as f64 - 1.0);
-            format!("{} / {estimated} / {error:+.1} %", of(area))
-        }
-        None => of(area).to_string(),
+fn line(found: &Synthesised, calibration: &Calibration) -> String {
+    let seen = if found.fitted() { "" } else { " ." };
+    let part = match found.part {
+        Part::Setup => "of it setup".to_owned(),
+        Part::Rows => "of it rows".to_owned(),
+        Part::Lanes(1) => format!("1 lane{seen}"),
+        Part::Lanes(lanes) => format!("{lanes} lanes{seen}"),
     };
+    let estimate = found.estimate(calibration);
+    let cells = (0..4).map(|i| {
+        let count = found.fabric.resources()[i].1;
+        match estimate.map(|estimate| estimate.resources()[i].1) {
+            Some(estimated) => {
+                let error = 100.0 * (estimated as f64 / count as f64 - 1.0);
+                format!("{count} / {estimated} / {error:+.1} %")
+            }
+            None => count.to_string(),
+        }
+    });
     format!(
-        "| {design} | {} | {part} | {} | {} | {} | {} |\n",
-        family.name(),
-        cell(|area| area.luts),
-        cell(|area| area.flip_flops),
-        cell(|area| area.dsps),
-        cell(|area| area.memory_kbit),
+        "| {} | {} | {part} | {} |\n",
+        found.design,
+        found.family.name(),
+        cells.collect::<Vec<_>>().join(" | ")
     )
-}
-
-fn plus(a: &Fabric, b: &Fabric) -> Fabric {
-    Fabric {
-        luts: a.luts + b.luts,
-        flip_flops: a.flip_flops + b.flip_flops,
-        dsps: a.dsps + b.dsps,
-        memory_kbit: a.memory_kbit + b.memory_kbit,
-    }
 }

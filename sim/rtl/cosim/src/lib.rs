@@ -10,6 +10,7 @@
 pub mod area;
 pub mod bench;
 pub mod check;
+pub mod fmax;
 pub mod golden;
 pub mod layouts;
 pub mod model;

@@ -1,4 +1,4 @@
-//! The pages about the machine: throughput, lane layouts, designs.
+//! The pages about the machine: throughput and designs, lane layouts.
 //!
 //! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
 
@@ -72,8 +72,25 @@ const PLACES: [Place; 4] = [
     },
 ];
 
-/// Writes the tables about the machine into `output`.
+/// Writes the tables of throughput and designs into `output`.
 pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
+    let (subjects, missing) = subjects(data)?;
+    let progress = Progress::new(subjects.len());
+    let tables = throughput::measure(&subjects, &progress)?;
+    drop(progress);
+    let text = throughput::text(&tables, &missing);
+    write(&output.join("throughput.md"), text.as_bytes())?;
+    say(&text);
+    designs::write_all(subjects, output)
+}
+
+/// Writes the tables of lane layouts into `output`.
+pub fn run_layouts(data: &Path, output: &Path) -> Result<(), Failure> {
+    layouts::write_all(&subjects(data)?.0, output)
+}
+
+/// The scenes at hand, and the names of those that are not.
+fn subjects(data: &Path) -> Result<(Vec<Subject>, Vec<&'static str>)> {
     let mut subjects = vec![demo()?];
     let mut missing = Vec::new();
     for place in &PLACES {
@@ -82,14 +99,7 @@ pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
             None => missing.push(place.name),
         }
     }
-    let progress = Progress::new(subjects.len());
-    let tables = throughput::measure(&subjects, &progress)?;
-    drop(progress);
-    let text = throughput::text(&tables, &missing);
-    write(&output.join("throughput.md"), text.as_bytes())?;
-    say(&text);
-    layouts::write_all(&subjects, output)?;
-    designs::write_all(subjects, output)
+    Ok((subjects, missing))
 }
 
 fn demo() -> Result<Subject> {

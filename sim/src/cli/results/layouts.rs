@@ -11,7 +11,7 @@ use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard};
 use splatline_sim::explore::table::{Appender, Table, heading};
 use splatline_sim::machine::Config;
-use splatline_sim::machine::area::Calibration;
+use splatline_sim::machine::area::{Calibration, synthesis};
 use splatline_sim::picture::Picture;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
@@ -29,10 +29,11 @@ row_fifo = [4, 16, 64]
 
 pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
     let space = Space::from_toml("layouts.toml", SPACE)?;
+    let note = synthesis::statement(&Calibration::default());
     let mut text = format!(
-        "# The best lane layout\n\nPrinted by `{COMMAND}`, which runs the sweep of layouts.toml ({} points) over each scene. For every number of \
+        "# The best lane layout\n\nPrinted by `{COMMAND} --only layouts`, which runs the sweep of layouts.toml ({} points) over each scene. For every number of \
          lanes and layout: the point with the most covered pixels per cycle and lane (the machine otherwise is the default one), and the smallest \
-         area that comes within 2 % of it.\n",
+         area that comes within 2 % of it. LUT, FF, DSP and memory are those of its raster unit ({note}).\n",
         space.points.len()
     );
     write(&folder.join("layouts.toml"), SPACE.as_bytes())?;
@@ -47,12 +48,12 @@ pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
             .to_lowercase();
         write(
             &folder.join(format!("layouts-{name}.html")),
-            plot::page(&format!("Lane layouts: {}", subject.name), &all).as_bytes(),
+            plot::page(&format!("Lane layouts: {}", subject.name), &note, &all).as_bytes(),
         )?;
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "\n## {}\n\n| lanes | layout | covered, best | Mcycles | within 2 %: rows at once | row FIFO | binning | LUTs + multipliers + blocks as LUTs |\n|--:|---|--:|--:|--:|--:|---|--:|",
+            "\n## {}\n\n| lanes | layout | covered, best | Mcycles | within 2 %: rows at once | row FIFO | binning | LUT | FF | DSP | kbit |\n|--:|---|--:|--:|--:|--:|---|--:|--:|--:|--:|",
             subject.name
         );
         for lanes in ["1", "2", "4", "8"] {
@@ -132,12 +133,15 @@ fn line(table: &Table, all: &[Candidate], lanes: &str, layout: &str) -> String {
         .unwrap_or(best);
     let show = |name: &str| field(small, name).unwrap_or_default();
     format!(
-        "| {lanes} | {layout} | {:.3} | {:.3} | {} | {} | {} | {:.0} |\n",
+        "| {lanes} | {layout} | {:.3} | {:.3} | {} | {} | {} | {} | {} | {} | {} |\n",
         covered(best),
         best.cycles / 1e6,
         show("rows_at_once"),
         show("row_fifo"),
         show("binning"),
-        small.area
+        show("raster_luts"),
+        show("raster_flip_flops"),
+        show("raster_dsps"),
+        show("raster_memory_kbit")
     )
 }

@@ -43,6 +43,10 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
             hardware::run(&options.data, &options.output)?;
             Ok(None)
         }
+        ResultsPage::Layouts => {
+            hardware::run_layouts(&options.data, &options.output)?;
+            Ok(None)
+        }
         ResultsPage::Host => {
             let text = host::run(&options.data)?;
             Ok(Some(Page {

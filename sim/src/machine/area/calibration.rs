@@ -1,0 +1,305 @@
+//! Prices of a family of FPGAs: what its blocks hold, from its data sheets, and straight lines through what synthesis found.
+//!
+//! Look-up tables and flip-flops grow with the mantissa (setup, rows) or with the bits of a lane. The lines go through lean18 and standard24 with
+//! one and four lanes: two widths, so they meet both, and only what was *not* fitted says how good they are ([`super::synthesis`]). A TOML
+//! file may replace any of it, for another device or a chip: `family = "ecp5"` names the prices that it starts from.
+
+use super::Fabric;
+use super::circuit::Bits;
+use super::synthesis::{Part, Synthesised, synthesised};
+use serde::{Deserialize, Serialize};
+
+/// A family of devices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Family {
+    /// Xilinx 7 series: LUT6, 25 x 18 multipliers (UG479), 18 kbit memories (UG473).
+    #[default]
+    Xilinx7,
+    /// Lattice ECP5: LUT4, 18-bit multipliers, 18 kbit memories (FPGA-DS-02012).
+    Ecp5,
+    /// Lattice iCE40: LUT4, 16-bit multipliers (UltraPlus), 4 kbit memories (FPGA-DS-02008).
+    Ice40,
+}
+
+/// `at_zero + per_bit * bits`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Line {
+    /// Without any bits.
+    pub at_zero: f64,
+    /// And for each of them.
+    pub per_bit: f64,
+}
+
+/// Look-up tables or flip-flops: lines for setup and rows over the mantissa's bits, for a lane over its own bits, and what is left.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lines {
+    /// Splat setup.
+    pub setup: Line,
+    /// Row generator.
+    pub rows: Line,
+    /// One lane with its queue of eight runs.
+    pub lane: Line,
+    /// Packets, scan and state.
+    pub rest: f64,
+}
+
+/// A memory made of look-up tables.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LutMemory {
+    /// Words.
+    pub words: u64,
+    /// Bits of a word.
+    pub bits: u64,
+    /// Look-up tables that it takes.
+    pub luts: u64,
+}
+
+/// All prices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Whose prices they are, or which they started from.
+    pub family: Family,
+    /// Look-up tables.
+    pub luts: Lines,
+    /// Flip-flops.
+    pub flip_flops: Lines,
+    /// Operands of a multiplier, signed bits.
+    pub multiplier: [u64; 2],
+    /// Multipliers of setup whose operands do not depend on the widths: jumps over hidden rows.
+    pub setup_multipliers: u64,
+    /// And of the rows: heads of runs.
+    pub row_multipliers: u64,
+    /// Words and bits of a block memory's shapes, from the widest on.
+    pub shapes: Vec<[u64; 2]>,
+    /// Kilobits of a block.
+    pub block_kbit: u64,
+    /// Kilobits of a row generator's root table.
+    pub root_kbit: u64,
+    /// What queues are made of, if not of blocks.
+    pub lut_memory: Option<LutMemory>,
+    /// Look-up tables that weigh as much as a multiplier, for one number: their ratio in a device.
+    pub luts_per_dsp: f64,
+    /// And as much as a kilobit of block memory.
+    pub luts_per_kbit: f64,
+}
+
+/// What data sheets say: everything that is not fitted.
+struct Sheet {
+    multiplier: [u64; 2],
+    shapes: &'static [[u64; 2]],
+    block_kbit: u64,
+    lut_memory: Option<LutMemory>,
+    /// Look-up tables, multipliers and kilobits of the device whose ratios are the weights.
+    device: [f64; 3],
+}
+
+const SHAPES_18K: [[u64; 2]; 5] = [[512, 36], [1024, 18], [2048, 9], [4096, 4], [8192, 2]];
+const SHAPES_4K: [[u64; 2]; 4] = [[256, 16], [512, 8], [1024, 4], [2048, 2]];
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Family; 3] = [Family::Xilinx7, Family::Ecp5, Family::Ice40];
+
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Ice40 => "iCE40",
+            Family::Ecp5 => "ECP5",
+            Family::Xilinx7 => "Xilinx 7",
+        }
+    }
+
+    /// The family of that name.
+    pub fn named(name: &str) -> Option<Family> {
+        Family::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    fn sheet(self) -> Sheet {
+        match self {
+            // XC7A100T (DS180); RAM32M of four LUTs holds 32 words of 6 bits (UG474).
+            Family::Xilinx7 => Sheet {
+                multiplier: [25, 18],
+                shapes: &SHAPES_18K,
+                block_kbit: 18,
+                lut_memory: Some(LutMemory {
+                    words: 32,
+                    bits: 6,
+                    luts: 4,
+                }),
+                device: [63_400.0, 240.0, 4_860.0],
+            },
+            // LFE5U-85F (FPGA-DS-02012); TRELLIS_DPR16X4 takes four LUTs.
+            Family::Ecp5 => Sheet {
+                multiplier: [18, 18],
+                shapes: &SHAPES_18K,
+                block_kbit: 18,
+                lut_memory: Some(LutMemory {
+                    words: 16,
+                    bits: 4,
+                    luts: 4,
+                }),
+                device: [83_640.0, 156.0, 3_744.0],
+            },
+            // iCE40UP5K (FPGA-DS-02008).
+            Family::Ice40 => Sheet {
+                multiplier: [17, 17],
+                shapes: &SHAPES_4K,
+                block_kbit: 4,
+                lut_memory: None,
+                device: [5_280.0, 8.0, 120.0],
+            },
+        }
+    }
+
+    /// Prices calibrated on the synthesis of today's circuits.
+    pub fn calibration(self) -> Calibration {
+        Calibration::fitted(self, &synthesised())
+    }
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        Family::default().calibration()
+    }
+}
+
+impl Calibration {
+    /// Prices calibrated on these circuits, of which a family's own with one and four lanes of two designs are used.
+    pub fn fitted(family: Family, circuits: &[Synthesised]) -> Calibration {
+        let sheet = family.sheet();
+        let used = circuits
+            .iter()
+            .filter(|line| line.family == family && line.fitted());
+        let found: Vec<Synthesised> = used.cloned().collect();
+        let mut calibration = Calibration {
+            family,
+            luts: lines(&found, |fabric| fabric.luts),
+            flip_flops: lines(&found, |fabric| fabric.flip_flops),
+            multiplier: sheet.multiplier,
+            setup_multipliers: 0,
+            row_multipliers: 0,
+            shapes: sheet.shapes.to_vec(),
+            block_kbit: sheet.block_kbit,
+            root_kbit: of_part(&found, Part::Rows).map_or(0, |line| line.fabric.memory_kbit),
+            lut_memory: sheet.lut_memory,
+            luts_per_dsp: sheet.device[0] / sheet.device[1],
+            luts_per_kbit: sheet.device[0] / sheet.device[2],
+        };
+        let fixed = |part, products: fn(&Bits) -> Vec<[u64; 2]>| {
+            let beyond = found
+                .iter()
+                .filter(|line| line.part == part)
+                .map(|line| {
+                    let tiled = calibration.tiled(&products(&Bits::new(&line.widths)));
+                    line.fabric.dsps as f64 - tiled as f64
+                })
+                .collect::<Vec<_>>();
+            mean(&beyond).max(0.0).round() as u64
+        };
+        let setup = fixed(Part::Setup, |bits| bits.setup_products().to_vec());
+        let rows = fixed(Part::Rows, |bits| bits.row_products().to_vec());
+        (calibration.setup_multipliers, calibration.row_multipliers) = (setup, rows);
+        calibration
+    }
+
+    /// Reads prices from the text of a TOML file; what it leaves out is that of its `family`.
+    pub fn from_toml(file: &str, text: &str) -> Result<Calibration, String> {
+        #[derive(Deserialize)]
+        struct Start {
+            #[serde(default)]
+            family: Family,
+        }
+        let problem = |error: toml::de::Error| format!("{file}: {error}");
+        let start: Start = toml::from_str(text).map_err(problem)?;
+        let changes: toml::Table = toml::from_str(text).map_err(problem)?;
+        let mut prices = toml::Table::try_from(start.family.calibration())
+            .map_err(|error| format!("{file}: {error}"))?;
+        replace(&mut prices, changes);
+        prices.try_into().map_err(problem)
+    }
+
+    /// Are these the family's own prices?
+    pub fn is_own(&self) -> bool {
+        *self == self.family.calibration()
+    }
+
+    /// One number for all of it, in look-up tables. Flip-flops stand behind the look-up tables of the same cells and weigh nothing.
+    pub fn weight(&self, fabric: &Fabric) -> f64 {
+        fabric.luts as f64
+            + fabric.dsps as f64 * self.luts_per_dsp
+            + fabric.memory_kbit as f64 * self.luts_per_kbit
+    }
+}
+
+impl Line {
+    /// The line's value.
+    pub fn at(&self, bits: u64) -> f64 {
+        (self.at_zero + self.per_bit * bits as f64).max(0.0)
+    }
+
+    fn through(a: [f64; 2], b: [f64; 2]) -> Line {
+        let per_bit = (b[1] - a[1]) / (b[0] - a[0]);
+        Line {
+            at_zero: a[1] - per_bit * a[0],
+            per_bit,
+        }
+    }
+}
+
+/// Lines through the two designs that are fitted.
+fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
+    let points = |part: Part, bits: fn(&Bits) -> u64| -> Vec<[f64; 2]> {
+        let lines = found.iter().filter(|line| line.part == part);
+        lines
+            .map(|line| {
+                let bits = bits(&Bits::new(&line.widths)) as f64;
+                [bits, of(&line.fabric) as f64]
+            })
+            .collect()
+    };
+    let setup = points(Part::Setup, |bits| bits.mantissa);
+    let rows = points(Part::Rows, |bits| bits.mantissa);
+    let one = points(Part::Lanes(1), |bits| bits.lane);
+    let four = points(Part::Lanes(4), |bits| bits.lane);
+    let lane: Vec<[f64; 2]> = one
+        .iter()
+        .zip(&four)
+        .map(|(one, four)| [one[0], (four[1] - one[1]) / 3.0])
+        .collect();
+    let rest: Vec<f64> = (0..one.len())
+        .map(|i| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1])
+        .collect();
+    Lines {
+        setup: Line::through(setup[0], setup[1]),
+        rows: Line::through(rows[0], rows[1]),
+        lane: Line::through(lane[0], lane[1]),
+        rest: mean(&rest),
+    }
+}
+
+fn of_part(found: &[Synthesised], part: Part) -> Option<&Synthesised> {
+    found.iter().find(|line| line.part == part)
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Puts changes over prices, table by table.
+fn replace(prices: &mut toml::Table, changes: toml::Table) {
+    for (key, value) in changes {
+        match (prices.get_mut(&key), value) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(changes)) => {
+                replace(inner, changes);
+            }
+            (_, value) => {
+                prices.insert(key, value);
+            }
+        }
+    }
+}

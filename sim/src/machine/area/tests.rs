@@ -1,0 +1,117 @@
+use super::*;
+use splatline::format::{Classic8, Deep32, Lean18, Standard24};
+
+fn area(widths: &Widths, config: &Config, family: Family) -> Area {
+    estimate(widths, Traversal::Spans, config, &family.calibration())
+}
+
+#[test]
+fn designs_are_ranked_by_their_widths() {
+    for family in Family::ALL {
+        let areas = [
+            Classic8::WIDTHS,
+            Lean18::WIDTHS,
+            Standard24::WIDTHS,
+            Deep32::WIDTHS,
+        ]
+        .map(|widths| area(&widths, &Config::default(), family).weight);
+        assert!(
+            areas.is_sorted() && areas[3] > 1.5 * areas[0],
+            "{family:?}: {areas:?}"
+        );
+    }
+}
+
+#[test]
+fn more_of_anything_is_never_smaller() {
+    for family in Family::ALL {
+        let base = area(&Standard24::WIDTHS, &Config::default(), family);
+        for words in [
+            "lanes=2",
+            "raster_units=2",
+            "rows_at_once=4",
+            "row_fifo=64",
+            "tile_width=64",
+            "setup_units=2",
+            "packet_fifo=512",
+            "pixel_termination=skip",
+        ] {
+            let mut config = Config::default();
+            config.set_words(&[words.to_owned()]).unwrap();
+            let more = area(&Standard24::WIDTHS, &config, family);
+            // Two banks of a tile may lie in the same blocks as one; a queue of twice the places in the same cells.
+            let fits = family == Family::Ice40 && words == "row_fifo=64";
+            assert!(
+                more.weight > base.weight || fits && more.weight == base.weight,
+                "{family:?}: {words}"
+            );
+        }
+    }
+}
+
+#[test]
+fn intervals_share_multipliers() {
+    let base = area(&Standard24::WIDTHS, &Config::default(), Family::Xilinx7);
+    for words in [
+        "splat_cycles=3",
+        "row_cycles=4",
+        "blend_interval=3",
+        "setup_interval=8",
+    ] {
+        let mut config = Config::default();
+        config.set_words(&[words.to_owned()]).unwrap();
+        let fewer = area(&Standard24::WIDTHS, &config, Family::Xilinx7);
+        let dsps = |area: &Area| area.raster.dsps + area.around.dsps;
+        assert!(dsps(&fewer) < dsps(&base), "{words}");
+    }
+}
+
+#[test]
+fn the_estimate_of_a_machine_is_that_of_its_circuits() {
+    let widths = Lean18::WIDTHS;
+    for line in synthesis::synthesised() {
+        let synthesis::Part::Lanes(lanes) = line.part else {
+            continue;
+        };
+        if line.widths != widths {
+            continue;
+        }
+        let mut config = Config::primitive(lanes);
+        config.raster_units = 3;
+        let three = area(&widths, &config, line.family).raster;
+        let error = three.worst_error(&(line.fabric * 3));
+        assert!(error < 0.1, "{:?}, {lanes} lanes: {three}", line.family);
+    }
+}
+
+#[test]
+fn products_are_tiled_as_synthesis_does() {
+    let prices = Family::Xilinx7.calibration();
+    assert_eq!(prices.tiles([18, 25]), 1);
+    assert_eq!(prices.tiles([19, 25]), 2);
+    assert_eq!(prices.tiles([26, 26]), 4);
+    // The other way round two would do.
+    assert_eq!(prices.tiles([35, 21]), 4);
+}
+
+#[test]
+fn prices_can_be_replaced_and_misspellings_are_told() {
+    let text = "family = \"ecp5\"\nluts_per_dsp = 7.0\n[luts.lane]\nper_bit = 9.0\n";
+    let own = Calibration::from_toml("c.toml", text).unwrap();
+    let base = Family::Ecp5.calibration();
+    assert_eq!((own.luts_per_dsp, own.luts.lane.per_bit), (7.0, 9.0));
+    assert_eq!(own.luts.lane.at_zero, base.luts.lane.at_zero);
+    assert_eq!(own.flip_flops, base.flip_flops);
+    assert_eq!(
+        Calibration::from_toml("c.toml", "").unwrap(),
+        Calibration::default()
+    );
+    for wrong in [
+        "lut_overhed = 1.0",
+        "family = \"spartan\"",
+        "[luts]\nlanes = 1.0",
+    ] {
+        let problem = Calibration::from_toml("c.toml", wrong).unwrap_err();
+        assert!(problem.contains("c.toml"), "{problem}");
+    }
+}
