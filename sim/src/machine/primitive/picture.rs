@@ -188,7 +188,7 @@ where
             spans.fill(lanes, SpanRows::new(design, footprint, &window));
             for_each_tile(&visible, |tile, part| {
                 let row = usize::from(part.first[1] - visible.first[1]);
-                let Some((first, end)) = spans.from_row(row) else {
+                let Some((first, end)) = spans.starting_at(row) else {
                     return;
                 };
                 let count = usize::from(part.last[1] - part.first[1]);

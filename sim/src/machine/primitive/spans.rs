@@ -32,7 +32,7 @@ impl Spans {
     /// First columns, and columns one past the last, of the rows from `row` on; of use are those that the footprint has. A row without
     /// pixels ends where it begins, or before.
     #[inline(always)]
-    pub fn from_row(&self, row: usize) -> Option<(&[u16; SPARE], &[u16; SPARE])> {
+    pub fn starting_at(&self, row: usize) -> Option<(&[u16; SPARE], &[u16; SPARE])> {
         let first = self.first.get(row..)?.first_chunk()?;
         Some((first, self.end.get(row..)?.first_chunk()?))
     }
