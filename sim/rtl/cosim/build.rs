@@ -141,7 +141,9 @@ fn compiler(include: &Path) -> cc::Build {
     build
         .cpp(true)
         .std("c++17")
-        .opt_level(2)
+        // What simulates fastest: docs/rtl.md, "Speed".
+        .opt_level(3)
+        .flag_if_supported("-march=native")
         .debug(false)
         .warnings(false);
     build.include(include).include(include.join("vltstd"));

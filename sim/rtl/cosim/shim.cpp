@@ -29,6 +29,15 @@ struct Outputs {
     uint64_t squared;
 };
 
+// Mirrors `ReadOut` and `Drawn` of src/model.rs.
+struct ReadOut {
+    uint32_t finished, transmittance, red, green, blue;
+};
+
+struct Drawn {
+    uint64_t cycles, raster_cycles;
+};
+
 struct Simulation {
     VerilatedContext context;
     MODEL model{&context, "top"};
@@ -47,9 +56,7 @@ void destroy(void* simulation) {
     delete static_cast<Simulation*>(simulation);
 }
 
-// Drives the inputs, settles, samples the outputs as they stand before the edge, then clocks once.
-void tick(void* simulation, const Inputs* in, Outputs* out) {
-    auto& m = static_cast<Simulation*>(simulation)->model;
+void drive(MODEL& m, const Inputs* in) {
     m.rst = in->rst;
     m.table_valid = in->table_valid;
     m.tile_valid = in->tile_valid;
@@ -69,8 +76,18 @@ void tick(void* simulation, const Inputs* in, Outputs* out) {
     m.table_index = in->table_index;
     m.table_low = in->table_low;
     m.table_step = in->table_step;
-    static_assert(sizeof(m.packet) <= sizeof(in->packet), "a packet has at most 20 words");
-    if (in->packet_valid) std::memcpy(&m.packet, in->packet, sizeof(m.packet));
+}
+
+void offer(MODEL& m, const uint32_t* packet) {
+    static_assert(sizeof(m.packet) <= sizeof(Inputs::packet), "a packet has at most 20 words");
+    std::memcpy(&m.packet, packet, sizeof(m.packet));
+}
+
+// Drives the inputs, settles, samples the outputs as they stand before the edge, then clocks once.
+void tick(void* simulation, const Inputs* in, Outputs* out) {
+    auto& m = static_cast<Simulation*>(simulation)->model;
+    drive(m, in);
+    if (in->packet_valid) offer(m, in->packet);
     m.clk = 0;
     m.eval();
     *out = Outputs{m.tile_ready, m.packet_ready, m.finish_ready, m.pixel_valid, m.raster_idle, m.idle, m.finished, m.splat_begun, m.run_left, 0,
@@ -80,10 +97,61 @@ void tick(void* simulation, const Inputs* in, Outputs* out) {
     m.eval();
 }
 
+// Cycles until the circuit answers; the cycle of the answer is counted. False if it never does.
+template <typename Answer>
+bool wait(MODEL& m, uint64_t& cycles, Answer answered) {
+    for (uint32_t patience = 1u << 22; patience > 0; patience--) {
+        m.clk = 0;
+        m.eval();
+        const bool now = answered();
+        m.clk = 1;
+        m.eval();
+        cycles++;
+        if (now) return true;
+    }
+    return false;
+}
+
+// A whole tile without a call for every cycle: the tile in `in`, packets of `Inputs::packet` words, as many pixels as the window has.
+bool draw(void* simulation, const Inputs* in, const uint32_t* packets, size_t count, ReadOut* pixels, size_t pixel_count, Drawn* drawn) {
+    auto& m = static_cast<Simulation*>(simulation)->model;
+    uint64_t cycles = 0, taken = 0, idle = 0;
+    drive(m, in);
+    if (!wait(m, cycles, [&] { return m.tile_ready; })) return false;
+    m.tile_valid = 0;
+    m.packet_valid = 1;
+    for (size_t i = 0; i < count; i++) {
+        offer(m, packets + i * (sizeof(Inputs::packet) / sizeof(uint32_t)));
+        if (!wait(m, cycles, [&] { return m.packet_ready; })) return false;
+        if (i == 0) taken = cycles;
+    }
+    m.packet_valid = 0;
+    if (!wait(m, cycles, [&] { return m.raster_idle; })) return false;
+    idle = cycles;
+    m.finish_valid = 1;
+    if (!wait(m, cycles, [&] { return m.finish_ready; })) return false;
+    m.finish_valid = 0;
+    m.pixel_ready = 1;
+    for (size_t i = 0; i < pixel_count; i++) {
+        const auto read_out = [&] {
+            pixels[i] = ReadOut{m.finished, m.transmittance, m.red, m.green, m.blue};
+            return m.pixel_valid;
+        };
+        if (!wait(m, cycles, read_out)) return false;
+    }
+    m.pixel_ready = 0;
+    *drawn = Drawn{cycles, count > 0 ? idle - taken : 0};
+    return true;
+}
+
 }  // namespace
 
 extern "C" {
 void* JOIN(NAME, _make)(uint32_t seed) { return make(seed); }
 void JOIN(NAME, _destroy)(void* simulation) { destroy(simulation); }
 void JOIN(NAME, _tick)(void* simulation, const Inputs* in, Outputs* out) { tick(simulation, in, out); }
+bool JOIN(NAME, _draw)(void* simulation, const Inputs* in, const uint32_t* packets, size_t count, ReadOut* pixels, size_t pixel_count,
+                       Drawn* drawn) {
+    return draw(simulation, in, packets, count, pixels, pixel_count, drawn);
+}
 }

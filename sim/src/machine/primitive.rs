@@ -16,6 +16,12 @@
 //! ```
 //!
 //! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit cycle by cycle.
+//! Where packets never run out, [`picture_cycles`] gives the same cycles for whole pictures, several times as fast.
+
+mod picture;
+mod spans;
+
+pub use picture::{picture_cycles, tile_cycles};
 
 use splatline::footprint::Footprint;
 use splatline::format::Design;

@@ -1,6 +1,6 @@
 //! The bench: drives tiles through the verilated primitive, with or without back-pressure, and counts cycles.
 
-use crate::model::{Inputs, Missing, Model, Outputs};
+use crate::model::{Inputs, Missing, Model, Outputs, Packet, ReadOut};
 use crate::package::table;
 use crate::roots::Roots;
 use crate::stamps::Stamps;
@@ -160,6 +160,28 @@ impl Bench {
             stamps,
             roots,
         })
+    }
+
+    /// A tile's packets, as [`Bench::draw_at_once`] takes them.
+    pub fn encoded(&self, tile: &Tile, footprints: &[Footprint]) -> Vec<Packet> {
+        let footprint = |index: &u32| &footprints[*index as usize];
+        let encode = |index| self.layout.encode(footprint(index));
+        tile.list.iter().map(encode).collect()
+    }
+
+    /// Draws a tile as fast as the simulation goes, without looking into the circuit: fills in the window's pixels and gives the cycles from
+    /// the first packet's handshake to the last packet's last pixel.
+    pub fn draw_at_once(
+        &mut self,
+        tile: &Tile,
+        packets: &[Packet],
+        pixels: &mut [ReadOut],
+    ) -> Result<u64, String> {
+        let offer = self.tile_offer(tile);
+        let drawn = self.model.draw(&offer, packets, pixels);
+        drawn
+            .map(|drawn| drawn.raster_cycles)
+            .ok_or_else(|| "the circuit hangs".to_owned())
     }
 
     fn packets(

@@ -51,7 +51,7 @@ pub struct Inputs {
     /// UQ1.weight.
     pub table_step: u32,
     /// The packet's words.
-    pub packet: [u32; 20],
+    pub packet: Packet,
 }
 
 /// The circuit's outputs in one cycle, before its edge; `Outputs` of shim.cpp.
@@ -101,6 +101,35 @@ pub struct Outputs {
     /// What the row unit takes a root of.
     pub squared: u64,
 }
+
+/// A pixel of the read-out; `ReadOut` of shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ReadOut {
+    /// The pixel's flag.
+    pub finished: u32,
+    /// UQ1.transmittance.
+    pub transmittance: u32,
+    /// UQ5.accumulator.
+    pub red: u32,
+    /// UQ5.accumulator.
+    pub green: u32,
+    /// UQ5.accumulator.
+    pub blue: u32,
+}
+
+/// What a tile took; `Drawn` of shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// From the tile's offer to its last pixel's read-out.
+    pub cycles: u64,
+    /// From the first packet's handshake to the last packet's last pixel; 0 without packets.
+    pub raster_cycles: u64,
+}
+
+/// Words of a packet's place in [`Inputs`].
+pub type Packet = [u32; 20];
 
 /// Why there is no circuit to simulate.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -175,6 +204,19 @@ impl Model {
         self.circuit.tick(inputs)
     }
 
+    /// A whole tile in one call, for speed: `inputs` offer it, the packets follow at once, and `pixels`, as many as its window has, are
+    /// read out. Nothing if the circuit hangs.
+    pub fn draw(
+        &mut self,
+        inputs: &Inputs,
+        packets: &[Packet],
+        pixels: &mut [ReadOut],
+    ) -> Option<Drawn> {
+        let drawn = self.circuit.draw(inputs, packets, pixels)?;
+        self.cycles += drawn.cycles;
+        Some(drawn)
+    }
+
     /// Cycles so far.
     pub fn cycles(&self) -> u64 {
         self.cycles
@@ -184,6 +226,15 @@ impl Model {
 type Make = unsafe extern "C" fn(u32) -> *mut c_void;
 type Destroy = unsafe extern "C" fn(*mut c_void);
 type Tick = unsafe extern "C" fn(*mut c_void, *const Inputs, *mut Outputs);
+type Draw = unsafe extern "C" fn(
+    *mut c_void,
+    *const Inputs,
+    *const Packet,
+    usize,
+    *mut ReadOut,
+    usize,
+    *mut Drawn,
+) -> bool;
 
 /// The C functions of one verilated model.
 #[derive(Clone, Copy)]
@@ -191,6 +242,7 @@ struct Functions {
     make: Make,
     destroy: Destroy,
     tick: Tick,
+    draw: Draw,
 }
 
 /// One simulation and the functions that belong to it.
@@ -218,6 +270,28 @@ impl Circuit {
         unsafe { (self.functions.tick)(self.simulation, inputs, &mut outputs) };
         outputs
     }
+
+    fn draw(
+        &mut self,
+        inputs: &Inputs,
+        packets: &[Packet],
+        pixels: &mut [ReadOut],
+    ) -> Option<Drawn> {
+        let mut drawn = Drawn::default();
+        // SAFETY: as in `tick`; the slices are passed with their lengths.
+        let answered = unsafe {
+            (self.functions.draw)(
+                self.simulation,
+                inputs,
+                packets.as_ptr(),
+                packets.len(),
+                pixels.as_mut_ptr(),
+                pixels.len(),
+                &mut drawn,
+            )
+        };
+        answered.then_some(drawn)
+    }
 }
 
 impl Drop for Circuit {
@@ -237,6 +311,7 @@ fn load(path: &Path, name: &str) -> Result<(Functions, Library), libloading::Err
             make: *library.get(format!("{name}_make").as_bytes())?,
             destroy: *library.get(format!("{name}_destroy").as_bytes())?,
             tick: *library.get(format!("{name}_tick").as_bytes())?,
+            draw: *library.get(format!("{name}_draw").as_bytes())?,
         };
         Ok((functions, library))
     }
@@ -244,37 +319,43 @@ fn load(path: &Path, name: &str) -> Result<(Functions, Library), libloading::Err
 
 #[cfg(has_rtl)]
 mod linked {
-    use super::{Functions, Inputs, Missing, Outputs};
+    use super::{Drawn, Functions, Inputs, Missing, Outputs, Packet, ReadOut};
     use std::ffi::c_void;
 
-    unsafe extern "C" {
-        fn lean18_1_make(seed: u32) -> *mut c_void;
-        fn lean18_1_destroy(simulation: *mut c_void);
-        fn lean18_1_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
-        fn lean18_4_make(seed: u32) -> *mut c_void;
-        fn lean18_4_destroy(simulation: *mut c_void);
-        fn lean18_4_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
-        fn standard24_1_make(seed: u32) -> *mut c_void;
-        fn standard24_1_destroy(simulation: *mut c_void);
-        fn standard24_1_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
-        fn standard24_4_make(seed: u32) -> *mut c_void;
-        fn standard24_4_destroy(simulation: *mut c_void);
-        fn standard24_4_tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
+    /// The functions of one model that build.rs has linked in.
+    macro_rules! functions {
+        ($make:ident, $destroy:ident, $tick:ident, $draw:ident) => {{
+            unsafe extern "C" {
+                fn $make(seed: u32) -> *mut c_void;
+                fn $destroy(simulation: *mut c_void);
+                fn $tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
+                fn $draw(
+                    simulation: *mut c_void,
+                    inputs: *const Inputs,
+                    packets: *const Packet,
+                    count: usize,
+                    pixels: *mut ReadOut,
+                    pixel_count: usize,
+                    drawn: *mut Drawn,
+                ) -> bool;
+            }
+            Functions {
+                make: $make,
+                destroy: $destroy,
+                tick: $tick,
+                draw: $draw,
+            }
+        }};
     }
 
+    #[rustfmt::skip]
     pub fn functions(design: &str, lanes: usize) -> Result<Functions, Missing> {
-        let (make, destroy, tick): (super::Make, super::Destroy, super::Tick) =
-            match (design, lanes) {
-                ("lean18", 1) => (lean18_1_make, lean18_1_destroy, lean18_1_tick),
-                ("lean18", 4) => (lean18_4_make, lean18_4_destroy, lean18_4_tick),
-                ("standard24", 1) => (standard24_1_make, standard24_1_destroy, standard24_1_tick),
-                ("standard24", 4) => (standard24_4_make, standard24_4_destroy, standard24_4_tick),
-                _ => return Err(Missing::Model(design.to_owned(), lanes)),
-            };
-        Ok(Functions {
-            make,
-            destroy,
-            tick,
+        Ok(match (design, lanes) {
+            ("lean18", 1) => functions!(lean18_1_make, lean18_1_destroy, lean18_1_tick, lean18_1_draw),
+            ("lean18", 4) => functions!(lean18_4_make, lean18_4_destroy, lean18_4_tick, lean18_4_draw),
+            ("standard24", 1) => functions!(standard24_1_make, standard24_1_destroy, standard24_1_tick, standard24_1_draw),
+            ("standard24", 4) => functions!(standard24_4_make, standard24_4_destroy, standard24_4_tick, standard24_4_draw),
+            _ => return Err(Missing::Model(design.to_owned(), lanes)),
         })
     }
 }

@@ -1,44 +1,66 @@
-//! How many times as fast as the verilated circuit the model is: the same picture, one thread each, one after the other in one run, by processor time.
+//! How many times as fast as the verilated circuit the model is: the same tiles of the same picture, one after the other in one run.
 //!
-//! The circuits are what Verilator makes with `-O3`, compiled with `-O2`. Against them stand the kernel's painter, which does all of the
-//! circuit's work pixel by pixel; the host's own drawing, which gives the same words but may leave out what cannot change them; each together
-//! with the cycles of every tile; and the cycles alone.
+//! Both sides begin with packets (footprints) in the order of every tile's list and end with the words of every tile's pixels and the cycles
+//! that every tile takes; these must be the same, or there is no figure. The circuit is driven without a call for every cycle and without
+//! looking into it. The model is the host's drawing, whose tables and constants of footprints count, and the clock of whole pictures. One
+//! thread is measured by its processor time, all cores by the clock on the wall: for the circuit that is one simulation for each core.
 
-use crate::bench::{Bench, Pauses};
-use crate::golden::Golden;
-use crate::picture;
+use crate::bench::Bench;
+use crate::model::{Packet, ReadOut};
 use crate::suite::{DESIGNS, LANES};
-use crate::workload::{GuitarView, Workload, from_scene, guitar_scene};
+use crate::workload::{GuitarView, Tile, Workload, from_scene, guitar_scene};
 use anyhow::{Context, Result, anyhow, ensure};
-use splatline::format::{Design, Traversal};
+use rayon::prelude::*;
+use rustix::time::{ClockId, clock_gettime};
+use splatline::blend::{FINISHED, Pixel};
+use splatline::footprint::Footprint;
+use splatline::format::Design;
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::rules::Rules as KernelRules;
-use splatline_sim::camera::Camera;
+use splatline::setup::Cull;
 use splatline_sim::design::{DesignChoice, DesignJob};
-use splatline_sim::fixed::{self, kernel_rules};
-use splatline_sim::machine::Config;
-use splatline_sim::machine::lanes::{LaneShape, LaneWork};
-use splatline_sim::machine::primitive::{PrimitiveClock, QUEUE, for_each_slot};
-use splatline_sim::machine::workload::extract;
-use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::Scene;
-use std::fs;
+use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::{Scratch, tile_painter};
+use splatline_sim::fixed::kernel_rules;
+use splatline_sim::machine::primitive::picture_cycles;
+use splatline_sim::rules::Rules;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Columns and rows of the picture.
 const SIZE: usize = 512;
 
-/// Seconds of each.
-#[derive(Clone, Copy, Debug, Default)]
-struct Seconds {
-    circuit: f64,
-    /// The kernel's painter.
-    painter: f64,
-    /// The host's drawing, without setup and sorting.
+/// The model draws the picture so many times; its seconds are the mean.
+const REPEATS: u32 = 8;
+
+/// Seconds of the circuits.
+#[derive(Clone, Copy, Debug)]
+struct CircuitSeconds {
+    /// One simulation, processor time.
+    one: f64,
+    /// A simulation for each core, by the clock on the wall.
+    all: f64,
+}
+
+/// Seconds of the model's parts.
+#[derive(Clone, Copy, Debug)]
+struct ModelSeconds {
     drawing: f64,
-    /// Rows of all pairs by the kernel, and their cycles.
     cycles: f64,
-    /// Cycles of rows that are known already, as a sweep over machines takes them.
-    machine: f64,
+}
+
+impl ModelSeconds {
+    fn sum(&self) -> f64 {
+        self.drawing + self.cycles
+    }
+}
+
+/// What both sides must agree on: pixels and cycles of every tile.
+#[derive(Clone, Debug, PartialEq)]
+struct Drawn {
+    pixels: Vec<Vec<Pixel>>,
+    cycles: Vec<u64>,
 }
 
 /// Prints the table, line by line as it comes.
@@ -46,58 +68,71 @@ pub fn report(print: &mut dyn FnMut(&str)) -> Result<()> {
     let (scene, camera) =
         guitar_scene(GuitarView::Close, SIZE)?.context("guitar.ply is not at hand")?;
     print(
-        "| design | lanes | verilated circuit, s | cycles/s | painter and cycles, s | ratio | fast drawing and cycles, s | ratio | cycles alone, s | ratio | of known rows, s | ratio |",
+        "| design | lanes | circuit, one thread, s | circuits, one per core, s | drawing, s | cycles, s | model, one thread, s | ratio, one thread each | model, all cores, s | ratio, all cores each | ratio, all cores to one circuit |",
     );
-    print("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    print("|---|---|---|---|---|---|---|---|---|---|---|");
     for design in DESIGNS {
+        let choice = DesignChoice::named(design).context("a named design")?;
+        let workload = from_scene("guitar", &scene, &camera, &choice, &Rules::GAUSSIAN_3D);
         for lanes in LANES {
-            let (seconds, cycles) = one_thread(|| measure(design, lanes, &scene, &camera))?;
-            print(&line(design, lanes, &seconds, cycles));
+            print(&measure(design, &choice, lanes, &workload)?);
         }
     }
     Ok(())
 }
 
-fn line(design: &str, lanes: usize, seconds: &Seconds, cycles: u64) -> String {
-    let column = |time: f64| format!("{time:.3} | {:.0}", seconds.circuit / time);
-    format!(
-        "| {design} | {lanes} | {:.1} | {:.0} | {} | {} | {} | {} |",
-        seconds.circuit,
-        cycles as f64 / seconds.circuit,
-        column(seconds.painter + seconds.cycles),
-        column(seconds.drawing + seconds.cycles),
-        column(seconds.cycles),
-        column(seconds.machine),
-    )
+/// One line of the table.
+fn measure(
+    design: &'static str,
+    choice: &DesignChoice,
+    lanes: usize,
+    workload: &Workload,
+) -> Result<String> {
+    let rules = kernel_rules(&Rules::GAUSSIAN_3D);
+    let circuit = Circuit {
+        design,
+        choice,
+        lanes,
+        rules: &rules,
+        workload,
+    };
+    let (circuit, expected) = circuit.seconds()?;
+    let results: Vec<_> = workload.footprints.iter().copied().map(Ok).collect();
+    let model = Model {
+        rules: &rules,
+        workload,
+        results: &results,
+        lanes,
+    };
+    let (one, drawn) = one_thread(|| choice.dispatch(Timed(model, processor_seconds)));
+    ensure!(drawn == expected, "model and circuit differ on one thread");
+    let (all, drawn) = choice.dispatch(Timed(model, wall_seconds));
+    ensure!(drawn == expected, "model and circuit differ on all cores");
+    let ratio = |circuit: f64, model: &ModelSeconds| circuit / model.sum();
+    Ok(format!(
+        "| {design} | {lanes} | {:.2} | {:.2} | {:.4} | {:.4} | {:.4} | {:.0} | {:.4} | {:.0} | {:.0} |",
+        circuit.one,
+        circuit.all,
+        one.drawing,
+        one.cycles,
+        one.sum(),
+        ratio(circuit.one, &one),
+        all.sum(),
+        ratio(circuit.all, &all),
+        ratio(circuit.one, &all),
+    ))
 }
 
-/// Processor time of this thread, so that other processes do not count; wall-clock time where the system does not tell.
-struct Stopwatch {
-    wall: Instant,
-    processor: Option<f64>,
+/// Processor time of this thread, so that other processes do not count.
+fn processor_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ThreadCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
-impl Stopwatch {
-    fn start() -> Self {
-        Stopwatch {
-            wall: Instant::now(),
-            processor: processor_seconds(),
-        }
-    }
-
-    fn seconds(&self) -> f64 {
-        match (self.processor, processor_seconds()) {
-            (Some(start), Some(end)) => end - start,
-            _ => self.wall.elapsed().as_secs_f64(),
-        }
-    }
-}
-
-/// What Linux has counted for this thread: its first number, in nanoseconds.
-fn processor_seconds() -> Option<f64> {
-    let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    let nanoseconds: u64 = text.split_whitespace().next()?.parse().ok()?;
-    Some(nanoseconds as f64 * 1e-9)
+/// Time on the wall.
+fn wall_seconds() -> f64 {
+    let time = clock_gettime(ClockId::Monotonic);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
 /// Runs on a pool of one thread, so that what uses all cores elsewhere uses one.
@@ -108,110 +143,156 @@ fn one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> T {
     }
 }
 
-/// Seconds, and cycles of the circuit.
-fn measure(
+/// The circuit and all that it draws.
+struct Circuit<'a> {
     design: &'static str,
+    choice: &'a DesignChoice,
     lanes: usize,
-    scene: &Scene,
-    camera: &Camera,
-) -> Result<(Seconds, u64)> {
-    let choice = DesignChoice::named(design).context("a named design")?;
-    let rules = Rules::GAUSSIAN_3D;
-    let workload = from_scene("guitar", scene, camera, &choice, &rules);
-    let kernel = kernel_rules(&rules);
-    let mut bench = Bench::new(design, &choice.widths, lanes, &kernel, 1)?;
-    let mut seconds = Seconds::default();
+    rules: &'a KernelRules,
+    workload: &'a Workload,
+}
 
-    let started = Stopwatch::start();
-    let mut circuit_cycles = 0;
-    for tile in &workload.tiles {
-        let drawn = bench.draw(tile, &workload.footprints, Pauses::default());
-        circuit_cycles += drawn
-            .map_err(|message| anyhow!(message))?
-            .stamps
-            .raster_cycles();
+/// A tile's packets, and where its pixels are read out to.
+type Job<'a> = (&'a Tile, Vec<Packet>, Vec<ReadOut>);
+
+impl Circuit<'_> {
+    fn bench(&self) -> Result<Bench> {
+        let widths = &self.choice.widths;
+        Ok(Bench::new(self.design, widths, self.lanes, self.rules, 1)?)
     }
-    seconds.circuit = started.seconds();
 
-    let model = Model {
-        rules: &kernel,
-        workload: &workload,
-        lanes,
-    };
-    let (painter, cycles, model_cycles) = choice.dispatch(model);
-    ensure!(
-        model_cycles == circuit_cycles,
-        "the model says {model_cycles} cycles, the circuit took {circuit_cycles}"
-    );
-    (seconds.painter, seconds.cycles) = (painter, cycles);
-    let options = fixed::Options {
-        rules: &rules,
-        compositing: Compositing::FrontToBack,
-        design: &choice,
-        traversal: Traversal::Spans,
-    };
-    seconds.drawing = host_drawing(scene, camera, &options);
-    seconds.machine = known_rows(scene, camera, &options, lanes);
-    Ok((seconds, bench.cycles()))
+    /// Seconds, and what one simulation drew.
+    fn seconds(&self) -> Result<(CircuitSeconds, Drawn)> {
+        let mut bench = self.bench()?;
+        let mut jobs: Vec<Job> = self
+            .workload
+            .tiles
+            .iter()
+            .map(|tile| job(&bench, tile, self.workload))
+            .collect();
+        let mut cycles = Vec::with_capacity(jobs.len());
+        let started = processor_seconds();
+        for (tile, packets, pixels) in &mut jobs {
+            let drawn = bench.draw_at_once(tile, packets, pixels);
+            cycles.push(drawn.map_err(|message| anyhow!(message))?);
+        }
+        let one = processor_seconds() - started;
+        let pixels = jobs
+            .iter()
+            .map(|(_, _, pixels)| pixels.iter().map(pixel).collect())
+            .collect();
+        let all = self.on_all_cores(jobs)?;
+        Ok((CircuitSeconds { one, all }, Drawn { pixels, cycles }))
+    }
+
+    /// Seconds on the wall with a simulation for each core, which take the tiles as they come.
+    fn on_all_cores(&self, jobs: Vec<Job>) -> Result<f64> {
+        let next = AtomicUsize::new(0);
+        let jobs: Vec<Mutex<Job>> = jobs.into_iter().map(Mutex::new).collect();
+        let work = || -> Result<()> {
+            let mut bench = self.bench()?;
+            while let Some(job) = jobs.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let mut job = job.lock().map_err(|_| anyhow!("a simulation failed"))?;
+                let (tile, packets, pixels) = &mut *job;
+                let drawn = bench.draw_at_once(tile, packets, pixels);
+                drawn.map_err(|message| anyhow!(message))?;
+            }
+            Ok(())
+        };
+        let started = Instant::now();
+        std::thread::scope(|scope| {
+            let threads: Vec<_> = (0..rayon::current_num_threads())
+                .map(|_| scope.spawn(work))
+                .collect();
+            let joined = threads.into_iter().map(|thread| thread.join());
+            joined
+                .map(|result| result.map_err(|_| anyhow!("a simulation failed"))?)
+                .collect::<Result<()>>()
+        })?;
+        Ok(started.elapsed().as_secs_f64())
+    }
 }
 
-/// The host's drawing of the whole picture by its own choice of engine: seconds from footprints to pixels.
-fn host_drawing(scene: &Scene, camera: &Camera, options: &fixed::Options) -> f64 {
-    let started = Stopwatch::start();
-    let times = fixed::draw(scene, camera, options).times;
-    started.seconds() * times.raster / (times.setup + times.sort + times.raster)
+fn job<'a>(bench: &Bench, tile: &'a Tile, workload: &Workload) -> Job<'a> {
+    let packets = bench.encoded(tile, &workload.footprints);
+    let pixels = tile.size().iter().product();
+    (tile, packets, vec![ReadOut::default(); pixels])
 }
 
-fn known_rows(scene: &Scene, camera: &Camera, options: &fixed::Options, lanes: usize) -> f64 {
-    let config: Config = picture::machine(lanes, &picture::LIMITS[0]);
-    let work = extract(
-        scene,
-        camera,
-        options,
-        [config.tile_width, config.tile_height],
-    );
-    let lane_work = LaneWork::new(&work, LaneShape::from(&config));
-    let started = Stopwatch::start();
-    let timing = splatline_sim::machine::simulate(&work, &lane_work, &config);
-    // The result must be used, or there would be nothing to measure.
-    std::hint::black_box(timing);
-    started.seconds()
+/// A pixel of the read-out in the kernel's words.
+fn pixel(out: &ReadOut) -> Pixel {
+    let flag = if out.finished == 1 { FINISHED } else { 0 };
+    Pixel {
+        colour: [out.red, out.green, out.blue],
+        transmittance: out.transmittance | flag,
+    }
 }
 
-/// The kernel's painter on all tiles, and the cycles of all tiles.
+/// The host's drawing of all tiles, and their cycles.
+#[derive(Clone, Copy)]
 struct Model<'a> {
     rules: &'a KernelRules,
     workload: &'a Workload,
+    results: &'a [Result<Footprint, Cull>],
     lanes: usize,
 }
 
-impl DesignJob for Model<'_> {
-    /// Seconds of the painter and of the cycles, and the cycles.
-    type Output = (f64, f64, u64);
+/// The model's seconds by some clock.
+struct Timed<'a>(Model<'a>, fn() -> f64);
+
+impl DesignJob for Timed<'_> {
+    type Output = (ModelSeconds, Drawn);
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+        let Timed(model, now) = self;
+        let mut seconds = ModelSeconds {
+            drawing: 0.0,
+            cycles: 0.0,
+        };
+        let mut drawn = None;
+        for _ in 0..REPEATS {
+            let started = now();
+            let pixels = model.draw(design);
+            let drawn_at = now();
+            let cycles = model.cycles(design);
+            seconds.drawing += (drawn_at - started) / f64::from(REPEATS);
+            seconds.cycles += (now() - drawn_at) / f64::from(REPEATS);
+            drawn = Some(Drawn { pixels, cycles });
+        }
+        (seconds, drawn.expect("there is at least one turn"))
+    }
+}
+
+impl Model<'_> {
+    /// Every tile's pixels, row by row.
+    fn draw<D: Design + Sync>(&self, design: D) -> Vec<Vec<Pixel>> {
+        let widths = design.widths();
+        let mut memory = vec![0; entries(&widths)];
+        fill_gaussian(&mut memory, &widths, self.rules.table_range);
+        let table = FootprintTable::new(&memory, &widths, self.rules.table_range)
+            .expect("the table was made for these widths");
+        let painter = tile_painter(design, self.rules, table, Choice::Best, self.results)
+            .expect("vectors can draw the named designs");
+        let tiles = self.workload.tiles.par_iter();
+        let paint = |scratch: &mut Scratch, tile: &Tile| {
+            let [columns, rows] = tile.size();
+            let mut pixels = vec![Pixel::default(); columns * rows];
+            let mut lines: Vec<&mut [Pixel]> = pixels.chunks_exact_mut(columns).collect();
+            painter.paint(scratch, tile.window, self.results, &tile.list, &mut lines);
+            pixels
+        };
+        tiles.map_init(Scratch::default, paint).collect()
+    }
+
+    /// Every tile's cycles.
+    fn cycles<D: Design + Sync>(&self, design: D) -> Vec<u64> {
         let Workload {
-            footprints, tiles, ..
+            footprints,
+            viewport,
+            ..
         } = self.workload;
-        let started = Stopwatch::start();
-        let golden = Golden::new(design, self.rules);
-        for tile in tiles {
-            std::hint::black_box(golden.draw(tile, footprints));
-        }
-        let painter = started.seconds();
-        let started = Stopwatch::start();
-        let mut cycles = 0;
-        for tile in tiles.iter().filter(|tile| !tile.list.is_empty()) {
-            let mut clock = PrimitiveClock::new(self.lanes, QUEUE);
-            for index in &tile.list {
-                clock.packet(0);
-                let footprint = &footprints[*index as usize];
-                for_each_slot(design, footprint, &tile.window, self.lanes, |run| {
-                    clock.slot(run);
-                });
-            }
-            cycles += clock.idle_at();
-        }
-        (painter, started.seconds(), cycles)
+        let viewport = viewport.expect("the tiles make a picture");
+        picture_cycles(design, footprints, viewport, self.lanes, Choice::Best)
+            .expect("the clock has as many lanes as the circuit")
     }
 }

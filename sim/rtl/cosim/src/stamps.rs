@@ -3,7 +3,10 @@
 use crate::model::Outputs;
 use crate::workload::{Tile, Workload};
 use splatline::format::Design;
-use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
+use splatline_sim::fast::lanes::Choice;
+use splatline_sim::machine::primitive::{
+    LaneRun, PacketStamp, PrimitiveClock, QUEUE, for_each_slot, tile_cycles,
+};
 
 /// Lanes that a circuit may have.
 const MOST_LANES: usize = 16;
@@ -98,6 +101,32 @@ impl Stamps {
         same.check("runs left over", 0, Some(&(left.len() as u64)));
         timed.first_difference = timed.first_difference.or(same.0);
         timed
+    }
+
+    /// Where packets never ran out: the first difference from the clock of whole pictures, in words.
+    pub fn compare_with_picture_clock<D: Design>(
+        &self,
+        design: D,
+        lanes: usize,
+        tile: &Tile,
+        workload: &Workload,
+    ) -> Option<String> {
+        let first = self.taken.first()?;
+        let list = tile.list.iter();
+        let footprints = list.map(|index| &workload.footprints[*index as usize]);
+        let mut same = Same(None);
+        let mut circuit = self.taken.iter().zip(&self.begun);
+        let compare = |stamp: PacketStamp| {
+            let (taken, begun) = circuit.next().unzip();
+            same.check("packet taken", first + stamp.taken, taken);
+            same.check("rows begun", first + stamp.begun, begun);
+        };
+        let choice = Choice::Best;
+        let cycles = tile_cycles(design, footprints, tile.window, lanes, choice, compare);
+        let idle_at = cycles.map_or(0, |cycles| first + cycles);
+        same.check("last pixel", idle_at, Some(&self.idle_at));
+        same.0
+            .map(|text| format!("clock of whole pictures: {text}"))
     }
 }
 

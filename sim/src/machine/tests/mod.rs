@@ -1,6 +1,7 @@
 //! The machine against a ticking oracle, closed forms and properties that hold for every workload and configuration.
 
 mod oracle;
+mod picture;
 mod primitive;
 mod properties;
 

@@ -1,0 +1,321 @@
+//! Cycles of whole pictures: the clock where packets never run out, for all tiles of a picture at once.
+//!
+//! ```text
+//! footprint, nearest first -> spans of its rows, once -> pixels of every row in every tile that its box touches -> that tile's unit
+//! ```
+//!
+//! While packets are always on offer the pipelines of [`PrimitiveClock`](super::PrimitiveClock) have no bubbles, and of its state the recurrence
+//! alone is left: the cycle in which the last row left, and of each lane the cycles of the last runs popped and of the end of the last one. A
+//! splat is taken when the one eight before it is begun, and begun when the slot thirteen before its first one leaves. Rows without pixels take
+//! the same instructions as others, because a branch that no processor foresees costs more than they do.
+//!
+//! The order of tiles does not matter, so that the footprints are gone through once: rows are computed once for all tiles of a row, no lists and
+//! no rows are stored, and the units of a picture stay in the second-level cache. [`PrimitiveClock`](super::PrimitiveClock), fed by the kernel's
+//! rows, is the definition.
+
+use super::spans::Spans;
+use super::{LATENCY, PacketStamp, QUEUE, ROW_STAGES, SETUP_STAGES, TILE};
+use crate::fast::lanes::{Choice, Floats, Job, dispatch};
+use rayon::prelude::*;
+use splatline::footprint::Footprint;
+use splatline::format::Design;
+use splatline::raster::{SpanRows, Window};
+
+/// Rows of a tile.
+const ROWS: usize = TILE[1] as usize;
+
+/// Slots whose cycles a unit remembers: a power of two from the stages of the rows on.
+const REMEMBERED: usize = 16;
+
+const _: () = assert!(ROW_STAGES as usize <= REMEMBERED && ROWS == 32);
+
+/// Parts of a picture for every thread, so that none waits long for another.
+const PARTS: usize = 4;
+
+/// Cycles that every tile of a picture takes by itself, row by row, as [`PrimitiveClock::idle_at`](super::PrimitiveClock::idle_at) gives them;
+/// 0 without splats. A tile's splats are those whose box touches it, in the order of `footprints`.
+///
+/// Nothing for numbers of lanes that the circuit does not have.
+pub fn picture_cycles<D: Design + Sync>(
+    design: D,
+    footprints: &[Footprint],
+    viewport: [u16; 2],
+    lanes: usize,
+    choice: Choice,
+) -> Option<Vec<u64>> {
+    match lanes {
+        1 => Some(all_tiles::<D, 1>(design, footprints, viewport, choice)),
+        2 => Some(all_tiles::<D, 2>(design, footprints, viewport, choice)),
+        4 => Some(all_tiles::<D, 4>(design, footprints, viewport, choice)),
+        8 => Some(all_tiles::<D, 8>(design, footprints, viewport, choice)),
+        16 => Some(all_tiles::<D, 16>(design, footprints, viewport, choice)),
+        _ => None,
+    }
+}
+
+/// Cycles of one tile, a window within a block of the tile buffer, and of every splat in it.
+pub fn tile_cycles<'a, D: Design>(
+    design: D,
+    footprints: impl Iterator<Item = &'a Footprint>,
+    window: Window,
+    lanes: usize,
+    choice: Choice,
+    observe: impl FnMut(PacketStamp),
+) -> Option<u64> {
+    match lanes {
+        1 => Some(one_tile::<D, 1>(
+            design, footprints, window, choice, observe,
+        )),
+        2 => Some(one_tile::<D, 2>(
+            design, footprints, window, choice, observe,
+        )),
+        4 => Some(one_tile::<D, 4>(
+            design, footprints, window, choice, observe,
+        )),
+        8 => Some(one_tile::<D, 8>(
+            design, footprints, window, choice, observe,
+        )),
+        16 => Some(one_tile::<D, 16>(
+            design, footprints, window, choice, observe,
+        )),
+        _ => None,
+    }
+}
+
+fn one_tile<'a, D: Design, const LANES: usize>(
+    design: D,
+    footprints: impl Iterator<Item = &'a Footprint>,
+    window: Window,
+    choice: Choice,
+    observe: impl FnMut(PacketStamp),
+) -> u64 {
+    let mut units = [Unit::<LANES>::new()];
+    let units_of_tile = &mut units;
+    let band = Band {
+        design,
+        footprints,
+        window,
+        units: units_of_tile,
+        observe,
+    };
+    dispatch(choice, band);
+    units[0].cycles()
+}
+
+fn all_tiles<D: Design + Sync, const LANES: usize>(
+    design: D,
+    footprints: &[Footprint],
+    viewport: [u16; 2],
+    choice: Choice,
+) -> Vec<u64> {
+    let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(TILE[axis])));
+    let threads = rayon::current_num_threads();
+    let parts = if threads == 1 { 1 } else { PARTS * threads };
+    let height = rows.div_ceil(parts).max(1);
+    let mut units = vec![Unit::<LANES>::new(); columns * rows];
+    let bands = units.par_chunks_mut((columns * height).max(1)).enumerate();
+    bands.for_each(|(number, units)| {
+        let row = |tile: usize| (tile * ROWS).min(viewport[1].into()) as u16;
+        let window = Window {
+            first: [0, row(number * height)],
+            last: [viewport[0], row((number + 1) * height)],
+        };
+        let footprints = footprints
+            .iter()
+            .filter(|footprint| touches(footprint, &window));
+        dispatch(
+            choice,
+            Band {
+                design,
+                footprints,
+                window,
+                units,
+                observe: |_| (),
+            },
+        );
+    });
+    units.iter().map(Unit::cycles).collect()
+}
+
+fn touches(footprint: &Footprint, window: &Window) -> bool {
+    let bounds = Window {
+        first: footprint.first,
+        last: footprint.last,
+    };
+    !bounds.intersect(window).is_empty()
+}
+
+/// Tiles that lie within a window, to be fed with footprints in order.
+struct Band<'u, D, I, O, const LANES: usize> {
+    design: D,
+    footprints: I,
+    window: Window,
+    units: &'u mut [Unit<LANES>],
+    observe: O,
+}
+
+impl<'a, D, I, O, const LANES: usize> Job for Band<'_, D, I, O, LANES>
+where
+    D: Design,
+    I: Iterator<Item = &'a Footprint>,
+    O: FnMut(PacketStamp),
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Floats>(self, lanes: L) {
+        let Band {
+            design,
+            footprints,
+            window,
+            units,
+            mut observe,
+        } = self;
+        let mut spans = Spans::new(usize::from(window.last[1] - window.first[1]));
+        let blocks = blocks(&window);
+        for footprint in footprints {
+            let bounds = Window {
+                first: footprint.first,
+                last: footprint.last,
+            };
+            let visible = bounds.intersect(&window);
+            if visible.is_empty() {
+                if let Some(unit) = units.first_mut() {
+                    observe(unit.splat(0, &[0; ROWS], 1));
+                }
+                continue;
+            }
+            spans.fill(lanes, SpanRows::new(design, footprint, &window));
+            for_each_tile(&visible, |tile, part| {
+                let row = usize::from(part.first[1] - visible.first[1]);
+                let Some((first, end)) = spans.starting_at(row) else {
+                    return;
+                };
+                let count = usize::from(part.last[1] - part.first[1]);
+                let lengths = lengths(first, end, &part, count);
+                let [x, y] = [0, 1].map(|axis| usize::from(tile[axis]) - blocks.first[axis]);
+                if let Some(unit) = units.get_mut(y * blocks.columns + x) {
+                    observe(unit.splat(part.first[1].into(), &lengths, count));
+                }
+            });
+        }
+    }
+}
+
+/// The tiles that a window touches: the first one's numbers, and how many there are in a row.
+struct Blocks {
+    first: [usize; 2],
+    columns: usize,
+}
+
+fn blocks(window: &Window) -> Blocks {
+    let first = [0, 1].map(|axis| usize::from(window.first[axis] / TILE[axis]));
+    let columns = usize::from(window.last[0].div_ceil(TILE[0])) - first[0];
+    Blocks { first, columns }
+}
+
+/// The tiles that a window touches, which has pixels: their numbers, and their parts of the window.
+#[inline(always)]
+fn for_each_tile(window: &Window, mut each: impl FnMut([u16; 2], Window)) {
+    let range =
+        |axis: usize| window.first[axis] / TILE[axis]..=(window.last[axis] - 1) / TILE[axis];
+    for y in range(1) {
+        for x in range(0) {
+            let tile = [x, y];
+            let first = [0, 1].map(|axis| window.first[axis].max(tile[axis] * TILE[axis]));
+            // Not the product for the next tile, which may lie beyond 16 bits.
+            let rest = [0, 1].map(|axis| TILE[axis] - first[axis] % TILE[axis]);
+            let last =
+                [0, 1].map(|axis| window.last[axis].min(first[axis].saturating_add(rest[axis])));
+            each(tile, Window { first, last });
+        }
+    }
+}
+
+/// Pixels of a tile's rows, of which the splat has `count`.
+#[inline(always)]
+fn lengths(first: &[u16; ROWS], end: &[u16; ROWS], part: &Window, count: usize) -> [u16; ROWS] {
+    std::array::from_fn(|row| {
+        let (first, end) = (first[row].max(part.first[0]), end[row].min(part.last[0]));
+        let length = end.saturating_sub(first);
+        if row < count { length } else { 0 }
+    })
+}
+
+/// A primitive that draws one tile and whose packets never run out.
+#[derive(Clone, Debug)]
+struct Unit<const LANES: usize> {
+    /// Slots so far, and cycles in which the last of them left, a ring.
+    slots: usize,
+    left: [u64; REMEMBERED],
+    /// The last of these.
+    last: u64,
+    /// Runs of each lane, cycles in which the last of them were popped, a ring, and when the next one may be popped.
+    runs: [usize; LANES],
+    pops: [[u64; QUEUE as usize]; LANES],
+    free: [u64; LANES],
+    /// Splats so far, and when the last of them were begun, a ring.
+    splats: usize,
+    begun: [u64; SETUP_STAGES as usize],
+}
+
+impl<const LANES: usize> Unit<LANES> {
+    fn new() -> Self {
+        // As if slots had left and splats had been begun, one in every cycle, until the first packet was taken.
+        let left = std::array::from_fn(|slot| LATENCY + slot as u64 - REMEMBERED as u64);
+        Unit {
+            slots: 0,
+            left,
+            last: LATENCY - 1,
+            runs: [0; LANES],
+            pops: [[0; QUEUE as usize]; LANES],
+            free: [0; LANES],
+            splats: 0,
+            begun: std::array::from_fn(|splat| splat as u64),
+        }
+    }
+
+    /// A splat whose first slot is `row`, and as many slots as it has rows in the tile, at least one; a row without pixels has length 0.
+    #[inline(always)]
+    fn splat(&mut self, row: usize, lengths: &[u16; ROWS], count: usize) -> PacketStamp {
+        let begun = self.left[self.slots.wrapping_sub(ROW_STAGES as usize) % REMEMBERED];
+        let oldest = &mut self.begun[self.splats % SETUP_STAGES as usize];
+        let taken = std::mem::replace(oldest, begun);
+        self.splats += 1;
+        let mut last = self.last;
+        for (slot, length) in lengths.iter().take(count).enumerate() {
+            let lane = (row + slot) % LANES;
+            last = self.slot(last, lane, *length);
+            self.left[(self.slots + slot) % REMEMBERED] = last;
+        }
+        self.last = last;
+        self.slots += count;
+        PacketStamp { taken, begun }
+    }
+
+    /// The next slot after one that left in cycle `last`; gives the cycle in which this one leaves.
+    #[inline(always)]
+    fn slot(&mut self, last: u64, lane: usize, length: u16) -> u64 {
+        let has_run = length > 0;
+        let pop = &mut self.pops[lane][self.runs[lane] % QUEUE as usize];
+        let left = (last + 1).max(if has_run { *pop + 1 } else { 0 });
+        let popped = self.free[lane].max(left + 1);
+        *pop = if has_run { popped } else { *pop };
+        self.runs[lane] += usize::from(has_run);
+        self.free[lane] = if has_run {
+            popped + u64::from(length)
+        } else {
+            self.free[lane]
+        };
+        left
+    }
+
+    /// The first cycle in which nothing is in it any more; 0 if nothing ever was.
+    fn cycles(&self) -> u64 {
+        let busy = self
+            .free
+            .iter()
+            .fold(self.last, |last, free| last.max(*free));
+        if self.splats == 0 { 0 } else { busy + 1 }
+    }
+}
