@@ -13,7 +13,7 @@ pub mod lanes;
 pub mod order;
 mod paint;
 mod pixels;
-mod rows;
+pub(crate) mod rows;
 pub mod setup;
 pub(crate) mod tile;
 

@@ -263,30 +263,43 @@ fn span<L: Wide>(
     centre: L::Word,
     vertical: L::Word,
 ) -> (L::Word, L::Word) {
-    let lanes = math.lanes;
+    let zero = math.splat(0);
+    let rest = math.sub(math.splat(constants.reach), vertical);
+    let (low, high) = columns(math, constants, centre, rest);
+    let [visible, end] = constants.visible;
+    let low = math.max(low, math.splat((visible - visible % BLOCK).into()));
+    let high = math.min(high, math.splat(end.into()));
+    let open = math.greater(rest, zero);
+    (math.select(zero, low, open), math.select(zero, high, open))
+}
+
+/// First and one past the last column of the rows' spans within the footprint's box, for rows that the ellipse reaches: those with a
+/// positive `rest` of the cut-off. The half-width is sqrt(rest / A), by the root table, a multiplication and a shift that rounds.
+#[inline(always)]
+pub fn columns<L: Wide>(
+    math: Arithmetic<L>,
+    constants: &RowConstants<i64>,
+    centre: L::Word,
+    rest: L::Word,
+) -> (L::Word, L::Word) {
     let zero = math.splat(0);
     let (mantissa, odd, power) = constants.spread;
-    let rest = math.sub(math.splat(constants.reach), vertical);
     let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
-    let squared = lanes.wide_mul_unsigned(math.splat(mantissa as i64), narrow);
+    let squared = math
+        .lanes
+        .wide_mul_unsigned(math.splat(mantissa as i64), narrow);
     let squared = math.shl(squared, odd.into());
     let (root, shift) = math.root_seed(squared);
-    let none = lanes.wide_equal(squared, zero);
+    let none = math.lanes.wide_equal(squared, zero);
     let root = math.select(root, zero, none);
     let shift = math.select(shift, zero, none);
     let half = math.align(root, math.negate(math.plus(shift, power.into())));
     let low = math.sub(centre, half);
     let low = math.sar(math.plus(low, (1 << 32) - 1), 32);
     let high = math.plus(math.sar(math.add(centre, half), 32), 1);
-    let [first, last] = constants.bounds;
-    let [visible, end] = constants.visible;
-    let (first, last) = (math.splat(first.into()), math.splat(last.into()));
-    let low = math.max(math.min(low, last), first);
-    let high = math.max(math.min(high, last), first);
-    let low = math.max(low, math.splat((visible - visible % BLOCK).into()));
-    let high = math.min(high, math.splat(end.into()));
-    let open = math.greater(rest, zero);
-    (math.select(zero, low, open), math.select(zero, high, open))
+    let [first, last] = constants.bounds.map(|bound| math.splat(bound.into()));
+    let within = |column| math.max(math.min(column, last), first);
+    (within(low), within(high))
 }
 
 /// Eight words from `start` on, a row's number.

@@ -8,7 +8,7 @@
 //! them for four or eight splats without a branch. What they do not cover is left to the kernel: parallel projection, distance scaling,
 //! exponents near the ends of 32 bits.
 
-pub(super) mod number;
+pub(crate) mod number;
 mod stages;
 
 use super::lanes::{Choice, Floats, Job, Lanes, dispatch};

@@ -5,8 +5,9 @@
 //! summation. Where a word would be too long for the vectors' arithmetic the kernel's own rows are taken.
 
 use crate::fast::lanes::Wide;
-use splatline::math::ROOTS;
-use splatline::raster::{RowConstants, Rows, SpanRows, VERTICAL_FRACTION};
+use crate::fast::rows::columns;
+use crate::fast::setup::number::Arithmetic;
+use splatline::raster::{RowConstants, Rows, SpanRows};
 
 /// Rows of a vector, whatever the processor: one with fewer words takes two turns.
 const STEP: usize = 8;
@@ -58,7 +59,7 @@ impl Spans {
         let mut longest = lanes.wide_splat(0);
         for start in (0..count).step_by(L::WIDE) {
             let rest = lanes.wide_sub(lanes.wide_splat(constants.reach), rows.vertical);
-            longest = larger(lanes, longest, rest);
+            longest = Arithmetic { lanes }.max(longest, rest);
             let (first, end) = span(lanes, constants, rows.centre, rest);
             store(lanes, &mut self.first, start, first);
             store(lanes, &mut self.end, start, end);
@@ -152,7 +153,7 @@ fn multiples<L: Wide>(lanes: L, value: i64, times: [i64; STEP]) -> L::Word {
     for bit in 0..5 {
         let chosen = times.map(|times| -(times >> bit & 1));
         if chosen != [0; STEP] {
-            let multiple = lanes.wide_splat(value << bit);
+            let multiple = lanes.wide_splat(value.wrapping_shl(bit));
             sum = lanes.wide_add(sum, lanes.wide_and(multiple, lanes.wide_load(&chosen)));
         }
     }
@@ -167,59 +168,11 @@ fn span<L: Wide>(
     centre: L::Word,
     rest: L::Word,
 ) -> (L::Word, L::Word) {
-    let splat = |value| lanes.wide_splat(value);
-    let half = half_width(lanes, constants, rest);
-    let low = lanes.wide_add(lanes.wide_sub(centre, half), splat((1 << 32) - 1));
-    let low = lanes.wide_sar(low, splat(32));
-    let high = lanes.wide_sar(lanes.wide_add(centre, half), splat(32));
-    let high = lanes.wide_add(high, splat(1));
-    let [first, last] = constants.bounds.map(|bound| splat(bound.into()));
-    let clamp = |column| larger(lanes, smaller(lanes, column, last), first);
-    let open = lanes.wide_greater(rest, splat(0));
-    let where_open = |column| lanes.wide_select(splat(0), column, open);
-    (where_open(clamp(low)), where_open(clamp(high)))
-}
-
-/// sqrt(rest / A) in Q.32 pixels: the kernel's root table, a multiplication, and a shift that rounds.
-#[inline(always)]
-fn half_width<L: Wide>(lanes: L, constants: &RowConstants<i64>, rest: L::Word) -> L::Word {
-    let splat = |value| lanes.wide_splat(value);
-    let (mantissa, odd, power) = constants.spread;
-    let narrow = lanes.wide_shr(rest, splat(i64::from(VERTICAL_FRACTION) - 28));
-    let squared = lanes.wide_mul_unsigned(splat(mantissa as i64), narrow);
-    let squared = lanes.wide_shl(squared, splat(odd.into()));
-    let even = lanes.wide_and(lanes.wide_leading_zeros(squared), splat(!1));
-    let normal = lanes.wide_shl(squared, even);
-    let index = lanes.wide_sub(lanes.wide_shr(normal, splat(56)), splat(64));
-    let low = lanes.wide_gather(&ROOTS, index);
-    let high = lanes.wide_gather(&ROOTS, lanes.wide_add(index, splat(1)));
-    let part = lanes.wide_and(lanes.wide_shr(normal, splat(40)), splat(0xffff));
-    let step = lanes.wide_mul(lanes.wide_sub(high, low), part);
-    let step = lanes.wide_sar(lanes.wide_add(step, splat(1 << 15)), splat(16));
-    let root = lanes.wide_add(low, step);
-    let drop = lanes.wide_sub(lanes.wide_sar(even, splat(1)), splat(8 + i64::from(power)));
-    let nothing = lanes.wide_equal(squared, splat(0));
-    lanes.wide_select(rounded(lanes, root, drop), splat(0), nothing)
-}
-
-/// `value 2^-drop`, rounded to nearest.
-#[inline(always)]
-fn rounded<L: Wide>(lanes: L, value: L::Word, drop: L::Word) -> L::Word {
-    let (zero, one) = (lanes.wide_splat(0), lanes.wide_splat(1));
-    let above = lanes.wide_sar(value, lanes.wide_sub(drop, one));
-    let right = lanes.wide_sar(lanes.wide_add(above, one), one);
-    let left = lanes.wide_shl(value, lanes.wide_sub(zero, drop));
-    lanes.wide_select(left, right, lanes.wide_greater(drop, zero))
-}
-
-#[inline(always)]
-fn smaller<L: Wide>(lanes: L, a: L::Word, b: L::Word) -> L::Word {
-    lanes.wide_select(a, b, lanes.wide_greater(a, b))
-}
-
-#[inline(always)]
-fn larger<L: Wide>(lanes: L, a: L::Word, b: L::Word) -> L::Word {
-    lanes.wide_select(a, b, lanes.wide_greater(b, a))
+    let math = Arithmetic { lanes };
+    let (low, high) = columns(math, constants, centre, rest);
+    let open = math.greater(rest, math.splat(0));
+    let where_open = |column| math.select(math.splat(0), column, open);
+    (where_open(low), where_open(high))
 }
 
 /// A vector's columns, each of which fits 16 bits, to the rows from `start` on.
