@@ -204,10 +204,10 @@ impl Circuit<'_> {
             let threads: Vec<_> = (0..rayon::current_num_threads())
                 .map(|_| scope.spawn(work))
                 .collect();
-            let joined = threads.into_iter().map(|thread| thread.join());
-            joined
-                .map(|result| result.map_err(|_| anyhow!("a simulation failed"))?)
-                .collect::<Result<()>>()
+            for thread in threads {
+                thread.join().map_err(|_| anyhow!("a simulation failed"))??;
+            }
+            Ok::<_, anyhow::Error>(())
         })?;
         Ok(started.elapsed().as_secs_f64())
     }
