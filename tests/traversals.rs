@@ -1,6 +1,5 @@
 //! Both traversals against a naive loop over all pixels, and tiles against the whole.
 
-mod arbitrary;
 mod common;
 
 use common::{SIZE, double, splats, tolerances, view};
@@ -159,16 +158,6 @@ proptest! {
         let traversal = if boxed { Traversal::Box } else { Traversal::Spans };
         let whole = draw(Standard24, &footprints, &rules, traversal, [SIZE; 2]);
         prop_assert!(whole == draw(Standard24, &footprints, &rules, traversal, [width, height]));
-    }
-
-    #[test]
-    fn constants_of_rows_within_a_window(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
-        let mut source = arbitrary::Source::new(&bytes);
-        let window = source.window();
-        let footprint = source.footprint();
-        let whole = Window { first: footprint.first, last: footprint.last };
-        let cut = SpanRows::new(Standard24, &footprint, &whole).constants().within(&window);
-        prop_assert_eq!(cut, SpanRows::new(Standard24, &footprint, &window).constants());
     }
 }
 

@@ -51,7 +51,7 @@ pub struct SpanRows<L> {
 
 /// What the rows of one footprint are computed from, for implementations that compute several at once: [`SpanRows`] stays their
 /// definition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct RowConstants<L> {
     /// First row, and one past the last.
     pub rows: [u16; 2],
@@ -84,41 +84,6 @@ pub struct RowConstants<L> {
 }
 
 impl<L: Lane> RowConstants<L> {
-    /// The same rows within a smaller window: what [`SpanRows::new`] gives for it, bit for bit.
-    #[inline(always)]
-    pub fn within(&self, window: &Window) -> Self {
-        let [left, right] = self.visible;
-        let [top, bottom] = self.rows;
-        let visible = Window {
-            first: [left, top],
-            last: [right, bottom],
-        }
-        .intersect(window);
-        let [value, first, second] = self.vertical;
-        let mut vertical = Quadratic {
-            value,
-            first,
-            second,
-        };
-        let skipped = visible.first[1].saturating_sub(top);
-        vertical.jump(skipped);
-        let fallen = self.slope.wrapping_mul(skipped.into());
-        RowConstants {
-            rows: [
-                visible.first[1],
-                if visible.is_empty() {
-                    0
-                } else {
-                    visible.last[1]
-                },
-            ],
-            visible: [visible.first[0], visible.last[0]],
-            centre: self.centre.wrapping_add(fallen),
-            vertical: [vertical.value, vertical.first, vertical.second],
-            ..*self
-        }
-    }
-
     /// The same with the lanes' word sign-extended, for implementations that do not tell lanes apart by type.
     #[inline(always)]
     pub fn widened(&self) -> RowConstants<i64> {

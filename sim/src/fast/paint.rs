@@ -1,7 +1,7 @@
 //! Painting a tile: the kernel's rows, the vectors' pixels, and the scalar painter for what they cannot do.
 
 use super::fused::{self, FusedPainter};
-use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
+use super::lanes::{Choice, Floats, Job, Lanes, dispatch, prefetch};
 use super::pixels::{Counts, Intervals, PixelPath, supports};
 use super::rows::RowBatch;
 use super::tile::Tile;
@@ -62,9 +62,8 @@ pub fn tile_painter<'a, D: Design + Sync + 'a>(
     rules: &Rules,
     table: FootprintTable<'a>,
     choice: Choice,
-    footprints: &Results,
 ) -> Option<Box<dyn TilePainter + 'a>> {
-    if let Some(painter) = FusedPainter::new(design, rules, table, choice, footprints) {
+    if let Some(painter) = FusedPainter::new(design, rules, table, choice) {
         return Some(Box::new(painter));
     }
     // Lanes of 64 bits do not wrap where those of 32 do.
@@ -184,7 +183,7 @@ impl<D: Design<Lane = i32>> Painting<'_, '_, D> {
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
                 if let Some(next) = part.get(number + AHEAD) {
-                    lanes.prefetch(&footprints[*next as usize]);
+                    prefetch(&footprints[*next as usize]);
                 }
                 let Ok(footprint) = &footprints[*index as usize] else {
                     continue;

@@ -190,8 +190,7 @@ fn agree(
         assert_eq!(coverage, expected, "{choice:?}");
     }
     for portable in [false, true] {
-        let Some(painter) = FusedPainter::on(Narrow(widths), rules, table, footprints, portable)
-        else {
+        let Some(painter) = FusedPainter::on(Narrow(widths), rules, table, portable) else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);

@@ -338,7 +338,7 @@ fn raster<D: Design + Send + Sync>(
         options.compositing == Compositing::FrontToBack && options.traversal == Traversal::Spans;
     if let Engine::Vectors(choice) = engine
         && spans_in_order
-        && let Some(painter) = tile_painter(design, rules, table, choice, results)
+        && let Some(painter) = tile_painter(design, rules, table, choice)
     {
         return paint_frame(
             &widths,

@@ -205,7 +205,9 @@ impl Circuit<'_> {
                 .map(|_| scope.spawn(work))
                 .collect();
             for thread in threads {
-                thread.join().map_err(|_| anyhow!("a simulation failed"))??;
+                thread
+                    .join()
+                    .map_err(|_| anyhow!("a simulation failed"))??;
             }
             Ok::<_, anyhow::Error>(())
         })?;
@@ -271,7 +273,7 @@ impl Model<'_> {
         fill_gaussian(&mut memory, &widths, self.rules.table_range);
         let table = FootprintTable::new(&memory, &widths, self.rules.table_range)
             .expect("the table was made for these widths");
-        let painter = tile_painter(design, self.rules, table, Choice::Best, self.results)
+        let painter = tile_painter(design, self.rules, table, Choice::Best)
             .expect("vectors can draw the named designs");
         let tiles = self.workload.tiles.par_iter();
         let paint = |scratch: &mut Scratch, tile: &Tile| {

@@ -11,21 +11,27 @@ use crate::fast::paint::CHECK_INTERVAL;
 use splatline::draw::Coverage;
 use splatline::raster::{RowConstants, Window};
 
-/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
-const AHEAD: usize = 4;
-
-/// What a footprint's rows and pixels are computed from, in every tile.
+/// What a footprint's rows in a tile and its pixels are computed from.
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared {
     pub rows: RowConstants<i64>,
     pub brush: Brush,
 }
 
+/// What is left of a footprint when its cells have been listed.
+#[derive(Clone, Copy, Debug, Default)]
+struct Listed {
+    brush: Brush,
+    /// Second difference of the radial index.
+    second: i64,
+    /// Where its cells end in the list.
+    end: usize,
+}
+
 /// Memory for the footprints of a tile, used again and again.
 pub struct Batch<const DEEP: bool> {
     parts: Parts<DEEP>,
-    /// Where each footprint's cells end in the list.
-    ends: [usize; CHECK_INTERVAL],
+    listed: [Listed; CHECK_INTERVAL],
 }
 
 impl<const DEEP: bool> Batch<DEEP> {
@@ -34,57 +40,58 @@ impl<const DEEP: bool> Batch<DEEP> {
     pub fn new() -> Self {
         Batch {
             parts: Parts::new(),
-            ends: [0; CHECK_INTERVAL],
+            listed: [Listed::default(); CHECK_INTERVAL],
         }
     }
 
     /// Lists the cells of as many footprints from the list's start as there is room for, and returns their number: 0 if vectors cannot
-    /// draw the first one.
+    /// draw the first one. `prepare` gives what is needed of the footprint at a place of the list.
     #[inline(always)]
     pub fn fill<L: Fused>(
         &mut self,
         lanes: L,
-        prepared: &[Option<Prepared>],
         list: &[u32],
+        prepare: &dyn Fn(&[u32]) -> Option<Prepared>,
         window: &Window,
     ) -> usize {
         self.parts.clear();
-        let mut listed = 0;
-        for (index, end) in list.iter().zip(&mut self.ends) {
-            if let Some(next) = list.get(listed + AHEAD) {
-                lanes.fetch(&prepared[*next as usize]);
+        let mut count = 0;
+        for listed in &mut self.listed {
+            if self.parts.is_full() {
+                break;
             }
-            let Some(Prepared { rows, .. }) = &prepared[*index as usize] else {
+            let Some(Prepared { rows, brush }) = prepare(&list[count..]) else {
                 break;
             };
-            if self.parts.is_full() || !self.parts.fill(lanes, &rows.within(window), window) {
+            if !self.parts.fill(lanes, &rows, window) {
                 break;
             }
-            *end = self.parts.count();
-            listed += 1;
+            *listed = Listed {
+                brush,
+                second: rows.second,
+                end: self.parts.count(),
+            };
+            count += 1;
         }
-        listed
+        count
     }
 
-    /// Paints the footprints that have been listed, which are these.
+    /// Paints the first `count` footprints that have been listed.
     #[inline(always)]
     pub fn paint<L: Fused, const STOP_BEFORE: bool>(
         &self,
         path: &PixelPath<L, STOP_BEFORE, DEEP>,
-        prepared: &[Option<Prepared>],
-        list: &[u32],
+        count: usize,
         tile: &mut Tile,
         coverage: &mut Coverage,
     ) {
         let mut first = 0;
-        for (index, end) in list.iter().zip(self.ends) {
-            if let Some(Prepared { rows, brush }) = &prepared[*index as usize] {
-                let colours = path.colours(brush, rows.second);
-                for part in self.parts.range(first, end) {
-                    path.paint(&colours, &part, tile.cell(part.cell()), coverage);
-                }
+        for listed in self.listed.iter().take(count) {
+            let colours = path.colours(&listed.brush, listed.second);
+            for part in self.parts.range(first, listed.end) {
+                path.paint(&colours, &part, tile.cell(part.cell()), coverage);
             }
-            first = end;
+            first = listed.end;
         }
     }
 }

@@ -1,7 +1,6 @@
 //! Painting tiles with fused products of 52 bits, in any design.
 //!
-//! Of a footprint everything that does not depend on the tile is computed once per picture ([`Prepared`]): the constants of its rows and of its
-//! pixels. In a tile its rows are computed first, as a list of cells ([`cells`]), of several footprints at once ([`batch`]), and then its
+//! In a tile a footprint's rows are computed first, as a list of cells ([`cells`]), of several footprints at once ([`batch`]), and then its
 //! pixels ([`pixels`]). What vectors cannot do is left to the kernel's painter. The vectors' code knows a design only by its numbers, so
 //! that one compiled copy serves all that have lanes of the same depth.
 
@@ -11,13 +10,12 @@ mod pixels;
 mod scale;
 mod tile;
 
-use super::lanes::Choice;
 use super::lanes::fused::{Fused, FusedJob, dispatch_fused, has_fused};
+use super::lanes::{Choice, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
 use super::rows::is_tame;
 use batch::{Batch, Prepared};
 use pixels::{Palette, PixelPath};
-use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
@@ -29,61 +27,39 @@ use splatline::setup::Cull;
 use splatline::target::Target;
 pub use tile::Tile;
 
+/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
+const AHEAD: usize = 4;
+
 /// Everything that is constant for a picture.
 pub struct FusedPainter<'a, D> {
     scalar: Painter<'a, D>,
     design: D,
     rules: Rules,
     palette: Palette,
-    prepared: Vec<Option<Prepared>>,
     portable: bool,
 }
 
 impl<'a, D: Design + Sync> FusedPainter<'a, D> {
-    /// A painter of these footprints; `None` under widths or on a processor whose products are not fused.
+    /// A painter for a design and rules; `None` under widths or on a processor whose products are not fused.
     pub fn new(
         design: D,
         rules: &Rules,
         table: FootprintTable<'a>,
         choice: Choice,
-        footprints: &Results,
     ) -> Option<Self> {
         (choice == Choice::Best && has_fused()).then_some(())?;
-        Self::on(design, rules, table, footprints, false)
+        Self::on(design, rules, table, false)
     }
 
     /// The same, on arrays if asked for.
-    pub fn on(
-        design: D,
-        rules: &Rules,
-        table: FootprintTable<'a>,
-        footprints: &Results,
-        portable: bool,
-    ) -> Option<Self> {
+    pub fn on(design: D, rules: &Rules, table: FootprintTable<'a>, portable: bool) -> Option<Self> {
         let palette = Palette::new(&design.widths(), rules, &table, D::Lane::BITS)?;
-        let prepare = |footprint: &Footprint| {
-            let window = Window {
-                first: footprint.first,
-                last: footprint.last,
-            };
-            let rows = SpanRows::new(design, footprint, &window)
-                .constants()
-                .widened();
-            let brush = palette.brush(footprint)?;
-            is_tame(&rows).then_some(Prepared { rows, brush })
-        };
-        let prepared = footprints
-            .par_iter()
-            .with_min_len(1024)
-            .map(|footprint| prepare(footprint.as_ref().ok()?))
-            .collect();
         let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
         Some(FusedPainter {
             scalar: Painter::new(design, rules, table, order, traversal),
             design,
             rules: *rules,
             palette,
-            prepared,
             portable,
         })
     }
@@ -106,7 +82,7 @@ impl<D: Design + Sync> TilePainter for FusedPainter<'_, D> {
             Painting {
                 palette: &self.palette,
                 rules: &self.rules,
-                prepared: &self.prepared,
+                prepare: &|list| self.prepare(footprints, list, &window),
                 scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
                 tile,
                 window,
@@ -120,6 +96,20 @@ impl<D: Design + Sync> TilePainter for FusedPainter<'_, D> {
 }
 
 impl<D: Design> FusedPainter<'_, D> {
+    /// What the list's first footprint is computed from within the window, if it has one and vectors can draw it.
+    fn prepare(&self, footprints: &Results, list: &[u32], window: &Window) -> Option<Prepared> {
+        let footprint = |index: &u32| &footprints[*index as usize];
+        if let Some(next) = list.get(AHEAD) {
+            prefetch(footprint(next));
+        }
+        let footprint = footprint(list.first()?).as_ref().ok()?;
+        let rows = SpanRows::new(self.design, footprint, window)
+            .constants()
+            .widened();
+        let brush = self.palette.brush(footprint)?;
+        is_tame(&rows).then_some(Prepared { rows, brush })
+    }
+
     /// The scalar painter on the tile's pixels.
     #[cold]
     #[inline(never)]
@@ -141,7 +131,8 @@ impl<D: Design> FusedPainter<'_, D> {
 struct Painting<'a, 'f> {
     palette: &'a Palette,
     rules: &'a Rules,
-    prepared: &'a [Option<Prepared>],
+    /// What is needed of the footprint that this list begins with.
+    prepare: &'a dyn Fn(&[u32]) -> Option<Prepared>,
     /// Paints the footprint of this number by the kernel.
     scalar: &'a dyn Fn(u32, &mut Tile) -> Coverage,
     tile: &'a mut Tile,
@@ -173,7 +164,7 @@ impl Painting<'_, '_> {
         let Painting {
             palette,
             rules,
-            prepared,
+            prepare,
             scalar,
             tile,
             window,
@@ -189,8 +180,8 @@ impl Painting<'_, '_> {
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {
-                let listed = batch.fill(lanes, prepared, rest, &window);
-                batch.paint(&path, prepared, &rest[..listed], tile, &mut coverage);
+                let listed = batch.fill(lanes, rest, prepare, &window);
+                batch.paint(&path, listed, tile, &mut coverage);
                 rest = if listed == 0 {
                     coverage += scalar(*first, tile);
                     others

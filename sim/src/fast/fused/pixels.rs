@@ -54,7 +54,7 @@ impl Intervals {
 }
 
 /// What a footprint's pixels need beside its rows, in the kernel's words shifted to the [`Scale`].
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Brush {
     /// One past the largest radial index inside.
     end: i64,

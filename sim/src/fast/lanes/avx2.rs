@@ -209,15 +209,6 @@ impl Lanes for Avx2 {
         words.iter().map(|word| u64::from(*word)).sum()
     }
     #[inline(always)]
-    fn prefetch<T>(self, place: &T) {
-        let first = std::ptr::from_ref(place).cast::<i8>();
-        // SAFETY: asking for memory never faults; the last byte lies in the same object as the first.
-        unsafe {
-            _mm_prefetch::<_MM_HINT_T0>(first);
-            _mm_prefetch::<_MM_HINT_T0>(first.add(size_of::<T>().saturating_sub(1)));
-        }
-    }
-    #[inline(always)]
     fn run<J: Job>(self, job: J) -> J::Output {
         // SAFETY: `self` proves that the processor has what the function is compiled for.
         unsafe { run_with(self, job) }

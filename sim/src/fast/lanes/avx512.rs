@@ -213,15 +213,6 @@ impl Lanes for Avx512 {
         count
     }
     #[inline(always)]
-    fn prefetch<T>(self, place: &T) {
-        let first = std::ptr::from_ref(place).cast::<i8>();
-        let last = size_of::<T>().saturating_sub(1);
-        for byte in (0..last).step_by(64).chain([last]) {
-            // SAFETY: asking for memory never faults; the byte lies in the same object as the first.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(byte)) };
-        }
-    }
-    #[inline(always)]
     fn run<J: Job>(self, job: J) -> J::Output {
         // SAFETY: `self` proves that the processor has what the function is compiled for.
         unsafe { run_with(self, job) }

@@ -66,8 +66,6 @@ pub trait Fused: Wide {
     fn bits(self, truth: Self::Truth) -> u8;
     /// Truth values from bits.
     fn truth(self, bits: u8) -> Self::Truth;
-    /// Asks for memory that will be read soon.
-    fn fetch<T>(self, place: &T);
 }
 
 /// Work on fused products. Implement `run` and all that it calls with `#[inline(always)]`.
@@ -181,7 +179,6 @@ impl Fused for Portable {
     fn truth(self, bits: u8) -> [bool; 8] {
         std::array::from_fn(|k| bits >> k & 1 == 1)
     }
-    fn fetch<T>(self, _: &T) {}
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -296,10 +293,6 @@ mod x86 {
         #[inline(always)]
         fn truth(self, bits: u8) -> u8 {
             bits
-        }
-        #[inline(always)]
-        fn fetch<T>(self, place: &T) {
-            super::super::Lanes::prefetch(self, place);
         }
     }
 }

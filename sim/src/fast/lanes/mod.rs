@@ -104,9 +104,6 @@ pub trait Lanes: Wide {
     /// Number of true ones counted.
     fn total(self, count: Self::Count) -> u64;
 
-    /// Asks for memory that will be read soon.
-    fn prefetch<T>(self, place: &T);
-
     /// Runs a job compiled for this processor.
     fn run<J: Job>(self, job: J) -> J::Output;
 }
@@ -149,6 +146,24 @@ pub fn dispatch<J: Job>(choice: Choice, job: J) -> J::Output {
     }
     let _ = choice;
     Portable.run(job)
+}
+
+/// Asks for memory that will be read soon.
+#[allow(unsafe_code)]
+#[inline(always)]
+pub fn prefetch<T>(place: &T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let first = std::ptr::from_ref(place).cast::<i8>();
+        let last = size_of::<T>().saturating_sub(1);
+        for byte in (0..last).step_by(64).chain([last]) {
+            // SAFETY: asking for memory never faults; the byte lies in the same object as the first.
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(byte)) };
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = place;
 }
 
 /// Name of the vectors that [`dispatch`] uses.

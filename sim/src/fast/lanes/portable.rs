@@ -145,8 +145,6 @@ impl Lanes for Portable {
         count
     }
     #[inline(always)]
-    fn prefetch<T>(self, _place: &T) {}
-    #[inline(always)]
     fn run<J: Job>(self, job: J) -> J::Output {
         job.run(self)
     }
