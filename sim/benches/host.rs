@@ -1,6 +1,7 @@
-//! `cargo bench -p splatline-sim`: whole pictures of random scenes by the kernel and by both single-precision baselines, one thread.
+//! `cargo bench -p splatline-sim`: whole pictures by the kernel and by both single-precision baselines, one thread.
 //!
-//! `splatline results --only host` prints the comparison with ratios, on captured scenes too; this bench is for watching one engine change.
+//! `splatline results --only host` prints the comparison with ratios; this bench is for watching one engine change, and for comparing the
+//! vectors: AVX-512, AVX2, arrays that the compiler may vectorise, and the kernel itself.
 
 use divan::Bencher;
 use rayon::ThreadPoolBuilder;
@@ -12,7 +13,8 @@ use splatline_sim::design::DesignChoice;
 use splatline_sim::fast::lanes::Choice;
 use splatline_sim::fixed::{Engine, Options, QuantisedScene, draw_quantised};
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::{Scene, synthetic};
+use splatline_sim::scene::{self, LoadOptions, Scene, synthetic};
+use std::path::Path;
 
 fn main() {
     let pool = ThreadPoolBuilder::new().num_threads(1).build_global();
@@ -20,36 +22,58 @@ fn main() {
     divan::main();
 }
 
-/// Thousands of splats and what their scales are multiplied by.
-const SCENES: [(usize, f64); 4] = [(10, 1.0), (10, 2.5), (100, 1.0), (100, 2.5)];
+/// Random scenes by thousands of splats, some with larger scales, and captured ones, in the data that lies beside the project.
+const SCENES: [&str; 6] = ["10", "10 x 2.5", "100", "100 x 2.5", "guitar", "brainsmall"];
 
-const RULES: &Rules = &Rules::GAUSSIAN_3D;
+fn scene(name: &str) -> Option<(Scene, Camera, Rules)> {
+    let random = |thousands: usize, multiplier: f64| {
+        let scene = synthetic::random_gaussians(1_000 * thousands, 1, multiplier);
+        (scene, synthetic::camera(512, 512), Rules::GAUSSIAN_3D)
+    };
+    let captured = |file: &str| {
+        let data = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
+        let scene = scene::load(&data.join(file), &LoadOptions::default()).ok()?;
+        let (camera, rules) = (scene.default_camera(512, 512), scene.natural_rules);
+        Some((scene, camera, rules))
+    };
+    match name {
+        "10" => Some(random(10, 1.0)),
+        "10 x 2.5" => Some(random(10, 2.5)),
+        "100" => Some(random(100, 1.0)),
+        "100 x 2.5" => Some(random(100, 2.5)),
+        "guitar" => captured("gaussians/guitar.ply"),
+        _ => captured("volumes/brainsmall.nhdr"),
+    }
+}
 
-fn scene((thousands, multiplier): (usize, f64)) -> (Scene, Camera) {
-    let scene = synthetic::random_gaussians(1_000 * thousands, 1, multiplier);
-    (scene, synthetic::camera(512, 512))
+/// A scene as the baselines take it; `None` if its file is missing.
+fn floats(name: &str) -> Option<FloatScene> {
+    let (scene, camera, rules) = scene(name)?;
+    Some(FloatScene::new(&scene, &camera, &rules))
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
-fn baseline_boxes(bencher: Bencher, what: (usize, f64)) {
-    let (scene, camera) = scene(what);
-    let floats = FloatScene::new(&scene, &camera, RULES);
-    bencher.bench(|| boxes::draw(&floats, Reach::Sigmas));
+fn baseline_boxes(bencher: Bencher, what: &str) {
+    if let Some(floats) = floats(what) {
+        bencher.bench(|| boxes::draw(&floats, Reach::Sigmas));
+    }
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
-fn baseline_spans(bencher: Bencher, what: (usize, f64)) {
-    let (scene, camera) = scene(what);
-    let floats = FloatScene::new(&scene, &camera, RULES);
-    bencher.bench(|| spans::draw(&floats, Choice::Best));
+fn baseline_spans(bencher: Bencher, what: &str) {
+    if let Some(floats) = floats(what) {
+        bencher.bench(|| spans::draw(&floats, Choice::Best));
+    }
 }
 
-fn kernel(bencher: Bencher, what: (usize, f64), design: &str, engine: Engine) {
-    let (scene, camera) = scene(what);
-    let quantised = QuantisedScene::new(&scene, &camera, RULES);
+fn kernel(bencher: Bencher, what: &str, design: &str, engine: Engine) {
+    let Some((scene, camera, rules)) = scene(what) else {
+        return;
+    };
+    let quantised = QuantisedScene::new(&scene, &camera, &rules);
     let design = DesignChoice::named(design).expect("the bench names a design");
     let options = Options {
-        rules: RULES,
+        rules: &rules,
         compositing: Compositing::FrontToBack,
         design: &design,
         traversal: Traversal::Spans,
@@ -58,21 +82,31 @@ fn kernel(bencher: Bencher, what: (usize, f64), design: &str, engine: Engine) {
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
-fn lean18(bencher: Bencher, what: (usize, f64)) {
+fn lean18(bencher: Bencher, what: &str) {
     kernel(bencher, what, "lean18", Engine::Vectors(Choice::Best));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
-fn standard24(bencher: Bencher, what: (usize, f64)) {
+fn standard24(bencher: Bencher, what: &str) {
     kernel(bencher, what, "standard24", Engine::Vectors(Choice::Best));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
-fn standard24_eight_words(bencher: Bencher, what: (usize, f64)) {
+fn standard24_eight_words(bencher: Bencher, what: &str) {
     kernel(bencher, what, "standard24", Engine::Vectors(Choice::Eight));
 }
 
+#[divan::bench(args = SCENES, sample_count = 5)]
+fn standard24_arrays(bencher: Bencher, what: &str) {
+    kernel(
+        bencher,
+        what,
+        "standard24",
+        Engine::Vectors(Choice::Portable),
+    );
+}
+
 #[divan::bench(args = SCENES, sample_count = 3)]
-fn standard24_scalar(bencher: Bencher, what: (usize, f64)) {
+fn standard24_scalar(bencher: Bencher, what: &str) {
     kernel(bencher, what, "standard24", Engine::Scalar);
 }

@@ -170,7 +170,8 @@ fn set_up<D: Design + Send + Sync>(
 ) -> Vec<Result<Footprint, Cull>> {
     let QuantisedScene { view, splats, .. } = quantised;
     if let Engine::Vectors(choice) = engine {
-        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        // Filled in parallel: most of its time is the first touch of its memory.
+        let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
         outcomes
             .par_chunks_mut(BATCH)
             .zip(splats.par_chunks(BATCH))
