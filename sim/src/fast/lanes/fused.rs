@@ -36,8 +36,6 @@ pub trait Fused: Wide {
     fn fused(self, acc: Self::Word, a: Self::Word, b: Self::Word) -> Self::Word;
     /// Low 64 bits of a b.
     fn mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// Sums of the 32-bit halves, each by itself.
-    fn add_words(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The low 32-bit half as a signed number, 0 where it is negative.
     fn half_from_zero(self, a: Self::Word) -> Self::Word;
     /// The larger one, as signed numbers.
@@ -102,14 +100,6 @@ fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
     std::array::from_fn(|k| operation(a[k], b[k]))
 }
 
-/// An operation on both halves of a word.
-#[inline(always)]
-fn halves(a: i64, b: i64, operation: impl Fn(i32, i32) -> i32) -> i64 {
-    let low = operation(a as i32, b as i32) as u32;
-    let high = operation((a >> 32) as i32, (b >> 32) as i32);
-    (i64::from(high) << 32) | i64::from(low)
-}
-
 impl Fused for Portable {
     fn wide_iota(self) -> Words {
         [0, 1, 2, 3, 4, 5, 6, 7]
@@ -133,9 +123,6 @@ impl Fused for Portable {
     }
     fn mul_whole(self, a: Words, b: Words) -> Words {
         zip(a, b, i64::wrapping_mul)
-    }
-    fn add_words(self, a: Words, b: Words) -> Words {
-        zip(a, b, |a, b| halves(a, b, i32::wrapping_add))
     }
     fn half_from_zero(self, a: Words) -> Words {
         a.map(|a| (a as i32).max(0).into())
@@ -222,10 +209,6 @@ mod x86 {
         #[inline(always)]
         fn mul_whole(self, a: __m512i, b: __m512i) -> __m512i {
             op!(_mm512_mullo_epi64(a, b))
-        }
-        #[inline(always)]
-        fn add_words(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_add_epi32(a, b))
         }
         #[inline(always)]
         fn half_from_zero(self, a: __m512i) -> __m512i {

@@ -1,5 +1,6 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
+use super::fused::{Fused, FusedJob, Pairs, dispatch_fused};
 use super::*;
 use proptest::prelude::*;
 
@@ -85,7 +86,85 @@ impl Job for &All {
     }
 }
 
+/// Results of all operations on 64-bit words and fused products, in a fixed order.
+struct AllFused {
+    a: [u64; 8],
+    b: [u64; 8],
+    c: [u64; 8],
+    bits: u8,
+    pairs: Pairs,
+    table: Vec<u32>,
+}
+
+impl FusedJob for &AllFused {
+    type Output = Vec<[u64; 8]>;
+
+    #[inline(always)]
+    fn run<L: Fused>(self, lanes: L) -> Self::Output {
+        let [a, b, c] = [&self.a, &self.b, &self.c].map(|words| lanes.read(words));
+        let truth = lanes.truth(self.bits);
+        let by = lanes.wide_and(c, lanes.wide_splat(63));
+        let [low, high] = lanes.wide_gather(&self.table, lanes.wide_and(a, lanes.wide_splat(63)));
+        let words = [
+            lanes.wide_iota(),
+            lanes.wide_splat(self.a[0] as i64),
+            lanes.wide_add(a, b),
+            lanes.wide_sub(a, b),
+            lanes.wide_and(a, b),
+            lanes.wide_mul(a, b),
+            lanes.wide_mul_unsigned(a, b),
+            lanes.wide_shl(a, c),
+            lanes.wide_shr(a, c),
+            lanes.wide_sar(a, c),
+            lanes.wide_shl(a, by),
+            lanes.wide_shr(a, by),
+            lanes.wide_sar(a, by),
+            lanes.wide_leading_zeros(lanes.wide_shr(a, lanes.wide_splat(1))),
+            low,
+            high,
+            lanes.wide_select(a, b, lanes.wide_greater(a, b)),
+            lanes.wide_select(a, b, lanes.wide_equal(a, b)),
+            lanes.wide_select(a, b, truth),
+            lanes.fused(a, b, c),
+            lanes.mul_whole(a, b),
+            lanes.half_from_zero(a),
+            lanes.max_whole(a, b),
+            lanes.min_whole(a, b),
+            lanes.turn(a, by),
+            lanes.merge(a, b, c),
+            lanes.all_three(a, b, c),
+            lanes.without(a, b, c),
+            lanes.blend(a, b, c),
+            lanes.spread(a),
+            lanes.spread(lanes.marks(self.a[0])),
+            lanes.gather_pairs(&self.pairs, b),
+        ];
+        let mut packed = [0; 8];
+        lanes.pack(&mut packed, a, truth);
+        packed[self.bits.count_ones() as usize..].fill(0);
+        let bits = [lanes.bits(truth), lanes.marked(a)].map(u64::from);
+        let mut results = vec![packed, [bits[0], bits[1], 0, 0, 0, 0, 0, 0]];
+        for word in words {
+            let mut stored = [0; 8];
+            lanes.write(&mut stored, word);
+            results.push(stored);
+        }
+        results
+    }
+}
+
 proptest! {
+    #[test]
+    fn every_fused_operation_is_the_portable_one(
+        a: [u64; 8], b: [u64; 8], c: [u64; 8], bits: u8, less in 0u32..64, alike: bool, pairs in prop::collection::vec(any::<u64>(), 0..40),
+        table in prop::collection::vec(any::<u32>(), 0..60),
+    ) {
+        let small = |words: [u64; 8]| words.map(|word| word >> less);
+        let b = if alike { a } else { small(b) };
+        let all = AllFused { a, b, c: small(c), bits, pairs: Pairs::new(pairs), table };
+        prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
+    }
+
     #[test]
     fn every_operation_is_the_portable_one(
         a: [u32; 16], b: [u32; 16], equal: bool, shift in 1u32..64, half: u64, count in 0usize..20, table in prop::collection::vec(any::<u32>(), 16..40),
