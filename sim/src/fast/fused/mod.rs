@@ -176,7 +176,7 @@ impl Painting<'_, '_> {
         let path = PixelPath::<L, STOP_BEFORE, DEEP>::new(lanes, palette, rules);
         let mut coverage = Coverage::default();
         let mut batch = Batch::<DEEP>::new();
-        tile.open(window, clear);
+        tile.open(window, clear, palette.scale);
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {

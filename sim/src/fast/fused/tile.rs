@@ -55,10 +55,11 @@ impl Tile {
         }
     }
 
-    /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
+    /// Makes it the transparent pixels of `window`, which is at most a [`TILE`], at this scale.
     #[inline(always)]
-    pub fn open(&mut self, window: Window, clear: Pixel) {
+    pub fn open(&mut self, window: Window, clear: Pixel, scale: Scale) {
         self.window = window;
+        self.scale = scale;
         let (columns, rows) = (self.columns(), self.rows());
         let [light, colour @ ..] = self.scale.words(clear);
         let clear = Cell {
