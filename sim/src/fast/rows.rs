@@ -245,14 +245,19 @@ pub fn is_short<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word
 #[inline(always)]
 pub fn is_tame(constants: &RowConstants<i64>) -> bool {
     let (_, bits, drop_radial, drop_first) = constants.drops;
-    // Designs of at most 15 bits multiply the root's argument in two halves.
-    let spread_bits = if bits <= 15 { 15 } else { 32 };
-    constants.spread.0 < 1 << spread_bits
-        && constants.spread.2 <= 30
+    has_short_spread(constants)
         && constants.curvature.unsigned_abs() <= 1 << bits
         && drop_radial >= 0
         && drop_first >= 0
         && constants.fraction < VERTICAL_FRACTION
+}
+
+/// Is 1 / A small enough for [`columns`]?
+#[inline(always)]
+pub fn has_short_spread(constants: &RowConstants<i64>) -> bool {
+    // Designs of at most 15 bits multiply the root's argument in two halves.
+    let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
+    constants.spread.0 < 1 << bits && constants.spread.2 <= 30
 }
 
 /// First and one past the last column of the rows' spans within the window; 0 and 0 where the ellipse does not reach.

@@ -5,7 +5,7 @@
 //! summation. Where a word would be too long for the vectors' arithmetic the kernel's own rows are taken.
 
 use crate::fast::lanes::Wide;
-use crate::fast::rows::columns;
+use crate::fast::rows::{columns, has_short_spread};
 use crate::fast::setup::number::Arithmetic;
 use splatline::raster::{RowConstants, Rows, SpanRows};
 
@@ -94,12 +94,8 @@ impl Spans {
 /// Do the words of so many rows fit the vectors' arithmetic, apart from what is noticed row by row?
 #[inline(always)]
 fn is_tame(constants: &RowConstants<i64>, count: usize) -> bool {
-    let bits = constants.drops.1;
-    // The kernel multiplies the root's argument of designs of at most 15 bits in two halves.
-    let spread_bits = if bits <= 15 { 15 } else { 32 };
     let farthest = 1 << 60;
-    constants.spread.0 < 1 << spread_bits
-        && constants.spread.2 <= 30
+    has_short_spread(constants)
         && constants.centre.unsigned_abs() < farthest
         && constants.slope.unsigned_abs() < farthest / (count + STEP) as u64
 }
