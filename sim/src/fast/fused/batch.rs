@@ -4,11 +4,10 @@
 //! next ones fill the time.
 
 use super::cells::Parts;
-use super::pixels::{Brush, PixelPath};
+use super::pixels::{Brush, Counts, PixelPath};
 use super::tile::Tile;
 use crate::fast::lanes::fused::Fused;
 use crate::fast::paint::CHECK_INTERVAL;
-use splatline::draw::Coverage;
 use splatline::raster::{RowConstants, Window};
 
 /// What a footprint's rows in a tile and its pixels are computed from.
@@ -76,6 +75,12 @@ impl<const DEEP: bool> Batch<DEEP> {
         count
     }
 
+    /// Pixels of all runs that have ever been listed.
+    #[inline(always)]
+    pub fn visited(&self) -> u64 {
+        self.parts.visited()
+    }
+
     /// Paints the first `count` footprints that have been listed.
     #[inline(always)]
     pub fn paint<L: Fused, const STOP_BEFORE: bool>(
@@ -83,13 +88,13 @@ impl<const DEEP: bool> Batch<DEEP> {
         path: &PixelPath<L, STOP_BEFORE, DEEP>,
         count: usize,
         tile: &mut Tile,
-        coverage: &mut Coverage,
+        counts: &mut Counts<L>,
     ) {
         let mut first = 0;
         for listed in self.listed.iter().take(count) {
             let colours = path.colours(&listed.brush, listed.second);
             for part in self.parts.range(first, listed.end) {
-                path.paint(&colours, &part, tile.cell(part.cell()), coverage);
+                path.paint(&colours, &part, tile.cell(part.cell()), counts);
             }
             first = listed.end;
         }

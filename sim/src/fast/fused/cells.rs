@@ -37,12 +37,6 @@ impl Part {
     pub fn cell(&self) -> usize {
         (self.place >> PIXELS) as usize
     }
-
-    /// Pixels of the run.
-    #[inline(always)]
-    pub fn visited(&self) -> u64 {
-        (self.place as u8).count_ones().into()
-    }
 }
 
 /// A block of eight rows.
@@ -63,6 +57,8 @@ pub struct Parts<const DEEP: bool> {
     first: [u64; ROOM],
     place: [u64; ROOM],
     count: usize,
+    /// Pixels of all runs that have been listed.
+    visited: u64,
 }
 
 impl<const DEEP: bool> Parts<DEEP> {
@@ -74,6 +70,7 @@ impl<const DEEP: bool> Parts<DEEP> {
             first: [0; ROOM],
             place: [0; ROOM],
             count: 0,
+            visited: 0,
         }
     }
 
@@ -95,18 +92,25 @@ impl<const DEEP: bool> Parts<DEEP> {
         self.count >= MANY
     }
 
+    /// Pixels of all runs that have ever been listed.
+    #[inline(always)]
+    pub fn visited(&self) -> u64 {
+        self.visited
+    }
+
     /// The cells of these numbers in the list.
     #[inline(always)]
     pub fn range(&self, first: usize, end: usize) -> impl Iterator<Item = Part> {
-        let words = self.radial.iter().zip(&self.first).zip(&self.place);
-        words
-            .take(end)
-            .skip(first)
-            .map(|((radial, first), place)| Part {
-                radial: *radial,
-                first: *first,
-                place: *place,
-            })
+        let end = end.min(ROOM);
+        let range = first.min(end)..end;
+        let lists = [&self.radial, &self.first, &self.place];
+        let [radial, first, place] = lists.map(|list| list[range.clone()].iter());
+        let words = radial.zip(first).zip(place);
+        words.map(|((radial, first), place)| Part {
+            radial: *radial,
+            first: *first,
+            place: *place,
+        })
     }
 
     /// Lists the cells of a footprint's rows within the window; `false` and none of them if a word was too long for vectors. The list must
@@ -120,6 +124,7 @@ impl<const DEEP: bool> Parts<DEEP> {
     ) -> bool {
         let math = Arithmetic { lanes };
         let listed = self.count;
+        let mut visited = math.splat(0);
         let [top, bottom] = constants.rows;
         let count = bottom.saturating_sub(top).min(TILE[1]);
         let offset = top.wrapping_sub(window.first[1]) % TILE[1];
@@ -140,18 +145,21 @@ impl<const DEEP: bool> Parts<DEEP> {
                         + usize::from(left.wrapping_sub(window.first[0])) / CELL,
                     open,
                 };
-                self.append(math, &runs, constants.second, &block);
+                let lengths = self.append(math, &runs, constants.second, &block);
+                visited = math.add(visited, lengths);
             }
             rows.step(lanes, constants.reach);
         }
         let fits = rows.are_short(lanes) && is_short(lanes, constants, large);
-        if !fits {
+        if fits {
+            self.visited += lanes.sum(visited);
+        } else {
             self.count = listed;
         }
         fits
     }
 
-    /// Lists the cells of eight rows in a block.
+    /// Lists the cells of eight rows in a block, and returns the runs' lengths.
     #[inline(always)]
     fn append<L: Fused>(
         &mut self,
@@ -159,14 +167,15 @@ impl<const DEEP: bool> Parts<DEEP> {
         runs: &Runs<L>,
         second: i64,
         block: &Block,
-    ) {
+    ) -> L::Word {
         let lanes = math.lanes;
         let one = math.splat(1);
         let begin = math.plus(runs.x, -i64::from(block.left));
         let end = math.plus(runs.end, -i64::from(block.left));
         let bits = math.sub(lanes.wide_shl(one, end), lanes.wide_shl(one, begin));
         let is_open = lanes.bits(math.greater(end, begin)) & block.open;
-        let bits = math.select(math.splat(0), bits, lanes.truth(is_open));
+        let is_open = lanes.truth(is_open);
+        let bits = math.select(math.splat(0), bits, is_open);
         let [first_cell, end_cell] = block.cells;
         let back = math.plus(begin, -i64::from(first_cell * CELL as u16));
         let corners = self.multiply(lanes, back, math.plus(back, 1));
@@ -192,6 +201,7 @@ impl<const DEEP: bool> Parts<DEEP> {
             bits = lanes.turn(bits, math.splat(8));
             place = math.plus(place, 1 << PIXELS);
         }
+        math.select(math.splat(0), math.sub(end, begin), is_open)
     }
 
     /// Words modulo the lanes' word.

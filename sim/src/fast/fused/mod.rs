@@ -15,7 +15,7 @@ use super::lanes::{Choice, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
 use super::rows::is_tame;
 use batch::{Batch, Prepared};
-use pixels::{Palette, PixelPath};
+use pixels::{Counts, Palette, PixelPath};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
@@ -175,13 +175,14 @@ impl Painting<'_, '_> {
         } = self;
         let path = PixelPath::<L, STOP_BEFORE, DEEP>::new(lanes, palette, rules);
         let mut coverage = Coverage::default();
+        let mut counts = Counts::new(lanes);
         let mut batch = Batch::<DEEP>::new();
         tile.open(window, clear, palette.scale);
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {
                 let listed = batch.fill(lanes, rest, prepare, &window);
-                batch.paint(&path, listed, tile, &mut coverage);
+                batch.paint(&path, listed, tile, &mut counts);
                 rest = if listed == 0 {
                     coverage += scalar(*first, tile);
                     others
@@ -194,6 +195,7 @@ impl Painting<'_, '_> {
             }
         }
         tile.copy(frame.iter_mut().map(|row| &mut **row));
+        coverage += counts.coverage(lanes, batch.visited());
         coverage
     }
 }

@@ -10,6 +10,7 @@
 use super::cells::Part;
 use super::scale::Scale;
 use super::tile::{Cell, MARK};
+use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
 use splatline::blend::Blend;
 use splatline::draw::{Coverage, cutoff_in_lane};
@@ -22,13 +23,14 @@ use splatline::rules::Rules;
 #[derive(Clone, Debug)]
 pub struct Intervals {
     pairs: Pairs,
+    factors: Option<Factors>,
     count: u64,
     rest_bits: u32,
 }
 
 impl Intervals {
     /// Every interval of `table`; `None` if an entry exceeds 1.
-    pub fn new(table: &FootprintTable, widths: &Widths) -> Option<Self> {
+    pub fn new(table: &FootprintTable, widths: &Widths, range: u8) -> Option<Self> {
         let entries = table.entries();
         let interpolates = widths.interpolation > 0;
         let pair = |pair: &[u32]| {
@@ -42,6 +44,7 @@ impl Intervals {
         let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight);
         fits.then(|| Intervals {
             pairs: Pairs::new(entries.windows(2).map(pair).collect()),
+            factors: Factors::gaussian(entries, widths, range),
             count: entries.len().saturating_sub(1) as u64,
             rest_bits: table.rest_bits(),
         })
@@ -89,7 +92,7 @@ impl Palette {
         Some(Palette {
             widths: *widths,
             scale: Scale::new(widths, &constants)?,
-            intervals: Intervals::new(table, widths)?,
+            intervals: Intervals::new(table, widths, rules.table_range)?,
             deep,
         })
     }
@@ -121,6 +124,8 @@ impl Palette {
 pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
     lanes: L,
     table: &'a Pairs,
+    /// The same table, if it is a Gaussian.
+    factors: Option<&'a Factors>,
     iota: L::Word,
     /// k (k - 1) / 2 for pixel k.
     corners: L::Word,
@@ -131,6 +136,7 @@ pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
     position_mask: L::Word,
     /// Right turn from a pair to its value, the mask that leaves it, and the rounding of the interpolated one.
     value: L::Word,
+    factored_value: L::Word,
     value_mask: L::Word,
     value_half: L::Word,
     alpha_half: L::Word,
@@ -146,6 +152,41 @@ pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
     mark: L::Word,
     sum_half: L::Word,
     sum_mask: L::Word,
+}
+
+/// Pixels counted, lane by lane.
+#[derive(Clone, Copy)]
+pub struct Counts<L: Fused> {
+    covered: L::Word,
+    live: L::Word,
+}
+
+impl<L: Fused> Counts<L> {
+    /// None.
+    #[inline(always)]
+    pub fn new(lanes: L) -> Self {
+        let [covered, live] = [lanes.wide_splat(0); 2];
+        Counts { covered, live }
+    }
+
+    /// Adds the words whose most significant bits are set.
+    #[inline(always)]
+    fn add(&mut self, lanes: L, inside: L::Word, live: L::Word) {
+        let ones = |word: L::Word| lanes.wide_shr(word, lanes.wide_splat(63));
+        self.covered = lanes.wide_add(self.covered, ones(inside));
+        self.live = lanes.wide_add(self.live, ones(live));
+    }
+
+    /// In the painter's terms, of runs with so many pixels.
+    #[inline(always)]
+    pub fn coverage(&self, lanes: L, visited: u64) -> Coverage {
+        let [covered, live] = [self.covered, self.live].map(|words| lanes.sum(words));
+        Coverage {
+            visited,
+            covered,
+            finished: covered - live,
+        }
+    }
 }
 
 /// A brush on vectors.
@@ -188,12 +229,14 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
         PixelPath {
             lanes,
             table: &intervals.pairs,
+            factors: intervals.factors.as_ref(),
             iota,
             corners: lanes.wide_shr(corners, splat(1)),
             interval: turn(rest),
             position: turn((rest - kept).wrapping_sub(raised)),
             position_mask: splat(((1 << kept) - 1) << raised),
             value: turn(32 - scale.weight),
+            factored_value: turn(64 - scale.weight),
             value_mask: above(scale.weight),
             value_half: splat(value_half),
             alpha_half: half(scale.alpha),
@@ -256,7 +299,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
         colours: &Colours<L>,
         part: &Part,
         cell: &mut Cell,
-        coverage: &mut Coverage,
+        counts: &mut Counts<L>,
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
@@ -264,12 +307,8 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
         let inside = lanes.wide_and(lanes.wide_sub(radial, colours.end), of_run);
         let light = lanes.read(&cell.light);
         let live = lanes.without(inside, inside, light);
-        let covered = u64::from(lanes.marked(inside).count_ones());
-        let alive = u64::from(lanes.marked(live).count_ones());
-        coverage.visited += part.visited();
-        coverage.covered += covered;
-        coverage.finished += covered - alive;
-        if alive == 0 {
+        counts.add(lanes, inside, live);
+        if lanes.marked(live) == 0 {
             return;
         }
         let value = self.value(radial, lanes.spread(live));
@@ -301,11 +340,22 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
     fn value(&self, radial: L::Word, live: L::Word) -> L::Word {
         let lanes = self.lanes;
         let interval = lanes.turn(radial, self.interval);
-        let pair = lanes.gather_pairs(self.table, interval);
+        let (value, change) = match self.factors {
+            Some(factors) => {
+                let [low, next] = lanes.factored(factors, interval);
+                (
+                    lanes.turn(low, self.factored_value),
+                    lanes.wide_sub(next, low),
+                )
+            }
+            None => {
+                let pair = lanes.gather_pairs(self.table, interval);
+                (lanes.turn(pair, self.value), pair)
+            }
+        };
         let position = lanes.wide_and(lanes.turn(radial, self.position), self.position_mask);
-        let value = lanes.turn(pair, self.value);
         let value = lanes.merge(value, self.value_mask, self.value_half);
-        let value = lanes.wide_add(value, lanes.wide_mul(pair, position));
+        let value = lanes.wide_add(value, lanes.wide_mul(change, position));
         lanes.all_three(value, self.value_mask, live)
     }
 }

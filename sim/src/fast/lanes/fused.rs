@@ -5,6 +5,7 @@
 
 #![allow(unsafe_code)]
 
+use super::factors::Factors;
 use super::{Portable, Wide};
 
 /// Fraction bits that the fused product drops.
@@ -60,6 +61,10 @@ pub trait Fused: Wide {
     fn marked(self, a: Self::Word) -> u8;
     /// The entries of these indices, modulo the table's length.
     fn gather_pairs(self, table: &Pairs, index: Self::Word) -> Self::Word;
+    /// The sum of all words.
+    fn sum(self, a: Self::Word) -> u64;
+    /// [`Factors::neighbours`] of these indices.
+    fn factored(self, factors: &Factors, index: Self::Word) -> [Self::Word; 2];
     /// A bit for every word.
     fn bits(self, truth: Self::Truth) -> u8;
     /// Truth values from bits.
@@ -160,6 +165,13 @@ impl Fused for Portable {
     fn gather_pairs(self, table: &Pairs, index: Words) -> Words {
         index.map(|index| table.0[index as usize & (table.0.len() - 1)] as i64)
     }
+    fn sum(self, a: Words) -> u64 {
+        a.into_iter().fold(0, i64::wrapping_add) as u64
+    }
+    fn factored(self, factors: &Factors, index: Words) -> [Words; 2] {
+        let pairs = index.map(|index| factors.neighbours(index as u64));
+        [0, 1].map(|which| pairs.map(|pair| pair[which] as i64))
+    }
     fn bits(self, truth: [bool; 8]) -> u8 {
         (0..8).fold(0, |bits, k| bits | (u8::from(truth[k]) << k))
     }
@@ -173,7 +185,8 @@ mod x86 {
     //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction.
 
     use super::super::avx512::Avx512;
-    use super::{Fused, Pairs};
+    use super::super::factors::TO_INTEGER;
+    use super::{Factors, Fused, Pairs};
     use std::arch::x86_64::*;
 
     macro_rules! op {
@@ -268,6 +281,34 @@ mod x86 {
                 let index = _mm512_and_si512(index, _mm512_set1_epi64(last));
                 _mm512_i64gather_epi64::<8>(index, table.0.as_ptr().cast())
             }
+        }
+        #[inline(always)]
+        fn sum(self, a: __m512i) -> u64 {
+            op!(_mm512_reduce_add_epi64(a)) as u64
+        }
+        #[inline(always)]
+        fn factored(self, factors: &Factors, index: __m512i) -> [__m512i; 2] {
+            let sixteenth = |entries: &[f64; 16], index: __m512i| {
+                let [low, high] = [&entries[..8], &entries[8..]];
+                // SAFETY: both halves have the 64 bytes that are read.
+                unsafe {
+                    let low = _mm512_loadu_pd(low.as_ptr());
+                    let high = _mm512_loadu_pd(high.as_ptr());
+                    _mm512_permutex2var_pd(low, index, high)
+                }
+            };
+            let [first, second, third] = &factors.thirds;
+            op!({
+                let value = _mm512_mul_pd(
+                    sixteenth(first, index),
+                    sixteenth(second, _mm512_srli_epi64::<4>(index)),
+                );
+                let value = _mm512_mul_pd(value, sixteenth(third, _mm512_srli_epi64::<8>(index)));
+                let to_integer = _mm512_set1_pd(TO_INTEGER);
+                let low = _mm512_add_pd(value, to_integer);
+                let next = _mm512_fmadd_pd(value, _mm512_set1_pd(factors.ratio), to_integer);
+                [_mm512_castpd_si512(low), _mm512_castpd_si512(next)]
+            })
         }
         #[inline(always)]
         fn bits(self, truth: u8) -> u8 {

@@ -15,6 +15,7 @@
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
+pub mod factors;
 mod floats;
 pub mod fused;
 mod portable;

@@ -1,8 +1,10 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
+use super::factors::Factors;
 use super::fused::{Fused, FusedJob, Pairs, dispatch_fused};
 use super::*;
 use proptest::prelude::*;
+use splatline::format::Deep32;
 
 /// Results of all operations on one set of operands, in a fixed order.
 struct All {
@@ -93,6 +95,7 @@ struct AllFused {
     c: [u64; 8],
     bits: u8,
     pairs: Pairs,
+    factors: Factors,
     table: Vec<u32>,
 }
 
@@ -138,12 +141,14 @@ impl FusedJob for &AllFused {
             lanes.spread(a),
             lanes.spread(lanes.marks(self.a[0])),
             lanes.gather_pairs(&self.pairs, b),
+            lanes.factored(&self.factors, b)[0],
+            lanes.factored(&self.factors, b)[1],
         ];
         let mut packed = [0; 8];
         lanes.pack(&mut packed, a, truth);
         packed[self.bits.count_ones() as usize..].fill(0);
         let bits = [lanes.bits(truth), lanes.marked(a)].map(u64::from);
-        let mut results = vec![packed, [bits[0], bits[1], 0, 0, 0, 0, 0, 0]];
+        let mut results = vec![packed, [bits[0], bits[1], lanes.sum(a), 0, 0, 0, 0, 0]];
         for word in words {
             let mut stored = [0; 8];
             lanes.write(&mut stored, word);
@@ -151,6 +156,13 @@ impl FusedJob for &AllFused {
         }
         results
     }
+}
+
+/// The factors of the largest table.
+fn gaussian() -> Factors {
+    let mut entries = vec![0; splatline::kernel::entries(&Deep32::WIDTHS)];
+    splatline::kernel::fill_gaussian(&mut entries, &Deep32::WIDTHS, 4);
+    Factors::gaussian(&entries, &Deep32::WIDTHS, 4).expect("its products are exact")
 }
 
 proptest! {
@@ -161,7 +173,7 @@ proptest! {
     ) {
         let small = |words: [u64; 8]| words.map(|word| word >> less);
         let b = if alike { a } else { small(b) };
-        let all = AllFused { a, b, c: small(c), bits, pairs: Pairs::new(pairs), table };
+        let all = AllFused { a, b, c: small(c), bits, pairs: Pairs::new(pairs), factors: gaussian(), table };
         prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
     }
 
