@@ -8,7 +8,7 @@
 //! pixels and counts, and what the vectors cannot do is left to it: other traversals and orders, 64-bit lanes, footprints whose words lie
 //! outside their formats.
 
-mod fused;
+mod cells;
 pub mod lanes;
 pub mod order;
 mod paint;

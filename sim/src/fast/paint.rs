@@ -1,6 +1,6 @@
 //! Painting a tile: the kernel's rows, the vectors' pixels, and the scalar painter for what they cannot do.
 
-use super::fused::{self, FusedPainter};
+use super::cells::{FusedPainter, NarrowPainter, Tiles};
 use super::lanes::{Choice, Floats, Job, Lanes, dispatch, prefetch};
 use super::pixels::{Counts, Intervals, PixelPath, supports};
 use super::rows::RowBatch;
@@ -35,7 +35,7 @@ pub struct FastPainter<'a, D> {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     words: Option<Tile>,
-    pub(super) fused: Option<fused::Tile>,
+    pub(super) cells: Tiles,
 }
 
 /// What setup made of every splat, in the scene's order.
@@ -63,6 +63,9 @@ pub fn tile_painter<'a, D: Design + Sync + 'a>(
     table: FootprintTable<'a>,
     choice: Choice,
 ) -> Option<Box<dyn TilePainter + 'a>> {
+    if let Some(painter) = NarrowPainter::new(design, rules, table, choice) {
+        return Some(Box::new(painter));
+    }
     if let Some(painter) = FusedPainter::new(design, rules, table, choice) {
         return Some(Box::new(painter));
     }

@@ -1,7 +1,7 @@
 //! Tiles by vectors against the kernel's painter: random widths, arbitrary footprints, any tile; pixels word for word, and the counts.
 
 use super::TILE;
-use super::fused::FusedPainter;
+use super::cells::{FusedPainter, NarrowPainter};
 use super::lanes::Choice;
 use super::paint::{FastPainter, Scratch, TilePainter};
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
@@ -11,7 +11,9 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::{Conic, Footprint, Scan};
-use splatline::format::{Design, Rounding, Standard24, Traversal, WIDTH_RANGES, Widths};
+use splatline::format::{
+    Classic8, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES, Widths,
+};
 use splatline::math::Scaled;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -78,6 +80,31 @@ fn usual_widths() -> impl Strategy<Value = Widths> {
             weight: usual.weight + less,
             alpha: usual.alpha - more,
             colour: usual.colour + less,
+            rounding: random.rounding,
+            ..usual
+        }
+    })
+}
+
+/// Widths at most as large as those of `lean18`, but for a few bits.
+fn narrow_widths() -> impl Strategy<Value = Widths> {
+    let less = || 0u8..7;
+    let pixels = (0u8..3, less(), less(), less(), less(), less());
+    (widths(), pixels, any::<bool>()).prop_map(|(random, less, classic)| {
+        let usual = if classic {
+            Classic8::WIDTHS
+        } else {
+            Lean18::WIDTHS
+        };
+        Widths {
+            mantissa: random.mantissa,
+            radial: usual.radial - less.0,
+            table: usual.table - less.0,
+            weight: usual.weight - less.1.min(4),
+            alpha: usual.alpha - less.2.min(4),
+            transmittance: usual.transmittance - less.3.min(4),
+            colour: usual.colour - less.4,
+            accumulator: usual.accumulator - less.5.min(less.4),
             rounding: random.rounding,
             ..usual
         }
@@ -160,6 +187,13 @@ fn painted(
     (pixels, coverage)
 }
 
+/// Names the first pixel that differs.
+fn assert_same(got: &[Pixel], expected: &[Pixel], by: &str) {
+    let mut pairs = got.iter().zip(expected).enumerate();
+    let different = pairs.find(|(_, (got, expected))| got != expected);
+    assert_eq!(different, None, "{by}");
+}
+
 /// Draws by both; `false` if vectors do not draw under these widths.
 fn agree(
     widths: Widths,
@@ -186,7 +220,7 @@ fn agree(
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
-        assert_eq!(got, pixels, "{choice:?}");
+        assert_same(&got, &pixels, &format!("{choice:?}"));
         assert_eq!(coverage, expected, "{choice:?}");
     }
     for portable in [false, true] {
@@ -194,10 +228,29 @@ fn agree(
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
-        assert_eq!(got, pixels, "fused, portable: {portable}");
+        assert_same(&got, &pixels, &format!("fused, portable: {portable}"));
         assert_eq!(coverage, expected, "fused, portable: {portable}");
     }
+    let narrow = draw_narrow(widths, rules, footprints, window);
+    for (got, coverage) in narrow.into_iter().flatten() {
+        assert_same(&got, &pixels, "narrow");
+        assert_eq!(coverage, expected, "narrow");
+    }
     true
+}
+
+/// The tile by short products, on the processor's vectors and on arrays, if they can draw under these widths.
+fn draw_narrow(
+    widths: Widths,
+    rules: &Rules,
+    footprints: &[Result<Footprint, Cull>],
+    window: Window,
+) -> Option<[(Vec<Pixel>, Coverage); 2]> {
+    let memory = table_entries(&widths, rules);
+    let table = table(&memory, &widths, rules);
+    let painter = |portable| NarrowPainter::on(Narrow(widths), rules, table, portable);
+    let [vectors, arrays] = [painter(false)?, painter(true)?];
+    Some([&vectors, &arrays].map(|painter| painted(painter, window, footprints)))
 }
 
 fn rules_of(normalised: bool) -> Rules {
@@ -223,6 +276,19 @@ proptest! {
     ) {
         let rules = rules_of(ewa);
         prop_assert!(agree(widths, &rules, &ordinary(widths, &rules, seed, multiplier), [tile.0, tile.1]));
+    }
+
+    #[test]
+    fn narrow_widths_are_drawn_by_short_products(
+        widths in narrow_widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, footprints in prop::collection::vec(arbitrary(), 0..20),
+        tile in (0u16..3, 0u16..2),
+    ) {
+        let rules = rules_of(ewa);
+        let mut all = ordinary(widths, &rules, seed, multiplier);
+        all.extend(footprints.into_iter().map(Ok));
+        agree(widths, &rules, &all, [tile.0, tile.1]);
+        let window = Window { first: [0, 0], last: [40, 50] };
+        prop_assert!(draw_narrow(widths, &rules, &all, window).is_some());
     }
 
     #[test]

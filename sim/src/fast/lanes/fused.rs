@@ -6,6 +6,7 @@
 #![allow(unsafe_code)]
 
 use super::factors::Factors;
+use super::narrow::Narrow;
 use super::{Portable, Wide};
 
 /// Fraction bits that the fused product drops.
@@ -76,7 +77,7 @@ pub trait FusedJob {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: Fused>(self, lanes: L) -> Self::Output;
+    fn run<L: Narrow>(self, lanes: L) -> Self::Output;
 }
 
 /// Runs the job on the processor's fused products, or on arrays if it has none or `portable` asks for it.

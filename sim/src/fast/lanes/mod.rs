@@ -18,6 +18,7 @@ pub mod avx512;
 pub mod factors;
 mod floats;
 pub mod fused;
+pub mod narrow;
 mod portable;
 mod wide;
 

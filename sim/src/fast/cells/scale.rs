@@ -16,6 +16,7 @@
 //! A result is rounded where it stands: half of its last bit is the product's addend, and the bits below are cut off by a mask. That gives
 //! the kernel's `(a b + half) >> shift`, because cutting twice is cutting once. The sums in the tile hold their next rounding's half.
 
+use super::tile::{Format, Word};
 use splatline::blend::{BlendConstants, FINISHED, Pixel};
 use splatline::format::{Rounding, Widths};
 
@@ -73,13 +74,30 @@ impl Scale {
     pub fn half(&self, below: u32) -> u64 {
         if self.rounds { 1 << below >> 1 } else { 0 }
     }
+}
 
-    /// The words of a pixel: transmittance, red, green, blue.
-    pub fn words(&self, pixel: Pixel) -> [u64; 4] {
+impl Format for Scale {
+    type Word = u64;
+
+    #[inline(always)]
+    fn words(&self, pixel: Pixel) -> [u64; 4] {
         let [r, g, b] = pixel.colour;
         let mark = u64::from(pixel.transmittance & FINISHED) << 32;
         let light = u64::from(pixel.transmittance & !FINISHED) << self.transmittance;
         let sum = |sum: u32| (u64::from(sum) << self.sum) | self.half(self.sum);
         [light | mark, sum(r), sum(g), sum(b)]
+    }
+
+    fn holds(&self, _: Pixel) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn pixel(&self, [light, colour @ ..]: [u64; 4]) -> Pixel {
+        let mark = if light & u64::MARK == 0 { 0 } else { FINISHED };
+        Pixel {
+            colour: colour.map(|sum| (sum >> self.sum) as u32),
+            transmittance: ((light & !u64::MARK) >> self.transmittance) as u32 | mark,
+        }
     }
 }

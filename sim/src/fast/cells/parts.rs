@@ -4,7 +4,7 @@
 //! r(x) - k f + k (k + 1) / 2 s. The list is in no order that matters, since a footprint touches a pixel once; what matters is that the pixels'
 //! loop runs through one long list and not through rows of two cells, whose ends no processor foresees.
 
-use super::tile::{CELL, CELLS, CELLS_OF_ROW};
+use super::tile::AREA;
 use crate::fast::lanes::fused::Fused;
 use crate::fast::rows::{Runs, is_short, runs};
 use crate::fast::setup::number::Arithmetic;
@@ -16,10 +16,10 @@ use splatline::raster::{BLOCK, RowConstants, Window};
 const MANY: usize = 256;
 
 /// Room for a whole footprint after that; a vector may reach beyond the last cell.
-const ROOM: usize = MANY + CELLS + 8;
+const ROOM: usize = MANY + AREA / 8 + 8;
 
-/// Bits of a place that hold the run's pixels, one each.
-const PIXELS: u32 = CELL as u32;
+/// Bits of a place that hold the run's pixels, one each: as many as a cell has at most.
+const PIXELS: u32 = 16;
 
 /// One cell of a footprint.
 #[derive(Clone, Copy, Debug)]
@@ -52,16 +52,21 @@ struct Block {
 }
 
 /// Cells of footprints in a tile: memory that is used again and again.
-pub struct Parts<const DEEP: bool> {
+pub struct Parts<const DEEP: bool, const CELL: usize> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
     place: [u64; ROOM],
     count: usize,
-    /// Pixels of all runs that have been listed.
+    /// Pixels of the runs that have been listed.
     visited: u64,
 }
 
-impl<const DEEP: bool> Parts<DEEP> {
+impl<const DEEP: bool, const CELL: usize> Parts<DEEP, CELL> {
+    const CELLS_OF_ROW: usize = {
+        assert!(CELL == 8 || CELL == 16);
+        TILE[0] as usize / CELL
+    };
+
     /// No cells.
     #[inline(always)]
     pub fn new() -> Self {
@@ -78,6 +83,7 @@ impl<const DEEP: bool> Parts<DEEP> {
     #[inline(always)]
     pub fn clear(&mut self) {
         self.count = 0;
+        self.visited = 0;
     }
 
     /// Cells listed.
@@ -92,7 +98,7 @@ impl<const DEEP: bool> Parts<DEEP> {
         self.count >= MANY
     }
 
-    /// Pixels of all runs that have ever been listed.
+    /// Pixels of the runs that have been listed.
     #[inline(always)]
     pub fn visited(&self) -> u64 {
         self.visited
@@ -141,7 +147,7 @@ impl<const DEEP: bool> Parts<DEEP> {
                 let block = Block {
                     left,
                     cells: [seen[0] / CELL as u16, seen[1].div_ceil(CELL as u16)],
-                    corner: usize::from(offset + start) * CELLS_OF_ROW
+                    corner: usize::from(offset + start) * Self::CELLS_OF_ROW
                         + usize::from(left.wrapping_sub(window.first[0])) / CELL,
                     open,
                 };
@@ -184,21 +190,28 @@ impl<const DEEP: bool> Parts<DEEP> {
         let mut radial = math.add(math.sub(runs.radial, moved), corners);
         let slowed = self.multiply(lanes, back, math.splat(second));
         let mut first = math.sub(runs.first, slowed);
-        let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * 8));
+        let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * CELL as i64));
         let number = block.corner + usize::from(first_cell);
         let number = math.splat((number << PIXELS) as i64);
-        let row = math.shl(lanes.wide_iota(), (CELLS_OF_ROW << PIXELS).ilog2().into());
+        let row = math.shl(
+            lanes.wide_iota(),
+            (Self::CELLS_OF_ROW << PIXELS).ilog2().into(),
+        );
         let mut place = math.add(number, row);
+        let width = CELL as i64;
         for _ in first_cell..end_cell {
-            let pixels = math.and(bits, 0xff);
+            let pixels = math.and(bits, (1 << width) - 1);
             let truth = math.greater(pixels, math.splat(0));
             self.pack(lanes, [radial, first, math.add(place, pixels)], truth);
             radial = math.add(
                 radial,
-                math.plus(math.shl(first, 3), second.wrapping_mul(28)),
+                math.plus(
+                    math.shl(first, width.ilog2().into()),
+                    second.wrapping_mul(width * (width - 1) / 2),
+                ),
             );
-            first = math.plus(first, second.wrapping_mul(8));
-            bits = lanes.turn(bits, math.splat(8));
+            first = math.plus(first, second.wrapping_mul(width));
+            bits = lanes.turn(bits, math.splat(width));
             place = math.plus(place, 1 << PIXELS);
         }
         math.select(math.splat(0), math.sub(end, begin), is_open)

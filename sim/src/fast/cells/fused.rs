@@ -7,11 +7,14 @@
 //!
 //! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
 
-use super::cells::Part;
+use super::intervals::Intervals;
+use super::parts::Part;
 use super::scale::Scale;
-use super::tile::{Cell, MARK};
+use super::tile::{Cell, Word};
+use super::{Painting, TileOf, Tiles};
 use crate::fast::lanes::factors::Factors;
-use crate::fast::lanes::fused::{DROPPED, Fused, Pairs};
+use crate::fast::lanes::fused::{DROPPED, Pairs};
+use crate::fast::lanes::narrow::Narrow;
 use splatline::blend::Blend;
 use splatline::draw::{Coverage, cutoff_in_lane};
 use splatline::footprint::Footprint;
@@ -19,42 +22,8 @@ use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
 use splatline::rules::Rules;
 
-/// The table as vectors read it: an interval's value in the upper half of a word, its change in the lower one.
-#[derive(Clone, Debug)]
-pub struct Intervals {
-    pairs: Pairs,
-    factors: Option<Factors>,
-    count: u64,
-    rest_bits: u32,
-}
-
-impl Intervals {
-    /// Every interval of `table`; `None` if an entry exceeds 1.
-    pub fn new(table: &FootprintTable, widths: &Widths, range: u8) -> Option<Self> {
-        let entries = table.entries();
-        let interpolates = widths.interpolation > 0;
-        let pair = |pair: &[u32]| {
-            let change = if interpolates {
-                pair[1].wrapping_sub(pair[0])
-            } else {
-                0
-            };
-            (u64::from(pair[0]) << 32) | u64::from(change)
-        };
-        let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight);
-        fits.then(|| Intervals {
-            pairs: Pairs::new(entries.windows(2).map(pair).collect()),
-            factors: Factors::gaussian(entries, widths, range),
-            count: entries.len().saturating_sub(1) as u64,
-            rest_bits: table.rest_bits(),
-        })
-    }
-
-    /// Do all radial indices up to `last` lie in the table?
-    fn reach(&self, last: i64) -> bool {
-        last < 0 || ((last as u64) >> self.rest_bits) < self.count
-    }
-}
+/// Pixels of a cell.
+const CELL: usize = 8;
 
 /// What a footprint's pixels need beside its rows, in the kernel's words shifted to the [`Scale`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -69,20 +38,19 @@ pub struct Brush {
 #[derive(Clone, Debug)]
 pub struct Palette {
     widths: Widths,
-    pub scale: Scale,
-    pub intervals: Intervals,
+    scale: Scale,
+    intervals: Intervals,
     /// Do lanes have 64 bits?
     deep: bool,
 }
 
-impl Palette {
+impl super::Palette for Palette {
+    type Cell = Cell<u64, CELL>;
+    type Format = Scale;
+    type Brush = Brush;
+
     /// For widths that have a scale and a table within the kernel's range.
-    pub fn new(
-        widths: &Widths,
-        rules: &Rules,
-        table: &FootprintTable,
-        lane_bits: u32,
-    ) -> Option<Self> {
+    fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
         let deep = lane_bits > 32;
         let known = u64::from(constants.stop) < 1 << widths.transmittance
@@ -97,9 +65,16 @@ impl Palette {
         })
     }
 
-    /// A footprint's brush; `None` if its words lie outside their formats or its end outside the table.
+    fn format(&self) -> Scale {
+        self.scale
+    }
+
+    fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>> {
+        &mut tiles.fused
+    }
+
     #[inline(always)]
-    pub fn brush(&self, footprint: &Footprint) -> Option<Brush> {
+    fn brush(&self, footprint: &Footprint) -> Option<Brush> {
         let Palette { widths, scale, .. } = self;
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
         let end = i64::try_from(end).ok()?;
@@ -110,18 +85,37 @@ impl Palette {
                 .iter()
                 .all(|c| in_format(*c, widths.colour))
             && (self.deep || end <= i64::from(i32::MAX))
-            && self.intervals.reach(end.checked_sub(1)?);
+            && self.intervals.reach.covers(end.checked_sub(1)?);
         fits.then(|| Brush {
             end,
             peak: u64::from(footprint.peak) << scale.peak,
             colour: footprint.colour.map(|c| u64::from(c) << scale.colour),
         })
     }
+
+    #[inline(always)]
+    fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
+        match (painting.rules.stop_before, painting.palette.deep) {
+            (true, false) => run::<L, true, false>(lanes, painting),
+            (false, false) => run::<L, false, false>(lanes, painting),
+            (true, true) => run::<L, true, true>(lanes, painting),
+            (false, true) => run::<L, false, true>(lanes, painting),
+        }
+    }
+}
+
+#[inline(always)]
+fn run<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>(
+    lanes: L,
+    painting: Painting<Palette>,
+) -> Coverage {
+    let path = Path::<L, STOP_BEFORE, DEEP>::new(lanes, painting.palette, painting.rules);
+    painting.paint::<L, _, DEEP, CELL>(lanes, &path)
 }
 
 /// Everything about the pixel path that is constant for a picture, on vectors. `DEEP` lanes have 64 bits.
 #[derive(Clone, Copy)]
-pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
+pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> {
     lanes: L,
     table: &'a Pairs,
     /// The same table, if it is a Gaussian.
@@ -156,12 +150,12 @@ pub struct PixelPath<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> {
 
 /// Pixels counted, lane by lane.
 #[derive(Clone, Copy)]
-pub struct Counts<L: Fused> {
+pub struct Counts<L: Narrow> {
     covered: L::Word,
     live: L::Word,
 }
 
-impl<L: Fused> Counts<L> {
+impl<L: Narrow> Counts<L> {
     /// None.
     #[inline(always)]
     pub fn new(lanes: L) -> Self {
@@ -176,22 +170,11 @@ impl<L: Fused> Counts<L> {
         self.covered = lanes.wide_add(self.covered, ones(inside));
         self.live = lanes.wide_add(self.live, ones(live));
     }
-
-    /// In the painter's terms, of runs with so many pixels.
-    #[inline(always)]
-    pub fn coverage(&self, lanes: L, visited: u64) -> Coverage {
-        let [covered, live] = [self.covered, self.live].map(|words| lanes.sum(words));
-        Coverage {
-            visited,
-            covered,
-            finished: covered - live,
-        }
-    }
 }
 
 /// A brush on vectors.
 #[derive(Clone, Copy)]
-pub struct Colours<L: Fused> {
+pub struct Colours<L: Narrow> {
     end: L::Word,
     peak: L::Word,
     colour: [L::Word; 3],
@@ -199,7 +182,7 @@ pub struct Colours<L: Fused> {
     ahead: L::Word,
 }
 
-impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, STOP_BEFORE, DEEP> {
+impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_BEFORE, DEEP> {
     /// For a palette of lanes as deep as these.
     #[inline(always)]
     pub fn new(lanes: L, palette: &'a Palette, rules: &Rules) -> Self {
@@ -210,7 +193,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
             ..
         } = palette;
         let constants = Blend::new(widths, rules).constants();
-        let rest = intervals.rest_bits;
+        let rest = intervals.reach.rest_bits;
         let kept = u32::from(widths.interpolation).min(rest);
         // The position's left shift: it stands where its product with a change is a value at its scale.
         let raised = scale.weight - kept;
@@ -226,7 +209,7 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
         };
         let iota = lanes.wide_iota();
         let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
-        PixelPath {
+        Path {
             lanes,
             table: &intervals.pairs,
             factors: intervals.factors.as_ref(),
@@ -247,21 +230,9 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
             share_mask: above(scale.share),
             to_light: turn(64 - scale.to_light),
             stop: splat((u64::from(constants.stop) + 1) << scale.transmittance),
-            mark: splat(MARK),
+            mark: splat(u64::MARK),
             sum_half: half(scale.sum),
             sum_mask: splat(u64::MAX << scale.sum),
-        }
-    }
-
-    /// A brush on vectors, for rows with this second difference.
-    #[inline(always)]
-    pub fn colours(&self, brush: &Brush, second: i64) -> Colours<L> {
-        let splat = |value: i64| self.lanes.wide_splat(value);
-        Colours {
-            end: splat(brush.end),
-            peak: splat(brush.peak as i64),
-            colour: brush.colour.map(|c| splat(c as i64)),
-            ahead: self.multiply(self.corners, splat(second)),
         }
     }
 
@@ -289,16 +260,58 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
         }
     }
 
-    /// Paints what a footprint covers of a cell.
-    ///
+    /// The kernel at the radial indices where `live` is -1, 0 where it is 0.
+    #[inline(always)]
+    fn value(&self, radial: L::Word, live: L::Word) -> L::Word {
+        let lanes = self.lanes;
+        let interval = lanes.turn(radial, self.interval);
+        let (value, change) = match self.factors {
+            Some(factors) => {
+                let [low, next] = lanes.factored(factors, interval);
+                (
+                    lanes.turn(low, self.factored_value),
+                    lanes.wide_sub(next, low),
+                )
+            }
+            None => {
+                let pair = lanes.gather_pairs(self.table, interval);
+                (lanes.turn(pair, self.value), pair)
+            }
+        };
+        let position = lanes.wide_and(lanes.turn(radial, self.position), self.position_mask);
+        let value = lanes.merge(value, self.value_mask, self.value_half);
+        let value = lanes.wide_add(value, lanes.wide_mul(change, position));
+        lanes.all_three(value, self.value_mask, live)
+    }
+}
+
+impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelPath<L>
+    for Path<'_, L, STOP_BEFORE, DEEP>
+{
+    type Cell = Cell<u64, CELL>;
+    type Brush = Brush;
+    type Colours = Colours<L>;
+    type Counts = Counts<L>;
+
+    #[inline(always)]
+    fn colours(&self, brush: &Brush, second: i64) -> Colours<L> {
+        let splat = |value: i64| self.lanes.wide_splat(value);
+        Colours {
+            end: splat(brush.end),
+            peak: splat(brush.peak as i64),
+            colour: brush.colour.map(|c| splat(c as i64)),
+            ahead: self.multiply(self.corners, splat(second)),
+        }
+    }
+
     /// Conditions stay in the words, as their most significant bits: a detour through the mask registers takes ten cycles of the way from
     /// a radial index to a pixel.
     #[inline(always)]
-    pub fn paint(
+    fn paint(
         &self,
         colours: &Colours<L>,
         part: &Part,
-        cell: &mut Cell,
+        cell: &mut Self::Cell,
         counts: &mut Counts<L>,
     ) {
         let lanes = self.lanes;
@@ -335,27 +348,13 @@ impl<'a, L: Fused, const STOP_BEFORE: bool, const DEEP: bool> PixelPath<'a, L, S
         }
     }
 
-    /// The kernel at the radial indices where `live` is -1, 0 where it is 0.
     #[inline(always)]
-    fn value(&self, radial: L::Word, live: L::Word) -> L::Word {
-        let lanes = self.lanes;
-        let interval = lanes.turn(radial, self.interval);
-        let (value, change) = match self.factors {
-            Some(factors) => {
-                let [low, next] = lanes.factored(factors, interval);
-                (
-                    lanes.turn(low, self.factored_value),
-                    lanes.wide_sub(next, low),
-                )
-            }
-            None => {
-                let pair = lanes.gather_pairs(self.table, interval);
-                (lanes.turn(pair, self.value), pair)
-            }
-        };
-        let position = lanes.wide_and(lanes.turn(radial, self.position), self.position_mask);
-        let value = lanes.merge(value, self.value_mask, self.value_half);
-        let value = lanes.wide_add(value, lanes.wide_mul(change, position));
-        lanes.all_three(value, self.value_mask, live)
+    fn no_counts(&self) -> Counts<L> {
+        Counts::new(self.lanes)
+    }
+
+    #[inline(always)]
+    fn total(&self, counts: Counts<L>) -> [u64; 2] {
+        [counts.covered, counts.live].map(|words| self.lanes.sum(words))
     }
 }

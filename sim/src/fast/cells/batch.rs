@@ -3,24 +3,24 @@
 //! The way from a row's radial index to the seed of its first pixel is 200 cycles long. One footprint alone would wait for it; the rows of the
 //! next ones fill the time.
 
-use super::cells::Parts;
-use super::pixels::{Brush, Counts, PixelPath};
-use super::tile::Tile;
-use crate::fast::lanes::fused::Fused;
+use super::PixelPath;
+use super::parts::Parts;
+use crate::fast::lanes::narrow::Narrow;
 use crate::fast::paint::CHECK_INTERVAL;
+use splatline::draw::Coverage;
 use splatline::raster::{RowConstants, Window};
 
 /// What a footprint's rows in a tile and its pixels are computed from.
 #[derive(Clone, Copy, Debug)]
-pub struct Prepared {
+pub struct Prepared<B> {
     pub rows: RowConstants<i64>,
-    pub brush: Brush,
+    pub brush: B,
 }
 
 /// What is left of a footprint when its cells have been listed.
 #[derive(Clone, Copy, Debug, Default)]
-struct Listed {
-    brush: Brush,
+struct Listed<B> {
+    brush: B,
     /// Second difference of the radial index.
     second: i64,
     /// Where its cells end in the list.
@@ -28,12 +28,12 @@ struct Listed {
 }
 
 /// Memory for the footprints of a tile, used again and again.
-pub struct Batch<const DEEP: bool> {
-    parts: Parts<DEEP>,
-    listed: [Listed; CHECK_INTERVAL],
+pub struct Batch<B, const DEEP: bool, const CELL: usize> {
+    parts: Parts<DEEP, CELL>,
+    listed: [Listed<B>; CHECK_INTERVAL],
 }
 
-impl<const DEEP: bool> Batch<DEEP> {
+impl<B: Copy + Default, const DEEP: bool, const CELL: usize> Batch<B, DEEP, CELL> {
     /// Nothing.
     #[inline(always)]
     pub fn new() -> Self {
@@ -46,11 +46,11 @@ impl<const DEEP: bool> Batch<DEEP> {
     /// Lists the cells of as many footprints from the list's start as there is room for, and returns their number: 0 if vectors cannot
     /// draw the first one. `prepare` gives what is needed of the footprint at a place of the list.
     #[inline(always)]
-    pub fn fill<L: Fused>(
+    pub fn fill<L: Narrow>(
         &mut self,
         lanes: L,
         list: &[u32],
-        prepare: &dyn Fn(&[u32]) -> Option<Prepared>,
+        prepare: &dyn Fn(&[u32]) -> Option<Prepared<B>>,
         window: &Window,
     ) -> usize {
         self.parts.clear();
@@ -75,28 +75,29 @@ impl<const DEEP: bool> Batch<DEEP> {
         count
     }
 
-    /// Pixels of all runs that have ever been listed.
-    #[inline(always)]
-    pub fn visited(&self) -> u64 {
-        self.parts.visited()
-    }
-
     /// Paints the first `count` footprints that have been listed.
     #[inline(always)]
-    pub fn paint<L: Fused, const STOP_BEFORE: bool>(
+    pub fn paint<L: Narrow, P: PixelPath<L, Brush = B>>(
         &self,
-        path: &PixelPath<L, STOP_BEFORE, DEEP>,
+        path: &P,
         count: usize,
-        tile: &mut Tile,
-        counts: &mut Counts<L>,
-    ) {
+        tile: &mut [P::Cell],
+    ) -> Coverage {
         let mut first = 0;
+        let mut counts = path.no_counts();
         for listed in self.listed.iter().take(count) {
             let colours = path.colours(&listed.brush, listed.second);
             for part in self.parts.range(first, listed.end) {
-                path.paint(&colours, &part, tile.cell(part.cell()), counts);
+                let number = part.cell() % tile.len();
+                path.paint(&colours, &part, &mut tile[number], &mut counts);
             }
             first = listed.end;
+        }
+        let [covered, live] = path.total(counts);
+        Coverage {
+            visited: self.parts.visited(),
+            covered,
+            finished: covered - live,
         }
     }
 }

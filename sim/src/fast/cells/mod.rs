@@ -1,0 +1,273 @@
+//! Painting tiles by cells of pixels, each at a fixed place in memory, on the processor's widest vectors.
+//!
+//! In a tile a footprint's rows are computed first, as a list of cells ([`parts`]), of several footprints at once ([`batch`]), and then its
+//! pixels, in one of two ways. [`narrow`] puts products together from short ones, sixteen pixels at a time, for designs that are narrow
+//! enough; [`fused`] has products of 52 bits, eight pixels at a time, for all. What vectors cannot do is left to the kernel's painter. The
+//! vectors' code knows a design only by its numbers, so that one compiled copy serves all.
+
+mod batch;
+mod fused;
+mod intervals;
+mod narrow;
+mod parts;
+mod products;
+mod scale;
+mod tile;
+
+use super::lanes::fused::{FusedJob, dispatch_fused, has_fused};
+use super::lanes::narrow::Narrow;
+use super::lanes::{Choice, prefetch};
+use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
+use super::rows::is_tame;
+use batch::{Batch, Prepared};
+use parts::Part;
+use splatline::blend::Pixel;
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::Footprint;
+use splatline::format::{Design, Lane, Traversal, Widths};
+use splatline::kernel::FootprintTable;
+use splatline::raster::{SpanRows, Window};
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::Cull;
+use splatline::target::Target;
+use tile::{Format, Tile, TileCell};
+
+/// Painters for any design, and for narrow ones.
+pub type FusedPainter<'a, D> = CellPainter<'a, D, fused::Palette>;
+/// See [`FusedPainter`].
+pub type NarrowPainter<'a, D> = CellPainter<'a, D, narrow::Palette>;
+
+/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
+const AHEAD: usize = 4;
+
+/// A thread's memory.
+#[derive(Clone, Debug, Default)]
+pub struct Tiles {
+    fused: Option<TileOf<fused::Palette>>,
+    narrow: Option<TileOf<narrow::Palette>>,
+}
+
+type TileOf<P> = Tile<<P as Palette>::Cell, <P as Palette>::Format>;
+
+/// One way of computing pixels: makes of footprints what it needs of them. The same for a whole picture.
+pub trait Palette: Send + Sync + Sized {
+    type Cell: TileCell;
+    type Format: Format<Word = <Self::Cell as TileCell>::Word>;
+    /// What a footprint's pixels need beside its rows.
+    type Brush: Copy + Default;
+
+    /// For widths and a table that this way can do, in lanes of so many bits.
+    fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self>;
+
+    /// How pixels are written in a tile.
+    fn format(&self) -> Self::Format;
+
+    /// The thread's tile.
+    fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>>;
+
+    /// A footprint's brush; `None` if its words lie outside their formats or its end outside the table.
+    fn brush(&self, footprint: &Footprint) -> Option<Self::Brush>;
+
+    /// Chooses the compiled copy that paints a tile. Implement with `#[inline(always)]`, as everything it calls.
+    fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage;
+}
+
+/// The pixels of a palette on vectors, with everything that is constant for a picture. All methods with `#[inline(always)]`.
+pub trait PixelPath<L: Narrow>: Copy {
+    type Cell: TileCell;
+    type Brush: Copy + Default;
+    /// A brush on vectors.
+    type Colours: Copy;
+    /// Pixels counted, lane by lane.
+    type Counts: Copy;
+
+    /// A brush on vectors, for rows with this second difference.
+    fn colours(&self, brush: &Self::Brush, second: i64) -> Self::Colours;
+    /// Paints what a footprint covers of a cell.
+    fn paint(
+        &self,
+        colours: &Self::Colours,
+        part: &Part,
+        cell: &mut Self::Cell,
+        counts: &mut Self::Counts,
+    );
+    /// No pixels.
+    fn no_counts(&self) -> Self::Counts;
+    /// Pixels covered, and those of them that were not finished; of one batch.
+    fn total(&self, counts: Self::Counts) -> [u64; 2];
+}
+
+/// Paints tiles with one palette.
+pub struct CellPainter<'a, D, P> {
+    scalar: Painter<'a, D>,
+    design: D,
+    rules: Rules,
+    palette: P,
+    portable: bool,
+}
+
+impl<'a, D: Design + Sync, P: Palette> CellPainter<'a, D, P> {
+    /// A painter for a design and rules; `None` under widths or on a processor that the palette cannot do.
+    pub fn new(
+        design: D,
+        rules: &Rules,
+        table: FootprintTable<'a>,
+        choice: Choice,
+    ) -> Option<Self> {
+        (choice == Choice::Best && has_fused()).then_some(())?;
+        Self::on(design, rules, table, false)
+    }
+
+    /// The same, on arrays if asked for.
+    pub fn on(design: D, rules: &Rules, table: FootprintTable<'a>, portable: bool) -> Option<Self> {
+        let palette = P::new(&design.widths(), rules, &table, D::Lane::BITS)?;
+        let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
+        Some(CellPainter {
+            scalar: Painter::new(design, rules, table, order, traversal),
+            design,
+            rules: *rules,
+            palette,
+            portable,
+        })
+    }
+}
+
+impl<D: Design + Sync, P: Palette> TilePainter for CellPainter<'_, D, P> {
+    fn paint(
+        &self,
+        scratch: &mut Scratch,
+        window: Window,
+        footprints: &Results,
+        list: &[u32],
+        rows: &mut [&mut [Pixel]],
+    ) -> Coverage {
+        let format = self.palette.format();
+        let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| Tile::new(format));
+        dispatch_fused(
+            self.portable,
+            Painting {
+                palette: &self.palette,
+                rules: &self.rules,
+                prepare: &|list| self.prepare(footprints, list, &window),
+                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
+                tile,
+                window,
+                clear: Pixel::clear(&self.design.widths()),
+                list,
+                frame: rows,
+            },
+        )
+    }
+}
+
+impl<D: Design, P: Palette> CellPainter<'_, D, P> {
+    /// What the list's first footprint is computed from within the window, if it has one and vectors can draw it.
+    fn prepare(
+        &self,
+        footprints: &Results,
+        list: &[u32],
+        window: &Window,
+    ) -> Option<Prepared<P::Brush>> {
+        let footprint = |index: &u32| &footprints[*index as usize];
+        if let Some(next) = list.get(AHEAD) {
+            prefetch(footprint(next));
+        }
+        let footprint = footprint(list.first()?).as_ref().ok()?;
+        let rows = SpanRows::new(self.design, footprint, window)
+            .constants()
+            .widened();
+        let brush = self.palette.brush(footprint)?;
+        is_tame(&rows).then_some(Prepared { rows, brush })
+    }
+
+    /// The scalar painter on the tile's pixels.
+    #[cold]
+    #[inline(never)]
+    fn paint_scalar(&self, footprint: &Result<Footprint, Cull>, tile: &mut TileOf<P>) -> Coverage {
+        let mut pixels = tile.to_pixels();
+        let window = tile.window();
+        let stride = usize::from(window.last[0] - window.first[0]);
+        let target = Target::new(&mut pixels, window, stride);
+        let (Ok(footprint), Ok(mut target)) = (footprint, target) else {
+            return Coverage::default();
+        };
+        let coverage = self.scalar.draw(footprint, &mut target);
+        tile.set_pixels(&pixels);
+        coverage
+    }
+}
+
+/// A tile to be painted, by whatever vectors.
+pub struct Painting<'a, 'f, P: Palette> {
+    palette: &'a P,
+    rules: &'a Rules,
+    /// What is needed of the footprint that this list begins with.
+    prepare: &'a dyn Fn(&[u32]) -> Option<Prepared<P::Brush>>,
+    /// Paints the footprint of this number by the kernel.
+    scalar: &'a dyn Fn(u32, &mut TileOf<P>) -> Coverage,
+    tile: &'a mut TileOf<P>,
+    window: Window,
+    clear: Pixel,
+    list: &'a [u32],
+    /// The tile's rows of the frame.
+    frame: &'a mut [&'f mut [Pixel]],
+}
+
+impl<P: Palette> FusedJob for Painting<'_, '_, P> {
+    type Output = Coverage;
+
+    #[inline(always)]
+    fn run<L: Narrow>(self, lanes: L) -> Coverage {
+        P::run(lanes, self)
+    }
+}
+
+impl<P: Palette> Painting<'_, '_, P> {
+    /// Paints the tile, with pixels of this path.
+    #[inline(always)]
+    fn paint<L, Path, const DEEP: bool, const CELL: usize>(self, lanes: L, path: &Path) -> Coverage
+    where
+        L: Narrow,
+        Path: PixelPath<L, Cell = P::Cell, Brush = P::Brush>,
+    {
+        let Painting {
+            palette,
+            prepare,
+            scalar,
+            tile,
+            window,
+            clear,
+            list,
+            frame,
+            ..
+        } = self;
+        const { assert!(<P::Cell as TileCell>::PIXELS == CELL) };
+        let mut coverage = Coverage::default();
+        let mut batch = Batch::<P::Brush, DEEP, CELL>::new();
+        tile.open(window, clear, palette.format());
+        for chunk in list.chunks(CHECK_INTERVAL) {
+            let mut rest = chunk;
+            while let Some((first, others)) = rest.split_first() {
+                let listed = match tile.cells() {
+                    Some(cells) => {
+                        let listed = batch.fill(lanes, rest, prepare, &window);
+                        coverage += batch.paint(path, listed, cells);
+                        listed
+                    }
+                    None => 0,
+                };
+                rest = if listed == 0 {
+                    coverage += scalar(*first, tile);
+                    others
+                } else {
+                    &rest[listed..]
+                };
+            }
+            if tile.is_finished() {
+                break;
+            }
+        }
+        tile.copy(frame.iter_mut().map(|row| &mut **row));
+        coverage
+    }
+}

@@ -1,0 +1,342 @@
+//! The pixel path of narrow designs: sixteen pixels at a time, products put together from short ones.
+//!
+//! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] give for values within their formats, in
+//! designs that have [`Products`] and a Gaussian table in factors of single precision; `lean18` and `classic8` do. As in
+//! [`fused`](super::fused), conditions stay in the words as their most significant bits, and an opacity of 0 changes no pixel.
+
+use super::intervals::Reach;
+use super::parts::Part;
+use super::products::{Products, Split};
+use super::tile::{Cell, Word};
+use super::{Painting, TileOf, Tiles};
+use crate::fast::lanes::factors::NarrowFactors;
+use crate::fast::lanes::narrow::Narrow;
+use splatline::blend::Blend;
+use splatline::draw::{Coverage, cutoff_in_lane};
+use splatline::footprint::Footprint;
+use splatline::format::Widths;
+use splatline::kernel::FootprintTable;
+use splatline::rules::Rules;
+
+/// Pixels of a cell.
+const CELL: usize = 16;
+
+/// What a footprint's pixels need beside its rows.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Brush {
+    /// One past the largest radial index inside.
+    end: u32,
+    peak: u32,
+    colour: [u32; 3],
+}
+
+/// Makes brushes; the same for a whole picture.
+#[derive(Clone, Debug)]
+pub struct Palette {
+    widths: Widths,
+    products: Products,
+    factors: NarrowFactors,
+    reach: Reach,
+    /// Bits of the position within an interval that the interpolator sees.
+    kept: u32,
+}
+
+impl super::Palette for Palette {
+    type Cell = Cell<u32, CELL>;
+    type Format = Products;
+    type Brush = Brush;
+
+    fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
+        let constants = Blend::new(widths, rules).constants();
+        let reach = Reach::new(table);
+        let kept = u32::from(widths.interpolation).min(reach.rest_bits);
+        let entries = table.entries();
+        let steepest = entries.windows(2).map(|pair| pair[0].abs_diff(pair[1]));
+        let fits = lane_bits == 32
+            && widths.radial <= 27
+            && u64::from(constants.stop) < 1 << widths.transmittance
+            && constants.alpha_max <= 1 << widths.alpha
+            && entries.iter().all(|entry| *entry <= 1 << widths.weight)
+            && u64::from(steepest.max()?) << kept < 1 << 30;
+        fits.then_some(())?;
+        Some(Palette {
+            widths: *widths,
+            products: Products::new(widths, &constants)?,
+            factors: NarrowFactors::gaussian(entries, widths, rules.table_range)?,
+            reach,
+            kept,
+        })
+    }
+
+    fn format(&self) -> Products {
+        self.products
+    }
+
+    fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>> {
+        &mut tiles.narrow
+    }
+
+    #[inline(always)]
+    fn brush(&self, footprint: &Footprint) -> Option<Brush> {
+        let Palette {
+            widths,
+            products,
+            reach,
+            ..
+        } = self;
+        let end = cutoff_in_lane(footprint.cutoff, widths.radial);
+        let end = i32::try_from(end).ok()?;
+        let fits = footprint.peak <= products.peak
+            && footprint.colour.iter().all(|c| *c <= products.colour)
+            && reach.covers(i64::from(end) - 1);
+        fits.then_some(Brush {
+            end: end as u32,
+            peak: footprint.peak,
+            colour: footprint.colour,
+        })
+    }
+
+    #[inline(always)]
+    fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
+        if painting.rules.stop_before {
+            run::<L, true>(lanes, painting)
+        } else {
+            run::<L, false>(lanes, painting)
+        }
+    }
+}
+
+#[inline(always)]
+fn run<L: Narrow, const STOP_BEFORE: bool>(lanes: L, painting: Painting<Palette>) -> Coverage {
+    let path = Path::<L, STOP_BEFORE>::new(lanes, painting.palette, painting.rules);
+    painting.paint::<L, _, false, CELL>(lanes, &path)
+}
+
+/// A [`Split`] on vectors.
+#[derive(Clone, Copy)]
+struct Parts<L: Narrow> {
+    bits: L::Short,
+    mask: L::Short,
+    half: L::Short,
+    rest: L::Short,
+}
+
+impl<L: Narrow> Parts<L> {
+    #[inline(always)]
+    fn new(lanes: L, split: &Split) -> Self {
+        Parts {
+            bits: lanes.short_splat(split.bits),
+            mask: lanes.short_splat((1 << split.bits) - 1),
+            half: lanes.short_splat(split.half),
+            rest: lanes.short_splat(split.rest),
+        }
+    }
+
+    /// The upper and the lower part.
+    #[inline(always)]
+    fn split(&self, lanes: L, factor: L::Short) -> [L::Short; 2] {
+        [
+            lanes.short_shr(factor, self.bits),
+            lanes.short_and(factor, self.mask),
+        ]
+    }
+
+    /// The product of a factor in parts.
+    #[inline(always)]
+    fn product(&self, lanes: L, [high, low]: [L::Short; 2], other: L::Short) -> L::Short {
+        let low = lanes.short_add(lanes.short_mul(low, other), self.half);
+        let high = lanes.short_mul(high, other);
+        let sum = lanes.short_add(high, lanes.short_shr(low, self.bits));
+        lanes.short_shr(sum, self.rest)
+    }
+}
+
+/// Everything about the pixel path that is constant for a picture, on vectors.
+#[derive(Clone, Copy)]
+pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool> {
+    lanes: L,
+    factors: &'a NarrowFactors,
+    opacity: Parts<L>,
+    share: Parts<L>,
+    zero: L::Short,
+    iota: L::Short,
+    /// k (k - 1) / 2 for pixel k.
+    corners: L::Short,
+    /// Right shift from a radial index to its interval.
+    interval: L::Short,
+    /// Right shift and mask that leave the position within it.
+    position: L::Short,
+    position_mask: L::Short,
+    /// The interpolator's rounding and right shift.
+    step_half: L::Short,
+    step: L::Short,
+    /// Where a number's integer lies.
+    value_mask: L::Short,
+    alpha_max: L::Short,
+    alpha_min: L::Short,
+    /// Transmittances below this finish a pixel.
+    stop: L::Short,
+    mark: L::Short,
+    raise: L::Short,
+    sum_half: L::Short,
+    sum_mask: L::Short,
+}
+
+/// A brush on vectors.
+#[derive(Clone, Copy)]
+pub struct Colours<L: Narrow> {
+    end: L::Short,
+    peak: [L::Short; 2],
+    /// In the lower halves of the words, and in the upper ones.
+    colour: [[L::Short; 2]; 3],
+    /// k (k - 1) / 2 s for pixel k.
+    ahead: L::Short,
+}
+
+/// Pixels counted, lane by lane: at most as many as a batch has cells, and so far below 2^32.
+#[derive(Clone, Copy)]
+pub struct Counts<L: Narrow> {
+    covered: L::Short,
+    live: L::Short,
+}
+
+impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
+    #[inline(always)]
+    fn new(lanes: L, palette: &'a Palette, rules: &Rules) -> Self {
+        let Palette {
+            widths,
+            products,
+            factors,
+            reach,
+            kept,
+        } = palette;
+        let constants = Blend::new(widths, rules).constants();
+        let splat = |value: u32| lanes.short_splat(value);
+        let iota = lanes.short_iota();
+        let corners = lanes.short_mul(iota, lanes.short_sub(iota, splat(1)));
+        Path {
+            lanes,
+            factors,
+            opacity: Parts::new(lanes, &products.opacity),
+            share: Parts::new(lanes, &products.share),
+            zero: splat(0),
+            iota,
+            corners: lanes.short_shr(corners, splat(1)),
+            interval: splat(reach.rest_bits),
+            position: splat(reach.rest_bits - kept),
+            position_mask: splat((1 << kept) - 1),
+            step_half: splat((1 << kept) >> 1),
+            step: splat(*kept),
+            value_mask: splat((1 << 23) - 1),
+            alpha_max: splat(constants.alpha_max),
+            alpha_min: splat(constants.alpha_min),
+            stop: splat(constants.stop + 1),
+            mark: splat(u32::MARK),
+            raise: splat(products.raise),
+            sum_half: splat(products.sum_half),
+            sum_mask: splat(u32::MAX << products.sum),
+        }
+    }
+
+    /// The radial indices of a cell's pixels, 0 where they are negative.
+    #[inline(always)]
+    fn radial(&self, colours: &Colours<L>, part: &Part) -> L::Short {
+        let lanes = self.lanes;
+        let [radial, first] = [part.radial, part.first].map(|word| lanes.short_splat(word as u32));
+        let along = lanes.short_mul(self.iota, first);
+        let radial = lanes.short_add(lanes.short_add(radial, colours.ahead), along);
+        lanes.short_max(radial, self.zero)
+    }
+
+    /// The kernel at the radial indices where `live` is -1, 0 where it is 0.
+    #[inline(always)]
+    fn value(&self, radial: L::Short, live: L::Short) -> L::Short {
+        let lanes = self.lanes;
+        let interval = lanes.short_shr(radial, self.interval);
+        let [low, next] = lanes.short_factored(self.factors, interval);
+        let position = lanes.short_shr(radial, self.position);
+        let position = lanes.short_and(position, self.position_mask);
+        let step = lanes.short_mul(lanes.short_sub(next, low), position);
+        let step = lanes.short_sar(lanes.short_add(step, self.step_half), self.step);
+        lanes.short_all(lanes.short_add(low, step), self.value_mask, live)
+    }
+}
+
+impl<L: Narrow, const STOP_BEFORE: bool> super::PixelPath<L> for Path<'_, L, STOP_BEFORE> {
+    type Cell = Cell<u32, CELL>;
+    type Brush = Brush;
+    type Colours = Colours<L>;
+    type Counts = Counts<L>;
+
+    #[inline(always)]
+    fn colours(&self, brush: &Brush, second: i64) -> Colours<L> {
+        let lanes = self.lanes;
+        let splat = |value: u32| lanes.short_splat(value);
+        Colours {
+            end: splat(brush.end),
+            peak: self.opacity.split(lanes, splat(brush.peak)),
+            colour: brush.colour.map(|c| [splat(c), splat(c << 16)]),
+            ahead: lanes.short_mul(self.corners, splat(second as u32)),
+        }
+    }
+
+    #[inline(always)]
+    fn paint(
+        &self,
+        colours: &Colours<L>,
+        part: &Part,
+        cell: &mut Self::Cell,
+        counts: &mut Counts<L>,
+    ) {
+        let lanes = self.lanes;
+        let radial = self.radial(colours, part);
+        let of_run = lanes.short_marks(part.place as u32);
+        let inside = lanes.short_and(lanes.short_sub(radial, colours.end), of_run);
+        let light = lanes.short_read(&cell.light);
+        let live = lanes.short_without(inside, inside, light);
+        let [inside, live] = [inside, live].map(|word| lanes.short_spread(word));
+        counts.covered = lanes.short_sub(counts.covered, inside);
+        counts.live = lanes.short_sub(counts.live, live);
+        if lanes.short_marked(live) == 0 {
+            return;
+        }
+        let value = self.value(radial, live);
+        let alpha = self.opacity.product(lanes, colours.peak, value);
+        let alpha = lanes.short_min(alpha, self.alpha_max);
+        // Where no pixel is live the value and with it the opacity is 0 already.
+        let too_small = lanes.short_spread(lanes.short_sub(alpha, self.alpha_min));
+        let alpha = lanes.short_without(alpha, alpha, too_small);
+        let parts = self.share.split(lanes, light);
+        let share = self.share.product(lanes, parts, alpha);
+        let rest = lanes.short_sub(light, share);
+        let stops = lanes.short_spread(lanes.short_sub(rest, self.stop));
+        let before = if STOP_BEFORE { light } else { rest };
+        let stopped = lanes.short_merge(before, before, self.mark);
+        lanes.short_write(&mut cell.light, lanes.short_blend(stops, stopped, rest));
+        let share = if STOP_BEFORE {
+            lanes.short_without(share, share, stops)
+        } else {
+            share
+        };
+        let share = lanes.short_shl(share, self.raise);
+        for (plane, [below, above]) in cell.colour.iter_mut().zip(colours.colour) {
+            let low = lanes.upper_halves(share, below);
+            let high = lanes.both_halves(share, above);
+            let sum = lanes.short_add(lanes.short_read(plane), lanes.short_add(low, high));
+            lanes.short_write(plane, lanes.short_merge(sum, self.sum_mask, self.sum_half));
+        }
+    }
+
+    #[inline(always)]
+    fn no_counts(&self) -> Counts<L> {
+        Counts {
+            covered: self.zero,
+            live: self.zero,
+        }
+    }
+
+    #[inline(always)]
+    fn total(&self, counts: Counts<L>) -> [u64; 2] {
+        [counts.covered, counts.live].map(|words| self.lanes.short_sum(words).into())
+    }
+}

@@ -1,0 +1,215 @@
+//! A tile's pixels as vectors read them: neighbours of a row together, their words in the form that the pixel path computes with.
+//!
+//! A vector is always one cell. So none crosses a line of the cache, and what one splat stored is what the next one loads; runs
+//! that begin anywhere would split most loads and stores in two and find half of a word still on its way to the cache.
+
+use crate::fast::tile::TILE;
+use core::ops::BitAnd;
+use splatline::blend::{FINISHED, Pixel};
+use splatline::raster::Window;
+
+/// Pixels of a tile.
+pub const AREA: usize = TILE[0] as usize * TILE[1] as usize;
+
+/// A word of a pixel.
+pub trait Word: Copy + Default + PartialEq + BitAnd<Output = Self> + Send {
+    /// The most significant bit: the mark of a finished pixel, which no product sees.
+    const MARK: Self;
+}
+
+impl Word for u64 {
+    const MARK: u64 = 1 << 63;
+}
+
+impl Word for u32 {
+    const MARK: u32 = 1 << 31;
+}
+
+/// `N` pixels of a row: transmittances, and sums of red, green and blue.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Cell<W, const N: usize> {
+    pub light: [W; N],
+    pub colour: [[W; N]; 3],
+}
+
+/// A cell of any size.
+pub trait TileCell: Copy + Send {
+    type Word: Word;
+    const PIXELS: usize;
+    /// All pixels alike.
+    fn filled(words: [Self::Word; 4]) -> Self;
+    /// Transmittance, red, green and blue of a pixel.
+    fn get(&self, pixel: usize) -> [Self::Word; 4];
+    /// The inverse of `get`.
+    fn set(&mut self, pixel: usize, words: [Self::Word; 4]);
+    /// Have all its pixels finished?
+    fn is_finished(&self) -> bool;
+}
+
+impl<W: Word, const N: usize> TileCell for Cell<W, N> {
+    type Word = W;
+    const PIXELS: usize = N;
+
+    #[inline(always)]
+    fn filled([light, colour @ ..]: [W; 4]) -> Self {
+        Cell {
+            light: [light; N],
+            colour: colour.map(|sum| [sum; N]),
+        }
+    }
+
+    #[inline(always)]
+    fn get(&self, pixel: usize) -> [W; 4] {
+        let [red, green, blue] = self.colour.map(|plane| plane[pixel]);
+        [self.light[pixel], red, green, blue]
+    }
+
+    #[inline(always)]
+    fn set(&mut self, pixel: usize, [light, colour @ ..]: [W; 4]) {
+        self.light[pixel] = light;
+        for (plane, sum) in self.colour.iter_mut().zip(colour) {
+            plane[pixel] = sum;
+        }
+    }
+
+    #[inline(always)]
+    fn is_finished(&self) -> bool {
+        let all = self.light.iter().fold(W::MARK, |all, light| all & *light);
+        all != W::default()
+    }
+}
+
+/// How the kernel's pixels are written as words.
+pub trait Format: Copy + Send {
+    type Word: Word;
+    /// Transmittance, red, green and blue.
+    fn words(&self, pixel: Pixel) -> [Self::Word; 4];
+    /// Can vectors go on with this pixel, whatever they add to it? If not, `words` may be wrong.
+    fn holds(&self, pixel: Pixel) -> bool;
+    /// The inverse of `words`.
+    fn pixel(&self, words: [Self::Word; 4]) -> Pixel;
+}
+
+/// The cells of one tile, kept from tile to tile by a thread.
+#[derive(Clone, Debug)]
+pub struct Tile<C, F> {
+    cells: Box<[C]>,
+    window: Window,
+    format: F,
+    /// The pixels instead, once the kernel's painter has made of one what the format cannot hold: colours far outside theirs.
+    spilled: Option<Vec<Pixel>>,
+}
+
+impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
+    /// Cells of a row, a power of two.
+    pub const CELLS_OF_ROW: usize = {
+        assert!((TILE[0] as usize).is_multiple_of(C::PIXELS));
+        assert!((AREA / C::PIXELS).is_power_of_two());
+        TILE[0] as usize / C::PIXELS
+    };
+
+    /// Memory for a tile, empty.
+    pub fn new(format: F) -> Self {
+        Tile {
+            cells: vec![C::filled(format.words(Pixel::default())); AREA / C::PIXELS].into(),
+            window: Window {
+                first: [0; 2],
+                last: [0; 2],
+            },
+            format,
+            spilled: None,
+        }
+    }
+
+    /// Makes it the transparent pixels of `window`, which is at most a [`TILE`], in this format.
+    #[inline(always)]
+    pub fn open(&mut self, window: Window, clear: Pixel, format: F) {
+        self.window = window;
+        self.format = format;
+        self.spilled = None;
+        let (columns, rows) = (self.columns(), self.rows());
+        let words = format.words(clear);
+        let [_, colour @ ..] = words;
+        let [red, green, blue] = colour;
+        for row in self.cells.chunks_exact_mut(Self::CELLS_OF_ROW).take(rows) {
+            row.fill(C::filled(words));
+            // Nothing that a vector finds beyond the tile counts as a pixel.
+            for x in columns..TILE[0].into() {
+                row[x / C::PIXELS].set(x % C::PIXELS, [C::Word::MARK, red, green, blue]);
+            }
+        }
+    }
+
+    /// The tile's part of the screen.
+    pub fn window(&self) -> Window {
+        self.window
+    }
+
+    fn columns(&self) -> usize {
+        usize::from(self.window.last[0] - self.window.first[0]).min(TILE[0].into())
+    }
+
+    fn rows(&self) -> usize {
+        usize::from(self.window.last[1] - self.window.first[1]).min(TILE[1].into())
+    }
+
+    /// The cells, counted along the rows from the tile's first; `None` if only the kernel's painter can go on.
+    #[inline(always)]
+    pub fn cells(&mut self) -> Option<&mut [C]> {
+        self.spilled.is_none().then_some(&mut self.cells)
+    }
+
+    /// Have all its pixels finished?
+    #[inline(always)]
+    pub fn is_finished(&self) -> bool {
+        if let Some(pixels) = &self.spilled {
+            return pixels
+                .iter()
+                .all(|pixel| pixel.transmittance & FINISHED != 0);
+        }
+        let mut cells = self.cells.iter().take(self.rows() * Self::CELLS_OF_ROW);
+        cells.all(C::is_finished)
+    }
+
+    /// The pixels as the kernel knows them, row by row.
+    pub fn to_pixels(&self) -> Vec<Pixel> {
+        let columns = self.columns();
+        let mut pixels = vec![Pixel::default(); columns * self.rows()];
+        self.copy(pixels.chunks_exact_mut(columns.max(1)));
+        pixels
+    }
+
+    /// The inverse of [`Tile::to_pixels`].
+    pub fn set_pixels(&mut self, pixels: &[Pixel]) {
+        if !pixels.iter().all(|pixel| self.format.holds(*pixel)) {
+            self.spilled = Some(pixels.into());
+            return;
+        }
+        let columns = self.columns().max(1);
+        let rows = self.cells.chunks_exact_mut(Self::CELLS_OF_ROW);
+        for (row, pixels) in rows.zip(pixels.chunks_exact(columns)) {
+            for (x, pixel) in pixels.iter().enumerate() {
+                row[x / C::PIXELS].set(x % C::PIXELS, self.format.words(*pixel));
+            }
+        }
+    }
+
+    /// Writes the tile's rows as pixels.
+    #[inline(always)]
+    pub fn copy<'p>(&self, rows: impl Iterator<Item = &'p mut [Pixel]>) {
+        if let Some(pixels) = &self.spilled {
+            let from = pixels.chunks_exact(self.columns().max(1));
+            rows.zip(from)
+                .for_each(|(row, from)| row.copy_from_slice(from));
+            return;
+        }
+        for (cells, row) in self.cells.chunks_exact(Self::CELLS_OF_ROW).zip(rows) {
+            for (cell, pixels) in cells.iter().zip(row.chunks_mut(C::PIXELS)) {
+                for (k, pixel) in pixels.iter_mut().enumerate() {
+                    *pixel = self.format.pixel(cell.get(k));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Vectors of sixteen 32-bit words, for designs whose products can be put together from products of 16 bits or of 32.
+//!
+//! The portable implementation, on arrays, is the definition; it serves the tests and is not meant to be fast.
+
+#![allow(unsafe_code)]
+
+use super::Portable;
+use super::factors::NarrowFactors;
+use super::fused::Fused;
+
+/// Operations of the narrow pixel path. Arithmetic wraps.
+pub trait Narrow: Fused {
+    /// Sixteen words.
+    type Short: Copy;
+
+    /// The same word everywhere.
+    fn short_splat(self, value: u32) -> Self::Short;
+    /// 0, 1, 2, ...
+    fn short_iota(self) -> Self::Short;
+    /// The words of memory.
+    fn short_read(self, from: &[u32; 16]) -> Self::Short;
+    /// Stores the words.
+    fn short_write(self, to: &mut [u32; 16], value: Self::Short);
+    /// a + b.
+    fn short_add(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// a - b.
+    fn short_sub(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// Low 32 bits of a b.
+    fn short_mul(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// Upper 16 bits of the product of the lower halves, without a sign, and of that of the upper halves, each in its place.
+    fn upper_halves(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// The products of the lower halves and of the upper halves, with signs, added.
+    fn both_halves(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// a << by, at most 31.
+    fn short_shl(self, a: Self::Short, by: Self::Short) -> Self::Short;
+    /// a >> by, at most 31, filled with zeros.
+    fn short_shr(self, a: Self::Short, by: Self::Short) -> Self::Short;
+    /// a >> by, at most 31, filled with the sign.
+    fn short_sar(self, a: Self::Short, by: Self::Short) -> Self::Short;
+    /// a & b.
+    fn short_and(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// The larger one, as signed numbers.
+    fn short_max(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// The smaller one, as unsigned numbers.
+    fn short_min(self, a: Self::Short, b: Self::Short) -> Self::Short;
+    /// (a & mask) | b.
+    fn short_merge(self, a: Self::Short, mask: Self::Short, b: Self::Short) -> Self::Short;
+    /// a & b & c.
+    fn short_all(self, a: Self::Short, b: Self::Short, c: Self::Short) -> Self::Short;
+    /// a & b & !c.
+    fn short_without(self, a: Self::Short, b: Self::Short, c: Self::Short) -> Self::Short;
+    /// The bits of b where those of a are set, else those of c.
+    fn short_blend(self, a: Self::Short, b: Self::Short, c: Self::Short) -> Self::Short;
+    /// -1 where the most significant bit is set, else 0.
+    fn short_spread(self, a: Self::Short) -> Self::Short;
+    /// Bit k of `bits` in word k, as its most significant bit; the others are anything.
+    fn short_marks(self, bits: u32) -> Self::Short;
+    /// A bit for every word: its most significant one.
+    fn short_marked(self, a: Self::Short) -> u16;
+    /// The sum of all words.
+    fn short_sum(self, a: Self::Short) -> u32;
+    /// [`NarrowFactors::neighbours`] of these indices.
+    fn short_factored(self, factors: &NarrowFactors, index: Self::Short) -> [Self::Short; 2];
+}
+
+type Words = [u32; 16];
+
+fn zip(a: Words, b: Words, operation: impl Fn(u32, u32) -> u32) -> Words {
+    std::array::from_fn(|k| operation(a[k], b[k]))
+}
+
+fn halves(word: u32) -> [u32; 2] {
+    [word & 0xffff, word >> 16]
+}
+
+impl Narrow for Portable {
+    type Short = Words;
+
+    fn short_splat(self, value: u32) -> Words {
+        [value; 16]
+    }
+    fn short_iota(self) -> Words {
+        std::array::from_fn(|k| k as u32)
+    }
+    fn short_read(self, from: &[u32; 16]) -> Words {
+        *from
+    }
+    fn short_write(self, to: &mut [u32; 16], value: Words) {
+        *to = value;
+    }
+    fn short_add(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::wrapping_add)
+    }
+    fn short_sub(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::wrapping_sub)
+    }
+    fn short_mul(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::wrapping_mul)
+    }
+    fn upper_halves(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| {
+            let ([a, above_a], [b, above_b]) = (halves(a), halves(b));
+            (a * b >> 16) | (above_a * above_b & 0xffff_0000)
+        })
+    }
+    fn both_halves(self, a: Words, b: Words) -> Words {
+        let signed = |word: u32| halves(word).map(|half| i32::from(half as u16 as i16));
+        zip(a, b, |a, b| {
+            let ([a, above_a], [b, above_b]) = (signed(a), signed(b));
+            (a * b).wrapping_add(above_a * above_b) as u32
+        })
+    }
+    fn short_shl(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| a << by)
+    }
+    fn short_shr(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| a >> by)
+    }
+    fn short_sar(self, a: Words, by: Words) -> Words {
+        zip(a, by, |a, by| (a as i32 >> by) as u32)
+    }
+    fn short_and(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a & b)
+    }
+    fn short_max(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| (a as i32).max(b as i32) as u32)
+    }
+    fn short_min(self, a: Words, b: Words) -> Words {
+        zip(a, b, u32::min)
+    }
+    fn short_merge(self, a: Words, mask: Words, b: Words) -> Words {
+        std::array::from_fn(|k| (a[k] & mask[k]) | b[k])
+    }
+    fn short_all(self, a: Words, b: Words, c: Words) -> Words {
+        std::array::from_fn(|k| a[k] & b[k] & c[k])
+    }
+    fn short_without(self, a: Words, b: Words, c: Words) -> Words {
+        std::array::from_fn(|k| a[k] & b[k] & !c[k])
+    }
+    fn short_blend(self, a: Words, b: Words, c: Words) -> Words {
+        std::array::from_fn(|k| (a[k] & b[k]) | (!a[k] & c[k]))
+    }
+    fn short_spread(self, a: Words) -> Words {
+        a.map(|a| (a as i32 >> 31) as u32)
+    }
+    fn short_marks(self, bits: u32) -> Words {
+        std::array::from_fn(|k| bits << (31 - k))
+    }
+    fn short_marked(self, a: Words) -> u16 {
+        (0..16).fold(0, |bits, k| bits | ((a[k] >> 31) as u16) << k)
+    }
+    fn short_sum(self, a: Words) -> u32 {
+        a.into_iter().fold(0, u32::wrapping_add)
+    }
+    fn short_factored(self, factors: &NarrowFactors, index: Words) -> [Words; 2] {
+        let pairs = index.map(|index| factors.neighbours(index));
+        [0, 1].map(|which| pairs.map(|pair| pair[which]))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction.
+
+    use super::super::avx512::Avx512;
+    use super::super::factors::{NarrowFactors, TO_SHORT_INTEGER};
+    use super::Narrow;
+    use std::arch::x86_64::*;
+
+    macro_rules! op {
+        ($call:expr) => {
+            unsafe { $call }
+        };
+    }
+
+    impl Narrow for Avx512 {
+        type Short = __m512i;
+
+        #[inline(always)]
+        fn short_splat(self, value: u32) -> __m512i {
+            op!(_mm512_set1_epi32(value as i32))
+        }
+        #[inline(always)]
+        fn short_iota(self) -> __m512i {
+            op!(_mm512_setr_epi32(
+                0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15
+            ))
+        }
+        #[inline(always)]
+        fn short_read(self, from: &[u32; 16]) -> __m512i {
+            // SAFETY: the array has the 64 bytes that are read; no alignment is needed.
+            unsafe { _mm512_loadu_si512(from.as_ptr().cast()) }
+        }
+        #[inline(always)]
+        fn short_write(self, to: &mut [u32; 16], value: __m512i) {
+            // SAFETY: the array has the 64 bytes that are written; no alignment is needed.
+            unsafe { _mm512_storeu_si512(to.as_mut_ptr().cast(), value) }
+        }
+        #[inline(always)]
+        fn short_add(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_add_epi32(a, b))
+        }
+        #[inline(always)]
+        fn short_sub(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_sub_epi32(a, b))
+        }
+        #[inline(always)]
+        fn short_mul(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_mullo_epi32(a, b))
+        }
+        #[inline(always)]
+        fn upper_halves(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_mulhi_epu16(a, b))
+        }
+        #[inline(always)]
+        fn both_halves(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_madd_epi16(a, b))
+        }
+        #[inline(always)]
+        fn short_shl(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_sllv_epi32(a, by))
+        }
+        #[inline(always)]
+        fn short_shr(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_srlv_epi32(a, by))
+        }
+        #[inline(always)]
+        fn short_sar(self, a: __m512i, by: __m512i) -> __m512i {
+            op!(_mm512_srav_epi32(a, by))
+        }
+        #[inline(always)]
+        fn short_and(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_and_si512(a, b))
+        }
+        #[inline(always)]
+        fn short_max(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_max_epi32(a, b))
+        }
+        #[inline(always)]
+        fn short_min(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_min_epu32(a, b))
+        }
+        #[inline(always)]
+        fn short_merge(self, a: __m512i, mask: __m512i, b: __m512i) -> __m512i {
+            // The number is the truth table of (a & mask) | b.
+            op!(_mm512_ternarylogic_epi32::<0b1110_1010>(a, mask, b))
+        }
+        #[inline(always)]
+        fn short_all(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            op!(_mm512_ternarylogic_epi32::<0b1000_0000>(a, b, c))
+        }
+        #[inline(always)]
+        fn short_without(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            op!(_mm512_ternarylogic_epi32::<0b0100_0000>(a, b, c))
+        }
+        #[inline(always)]
+        fn short_blend(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            op!(_mm512_ternarylogic_epi32::<0b1100_1010>(a, b, c))
+        }
+        #[inline(always)]
+        fn short_spread(self, a: __m512i) -> __m512i {
+            op!(_mm512_srai_epi32::<31>(a))
+        }
+        #[inline(always)]
+        fn short_marks(self, bits: u32) -> __m512i {
+            let to_the_top = op!(_mm512_setr_epi32(
+                31, 30, 29, 28, 27, 26, 25, 24, 23, 22, 21, 20, 19, 18, 17, 16
+            ));
+            op!(_mm512_sllv_epi32(
+                _mm512_set1_epi32(bits as i32),
+                to_the_top
+            ))
+        }
+        #[inline(always)]
+        fn short_marked(self, a: __m512i) -> u16 {
+            op!(_mm512_movepi32_mask(a))
+        }
+        #[inline(always)]
+        fn short_sum(self, a: __m512i) -> u32 {
+            op!(_mm512_reduce_add_epi32(a)) as u32
+        }
+        #[inline(always)]
+        fn short_factored(self, factors: &NarrowFactors, index: __m512i) -> [__m512i; 2] {
+            let entry = |entries: &[f32; 32], index: __m512i| {
+                let [low, high] = [&entries[..16], &entries[16..]];
+                // SAFETY: both halves have the 64 bytes that are read.
+                unsafe {
+                    let low = _mm512_loadu_ps(low.as_ptr());
+                    let high = _mm512_loadu_ps(high.as_ptr());
+                    _mm512_permutex2var_ps(low, index, high)
+                }
+            };
+            op!({
+                let coarse = entry(&factors.coarse, _mm512_srli_epi32::<5>(index));
+                let to_integer = _mm512_set1_ps(TO_SHORT_INTEGER);
+                let neighbour = |fine| {
+                    let sum = _mm512_fmadd_ps(coarse, entry(fine, index), to_integer);
+                    _mm512_castps_si512(sum)
+                };
+                [neighbour(&factors.fine), neighbour(&factors.next)]
+            })
+        }
+    }
+}
