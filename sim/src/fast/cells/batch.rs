@@ -28,12 +28,12 @@ struct Listed<B> {
 }
 
 /// Memory for the footprints of a tile, used again and again.
-pub struct Batch<B, const DEEP: bool, const CELL: usize> {
-    parts: Parts<DEEP, CELL>,
+pub struct Batch<B, const DEEP: bool, const ROWS: usize> {
+    parts: Parts<DEEP, ROWS>,
     listed: [Listed<B>; CHECK_INTERVAL],
 }
 
-impl<B: Copy + Default, const DEEP: bool, const CELL: usize> Batch<B, DEEP, CELL> {
+impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS> {
     /// Nothing.
     #[inline(always)]
     pub fn new() -> Self {
@@ -88,8 +88,9 @@ impl<B: Copy + Default, const DEEP: bool, const CELL: usize> Batch<B, DEEP, CELL
         for listed in self.listed.iter().take(count) {
             let colours = path.colours(&listed.brush, listed.second);
             for part in self.parts.range(first, listed.end) {
-                let number = part.cell() % tile.len();
-                path.paint(&colours, &part, &mut tile[number], &mut counts);
+                if let Some(cell) = tile.get_mut(part.cell()) {
+                    path.paint(&colours, &part, cell, &mut counts);
+                }
             }
             first = listed.end;
         }

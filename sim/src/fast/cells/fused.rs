@@ -10,7 +10,7 @@
 use super::intervals::Intervals;
 use super::parts::Part;
 use super::scale::Scale;
-use super::tile::{Cell, Word};
+use super::tile::{COLUMNS, Cell, Word};
 use super::{Painting, TileOf, Tiles};
 use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::{DROPPED, Pairs};
@@ -21,9 +21,6 @@ use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
 use splatline::rules::Rules;
-
-/// Pixels of a cell.
-const CELL: usize = 8;
 
 /// What a footprint's pixels need beside its rows, in the kernel's words shifted to the [`Scale`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,7 +42,7 @@ pub struct Palette {
 }
 
 impl super::Palette for Palette {
-    type Cell = Cell<u64, CELL>;
+    type Cell = Cell<u64, COLUMNS>;
     type Format = Scale;
     type Brush = Brush;
 
@@ -110,7 +107,7 @@ fn run<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>(
     painting: Painting<Palette>,
 ) -> Coverage {
     let path = Path::<L, STOP_BEFORE, DEEP>::new(lanes, painting.palette, painting.rules);
-    painting.paint::<L, _, DEEP, CELL>(lanes, &path)
+    painting.paint::<L, _, DEEP, 1>(lanes, &path)
 }
 
 /// Everything about the pixel path that is constant for a picture, on vectors. `DEEP` lanes have 64 bits.
@@ -288,7 +285,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_
 impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelPath<L>
     for Path<'_, L, STOP_BEFORE, DEEP>
 {
-    type Cell = Cell<u64, CELL>;
+    type Cell = Cell<u64, COLUMNS>;
     type Brush = Brush;
     type Colours = Colours<L>;
     type Counts = Counts<L>;

@@ -225,7 +225,7 @@ impl<P: Palette> FusedJob for Painting<'_, '_, P> {
 impl<P: Palette> Painting<'_, '_, P> {
     /// Paints the tile, with pixels of this path.
     #[inline(always)]
-    fn paint<L, Path, const DEEP: bool, const CELL: usize>(self, lanes: L, path: &Path) -> Coverage
+    fn paint<L, Path, const DEEP: bool, const ROWS: usize>(self, lanes: L, path: &Path) -> Coverage
     where
         L: Narrow,
         Path: PixelPath<L, Cell = P::Cell, Brush = P::Brush>,
@@ -241,9 +241,9 @@ impl<P: Palette> Painting<'_, '_, P> {
             frame,
             ..
         } = self;
-        const { assert!(<P::Cell as TileCell>::PIXELS == CELL) };
+        const { assert!(<P::Cell as TileCell>::ROWS == ROWS) };
         let mut coverage = Coverage::default();
-        let mut batch = Batch::<P::Brush, DEEP, CELL>::new();
+        let mut batch = Batch::<P::Brush, DEEP, ROWS>::new();
         tile.open(window, clear, palette.format());
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;

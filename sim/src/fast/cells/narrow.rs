@@ -1,4 +1,4 @@
-//! The pixel path of narrow designs: sixteen pixels at a time, products put together from short ones.
+//! The pixel path of narrow designs: sixteen pixels at a time, eight of each of two rows, products put together from short ones.
 //!
 //! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] give for values within their formats, in
 //! designs that have [`Products`] and a Gaussian table in factors of single precision; `lean18` and `classic8` do. As in
@@ -7,7 +7,7 @@
 use super::intervals::Reach;
 use super::parts::Part;
 use super::products::{Products, Split};
-use super::tile::{Cell, Word};
+use super::tile::{COLUMNS, Cell, Word};
 use super::{Painting, TileOf, Tiles};
 use crate::fast::lanes::factors::NarrowFactors;
 use crate::fast::lanes::narrow::Narrow;
@@ -18,8 +18,10 @@ use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
 use splatline::rules::Rules;
 
-/// Pixels of a cell.
-const CELL: usize = 16;
+/// Rows of a cell.
+const ROWS: usize = 2;
+
+type CellOfTwo = Cell<u32, { ROWS * COLUMNS }>;
 
 /// What a footprint's pixels need beside its rows.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,7 +44,7 @@ pub struct Palette {
 }
 
 impl super::Palette for Palette {
-    type Cell = Cell<u32, CELL>;
+    type Cell = CellOfTwo;
     type Format = Products;
     type Brush = Brush;
 
@@ -109,7 +111,7 @@ impl super::Palette for Palette {
 #[inline(always)]
 fn run<L: Narrow, const STOP_BEFORE: bool>(lanes: L, painting: Painting<Palette>) -> Coverage {
     let path = Path::<L, STOP_BEFORE>::new(lanes, painting.palette, painting.rules);
-    painting.paint::<L, _, false, CELL>(lanes, &path)
+    painting.paint::<L, _, false, ROWS>(lanes, &path)
 }
 
 /// A [`Split`] on vectors.
@@ -159,8 +161,9 @@ pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool> {
     opacity: Parts<L>,
     share: Parts<L>,
     zero: L::Short,
+    /// k for pixel k of both rows.
     iota: L::Short,
-    /// k (k - 1) / 2 for pixel k.
+    /// k (k - 1) / 2.
     corners: L::Short,
     /// Right shift from a radial index to its interval.
     interval: L::Short,
@@ -212,7 +215,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
         } = palette;
         let constants = Blend::new(widths, rules).constants();
         let splat = |value: u32| lanes.short_splat(value);
-        let iota = lanes.short_iota();
+        let iota = lanes.short_shr(lanes.short_iota(), splat(1));
         let corners = lanes.short_mul(iota, lanes.short_sub(iota, splat(1)));
         Path {
             lanes,
@@ -242,7 +245,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
     #[inline(always)]
     fn radial(&self, colours: &Colours<L>, part: &Part) -> L::Short {
         let lanes = self.lanes;
-        let [radial, first] = [part.radial, part.first].map(|word| lanes.short_splat(word as u32));
+        let [radial, first] = [part.radial, part.first].map(|word| lanes.short_pairs(word));
         let along = lanes.short_mul(self.iota, first);
         let radial = lanes.short_add(lanes.short_add(radial, colours.ahead), along);
         lanes.short_max(radial, self.zero)
@@ -263,7 +266,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
 }
 
 impl<L: Narrow, const STOP_BEFORE: bool> super::PixelPath<L> for Path<'_, L, STOP_BEFORE> {
-    type Cell = Cell<u32, CELL>;
+    type Cell = CellOfTwo;
     type Brush = Brush;
     type Colours = Colours<L>;
     type Counts = Counts<L>;
@@ -290,7 +293,7 @@ impl<L: Narrow, const STOP_BEFORE: bool> super::PixelPath<L> for Path<'_, L, STO
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
-        let of_run = lanes.short_marks(part.place as u32);
+        let of_run = lanes.short_marks(part.place);
         let inside = lanes.short_and(lanes.short_sub(radial, colours.end), of_run);
         let light = lanes.short_read(&cell.light);
         let live = lanes.short_without(inside, inside, light);

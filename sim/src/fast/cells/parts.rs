@@ -4,7 +4,7 @@
 //! r(x) - k f + k (k + 1) / 2 s. The list is in no order that matters, since a footprint touches a pixel once; what matters is that the pixels'
 //! loop runs through one long list and not through rows of two cells, whose ends no processor foresees.
 
-use super::tile::AREA;
+use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
 use crate::fast::lanes::fused::Fused;
 use crate::fast::rows::{Runs, is_short, runs};
 use crate::fast::setup::number::Arithmetic;
@@ -16,18 +16,21 @@ use splatline::raster::{BLOCK, RowConstants, Window};
 const MANY: usize = 256;
 
 /// Room for a whole footprint after that; a vector may reach beyond the last cell.
-const ROOM: usize = MANY + AREA / 8 + 8;
+const ROOM: usize = MANY + AREA / COLUMNS + 8;
 
-/// Bits of a place that hold the run's pixels, one each: as many as a cell has at most.
+/// Bits of a place below the cell's number; the run's pixels have one each, the first one's the lowest.
 const PIXELS: u32 = 16;
 
-/// One cell of a footprint.
+/// Columns of a cell.
+const WIDTH: i64 = COLUMNS as i64;
+
+/// One cell of a footprint. Where cells have two rows, each word is two of 32 bits, the upper one that of the second row.
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
-    /// Radial index and first difference at the cell's first pixel, to be cut to the lanes' word.
+    /// Radial index and first difference at the cell's left edge, to be cut to the lanes' word.
     pub radial: u64,
     pub first: u64,
-    /// The cell's number in the tile, and below it a bit for each pixel of the run, the first one's the lowest.
+    /// The cell's number in the tile from bit 16 on, and a bit for each pixel of the row, the first one's the lowest.
     pub place: u64,
 }
 
@@ -35,7 +38,7 @@ impl Part {
     /// The cell's number in the tile.
     #[inline(always)]
     pub fn cell(&self) -> usize {
-        (self.place >> PIXELS) as usize
+        (self.place as u32 >> PIXELS) as usize
     }
 }
 
@@ -52,7 +55,7 @@ struct Block {
 }
 
 /// Cells of footprints in a tile: memory that is used again and again.
-pub struct Parts<const DEEP: bool, const CELL: usize> {
+pub struct Parts<const DEEP: bool, const ROWS: usize> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
     place: [u64; ROOM],
@@ -61,12 +64,7 @@ pub struct Parts<const DEEP: bool, const CELL: usize> {
     visited: u64,
 }
 
-impl<const DEEP: bool, const CELL: usize> Parts<DEEP, CELL> {
-    const CELLS_OF_ROW: usize = {
-        assert!(CELL == 8 || CELL == 16);
-        TILE[0] as usize / CELL
-    };
-
+impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
     /// No cells.
     #[inline(always)]
     pub fn new() -> Self {
@@ -134,10 +132,13 @@ impl<const DEEP: bool, const CELL: usize> Parts<DEEP, CELL> {
         let [top, bottom] = constants.rows;
         let count = bottom.saturating_sub(top).min(TILE[1]);
         let offset = top.wrapping_sub(window.first[1]) % TILE[1];
-        let mut rows = Rows::new(lanes, constants);
+        // Rows before the footprint's first one, in the same cells.
+        let ahead = offset % ROWS as u16;
+        let mut rows = Rows::new(lanes, constants, ahead.into());
         let mut large = math.splat(0);
-        for start in (0..count).step_by(L::WIDE) {
-            let open = first_bits(usize::from(count - start));
+        for start in (0..count + ahead).step_by(L::WIDE) {
+            let before = first_bits(usize::from(ahead.saturating_sub(start)));
+            let open = first_bits(usize::from(count + ahead - start)) & !before;
             let [first, last] = constants.visible;
             for left in (first - first % BLOCK..last).step_by(BLOCK.into()) {
                 let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
@@ -146,9 +147,9 @@ impl<const DEEP: bool, const CELL: usize> Parts<DEEP, CELL> {
                 let seen = [first.max(left) - left, (last - left).min(BLOCK)];
                 let block = Block {
                     left,
-                    cells: [seen[0] / CELL as u16, seen[1].div_ceil(CELL as u16)],
-                    corner: usize::from(offset + start) * Self::CELLS_OF_ROW
-                        + usize::from(left.wrapping_sub(window.first[0])) / CELL,
+                    cells: [seen[0] / COLUMNS as u16, seen[1].div_ceil(COLUMNS as u16)],
+                    corner: usize::from(offset - ahead + start) / ROWS * CELLS_OF_ROW
+                        + usize::from(left.wrapping_sub(window.first[0])) / COLUMNS,
                     open,
                 };
                 let lengths = self.append(math, &runs, constants.second, &block);
@@ -183,35 +184,35 @@ impl<const DEEP: bool, const CELL: usize> Parts<DEEP, CELL> {
         let is_open = lanes.truth(is_open);
         let bits = math.select(math.splat(0), bits, is_open);
         let [first_cell, end_cell] = block.cells;
-        let back = math.plus(begin, -i64::from(first_cell * CELL as u16));
+        let back = math.plus(begin, -i64::from(first_cell) * WIDTH);
         let corners = self.multiply(lanes, back, math.plus(back, 1));
         let corners = self.multiply(lanes, math.sar(corners, 1), math.splat(second));
         let moved = self.multiply(lanes, back, runs.first);
         let mut radial = math.add(math.sub(runs.radial, moved), corners);
         let slowed = self.multiply(lanes, back, math.splat(second));
         let mut first = math.sub(runs.first, slowed);
-        let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * CELL as i64));
+        let mut bits = lanes.turn(bits, math.splat(i64::from(first_cell) * WIDTH));
         let number = block.corner + usize::from(first_cell);
         let number = math.splat((number << PIXELS) as i64);
-        let row = math.shl(
-            lanes.wide_iota(),
-            (Self::CELLS_OF_ROW << PIXELS).ilog2().into(),
-        );
+        let row = math.shl(lanes.wide_iota(), (CELLS_OF_ROW << PIXELS).ilog2().into());
         let mut place = math.add(number, row);
-        let width = CELL as i64;
         for _ in first_cell..end_cell {
-            let pixels = math.and(bits, (1 << width) - 1);
+            let pixels = math.and(bits, (1 << WIDTH) - 1);
+            let [radial_of_cell, first_of_cell, pixels] = if ROWS == 2 {
+                [radial, first, pixels].map(|word| lanes.halves(word))
+            } else {
+                [radial, first, pixels]
+            };
             let truth = math.greater(pixels, math.splat(0));
-            self.pack(lanes, [radial, first, math.add(place, pixels)], truth);
-            radial = math.add(
-                radial,
-                math.plus(
-                    math.shl(first, width.ilog2().into()),
-                    second.wrapping_mul(width * (width - 1) / 2),
-                ),
+            let place_of_cell = math.add(place, pixels);
+            self.pack(lanes, [radial_of_cell, first_of_cell, place_of_cell], truth);
+            let along = math.plus(
+                math.shl(first, WIDTH.ilog2().into()),
+                second.wrapping_mul(WIDTH * (WIDTH - 1) / 2),
             );
-            first = math.plus(first, second.wrapping_mul(width));
-            bits = lanes.turn(bits, math.splat(width));
+            radial = math.add(radial, along);
+            first = math.plus(first, second.wrapping_mul(WIDTH));
+            bits = lanes.turn(bits, math.splat(WIDTH));
             place = math.plus(place, 1 << PIXELS);
         }
         math.select(math.splat(0), math.sub(end, begin), is_open)
@@ -255,11 +256,11 @@ struct Rows<L: Fused> {
 }
 
 impl<L: Fused> Rows<L> {
-    /// The first eight rows.
+    /// Eight rows, of which so many lie before the first one.
     #[inline(always)]
-    fn new(lanes: L, constants: &RowConstants<i64>) -> Self {
+    fn new(lanes: L, constants: &RowConstants<i64>, ahead: i64) -> Self {
         let splat = |value: i64| lanes.wide_splat(value);
-        let rows = lanes.wide_iota();
+        let rows = lanes.wide_sub(lanes.wide_iota(), splat(ahead));
         let before = lanes.wide_sub(rows, splat(1));
         let corners = lanes.wide_mul(rows, before);
         let corners = lanes.wide_sar(corners, splat(1));

@@ -1,4 +1,4 @@
-//! A tile's pixels as vectors read them: neighbours of a row together, their words in the form that the pixel path computes with.
+//! A tile's pixels as vectors read them: neighbours together, their words in the form that the pixel path computes with.
 //!
 //! A vector is always one cell. So none crosses a line of the cache, and what one splat stored is what the next one loads; runs
 //! that begin anywhere would split most loads and stores in two and find half of a word still on its way to the cache.
@@ -8,8 +8,16 @@ use core::ops::BitAnd;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
 
+/// Columns of a cell. Wider ones would be emptier: a run of an ordinary splat has ten pixels.
+pub const COLUMNS: usize = 8;
+
 /// Pixels of a tile.
 pub const AREA: usize = TILE[0] as usize * TILE[1] as usize;
+
+/// Cells from one side of a tile to the other.
+pub const CELLS_OF_ROW: usize = TILE[0] as usize / COLUMNS;
+
+const _: () = assert!(CELLS_OF_ROW.is_power_of_two() && (TILE[0] as usize).is_multiple_of(COLUMNS));
 
 /// A word of a pixel.
 pub trait Word: Copy + Default + PartialEq + BitAnd<Output = Self> + Send {
@@ -25,7 +33,7 @@ impl Word for u32 {
     const MARK: u32 = 1 << 31;
 }
 
-/// `N` pixels of a row: transmittances, and sums of red, green and blue.
+/// `N` pixels of one or more rows, column by column: transmittances, and sums of red, green and blue.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct Cell<W, const N: usize> {
@@ -36,20 +44,20 @@ pub struct Cell<W, const N: usize> {
 /// A cell of any size.
 pub trait TileCell: Copy + Send {
     type Word: Word;
-    const PIXELS: usize;
+    const ROWS: usize;
     /// All pixels alike.
     fn filled(words: [Self::Word; 4]) -> Self;
-    /// Transmittance, red, green and blue of a pixel.
-    fn get(&self, pixel: usize) -> [Self::Word; 4];
+    /// Transmittance, red, green and blue of the pixel in this column and row, modulo the cell's.
+    fn get(&self, x: usize, y: usize) -> [Self::Word; 4];
     /// The inverse of `get`.
-    fn set(&mut self, pixel: usize, words: [Self::Word; 4]);
+    fn set(&mut self, x: usize, y: usize, words: [Self::Word; 4]);
     /// Have all its pixels finished?
     fn is_finished(&self) -> bool;
 }
 
 impl<W: Word, const N: usize> TileCell for Cell<W, N> {
     type Word = W;
-    const PIXELS: usize = N;
+    const ROWS: usize = N / COLUMNS;
 
     #[inline(always)]
     fn filled([light, colour @ ..]: [W; 4]) -> Self {
@@ -60,13 +68,15 @@ impl<W: Word, const N: usize> TileCell for Cell<W, N> {
     }
 
     #[inline(always)]
-    fn get(&self, pixel: usize) -> [W; 4] {
+    fn get(&self, x: usize, y: usize) -> [W; 4] {
+        let pixel = x % COLUMNS * Self::ROWS + y % Self::ROWS;
         let [red, green, blue] = self.colour.map(|plane| plane[pixel]);
         [self.light[pixel], red, green, blue]
     }
 
     #[inline(always)]
-    fn set(&mut self, pixel: usize, [light, colour @ ..]: [W; 4]) {
+    fn set(&mut self, x: usize, y: usize, [light, colour @ ..]: [W; 4]) {
+        let pixel = x % COLUMNS * Self::ROWS + y % Self::ROWS;
         self.light[pixel] = light;
         for (plane, sum) in self.colour.iter_mut().zip(colour) {
             plane[pixel] = sum;
@@ -102,17 +112,10 @@ pub struct Tile<C, F> {
 }
 
 impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
-    /// Cells of a row, a power of two.
-    pub const CELLS_OF_ROW: usize = {
-        assert!((TILE[0] as usize).is_multiple_of(C::PIXELS));
-        assert!((AREA / C::PIXELS).is_power_of_two());
-        TILE[0] as usize / C::PIXELS
-    };
-
     /// Memory for a tile, empty.
     pub fn new(format: F) -> Self {
         Tile {
-            cells: vec![C::filled(format.words(Pixel::default())); AREA / C::PIXELS].into(),
+            cells: vec![C::filled(format.words(Pixel::default())); AREA / COLUMNS / C::ROWS].into(),
             window: Window {
                 first: [0; 2],
                 last: [0; 2],
@@ -130,13 +133,15 @@ impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
         self.spilled = None;
         let (columns, rows) = (self.columns(), self.rows());
         let words = format.words(clear);
-        let [_, colour @ ..] = words;
-        let [red, green, blue] = colour;
-        for row in self.cells.chunks_exact_mut(Self::CELLS_OF_ROW).take(rows) {
-            row.fill(C::filled(words));
-            // Nothing that a vector finds beyond the tile counts as a pixel.
-            for x in columns..TILE[0].into() {
-                row[x / C::PIXELS].set(x % C::PIXELS, [C::Word::MARK, red, green, blue]);
+        let [_, red, green, blue] = words;
+        // Nothing that a vector finds beyond the tile counts as a pixel.
+        let beyond = [C::Word::MARK, red, green, blue];
+        let lines = self.cells.chunks_exact_mut(CELLS_OF_ROW).enumerate();
+        for (line, cells) in lines.take(rows.div_ceil(C::ROWS)) {
+            cells.fill(C::filled(words));
+            for y in (line * C::ROWS..).take(C::ROWS) {
+                let first = if y < rows { columns } else { 0 };
+                (first..TILE[0].into()).for_each(|x| cells[x / COLUMNS].set(x, y, beyond));
             }
         }
     }
@@ -168,7 +173,8 @@ impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
                 .iter()
                 .all(|pixel| pixel.transmittance & FINISHED != 0);
         }
-        let mut cells = self.cells.iter().take(self.rows() * Self::CELLS_OF_ROW);
+        let lines = self.rows().div_ceil(C::ROWS);
+        let mut cells = self.cells.iter().take(lines * CELLS_OF_ROW);
         cells.all(C::is_finished)
     }
 
@@ -187,10 +193,10 @@ impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
             return;
         }
         let columns = self.columns().max(1);
-        let rows = self.cells.chunks_exact_mut(Self::CELLS_OF_ROW);
-        for (row, pixels) in rows.zip(pixels.chunks_exact(columns)) {
+        for (y, pixels) in pixels.chunks_exact(columns).enumerate() {
+            let cells = &mut self.cells[y / C::ROWS * CELLS_OF_ROW..];
             for (x, pixel) in pixels.iter().enumerate() {
-                row[x / C::PIXELS].set(x % C::PIXELS, self.format.words(*pixel));
+                cells[x / COLUMNS].set(x, y, self.format.words(*pixel));
             }
         }
     }
@@ -204,10 +210,11 @@ impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
                 .for_each(|(row, from)| row.copy_from_slice(from));
             return;
         }
-        for (cells, row) in self.cells.chunks_exact(Self::CELLS_OF_ROW).zip(rows) {
-            for (cell, pixels) in cells.iter().zip(row.chunks_mut(C::PIXELS)) {
-                for (k, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = self.format.pixel(cell.get(k));
+        for (y, row) in rows.enumerate() {
+            let cells = self.cells[y / C::ROWS * CELLS_OF_ROW..].iter();
+            for (cell, pixels) in cells.zip(row.chunks_mut(COLUMNS)) {
+                for (x, pixel) in pixels.iter_mut().enumerate() {
+                    *pixel = self.format.pixel(cell.get(x, y));
                 }
             }
         }

@@ -15,6 +15,8 @@ pub trait Narrow: Fused {
 
     /// The same word everywhere.
     fn short_splat(self, value: u32) -> Self::Short;
+    /// The lower half in words 0, 2, 4, ..., the upper one in words 1, 3, 5, ...
+    fn short_pairs(self, value: u64) -> Self::Short;
     /// 0, 1, 2, ...
     fn short_iota(self) -> Self::Short;
     /// The words of memory.
@@ -53,8 +55,8 @@ pub trait Narrow: Fused {
     fn short_blend(self, a: Self::Short, b: Self::Short, c: Self::Short) -> Self::Short;
     /// -1 where the most significant bit is set, else 0.
     fn short_spread(self, a: Self::Short) -> Self::Short;
-    /// Bit k of `bits` in word k, as its most significant bit; the others are anything.
-    fn short_marks(self, bits: u32) -> Self::Short;
+    /// Bit k of the lower half in word 2 k, of the upper half in word 2 k + 1, as its most significant bit; the others are anything.
+    fn short_marks(self, bits: u64) -> Self::Short;
     /// A bit for every word: its most significant one.
     fn short_marked(self, a: Self::Short) -> u16;
     /// The sum of all words.
@@ -78,6 +80,9 @@ impl Narrow for Portable {
 
     fn short_splat(self, value: u32) -> Words {
         [value; 16]
+    }
+    fn short_pairs(self, value: u64) -> Words {
+        std::array::from_fn(|k| (value >> (32 * (k % 2))) as u32)
     }
     fn short_iota(self) -> Words {
         std::array::from_fn(|k| k as u32)
@@ -143,8 +148,9 @@ impl Narrow for Portable {
     fn short_spread(self, a: Words) -> Words {
         a.map(|a| (a as i32 >> 31) as u32)
     }
-    fn short_marks(self, bits: u32) -> Words {
-        std::array::from_fn(|k| bits << (31 - k))
+    fn short_marks(self, bits: u64) -> Words {
+        let halves = self.short_pairs(bits);
+        std::array::from_fn(|k| halves[k] << (31 - k / 2))
     }
     fn short_marked(self, a: Words) -> u16 {
         (0..16).fold(0, |bits, k| bits | ((a[k] >> 31) as u16) << k)
@@ -173,12 +179,35 @@ mod x86 {
         };
     }
 
+    /// The intrinsic as an instruction that the compiler does not look into: knowing half of the words to be 0, it would widen them all,
+    /// multiply, and narrow them again, eight instructions instead of one.
+    #[target_feature(enable = "avx512f,avx512bw")]
+    #[inline]
+    fn upper_halves(a: __m512i, b: __m512i) -> __m512i {
+        let upper;
+        // SAFETY: an instruction on registers that the function's features include.
+        unsafe {
+            std::arch::asm!(
+                "vpmulhuw {upper}, {a}, {b}",
+                upper = lateout(zmm_reg) upper,
+                a = in(zmm_reg) a,
+                b = in(zmm_reg) b,
+                options(pure, nomem, nostack, preserves_flags),
+            );
+        }
+        upper
+    }
+
     impl Narrow for Avx512 {
         type Short = __m512i;
 
         #[inline(always)]
         fn short_splat(self, value: u32) -> __m512i {
             op!(_mm512_set1_epi32(value as i32))
+        }
+        #[inline(always)]
+        fn short_pairs(self, value: u64) -> __m512i {
+            op!(_mm512_set1_epi64(value as i64))
         }
         #[inline(always)]
         fn short_iota(self) -> __m512i {
@@ -210,7 +239,8 @@ mod x86 {
         }
         #[inline(always)]
         fn upper_halves(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_mulhi_epu16(a, b))
+            // SAFETY: `self` proves that the processor has what the function is compiled for.
+            unsafe { upper_halves(a, b) }
         }
         #[inline(always)]
         fn both_halves(self, a: __m512i, b: __m512i) -> __m512i {
@@ -262,12 +292,12 @@ mod x86 {
             op!(_mm512_srai_epi32::<31>(a))
         }
         #[inline(always)]
-        fn short_marks(self, bits: u32) -> __m512i {
+        fn short_marks(self, bits: u64) -> __m512i {
             let to_the_top = op!(_mm512_setr_epi32(
-                31, 30, 29, 28, 27, 26, 25, 24, 23, 22, 21, 20, 19, 18, 17, 16
+                31, 31, 30, 30, 29, 29, 28, 28, 27, 27, 26, 26, 25, 25, 24, 24
             ));
             op!(_mm512_sllv_epi32(
-                _mm512_set1_epi32(bits as i32),
+                _mm512_set1_epi64(bits as i64),
                 to_the_top
             ))
         }

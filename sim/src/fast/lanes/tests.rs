@@ -139,6 +139,7 @@ impl FusedJob for &AllFused {
             lanes.all_three(a, b, c),
             lanes.without(a, b, c),
             lanes.blend(a, b, c),
+            lanes.halves(a),
             lanes.spread(a),
             lanes.spread(lanes.marks(self.a[0])),
             lanes.gather_pairs(&self.pairs, b),
@@ -183,6 +184,7 @@ impl FusedJob for &AllNarrow {
         let by = lanes.short_and(c, lanes.short_splat(31));
         let words = [
             lanes.short_iota(),
+            lanes.short_pairs(u64::from(self.a[0]) << 32 | u64::from(self.a[1])),
             lanes.short_add(a, b),
             lanes.short_sub(a, b),
             lanes.short_mul(a, b),
@@ -198,7 +200,8 @@ impl FusedJob for &AllNarrow {
             lanes.short_without(a, b, c),
             lanes.short_blend(a, b, c),
             lanes.short_spread(a),
-            lanes.short_spread(lanes.short_marks(self.a[0])),
+            lanes
+                .short_spread(lanes.short_marks(u64::from(self.a[0]) << 20 | u64::from(self.a[1]))),
             lanes.short_factored(&self.factors, b)[0],
             lanes.short_factored(&self.factors, b)[1],
         ];
