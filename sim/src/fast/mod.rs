@@ -13,6 +13,7 @@ pub mod lanes;
 pub mod order;
 mod paint;
 mod pixels;
+pub(crate) mod recurrence;
 pub(crate) mod rows;
 pub mod setup;
 pub(crate) mod tile;

@@ -2,13 +2,13 @@
 //!
 //! Both sides begin with packets (footprints) in the order of every tile's list and end with the words of every tile's pixels and the cycles
 //! that every tile takes; these must be the same, or there is no figure. The circuit is driven without a call for every cycle and without
-//! looking into it. The model is the host's drawing, whose tables and constants of footprints count, and the clock of whole pictures. One
-//! thread is measured by its processor time, all cores by the clock on the wall: for the circuit that is one simulation for each core.
+//! looking into it. The model is the host's drawing, in tiles of its own size, whose tables and constants of footprints count, and the clock of
+//! whole pictures. Lists of tiles are made beforehand for both. One thread is measured by its processor time, all cores by the clock on the wall: for the circuit that is one simulation for each core.
 
 use crate::bench::Bench;
 use crate::model::{Packet, ReadOut};
 use crate::suite::{DESIGNS, LANES};
-use crate::workload::{GuitarView, Tile, Workload, from_scene, guitar_scene};
+use crate::workload::{GuitarView, Tile, Workload, from_scene, guitar_scene, tiles};
 use anyhow::{Context, Result, anyhow, ensure};
 use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
@@ -20,7 +20,7 @@ use splatline::rules::Rules as KernelRules;
 use splatline::setup::Cull;
 use splatline_sim::design::{DesignChoice, DesignJob};
 use splatline_sim::fast::lanes::Choice;
-use splatline_sim::fast::{Scratch, tile_painter};
+use splatline_sim::fast::{Scratch, TILE, tile_painter};
 use splatline_sim::fixed::kernel_rules;
 use splatline_sim::machine::primitive::picture_cycles;
 use splatline_sim::rules::Rules;
@@ -98,9 +98,12 @@ fn measure(
     };
     let (circuit, expected) = circuit.seconds()?;
     let results: Vec<_> = workload.footprints.iter().copied().map(Ok).collect();
+    let viewport = workload.viewport.context("the tiles make a picture")?;
     let model = Model {
         rules: &rules,
         workload,
+        viewport,
+        tiles: &tiles(&workload.footprints, viewport, TILE),
         results: &results,
         lanes,
     };
@@ -230,11 +233,14 @@ fn pixel(out: &ReadOut) -> Pixel {
     }
 }
 
-/// The host's drawing of all tiles, and their cycles.
+/// The host's drawing of all tiles, and the cycles of the circuit's.
 #[derive(Clone, Copy)]
 struct Model<'a> {
     rules: &'a KernelRules,
     workload: &'a Workload,
+    viewport: [u16; 2],
+    /// The host's tiles.
+    tiles: &'a [Tile],
     results: &'a [Result<Footprint, Cull>],
     lanes: usize,
 }
@@ -259,14 +265,16 @@ impl DesignJob for Timed<'_> {
             let cycles = model.cycles(design);
             seconds.drawing += (drawn_at - started) / f64::from(REPEATS);
             seconds.cycles += (now() - drawn_at) / f64::from(REPEATS);
-            drawn = Some(Drawn { pixels, cycles });
+            drawn = Some((pixels, cycles));
         }
-        (seconds, drawn.expect("there is at least one turn"))
+        let (pixels, cycles) = drawn.expect("there is at least one turn");
+        let pixels = model.in_tiles_of_the_circuit(&pixels);
+        (seconds, Drawn { pixels, cycles })
     }
 }
 
 impl Model<'_> {
-    /// Every tile's pixels, row by row.
+    /// The pixels of every one of the host's tiles, row by row.
     fn draw<D: Design + Sync>(&self, design: D) -> Vec<Vec<Pixel>> {
         let widths = design.widths();
         let mut memory = vec![0; entries(&widths)];
@@ -275,7 +283,7 @@ impl Model<'_> {
             .expect("the table was made for these widths");
         let painter = tile_painter(design, self.rules, table, Choice::Best)
             .expect("vectors can draw the named designs");
-        let tiles = self.workload.tiles.par_iter();
+        let tiles = self.tiles.par_iter();
         let paint = |scratch: &mut Scratch, tile: &Tile| {
             let [columns, rows] = tile.size();
             let mut pixels = vec![Pixel::default(); columns * rows];
@@ -286,15 +294,36 @@ impl Model<'_> {
         tiles.map_init(Scratch::default, paint).collect()
     }
 
-    /// Every tile's cycles.
+    /// The same pixels as the circuit's tiles have them.
+    fn in_tiles_of_the_circuit(&self, pixels: &[Vec<Pixel>]) -> Vec<Vec<Pixel>> {
+        let columns = usize::from(self.viewport[0]);
+        let mut frame = vec![Pixel::default(); columns * usize::from(self.viewport[1])];
+        let row = |tile: &Tile, y: usize| {
+            let [x, top] = tile.window.first.map(usize::from);
+            let first = (top + y) * columns + x;
+            first..first + tile.size()[0]
+        };
+        for (tile, pixels) in self.tiles.iter().zip(pixels) {
+            for (y, pixels) in pixels.chunks_exact(tile.size()[0]).enumerate() {
+                frame[row(tile, y)].copy_from_slice(pixels);
+            }
+        }
+        let cut = |tile: &Tile| {
+            let rows = (0..tile.size()[1]).flat_map(|y| frame[row(tile, y)].iter().copied());
+            rows.collect()
+        };
+        self.workload.tiles.iter().map(cut).collect()
+    }
+
+    /// The cycles of every one of the circuit's tiles.
     fn cycles<D: Design + Sync>(&self, design: D) -> Vec<u64> {
-        let Workload {
-            footprints,
+        let Model {
+            workload,
             viewport,
+            lanes,
             ..
-        } = self.workload;
-        let viewport = viewport.expect("the tiles make a picture");
-        picture_cycles(design, footprints, viewport, self.lanes, Choice::Best)
+        } = *self;
+        picture_cycles(design, &workload.footprints, viewport, lanes, Choice::Best)
             .expect("the clock has as many lanes as the circuit")
     }
 }

@@ -6,6 +6,7 @@
 
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
 use crate::fast::lanes::fused::Fused;
+use crate::fast::recurrence::{RowVectors, stays_near};
 use crate::fast::rows::{Runs, is_short, runs};
 use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
@@ -134,7 +135,10 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
         let offset = top.wrapping_sub(window.first[1]) % TILE[1];
         // Rows before the footprint's first one, in the same cells.
         let ahead = offset % ROWS as u16;
-        let mut rows = Rows::new(lanes, constants, ahead.into());
+        if !stays_near(constants, usize::from(count + ahead)) {
+            return false;
+        }
+        let mut rows = RowVectors::new(lanes, constants, ahead);
         let mut large = math.splat(0);
         for start in (0..count + ahead).step_by(L::WIDE) {
             let before = first_bits(usize::from(ahead.saturating_sub(start)));
@@ -155,7 +159,7 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
                 let lengths = self.append(math, &runs, constants.second, &block);
                 visited = math.add(visited, lengths);
             }
-            rows.step(lanes, constants.reach);
+            rows.step(lanes);
         }
         let fits = rows.are_short(lanes) && is_short(lanes, constants, large);
         if fits {
@@ -240,66 +244,6 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
             }
         }
         self.count += lanes.bits(truth).count_ones() as usize;
-    }
-}
-
-/// What the recurrences down the rows give for eight rows, and what takes them to the next eight.
-struct Rows<L: Fused> {
-    centre: L::Word,
-    centre_step: L::Word,
-    vertical: L::Word,
-    vertical_step: L::Word,
-    vertical_change: L::Word,
-    /// Bits of centres from 2^61 on, and the largest rest of the cut-off, so far.
-    far: L::Word,
-    long: L::Word,
-}
-
-impl<L: Fused> Rows<L> {
-    /// Eight rows, of which so many lie before the first one.
-    #[inline(always)]
-    fn new(lanes: L, constants: &RowConstants<i64>, ahead: i64) -> Self {
-        let splat = |value: i64| lanes.wide_splat(value);
-        let rows = lanes.wide_sub(lanes.wide_iota(), splat(ahead));
-        let before = lanes.wide_sub(rows, splat(1));
-        let corners = lanes.wide_mul(rows, before);
-        let corners = lanes.wide_sar(corners, splat(1));
-        let [vertical, change, second] = constants.vertical;
-        let times = |rows: L::Word, change: i64| lanes.mul_whole(rows, splat(change));
-        let eight = change.wrapping_mul(8).wrapping_add(second.wrapping_mul(28));
-        Rows {
-            centre: lanes.wide_add(splat(constants.centre), times(rows, constants.slope)),
-            centre_step: splat(constants.slope.wrapping_mul(8)),
-            vertical: lanes.wide_add(
-                lanes.wide_add(splat(vertical), times(rows, change)),
-                times(corners, second),
-            ),
-            vertical_step: lanes.wide_add(splat(eight), times(rows, second.wrapping_mul(8))),
-            vertical_change: splat(second.wrapping_mul(64)),
-            far: splat(0),
-            long: splat(0),
-        }
-    }
-
-    /// On to the next eight rows.
-    #[inline(always)]
-    fn step(&mut self, lanes: L, reach: i64) {
-        let magnitude = Arithmetic { lanes }.magnitude(self.centre);
-        let above = lanes.wide_shr(magnitude, lanes.wide_splat(61));
-        self.far = lanes.max_whole(self.far, above);
-        let rest = lanes.wide_sub(lanes.wide_splat(reach), self.vertical);
-        self.long = lanes.max_whole(self.long, rest);
-        self.centre = lanes.wide_add(self.centre, self.centre_step);
-        self.vertical = lanes.wide_add(self.vertical, self.vertical_step);
-        self.vertical_step = lanes.wide_add(self.vertical_step, self.vertical_change);
-    }
-
-    /// Were all centres below 2^61, and all remaining radial indices below 2^56?
-    #[inline(always)]
-    fn are_short(&self, lanes: L) -> bool {
-        let far = lanes.wide_greater(self.far, lanes.wide_splat(0));
-        let long = lanes.wide_greater(self.long, lanes.wide_splat((1 << 56) - 1));
-        lanes.bits(far) | lanes.bits(long) == 0
     }
 }
 

@@ -1,11 +1,11 @@
 //! First and last columns of a footprint's rows, eight rows in a vector, bit for bit those of the kernel's [`SpanRows`].
 //!
-//! The clock needs no seeds, so that a footprint's rows are computed once, whatever the tiles that they cross. Down the rows both sequences are
-//! polynomials in integers that wrap: row k is `centre + k slope` and `vertical + k change + k (k - 1) / 2 second`, without an order of
-//! summation. Where a word would be too long for the vectors' arithmetic the kernel's own rows are taken.
+//! The clock needs no seeds, so that a footprint's rows are computed once, whatever the tiles that they cross. Where a word would be too long
+//! for the vectors' arithmetic the kernel's own rows are taken.
 
 use crate::fast::lanes::Wide;
-use crate::fast::rows::{columns, has_short_spread};
+use crate::fast::recurrence::{RowVectors, stays_near};
+use crate::fast::rows::columns;
 use crate::fast::setup::number::Arithmetic;
 use splatline::raster::{RowConstants, Rows, SpanRows};
 
@@ -52,23 +52,17 @@ impl Spans {
     fn by_vectors<L: Wide>(&mut self, lanes: L, constants: &RowConstants<i64>) -> bool {
         let [top, bottom] = constants.rows;
         let count = usize::from(bottom.saturating_sub(top));
-        if !is_tame(constants, count) {
+        if !stays_near(constants, count) {
             return false;
         }
-        let mut rows = RowVectors::new(lanes, constants);
-        let mut longest = lanes.wide_splat(0);
+        let mut rows = RowVectors::new(lanes, constants, 0);
         for start in (0..count).step_by(L::WIDE) {
-            let rest = lanes.wide_sub(lanes.wide_splat(constants.reach), rows.vertical);
-            longest = Arithmetic { lanes }.max(longest, rest);
-            let (first, end) = span(lanes, constants, rows.centre, rest);
+            let (first, end) = span(lanes, constants, rows.centre, rows.rest(lanes));
             store(lanes, &mut self.first, start, first);
             store(lanes, &mut self.end, start, end);
             rows.step(lanes);
         }
-        // Remaining radial indices of 2^56 and more would lose bits above the root's argument.
-        let mut words = [0; STEP];
-        lanes.wide_store(&mut words, longest);
-        words.iter().fold(0, |all, word| all | word) >> 56 == 0
+        rows.are_short(lanes)
     }
 
     #[cold]
@@ -89,71 +83,6 @@ impl Spans {
             self.end[row] = run.x + run.length;
         }
     }
-}
-
-/// Do the words of so many rows fit the vectors' arithmetic, apart from what is noticed row by row?
-#[inline(always)]
-fn is_tame(constants: &RowConstants<i64>, count: usize) -> bool {
-    let farthest = 1 << 60;
-    has_short_spread(constants)
-        && constants.centre.unsigned_abs() < farthest
-        && constants.slope.unsigned_abs() < farthest / (count + STEP) as u64
-}
-
-/// xc - 1/2 and C dy^2 of as many rows as a vector has words, and what leads to the next ones.
-struct RowVectors<L: Wide> {
-    centre: L::Word,
-    slope: L::Word,
-    vertical: L::Word,
-    change: L::Word,
-    second: L::Word,
-}
-
-impl<L: Wide> RowVectors<L> {
-    #[inline(always)]
-    fn new(lanes: L, constants: &RowConstants<i64>) -> Self {
-        let splat = |value| lanes.wide_splat(value);
-        let width = L::WIDE as i64;
-        let rows: [i64; STEP] = std::array::from_fn(|k| k as i64);
-        let pairs = rows.map(|k| k * (k - 1) / 2);
-        let [vertical, change, second] = constants.vertical;
-        let slopes = multiples(lanes, constants.slope, rows);
-        let changes = multiples(lanes, change, rows);
-        let seconds = multiples(lanes, second, pairs);
-        // From row k to row k + w: w (change + k second) + w (w - 1) / 2 second.
-        let ahead = change
-            .wrapping_mul(width)
-            .wrapping_add(second.wrapping_mul(width * (width - 1) / 2));
-        let ahead_of_row = multiples(lanes, second.wrapping_mul(width), rows);
-        RowVectors {
-            centre: lanes.wide_add(splat(constants.centre), slopes),
-            slope: splat(constants.slope.wrapping_mul(width)),
-            vertical: lanes.wide_add(splat(vertical), lanes.wide_add(changes, seconds)),
-            change: lanes.wide_add(splat(ahead), ahead_of_row),
-            second: splat(second.wrapping_mul(width * width)),
-        }
-    }
-
-    #[inline(always)]
-    fn step(&mut self, lanes: L) {
-        self.centre = lanes.wide_add(self.centre, self.slope);
-        self.vertical = lanes.wide_add(self.vertical, self.change);
-        self.change = lanes.wide_add(self.change, self.second);
-    }
-}
-
-/// `value` times small numbers below 32 that the compiler knows: sums of its multiples by powers of two.
-#[inline(always)]
-fn multiples<L: Wide>(lanes: L, value: i64, times: [i64; STEP]) -> L::Word {
-    let mut sum = lanes.wide_splat(0);
-    for bit in 0..5 {
-        let chosen = times.map(|times| -(times >> bit & 1));
-        if chosen != [0; STEP] {
-            let multiple = lanes.wide_splat(value.wrapping_shl(bit));
-            sum = lanes.wide_add(sum, lanes.wide_and(multiple, lanes.wide_load(&chosen)));
-        }
-    }
-    sum
 }
 
 /// First and one past the last column of the rows' spans within the footprint's box; 0 and 0 where the ellipse does not reach.

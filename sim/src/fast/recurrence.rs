@@ -1,0 +1,112 @@
+//! The recurrences down a footprint's rows, as many rows at once as a vector has words.
+//!
+//! Both sequences are polynomials in integers that wrap: row k has `centre + k slope` and `vertical + k change + k (k - 1) / 2 second`,
+//! without an order of summation. Root, span and seeds of a row follow from its words ([`rows`](super::rows)).
+
+use super::lanes::Wide;
+use super::rows::has_short_spread;
+use super::setup::number::Arithmetic;
+use splatline::raster::RowConstants;
+
+/// Most words of a vector.
+const WORDS: usize = 8;
+
+/// xc - 1/2 and C dy^2 of some rows, and what leads to the next ones.
+pub struct RowVectors<L: Wide> {
+    pub centre: L::Word,
+    pub vertical: L::Word,
+    slope: L::Word,
+    change: L::Word,
+    second: L::Word,
+    /// The cut-off, and the largest rest of it so far.
+    reach: L::Word,
+    longest: L::Word,
+}
+
+impl<L: Wide> RowVectors<L> {
+    /// The first rows, of which so many, 0 or 1, lie before the footprint's first one.
+    #[inline(always)]
+    pub fn new(lanes: L, constants: &RowConstants<i64>, ahead: u16) -> Self {
+        let splat = |value| lanes.wide_splat(value);
+        let width = L::WIDE as i64;
+        let rows: [i64; WORDS] = std::array::from_fn(|k| k as i64);
+        let pairs = rows.map(|k| k * (k - 1) / 2);
+        let (centre, [vertical, change, second]) = start(constants, ahead);
+        let slopes = multiples(lanes, constants.slope, rows);
+        let changes = multiples(lanes, change, rows);
+        let seconds = multiples(lanes, second, pairs);
+        // From row k to row k + w: w (change + k second) + w (w - 1) / 2 second.
+        let along = change
+            .wrapping_mul(width)
+            .wrapping_add(second.wrapping_mul(width * (width - 1) / 2));
+        let along_of_row = multiples(lanes, second.wrapping_mul(width), rows);
+        RowVectors {
+            centre: lanes.wide_add(splat(centre), slopes),
+            vertical: lanes.wide_add(splat(vertical), lanes.wide_add(changes, seconds)),
+            slope: splat(constants.slope.wrapping_mul(width)),
+            change: lanes.wide_add(splat(along), along_of_row),
+            second: splat(second.wrapping_mul(width * width)),
+            reach: splat(constants.reach),
+            longest: splat(0),
+        }
+    }
+
+    /// What the rows leave of the cut-off.
+    #[inline(always)]
+    pub fn rest(&self, lanes: L) -> L::Word {
+        lanes.wide_sub(self.reach, self.vertical)
+    }
+
+    /// On to the next rows.
+    #[inline(always)]
+    pub fn step(&mut self, lanes: L) {
+        self.longest = Arithmetic { lanes }.max(self.longest, self.rest(lanes));
+        self.centre = lanes.wide_add(self.centre, self.slope);
+        self.vertical = lanes.wide_add(self.vertical, self.change);
+        self.change = lanes.wide_add(self.change, self.second);
+    }
+
+    /// Did no row that is behind us leave 2^56 or more of the cut-off, which would lose bits above the root's argument?
+    #[inline(always)]
+    pub fn are_short(&self, lanes: L) -> bool {
+        let mut words = [0; WORDS];
+        lanes.wide_store(&mut words, self.longest);
+        words.iter().fold(0, |all, word| all | word) >> 56 == 0
+    }
+}
+
+/// Do the words of so many rows fit the vectors' arithmetic, apart from what is noticed row by row?
+#[inline(always)]
+pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
+    let farthest = 1 << 60;
+    has_short_spread(constants)
+        && constants.centre.unsigned_abs() < farthest
+        && constants.slope.unsigned_abs() < farthest / (count + WORDS) as u64
+}
+
+/// Centre and vertical part of the first row, or of the one before it.
+#[inline(always)]
+fn start(constants: &RowConstants<i64>, ahead: u16) -> (i64, [i64; 3]) {
+    let [vertical, change, second] = constants.vertical;
+    if ahead == 0 {
+        return (constants.centre, constants.vertical);
+    }
+    let change = change.wrapping_sub(second);
+    let vertical = vertical.wrapping_sub(change);
+    let centre = constants.centre.wrapping_sub(constants.slope);
+    (centre, [vertical, change, second])
+}
+
+/// `value` times small numbers below 32 that the compiler knows: sums of its multiples by powers of two.
+#[inline(always)]
+fn multiples<L: Wide>(lanes: L, value: i64, times: [i64; WORDS]) -> L::Word {
+    let mut sum = lanes.wide_splat(0);
+    for bit in 0..5 {
+        let chosen = times.map(|times| -(times >> bit & 1));
+        if chosen != [0; WORDS] {
+            let multiple = lanes.wide_splat(value.wrapping_shl(bit));
+            sum = lanes.wide_add(sum, lanes.wide_and(multiple, lanes.wide_load(&chosen)));
+        }
+    }
+    sum
+}
