@@ -29,20 +29,20 @@ impl<L: Wide> RowVectors<L> {
     pub fn new(lanes: L, constants: &RowConstants<i64>, ahead: u16) -> Self {
         let splat = |value| lanes.wide_splat(value);
         let width = L::WIDE as i64;
-        let rows: [i64; WORDS] = std::array::from_fn(|k| k as i64);
-        let pairs = rows.map(|k| k * (k - 1) / 2);
+        let rows: [i64; WORDS] = [0, 1, 2, 3, 4, 5, 6, 7];
+        let pairs: [i64; WORDS] = [0, 0, 1, 3, 6, 10, 15, 21];
+        let [rows, pairs] = [lanes.wide_load(&rows), lanes.wide_load(&pairs)];
+        let times = |rows: L::Word, value| lanes.wide_mul_whole(rows, splat(value));
         let (centre, [vertical, change, second]) = start(constants, ahead);
-        let slopes = multiples(lanes, constants.slope, rows);
-        let changes = multiples(lanes, change, rows);
-        let seconds = multiples(lanes, second, pairs);
         // From row k to row k + w: w (change + k second) + w (w - 1) / 2 second.
         let along = change
             .wrapping_mul(width)
             .wrapping_add(second.wrapping_mul(width * (width - 1) / 2));
-        let along_of_row = multiples(lanes, second.wrapping_mul(width), rows);
+        let curved = lanes.wide_add(times(rows, change), times(pairs, second));
+        let along_of_row = times(rows, second.wrapping_mul(width));
         RowVectors {
-            centre: lanes.wide_add(splat(centre), slopes),
-            vertical: lanes.wide_add(splat(vertical), lanes.wide_add(changes, seconds)),
+            centre: lanes.wide_add(splat(centre), times(rows, constants.slope)),
+            vertical: lanes.wide_add(splat(vertical), curved),
             slope: splat(constants.slope.wrapping_mul(width)),
             change: lanes.wide_add(splat(along), along_of_row),
             second: splat(second.wrapping_mul(width * width)),
@@ -66,13 +66,19 @@ impl<L: Wide> RowVectors<L> {
         self.change = lanes.wide_add(self.change, self.second);
     }
 
-    /// Did no row that is behind us leave 2^56 or more of the cut-off, which would lose bits above the root's argument?
+    /// Bits of what the rows behind us left of the cut-off that would be lost above the root's argument: 0 if it was less than 2^56.
     #[inline(always)]
-    pub fn are_short(&self, lanes: L) -> bool {
-        let mut words = [0; WORDS];
-        lanes.wide_store(&mut words, self.longest);
-        words.iter().fold(0, |all, word| all | word) >> 56 == 0
+    pub fn excess(&self, lanes: L) -> L::Word {
+        lanes.wide_shr(self.longest, lanes.wide_splat(56))
     }
+}
+
+/// Are all words 0?
+#[inline(always)]
+pub fn is_zero<L: Wide>(lanes: L, words: L::Word) -> bool {
+    let mut stored = [0; WORDS];
+    lanes.wide_store(&mut stored, words);
+    stored.iter().fold(0, |all, word| all | word) == 0
 }
 
 /// Do the words of so many rows fit the vectors' arithmetic, apart from what is noticed row by row?
@@ -95,18 +101,4 @@ fn start(constants: &RowConstants<i64>, ahead: u16) -> (i64, [i64; 3]) {
     let vertical = vertical.wrapping_sub(change);
     let centre = constants.centre.wrapping_sub(constants.slope);
     (centre, [vertical, change, second])
-}
-
-/// `value` times small numbers below 32 that the compiler knows: sums of its multiples by powers of two.
-#[inline(always)]
-fn multiples<L: Wide>(lanes: L, value: i64, times: [i64; WORDS]) -> L::Word {
-    let mut sum = lanes.wide_splat(0);
-    for bit in 0..5 {
-        let chosen = times.map(|times| -(times >> bit & 1));
-        if chosen != [0; WORDS] {
-            let multiple = lanes.wide_splat(value.wrapping_shl(bit));
-            sum = lanes.wide_add(sum, lanes.wide_and(multiple, lanes.wide_load(&chosen)));
-        }
-    }
-    sum
 }

@@ -7,6 +7,7 @@
 //! [`SpanRows`]: splatline::raster::SpanRows
 
 use super::lanes::Wide;
+use super::recurrence::is_zero;
 use super::setup::number::Arithmetic;
 use super::tile::TILE;
 use core::ops::Range;
@@ -109,7 +110,7 @@ impl Spans {
             lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
             lanes.wide_store(window_mut(&mut self.first, start), runs.first);
         }
-        is_short(lanes, constants, large)
+        is_zero(lanes, excess(lanes, constants, large))
     }
 
     /// The run of row number `row`, if it has pixels in the block.
@@ -230,15 +231,13 @@ pub fn runs<L: Wide>(
     }
 }
 
-/// Were all distances from the centre short enough for the arithmetic of [`runs`]?
+/// Bits of the largest distance from the centre that are too many for the arithmetic of [`runs`]; 0 if there are none.
 #[inline(always)]
-pub fn is_short<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> bool {
-    let mut largest = [0; 8];
-    lanes.wide_store(&mut largest, large);
+pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) -> L::Word {
     // Designs of at most 15 bits keep dx below their mantissa, and all of a seed in 32 bits.
     let bits = constants.drops.1;
     let limit = if bits <= 15 { bits } else { bits.max(30) };
-    largest.iter().fold(0, |all, word| all | word) >> limit == 0
+    lanes.wide_shr(large, lanes.wide_splat(limit.into()))
 }
 
 /// Are a footprint's words small enough for vectors, whatever the row?

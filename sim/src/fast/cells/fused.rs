@@ -237,7 +237,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_
     #[inline(always)]
     fn multiply(&self, a: L::Word, b: L::Word) -> L::Word {
         if DEEP {
-            self.lanes.mul_whole(a, b)
+            self.lanes.wide_mul_whole(a, b)
         } else {
             self.lanes.wide_mul(a, b)
         }

@@ -7,7 +7,7 @@
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
 use crate::fast::lanes::fused::Fused;
 use crate::fast::recurrence::{RowVectors, stays_near};
-use crate::fast::rows::{Runs, is_short, runs};
+use crate::fast::rows::{Runs, excess, runs};
 use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 use splatline::raster::{BLOCK, RowConstants, Window};
@@ -161,7 +161,8 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
             }
             rows.step(lanes);
         }
-        let fits = rows.are_short(lanes) && is_short(lanes, constants, large);
+        let too_large = math.add(rows.excess(lanes), excess(lanes, constants, large));
+        let fits = lanes.marked(math.negate(too_large)) == 0;
         if fits {
             self.visited += lanes.sum(visited);
         } else {
@@ -226,7 +227,7 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
     #[inline(always)]
     fn multiply<L: Fused>(&self, lanes: L, a: L::Word, b: L::Word) -> L::Word {
         if DEEP {
-            lanes.mul_whole(a, b)
+            lanes.wide_mul_whole(a, b)
         } else {
             lanes.wide_mul(a, b)
         }

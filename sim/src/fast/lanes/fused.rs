@@ -36,8 +36,6 @@ pub trait Fused: Wide {
     fn pack(self, to: &mut [u64; 8], value: Self::Word, truth: Self::Truth);
     /// acc + (a b >> 52), of the low 52 bits of a and of b.
     fn fused(self, acc: Self::Word, a: Self::Word, b: Self::Word) -> Self::Word;
-    /// Low 64 bits of a b.
-    fn mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// The low 32-bit half as a signed number, 0 where it is negative.
     fn half_from_zero(self, a: Self::Word) -> Self::Word;
     /// The larger one, as signed numbers.
@@ -128,9 +126,6 @@ impl Fused for Portable {
         let low = |word: i64| (word & ((1 << DROPPED) - 1)) as u128;
         let product = zip(a, b, |a, b| ((low(a) * low(b)) >> DROPPED) as i64);
         zip(acc, product, i64::wrapping_add)
-    }
-    fn mul_whole(self, a: Words, b: Words) -> Words {
-        zip(a, b, i64::wrapping_mul)
     }
     fn half_from_zero(self, a: Words) -> Words {
         a.map(|a| (a as i32).max(0).into())
@@ -227,10 +222,6 @@ mod x86 {
         #[inline(always)]
         fn fused(self, acc: __m512i, a: __m512i, b: __m512i) -> __m512i {
             op!(_mm512_madd52hi_epu64(acc, a, b))
-        }
-        #[inline(always)]
-        fn mul_whole(self, a: __m512i, b: __m512i) -> __m512i {
-            op!(_mm512_mullo_epi64(a, b))
         }
         #[inline(always)]
         fn half_from_zero(self, a: __m512i) -> __m512i {

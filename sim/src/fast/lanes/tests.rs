@@ -130,7 +130,7 @@ impl FusedJob for &AllFused {
             lanes.wide_select(a, b, lanes.wide_equal(a, b)),
             lanes.wide_select(a, b, truth),
             lanes.fused(a, b, c),
-            lanes.mul_whole(a, b),
+            lanes.wide_mul_whole(a, b),
             lanes.half_from_zero(a),
             lanes.max_whole(a, b),
             lanes.min_whole(a, b),
@@ -165,6 +165,24 @@ fn gaussian() -> Factors {
     let mut entries = vec![0; splatline::kernel::entries(&Deep32::WIDTHS)];
     splatline::kernel::fill_gaussian(&mut entries, &Deep32::WIDTHS, 4);
     Factors::gaussian(&entries, &Deep32::WIDTHS, 4).expect("its products are exact")
+}
+
+/// Whole products of 64-bit words.
+struct WholeProducts {
+    a: [i64; 8],
+    b: [i64; 8],
+}
+
+impl Job for &WholeProducts {
+    type Output = [i64; 4];
+
+    #[inline(always)]
+    fn run<L: Floats>(self, lanes: L) -> [i64; 4] {
+        let product = lanes.wide_mul_whole(lanes.wide_load(&self.a), lanes.wide_load(&self.b));
+        let mut stored = [0; 8];
+        lanes.wide_store(&mut stored, product);
+        std::array::from_fn(|k| stored[k])
+    }
 }
 
 /// Results of all operations on short words, in a fixed order.
@@ -226,6 +244,14 @@ proptest! {
     fn every_short_operation_is_the_portable_one(a: [u32; 16], b: [u32; 16], c: [u32; 16], alike: bool) {
         let all = AllNarrow { a, b: if alike { a } else { b }, c, factors: narrow_gaussian() };
         prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
+    }
+
+    #[test]
+    fn whole_products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
+        let products = WholeProducts { a, b };
+        let expected = dispatch(Choice::Portable, &products);
+        prop_assert_eq!(dispatch(Choice::Eight, &products), expected);
+        prop_assert_eq!(dispatch(Choice::Best, &products), expected);
     }
 
     #[test]

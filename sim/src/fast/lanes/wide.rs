@@ -31,6 +31,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a b of words that fit 32 bits without a sign.
     fn wide_mul_unsigned(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// Low 64 bits of a b.
+    fn wide_mul_whole(self, a: Self::Word, b: Self::Word) -> Self::Word;
     /// a << by; 0 where `by` is negative or beyond 63.
     fn wide_shl(self, a: Self::Word, by: Self::Word) -> Self::Word;
     /// a >> by, filled with zeros; 0 where `by` is negative or beyond 63.
@@ -100,6 +102,10 @@ impl Wide for Portable {
         zip(a, b, |a, b| {
             (u64::from(a as u32) * u64::from(b as u32)) as i64
         })
+    }
+    #[inline(always)]
+    fn wide_mul_whole(self, a: Words, b: Words) -> Words {
+        zip(a, b, i64::wrapping_mul)
     }
     #[inline(always)]
     fn wide_shl(self, a: Words, by: Words) -> Words {
@@ -195,6 +201,10 @@ mod x86 {
             op!(_mm512_mul_epu32(a, b))
         }
         #[inline(always)]
+        fn wide_mul_whole(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_mullo_epi64(a, b))
+        }
+        #[inline(always)]
         fn wide_shl(self, a: __m512i, by: __m512i) -> __m512i {
             op!(_mm512_sllv_epi64(a, by))
         }
@@ -273,6 +283,15 @@ mod x86 {
         #[inline(always)]
         fn wide_mul_unsigned(self, a: __m256i, b: __m256i) -> __m256i {
             op!(_mm256_mul_epu32(a, b))
+        }
+        #[inline(always)]
+        fn wide_mul_whole(self, a: __m256i, b: __m256i) -> __m256i {
+            op!({
+                let upper = |word| _mm256_srli_epi64::<32>(word);
+                let crossed =
+                    _mm256_add_epi64(_mm256_mul_epu32(upper(a), b), _mm256_mul_epu32(a, upper(b)));
+                _mm256_add_epi64(_mm256_mul_epu32(a, b), _mm256_slli_epi64::<32>(crossed))
+            })
         }
         #[inline(always)]
         fn wide_shl(self, a: __m256i, by: __m256i) -> __m256i {

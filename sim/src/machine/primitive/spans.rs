@@ -4,7 +4,7 @@
 //! for the vectors' arithmetic the kernel's own rows are taken.
 
 use crate::fast::lanes::Wide;
-use crate::fast::recurrence::{RowVectors, stays_near};
+use crate::fast::recurrence::{RowVectors, is_zero, stays_near};
 use crate::fast::rows::columns;
 use crate::fast::setup::number::Arithmetic;
 use splatline::raster::{RowConstants, Rows, SpanRows};
@@ -62,7 +62,7 @@ impl Spans {
             store(lanes, &mut self.end, start, end);
             rows.step(lanes);
         }
-        rows.are_short(lanes)
+        is_zero(lanes, rows.excess(lanes))
     }
 
     #[cold]
