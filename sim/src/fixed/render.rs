@@ -4,7 +4,7 @@ use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
-use crate::fast::lanes::Choice;
+use crate::fast::lanes::{Choice, has_vectors};
 use crate::fast::order::{Grid, Key, tile_lists};
 use crate::fast::setup as fast;
 use crate::fast::{Scratch, TILE, tile_painter};
@@ -34,7 +34,13 @@ pub enum Engine {
 }
 
 /// What draws unless something else is asked for.
-const BEST: Engine = Engine::Vectors(Choice::Best);
+fn best_engine() -> Engine {
+    if has_vectors() {
+        Engine::Vectors(Choice::Best)
+    } else {
+        Engine::Scalar
+    }
+}
 
 /// How to draw.
 #[derive(Clone, Debug)]
@@ -89,7 +95,7 @@ pub fn footprints(
     impl DesignJob for Job<'_> {
         type Output = Vec<Result<Footprint, Cull>>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            set_up(design, self.0, self.1, BEST)
+            set_up(design, self.0, self.1, best_engine())
         }
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
@@ -198,7 +204,7 @@ pub fn draw_with_footprints(
     options: &Options,
 ) -> (Drawing, Vec<Result<Footprint, Cull>>) {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    draw_quantised(&quantised, camera, options, BEST)
+    draw_quantised(&quantised, camera, options, best_engine())
 }
 
 /// A scene that has been quantised already, by the engine asked for.

@@ -151,6 +151,15 @@ pub fn dispatch<J: Job>(choice: Choice, job: J) -> J::Output {
     Portable.run(job)
 }
 
+/// Are vectors faster than the kernel's painter here? On x86-64 without AVX2 they are not: its baseline has neither gathers nor products of
+/// signed words.
+pub fn has_vectors() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return avx2::Avx2::detect().is_some();
+    #[cfg(not(target_arch = "x86_64"))]
+    true
+}
+
 /// Asks for memory that will be read soon.
 #[allow(unsafe_code)]
 #[inline(always)]
