@@ -140,9 +140,7 @@ impl Job for OnLanes<'_> {
 }
 
 fn over_and_over(bencher: Bencher, way: fn(&mut Planes)) {
-    bencher
-        .with_inputs(Planes::new)
-        .bench_local_refs(|planes| way(planes));
+    bencher.with_inputs(Planes::new).bench_local_refs(way);
 }
 
 #[divan::bench]

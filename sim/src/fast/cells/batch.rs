@@ -3,8 +3,8 @@
 //! The way from a row's radial index to the seed of its first pixel is 200 cycles long. One footprint alone would wait for it; the rows of the
 //! next ones fill the time.
 
-use super::PixelPath;
 use super::parts::Parts;
+use super::{PixelPath, Prepare};
 use crate::fast::lanes::narrow::Narrow;
 use crate::fast::paint::CHECK_INTERVAL;
 use splatline::draw::Coverage;
@@ -44,13 +44,13 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
     }
 
     /// Lists the cells of as many footprints from the list's start as there is room for, and returns their number: 0 if vectors cannot
-    /// draw the first one. `prepare` gives what is needed of the footprint at a place of the list.
+    /// draw the first one.
     #[inline(always)]
     pub fn fill<L: Narrow>(
         &mut self,
         lanes: L,
         list: &[u32],
-        prepare: &dyn Fn(&[u32]) -> Option<Prepared<B>>,
+        prepare: &Prepare<B>,
         window: &Window,
     ) -> usize {
         self.parts.clear();

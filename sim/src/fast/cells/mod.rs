@@ -197,12 +197,14 @@ impl<D: Design, P: Palette> CellPainter<'_, D, P> {
     }
 }
 
+/// Gives what is needed of the footprint that a list begins with; nothing if vectors cannot draw it.
+pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<Prepared<B>> + 'a;
+
 /// A tile to be painted, by whatever vectors.
 pub struct Painting<'a, 'f, P: Palette> {
     palette: &'a P,
     rules: &'a Rules,
-    /// What is needed of the footprint that this list begins with.
-    prepare: &'a dyn Fn(&[u32]) -> Option<Prepared<P::Brush>>,
+    prepare: &'a Prepare<'a, P::Brush>,
     /// Paints the footprint of this number by the kernel.
     scalar: &'a dyn Fn(u32, &mut TileOf<P>) -> Coverage,
     tile: &'a mut TileOf<P>,

@@ -1,5 +1,5 @@
 //! Vectors of 32-bit words: the few operations that the pixel path needs, for whatever the processor has. Those of 64-bit words are in
-//! [`Wide`] and [`fused::Fused`].
+//! [`Wide`] and [`fused::Fused`], those of a cell of sixteen short words in [`narrow::Narrow`].
 //!
 //! | implementation | words | chosen |
 //! |---|--:|---|

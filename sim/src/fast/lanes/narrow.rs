@@ -105,7 +105,7 @@ impl Narrow for Portable {
     fn upper_halves(self, a: Words, b: Words) -> Words {
         zip(a, b, |a, b| {
             let ([a, above_a], [b, above_b]) = (halves(a), halves(b));
-            (a * b >> 16) | (above_a * above_b & 0xffff_0000)
+            ((a * b) >> 16) | ((above_a * above_b) & 0xffff_0000)
         })
     }
     fn both_halves(self, a: Words, b: Words) -> Words {
