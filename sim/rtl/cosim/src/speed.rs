@@ -43,7 +43,7 @@ struct CircuitSeconds {
     all: f64,
 }
 
-/// Seconds of the model's parts.
+/// Processor seconds of the model's parts on one thread.
 #[derive(Clone, Copy, Debug)]
 struct ModelSeconds {
     drawing: f64,
@@ -107,11 +107,10 @@ fn measure(
         results: &results,
         lanes,
     };
-    let (one, drawn) = one_thread(|| choice.dispatch(Timed(model, processor_seconds)));
+    let (one, drawn) = one_thread(|| choice.dispatch(OneThread(model)));
     ensure!(drawn == expected, "model and circuit differ on one thread");
-    let (all, drawn) = choice.dispatch(Timed(model, wall_seconds));
+    let (all, drawn) = choice.dispatch(AllCores(model));
     ensure!(drawn == expected, "model and circuit differ on all cores");
-    let ratio = |circuit: f64, model: &ModelSeconds| circuit / model.sum();
     Ok(format!(
         "| {design} | {lanes} | {:.2} | {:.2} | {:.4} | {:.4} | {:.4} | {:.0} | {:.4} | {:.0} | {:.0} |",
         circuit.one,
@@ -119,22 +118,16 @@ fn measure(
         one.drawing,
         one.cycles,
         one.sum(),
-        ratio(circuit.one, &one),
-        all.sum(),
-        ratio(circuit.all, &all),
-        ratio(circuit.one, &all),
+        circuit.one / one.sum(),
+        all,
+        circuit.all / all,
+        circuit.one / all,
     ))
 }
 
 /// Processor time of this thread, so that other processes do not count.
 fn processor_seconds() -> f64 {
     let time = clock_gettime(ClockId::ThreadCPUTime);
-    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
-}
-
-/// Time on the wall.
-fn wall_seconds() -> f64 {
-    let time = clock_gettime(ClockId::Monotonic);
     time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
 }
 
@@ -245,31 +238,47 @@ struct Model<'a> {
     lanes: usize,
 }
 
-/// The model's seconds by some clock.
-struct Timed<'a>(Model<'a>, fn() -> f64);
+/// Seconds of both parts, one after the other.
+struct OneThread<'a>(Model<'a>);
 
-impl DesignJob for Timed<'_> {
+impl DesignJob for OneThread<'_> {
     type Output = (ModelSeconds, Drawn);
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-        let Timed(model, now) = self;
+        let OneThread(model) = self;
         let mut seconds = ModelSeconds {
             drawing: 0.0,
             cycles: 0.0,
         };
         let mut drawn = None;
         for _ in 0..REPEATS {
-            let started = now();
+            let started = processor_seconds();
             let pixels = model.draw(design);
-            let drawn_at = now();
+            let drawn_at = processor_seconds();
             let cycles = model.cycles(design);
             seconds.drawing += (drawn_at - started) / f64::from(REPEATS);
-            seconds.cycles += (now() - drawn_at) / f64::from(REPEATS);
+            seconds.cycles += (processor_seconds() - drawn_at) / f64::from(REPEATS);
             drawn = Some((pixels, cycles));
         }
-        let (pixels, cycles) = drawn.expect("there is at least one turn");
-        let pixels = model.in_tiles_of_the_circuit(&pixels);
-        (seconds, Drawn { pixels, cycles })
+        (seconds, model.drawn(drawn))
+    }
+}
+
+/// Seconds on the wall of both parts at the same time, so that no core waits for the other's last tile.
+struct AllCores<'a>(Model<'a>);
+
+impl DesignJob for AllCores<'_> {
+    type Output = (f64, Drawn);
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+        let AllCores(model) = self;
+        let started = Instant::now();
+        let mut drawn = None;
+        for _ in 0..REPEATS {
+            drawn = Some(rayon::join(|| model.draw(design), || model.cycles(design)));
+        }
+        let seconds = started.elapsed().as_secs_f64() / f64::from(REPEATS);
+        (seconds, model.drawn(drawn))
     }
 }
 
@@ -292,6 +301,13 @@ impl Model<'_> {
             pixels
         };
         tiles.map_init(Scratch::default, paint).collect()
+    }
+
+    /// What the last turn drew and counted.
+    fn drawn(&self, last: Option<(Vec<Vec<Pixel>>, Vec<u64>)>) -> Drawn {
+        let (pixels, cycles) = last.expect("there is at least one turn");
+        let pixels = self.in_tiles_of_the_circuit(&pixels);
+        Drawn { pixels, cycles }
     }
 
     /// The same pixels as the circuit's tiles have them.
