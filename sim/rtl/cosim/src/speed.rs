@@ -31,7 +31,10 @@ use std::time::Instant;
 /// Columns and rows of the picture.
 const SIZE: usize = 512;
 
-/// The model draws the picture so many times; its seconds are the mean.
+/// Rounds; medians are taken over them, of ratios too.
+const ROUNDS: usize = 5;
+
+/// The model draws the picture so many times in a round; its seconds are the mean.
 const REPEATS: u32 = 8;
 
 /// Seconds of the circuits.
@@ -96,7 +99,6 @@ fn measure(
         rules: &rules,
         workload,
     };
-    let (circuit, expected) = circuit.seconds()?;
     let results: Vec<_> = workload.footprints.iter().copied().map(Ok).collect();
     let viewport = workload.viewport.context("the tiles make a picture")?;
     let model = Model {
@@ -107,22 +109,42 @@ fn measure(
         results: &results,
         lanes,
     };
+    let rounds: Vec<Round> = (0..ROUNDS)
+        .map(|_| round(&circuit, choice, model))
+        .collect::<Result<_>>()?;
+    let median = |of: fn(&Round) -> f64| {
+        let mut values: Vec<f64> = rounds.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        values[values.len() / 2]
+    };
+    Ok(format!(
+        "| {design} | {lanes} | {:.2} | {:.2} | {:.4} | {:.4} | {:.4} | {:.0} | {:.4} | {:.0} | {:.0} |",
+        median(|round| round.circuit.one),
+        median(|round| round.circuit.all),
+        median(|round| round.one.drawing),
+        median(|round| round.one.cycles),
+        median(|round| round.one.sum()),
+        median(|round| round.circuit.one / round.one.sum()),
+        median(|round| round.all),
+        median(|round| round.circuit.all / round.all),
+        median(|round| round.circuit.one / round.all),
+    ))
+}
+
+/// Seconds of one round, in which everything is done once.
+struct Round {
+    circuit: CircuitSeconds,
+    one: ModelSeconds,
+    all: f64,
+}
+
+fn round(circuit: &Circuit, choice: &DesignChoice, model: Model) -> Result<Round> {
+    let (circuit, expected) = circuit.seconds()?;
     let (one, drawn) = one_thread(|| choice.dispatch(OneThread(model)));
     ensure!(drawn == expected, "model and circuit differ on one thread");
     let (all, drawn) = choice.dispatch(AllCores(model));
     ensure!(drawn == expected, "model and circuit differ on all cores");
-    Ok(format!(
-        "| {design} | {lanes} | {:.2} | {:.2} | {:.4} | {:.4} | {:.4} | {:.0} | {:.4} | {:.0} | {:.0} |",
-        circuit.one,
-        circuit.all,
-        one.drawing,
-        one.cycles,
-        one.sum(),
-        circuit.one / one.sum(),
-        all,
-        circuit.all / all,
-        circuit.one / all,
-    ))
+    Ok(Round { circuit, one, all })
 }
 
 /// Processor time of this thread, so that other processes do not count.
