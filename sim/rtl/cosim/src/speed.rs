@@ -3,7 +3,8 @@
 //! Both sides begin with packets (footprints) in the order of every tile's list and end with the words of every tile's pixels and the cycles
 //! that every tile takes; these must be the same, or there is no figure. The circuit is driven without a call for every cycle and without
 //! looking into it. The model is the host's drawing, in tiles of its own size, whose tables and constants of footprints count, and the clock of
-//! whole pictures. Lists of tiles are made beforehand for both. One thread is measured by its processor time, all cores by the clock on the wall: for the circuit that is one simulation for each core.
+//! whole pictures. Lists of tiles are made beforehand for both. One thread is measured by its processor time, all cores by the clock on the
+//! wall: for the circuit that is one simulation for each core.
 
 use crate::bench::Bench;
 use crate::model::{Packet, ReadOut};

@@ -7,7 +7,7 @@
 //!
 //! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
 
-use super::intervals::Intervals;
+use super::intervals::{Intervals, Reach};
 use super::parts::Part;
 use super::scale::Scale;
 use super::tile::{COLUMNS, Cell, Word};
@@ -16,7 +16,7 @@ use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::{DROPPED, Pairs};
 use crate::fast::lanes::narrow::Narrow;
 use splatline::blend::Blend;
-use splatline::draw::{Coverage, cutoff_in_lane};
+use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
@@ -37,8 +37,6 @@ pub struct Palette {
     widths: Widths,
     scale: Scale,
     intervals: Intervals,
-    /// Do lanes have 64 bits?
-    deep: bool,
 }
 
 impl super::Palette for Palette {
@@ -49,16 +47,11 @@ impl super::Palette for Palette {
     /// For widths that have a scale and a table within the kernel's range.
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
-        let deep = lane_bits > 32;
-        let known = u64::from(constants.stop) < 1 << widths.transmittance
-            && constants.alpha_max <= 1 << widths.alpha
-            && (deep || widths.radial <= 27);
-        known.then_some(())?;
+        let reach = Reach::new(table, widths, &constants, lane_bits)?;
         Some(Palette {
             widths: *widths,
             scale: Scale::new(widths, &constants)?,
-            intervals: Intervals::new(table, widths, rules.table_range)?,
-            deep,
+            intervals: Intervals::new(table, reach, widths, rules.table_range),
         })
     }
 
@@ -73,16 +66,13 @@ impl super::Palette for Palette {
     #[inline(always)]
     fn brush(&self, footprint: &Footprint) -> Option<Brush> {
         let Palette { widths, scale, .. } = self;
-        let end = cutoff_in_lane(footprint.cutoff, widths.radial);
-        let end = i64::try_from(end).ok()?;
+        let end = self.intervals.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
         let fits = in_format(footprint.peak, widths.peak)
             && footprint
                 .colour
                 .iter()
-                .all(|c| in_format(*c, widths.colour))
-            && (self.deep || end <= i64::from(i32::MAX))
-            && self.intervals.reach.covers(end.checked_sub(1)?);
+                .all(|c| in_format(*c, widths.colour));
         fits.then(|| Brush {
             end,
             peak: u64::from(footprint.peak) << scale.peak,
@@ -92,7 +82,10 @@ impl super::Palette for Palette {
 
     #[inline(always)]
     fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
-        match (painting.rules.stop_before, painting.palette.deep) {
+        match (
+            painting.rules.stop_before,
+            painting.palette.intervals.reach.deep,
+        ) {
             (true, false) => run::<L, true, false>(lanes, painting),
             (false, false) => run::<L, false, false>(lanes, painting),
             (true, true) => run::<L, true, true>(lanes, painting),

@@ -2,30 +2,52 @@
 
 use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::Pairs;
+use splatline::blend::BlendConstants;
+use splatline::draw::cutoff_in_lane;
 use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
 
-/// How far a table reaches.
+/// How far a table reaches, in lanes of a design.
 #[derive(Clone, Copy, Debug)]
 pub struct Reach {
     intervals: u64,
     /// Bits of the radial index below an interval's number.
     pub rest_bits: u32,
+    radial: u8,
+    /// Do lanes have 64 bits?
+    pub deep: bool,
 }
 
 impl Reach {
-    /// Of this table.
-    pub fn new(table: &FootprintTable) -> Self {
-        Reach {
-            intervals: table.entries().len().saturating_sub(1) as u64,
+    /// Of this table; `None` if an entry exceeds 1, or a constant or the lanes' radial index its format.
+    pub fn new(
+        table: &FootprintTable,
+        widths: &Widths,
+        constants: &BlendConstants,
+        lane_bits: u32,
+    ) -> Option<Self> {
+        let entries = table.entries();
+        let deep = lane_bits > 32;
+        let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)
+            && u64::from(constants.stop) < 1 << widths.transmittance
+            && constants.alpha_max <= 1 << widths.alpha
+            && (deep || widths.radial <= 27);
+        fits.then_some(Reach {
+            intervals: entries.len().saturating_sub(1) as u64,
             rest_bits: table.rest_bits(),
-        }
+            radial: widths.radial,
+            deep,
+        })
     }
 
-    /// Do all radial indices up to `last` lie in the table?
+    /// One past the largest radial index inside a footprint with this cut-off; `None` if it lies outside the table or the lanes.
     #[inline(always)]
-    pub fn covers(&self, last: i64) -> bool {
-        last < 0 || ((last as u64) >> self.rest_bits) < self.intervals
+    pub fn end(&self, cutoff: u32) -> Option<i64> {
+        let end = i64::try_from(cutoff_in_lane(cutoff, self.radial)).ok()?;
+        let last = end.checked_sub(1)?;
+        let fits = (self.deep || end <= i64::from(i32::MAX))
+            && (last < 0 || ((last as u64) >> self.rest_bits) < self.intervals);
+        fits.then_some(end)
     }
 }
 
@@ -39,8 +61,8 @@ pub struct Intervals {
 }
 
 impl Intervals {
-    /// Every interval of `table`; `None` if an entry exceeds 1.
-    pub fn new(table: &FootprintTable, widths: &Widths, range: u8) -> Option<Self> {
+    /// Every interval of `table`, which reaches so far.
+    pub fn new(table: &FootprintTable, reach: Reach, widths: &Widths, range: u8) -> Self {
         let entries = table.entries();
         let interpolates = widths.interpolation > 0;
         let pair = |pair: &[u32]| {
@@ -51,11 +73,10 @@ impl Intervals {
             };
             (u64::from(pair[0]) << 32) | u64::from(change)
         };
-        let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight);
-        fits.then(|| Intervals {
+        Intervals {
             pairs: Pairs::new(entries.windows(2).map(pair).collect()),
             factors: Factors::gaussian(entries, widths, range),
-            reach: Reach::new(table),
-        })
+            reach,
+        }
     }
 }

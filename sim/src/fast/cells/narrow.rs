@@ -12,7 +12,7 @@ use super::{Painting, TileOf, Tiles};
 use crate::fast::lanes::factors::NarrowFactors;
 use crate::fast::lanes::narrow::Narrow;
 use splatline::blend::Blend;
-use splatline::draw::{Coverage, cutoff_in_lane};
+use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::Widths;
 use splatline::kernel::FootprintTable;
@@ -50,16 +50,11 @@ impl super::Palette for Palette {
 
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
-        let reach = Reach::new(table);
+        let reach = Reach::new(table, widths, &constants, lane_bits)?;
         let kept = u32::from(widths.interpolation).min(reach.rest_bits);
         let entries = table.entries();
         let steepest = entries.windows(2).map(|pair| pair[0].abs_diff(pair[1]));
-        let fits = lane_bits == 32
-            && widths.radial <= 27
-            && u64::from(constants.stop) < 1 << widths.transmittance
-            && constants.alpha_max <= 1 << widths.alpha
-            && entries.iter().all(|entry| *entry <= 1 << widths.weight)
-            && u64::from(steepest.max()?) << kept < 1 << 30;
+        let fits = !reach.deep && u64::from(steepest.max()?) << kept < 1 << 30;
         fits.then_some(())?;
         Some(Palette {
             widths: *widths,
@@ -81,16 +76,11 @@ impl super::Palette for Palette {
     #[inline(always)]
     fn brush(&self, footprint: &Footprint) -> Option<Brush> {
         let Palette {
-            widths,
-            products,
-            reach,
-            ..
+            products, reach, ..
         } = self;
-        let end = cutoff_in_lane(footprint.cutoff, widths.radial);
-        let end = i32::try_from(end).ok()?;
+        let end = reach.end(footprint.cutoff)?;
         let fits = footprint.peak <= products.peak
-            && footprint.colour.iter().all(|c| *c <= products.colour)
-            && reach.covers(i64::from(end) - 1);
+            && footprint.colour.iter().all(|c| *c <= products.colour);
         fits.then_some(Brush {
             end: end as u32,
             peak: footprint.peak,
