@@ -3,6 +3,7 @@
 //! Everything a pixel needs to know of a splat is in here; neither the camera nor the scene is seen further
 //! down. Its serial form, bit for bit, is [`packet`].
 
+pub mod depth;
 pub mod packet;
 pub mod surface;
 
@@ -11,8 +12,8 @@ use crate::math::Scaled;
 /// A projected splat. Integer formats depend on the design's [`Widths`](crate::format::Widths).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
-    /// Sort key: depth z in scene units, UQ9.23, saturated.
-    pub depth: u32,
+    /// Sort key: depth z in scene units as a number of 48 bits ([`depth::key`]).
+    pub depth: u64,
     /// Centre in pixels, Q27.subpixel.
     pub centre: [i64; 2],
     /// First column and row of the bounding box, clipped to the viewport.

@@ -33,6 +33,9 @@ pub enum Traversal {
 /// Widths of every quantity, in bits. "Fraction" counts bits right of the binary point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Widths {
+    /// Magnitude bits of a splat's difference to the eye, and of the rotation by which it gets to camera space (8 to 60; above 30
+    /// both have two parts). Splats in fixed point do without ([`Translation`](crate::view::Translation)).
+    pub position: u8,
     /// Magnitude bits of the mantissas that lead from camera space to a footprint's centre, and fraction bits of
     /// the rotation's entries (8 to 31; the rotation has at most 30).
     pub view: u8,
@@ -75,7 +78,8 @@ pub struct WidthError {
 }
 
 /// Fields of [`Widths`] that hold a number, with their ranges.
-pub const WIDTH_RANGES: [(&str, u8, u8); 12] = [
+pub const WIDTH_RANGES: [(&str, u8, u8); 13] = [
+    ("position", 8, 60),
     ("view", 8, 31),
     ("mantissa", 8, 31),
     ("subpixel", 2, 24),
@@ -92,8 +96,9 @@ pub const WIDTH_RANGES: [(&str, u8, u8); 12] = [
 
 impl Widths {
     /// The numeric fields, in the order of [`WIDTH_RANGES`].
-    pub const fn numbers(&self) -> [u8; 12] {
+    pub const fn numbers(&self) -> [u8; 13] {
         [
+            self.position,
             self.view,
             self.mantissa,
             self.subpixel,
@@ -225,6 +230,7 @@ pub struct Deep32;
 impl Classic8 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
+        position: 24,
         view: 20,
         mantissa: 16,
         subpixel: 8,
@@ -244,6 +250,7 @@ impl Classic8 {
 impl Lean18 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
+        position: 30,
         view: 26,
         mantissa: 18,
         subpixel: 12,
@@ -263,6 +270,7 @@ impl Lean18 {
 impl Standard24 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
+        position: 48,
         view: 30,
         mantissa: 28,
         subpixel: 24,
@@ -282,6 +290,7 @@ impl Standard24 {
 impl Deep32 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
+        position: 60,
         view: 31,
         mantissa: 31,
         subpixel: 24,

@@ -28,10 +28,10 @@ pub struct Rules {
     pub cutoff: Cutoff,
     /// Opacity of one splat at one pixel is clamped to this, UQ1.31.
     pub alpha_max: u32,
-    /// Smaller opacities are skipped, UQ1.31.
-    pub alpha_min: u32,
-    /// A pixel is finished when its transmittance is at most this, UQ1.31.
-    pub stop: u32,
+    /// Smaller opacities are skipped, UQ1.60: fine enough to be compared with an opacity before it is rounded.
+    pub alpha_min: u64,
+    /// A pixel is finished when its transmittance is at most this, UQ1.60.
+    pub stop: u64,
     /// The splat that would bring the transmittance to `stop` is itself left out.
     pub stop_before: bool,
     /// x/z and y/z are clamped in the Jacobian to [`RatioLimits`](crate::view::RatioLimits).
@@ -40,9 +40,13 @@ pub struct Rules {
     pub table_range: u8,
 }
 
-/// `numerator / denominator` in UQ1.31, rounded to nearest.
-const fn ratio(numerator: u64, denominator: u64) -> u32 {
-    (((numerator << 31) + denominator / 2) / denominator) as u32
+/// Fraction bits of [`Rules::alpha_min`] and [`Rules::stop`].
+pub const THRESHOLD: u32 = 60;
+
+/// `numerator / denominator` with so many fraction bits, rounded to nearest.
+const fn ratio(numerator: u64, denominator: u64, fraction: u32) -> u64 {
+    let denominator = denominator as u128;
+    ((((numerator as u128) << fraction) + denominator / 2) / denominator) as u64
 }
 
 impl Rules {
@@ -56,9 +60,9 @@ impl Rules {
         spacing: Scaled::ZERO,
         kernel: Kernel::Gaussian,
         cutoff: Cutoff::Radial(4 << 28),
-        alpha_max: ratio(1, 1),
+        alpha_max: ratio(1, 1, 31) as u32,
         alpha_min: 0,
-        stop: ratio(1, 10_000),
+        stop: ratio(1, 10_000, THRESHOLD),
         stop_before: false,
         clamp_jacobian: false,
         table_range: 2,
@@ -83,9 +87,9 @@ impl Rules {
         spacing: Scaled::ZERO,
         kernel: Kernel::Gaussian,
         cutoff: Cutoff::Opacity,
-        alpha_max: ratio(999, 1000),
-        alpha_min: ratio(1, 255),
-        stop: ratio(1, 10_000),
+        alpha_max: ratio(999, 1000, 31) as u32,
+        alpha_min: ratio(1, 255, THRESHOLD),
+        stop: ratio(1, 10_000, THRESHOLD),
         stop_before: true,
         clamp_jacobian: true,
         table_range: 4,

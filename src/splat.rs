@@ -3,13 +3,20 @@
 pub mod surface;
 
 use crate::math::{Scaled, square_root, sum_of_products};
-use fixed::types::{I8F24, U4F28};
+use crate::view::{Eye, Pose};
+use fixed::types::U4F28;
+
+/// A centre as a file has it: a mantissa of at most 31 bits and an exponent for each coordinate, scene units. Exact for any f32.
+pub type Position = <Eye as Pose>::Centre;
+
+/// A centre in Q7.24, scene units, for firmware that knows the range of its scene.
+pub type FixedPosition = <crate::view::Translation as Pose>::Centre;
 
 /// A volume splat: an elliptical Gaussian reconstruction kernel of variance `V = sum_k a_k a_k^T` (\[EWA\] 6.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VolumeSplat {
-    /// Centre in scene units, Q7.24.
-    pub centre: [I8F24; 3],
+pub struct VolumeSplat<C = Position> {
+    /// Centre in scene units.
+    pub centre: C,
     /// The three axes a_k, each one standard deviation long.
     pub axes: [Axis; 3],
     /// Peak opacity (rules with peak opacity), or extinction times volume in square scene units (normalised
@@ -21,9 +28,9 @@ pub struct VolumeSplat {
 
 /// A spherical kernel: a volume splat of variance s^2 I, for which perspective can be exact (\[HYBRID\] 4.2).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SphereSplat {
-    /// Centre in scene units, Q7.24.
-    pub centre: [I8F24; 3],
+pub struct SphereSplat<C = Position> {
+    /// Centre in scene units.
+    pub centre: C,
     /// Standard deviation s in scene units, positive.
     pub deviation: Scaled,
     /// Peak opacity or extinction times volume, as for [`VolumeSplat`].

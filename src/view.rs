@@ -1,10 +1,17 @@
 //! The view: camera pose, projection, viewport and depth range, as the setup stage sees them.
 //!
-//! Camera space is x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5). One *scene unit* of the
-//! kernel is whatever power-of-two multiple of the scene's own unit puts all positions within Q7.24; scaling
-//! positions, axes and translation by the same power of two changes no picture and no bit of a footprint's shape.
+//! Camera space is x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
+//!
+//! There are two ways from a splat's centre to camera space, a choice of the type [`Pose`]:
+//!
+//! - [`Eye`]: centres are mantissas with exponents, as files have them. The difference to the eye comes first and is exact; it is then
+//!   rounded once, to a block exponent of the splat's own, and rotated. Every error is relative to the splat's distance from the eye,
+//!   whatever the offset or the extent of the scene.
+//! - [`Translation`]: centres are Q7.24, 32 bits a coordinate, for firmware that knows the range of its scene. t = W u + d is exact to Q9.54.
 
-use crate::math::Scaled;
+use crate::format::Widths;
+use crate::math::words::{leading_zeros_wide, product, shift_word};
+use crate::math::{Extended, Scaled, shift_round, shift_signed};
 use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 
 /// How camera space is mapped to the screen.
@@ -25,21 +32,70 @@ pub struct RatioLimits {
     pub high: [I32F32; 2],
 }
 
+/// World-to-camera rotation W, row-major, Q1.30, |entry| <= 1.
+pub type Rotation = [[I2F30; 3]; 3];
+
+/// A point in camera space: three words with one exponent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CameraPoint {
+    /// x right, y down, z forward.
+    pub value: [i64; 3],
+    /// Power of two of all three.
+    pub exponent: i32,
+}
+
+impl CameraPoint {
+    /// One coordinate.
+    #[inline(always)]
+    pub const fn coordinate(&self, axis: usize) -> Extended {
+        Extended {
+            value: self.value[axis],
+            exponent: self.exponent,
+        }
+    }
+}
+
+/// Where the camera stands, in the form that its splats' centres ask for.
+pub trait Pose: Copy {
+    /// A splat's centre.
+    type Centre: Copy + core::fmt::Debug + PartialEq;
+
+    /// t = W (u - e) = W u + d, scene units (\[EWA\] eq. 22).
+    fn to_camera(&self, rotation: &Rotation, centre: &Self::Centre, widths: &Widths)
+    -> CameraPoint;
+}
+
+/// The eye in the scene, for centres of any size and place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Eye {
+    /// Mantissas of its coordinates. Of a magnitude above `2^60` the low bits are rounded away.
+    pub position: [i64; 3],
+    /// Power of two of all three.
+    pub exponent: i32,
+    /// What W has beyond its 30 fraction bits: units of `2^-60`, |entry| <= `2^29`. Designs whose
+    /// [`position`](Widths::position) has at most 30 bits do not look at it.
+    pub rotation_rest: [[i32; 3]; 3],
+}
+
+/// The translation d of t = W u + d in scene units, Q9.54, |entry| <= 256, for centres in Q7.24.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Translation(pub [I10F54; 3]);
+
 /// Everything setup needs to know of the camera. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// World-to-camera rotation W, row-major, Q1.30, |entry| <= 1.
-    pub rotation: [[I2F30; 3]; 3],
-    /// World-to-camera translation d (t = W u + d), scene units, Q9.54, |entry| <= 256.
-    pub translation: [I10F54; 3],
+pub struct View<P = Eye> {
+    /// World-to-camera rotation W.
+    pub rotation: Rotation,
+    /// Where the camera stands.
+    pub pose: P,
     /// Focal lengths in pixels (orthographic: pixels per scene unit), normalised, positive.
     pub focal: [Scaled; 2],
     /// Principal point in pixels, Q31.32.
     pub principal: [I32F32; 2],
     /// Splats with z <= near are culled; scene units.
-    pub near: I10F54,
+    pub near: Extended,
     /// Splats with z >= far are culled; scene units.
-    pub far: I10F54,
+    pub far: Extended,
     /// Columns and rows of the viewport, at most 32768 each.
     pub viewport: [u16; 2],
     /// Perspective or orthographic.
@@ -48,22 +104,117 @@ pub struct View {
     pub limits: RatioLimits,
 }
 
-impl View {
-    /// t = W u + d in scene units, Q9.54 (\[EWA\] eq. 22).
+/// Fraction bits of W's entries.
+const ENTRY: u32 = 30;
+
+/// A difference has its leading bit at most here, so that a sum of two fits a word with a bit to spare.
+const TOP: i32 = 60;
+
+impl Pose for Eye {
+    type Centre = [Scaled; 3];
+
+    /// The difference u - e is exact where a coordinate cancels, and otherwise rounded `2^-61` below the largest coordinate of u and e; then
+    /// rounded to nearest to `position` bits of its largest coordinate. With `position` above 30 both the difference and W have two
+    /// parts; the product of the low parts, less than the last bit, is left out. Error of t: `2^-(position - 2)` of the distance.
+    #[cfg_attr(not(target_pointer_width = "32"), inline)]
+    fn to_camera(&self, rotation: &Rotation, centre: &[Scaled; 3], widths: &Widths) -> CameraPoint {
+        let bits = u32::from(widths.position);
+        let (difference, exponent) = self.difference(centre, bits);
+        let low = bits.saturating_sub(ENTRY);
+        let mut value = [0; 3];
+        for (row, sum) in value.iter_mut().enumerate() {
+            let entries = rotation[row];
+            if low == 0 {
+                for (entry, part) in entries.iter().zip(difference) {
+                    let entry = round_entry(*entry, bits) as i32;
+                    *sum = i64::wrapping_add(*sum, product(entry, part as i32));
+                }
+                continue;
+            }
+            let mut cross = 0i64;
+            for ((entry, rest), part) in entries.iter().zip(self.rotation_rest[row]).zip(difference)
+            {
+                let rest = shift_word(rest, ENTRY.saturating_sub(low) as i32);
+                let (high, tail) = halves(part, low);
+                *sum = sum.wrapping_add(product(entry.to_bits(), high));
+                cross = cross
+                    .wrapping_add(product(entry.to_bits(), tail))
+                    .wrapping_add(product(rest, high));
+            }
+            *sum = sum.wrapping_add(shift_round(cross, low));
+        }
+        CameraPoint {
+            value,
+            exponent: exponent
+                .saturating_add(low as i32)
+                .saturating_sub(ENTRY as i32),
+        }
+    }
+}
+
+/// `value = high 2^low + tail` with high rounded to nearest; both fit a word for values of at most `30 + low` bits.
+#[inline(always)]
+fn halves(value: i64, low: u32) -> (i32, i32) {
+    let high = shift_round(value, low);
+    (high as i32, value.wrapping_sub(high << low) as i32)
+}
+
+impl Eye {
+    /// u - e with the leading bit of its largest coordinate at bit `bits - 1`, and the exponent of the three.
     ///
+    /// All zeros with an exponent of 0 where splat and eye coincide.
+    #[inline(always)]
+    fn difference(&self, centre: &[Scaled; 3], bits: u32) -> ([i64; 3], i32) {
+        let together = |[a, b, c]: [i64; 3]| a.unsigned_abs() | b.unsigned_abs() | c.unsigned_abs();
+        let length = |magnitude: u64| 64 - leading_zeros_wide(magnitude) as i32;
+        let mut leading = match together(self.position) {
+            0 => i32::MIN,
+            magnitude => self.exponent.saturating_add(length(magnitude)),
+        };
+        for coordinate in centre {
+            if coordinate.mantissa != 0 {
+                leading = leading.max(coordinate.leading().saturating_add(1));
+            }
+        }
+        let unit = leading.saturating_sub(TOP);
+        let mut difference = [0; 3];
+        for ((difference, u), e) in difference.iter_mut().zip(centre).zip(self.position) {
+            let aligned = shift_signed(u.mantissa.into(), unit.saturating_sub(u.exponent));
+            *difference = aligned.wrapping_sub(shift_signed(e, unit.saturating_sub(self.exponent)));
+        }
+        let magnitude = together(difference);
+        if magnitude == 0 {
+            return ([0; 3], 0);
+        }
+        let drop = length(magnitude) - bits as i32;
+        (
+            difference.map(|coordinate| shift_signed(coordinate, drop)),
+            unit.saturating_add(drop),
+        )
+    }
+}
+
+impl Pose for Translation {
+    type Centre = [I8F24; 3];
+
     /// The three products are exact (Q8.54); entries of W are first rounded to the design's `view` fraction bits. The sum wraps
     /// only when |d| exceeds its range; with |d| <= 256 and |u| < 128 it fits: 3 * 128 + 256 > 512 is
     /// excluded because W is a rotation, so that |W u| <= 128 sqrt(3).
-    pub fn to_camera(&self, centre: [I8F24; 3], view_bits: u32) -> [i64; 3] {
-        let mut t = [0; 3];
-        for (row, (entries, d)) in self.rotation.iter().zip(self.translation).enumerate() {
-            t[row] = d.to_bits();
+    #[inline]
+    fn to_camera(&self, rotation: &Rotation, centre: &[I8F24; 3], widths: &Widths) -> CameraPoint {
+        let mut value = [0; 3];
+        for (row, (entries, d)) in rotation.iter().zip(self.0).enumerate() {
+            value[row] = d.to_bits();
             for (w, u) in entries.iter().zip(centre) {
-                let product = round_entry(*w, view_bits).wrapping_mul(i64::from(u.to_bits()));
-                t[row] = i64::wrapping_add(t[row], product);
+                let entry = round_entry(*w, widths.view.into());
+                let product = entry.wrapping_mul(i64::from(u.to_bits()));
+                value[row] = i64::wrapping_add(value[row], product);
             }
         }
-        t
+        CameraPoint {
+            value,
+            exponent: -54,
+        }
     }
 }
 
@@ -71,7 +222,7 @@ impl View {
 #[inline(always)]
 pub fn round_entry(entry: I2F30, bits: u32) -> i64 {
     let entry = i64::from(entry.to_bits());
-    match 30u32.saturating_sub(bits) {
+    match ENTRY.saturating_sub(bits) {
         0 => entry,
         drop => (entry + (1 << (drop - 1))) & (-1 << drop),
     }

@@ -4,6 +4,10 @@
 //! (\[EWA\] eq. 5, \[HYBRID\] 4.1) the share g = T alpha is computed once and both T' = T - g and C' = C + g c use it, so
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. \[SWAN\] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
+//!
+//! Decisions have no side. A splat is skipped by its opacity before rounding, the whole product of peak and kernel: compared after
+//! rounding, all opacities within half a unit below the threshold would be drawn, and a deep stack would come out too opaque. A pixel stops at
+//! the largest transmittance whose rounding interval lies around the threshold or below, so that stopping early and late are as likely.
 
 pub mod deep;
 pub mod edge;
@@ -16,7 +20,7 @@ pub mod surface;
 
 use crate::format::{Rounding, Widths};
 use crate::math::shift_unsigned;
-use crate::rules::Rules;
+use crate::rules::{Rules, THRESHOLD};
 
 /// One pixel of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -57,7 +61,7 @@ impl Pixel {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Blend {
     alpha_max: u32,
-    alpha_min: u32,
+    opacity_min: u64,
     stop: u32,
     stop_before: bool,
     rounding: Rounding,
@@ -79,8 +83,9 @@ pub struct Blend {
 pub struct BlendConstants {
     /// Largest opacity, UQ1.alpha, at most 1.
     pub alpha_max: u32,
-    /// Smaller opacities are skipped, UQ1.alpha, at least one unit.
-    pub alpha_min: u32,
+    /// Splats are skipped where peak (UQ4.peak) times kernel (UQ1.weight) is less: UQ4.(peak + weight), at least what rounds to one unit
+    /// of alpha.
+    pub opacity_min: u64,
     /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
     pub stop: u32,
     /// The splat that would bring the transmittance to `stop` is itself left out.
@@ -101,7 +106,7 @@ impl Blend {
     pub const fn constants(&self) -> BlendConstants {
         BlendConstants {
             alpha_max: self.alpha_max,
-            alpha_min: self.alpha_min,
+            opacity_min: self.opacity_min,
             stop: self.stop,
             stop_before: self.stop_before,
             rounding: self.rounding,
@@ -130,9 +135,8 @@ impl Blend {
         Blend {
             // At most 1, so that a share never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
-            // At least one unit: opacity 0 is always skipped.
-            alpha_min: at_least(from_rules(rules.alpha_min, alpha), 1),
-            stop: from_rules(rules.stop, transmittance),
+            opacity_min: smallest_product(rules.alpha_min, peak + weight, alpha, widths.rounding),
+            stop: centred_stop(rules.stop, transmittance),
             stop_before: rules.stop_before,
             rounding: widths.rounding,
             opacity_shift: peak + weight - alpha,
@@ -156,9 +160,22 @@ impl Blend {
     /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
     #[inline(always)]
     pub fn opacity(&self, peak: u32, weight: u32) -> u32 {
-        let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift);
-        let alpha = alpha.min(self.alpha_max.into()) as u32;
-        if alpha < self.alpha_min { 0 } else { alpha }
+        let opacity = self.opacity_product(peak, weight);
+        if opacity < self.opacity_min {
+            return 0;
+        }
+        let alpha = self.round(opacity, self.opacity_narrow, self.opacity_shift);
+        alpha.min(self.alpha_max.into()) as u32
+    }
+
+    /// Peak times kernel, not yet rounded.
+    #[inline(always)]
+    fn opacity_product(&self, peak: u32, weight: u32) -> u64 {
+        if self.opacity_narrow {
+            peak.wrapping_mul(weight).into()
+        } else {
+            u64::from(peak) * u64::from(weight)
+        }
     }
 
     /// Can the opacity of a splat with this peak (UQ4.peak) exceed the clamp? No kernel is above 1.
@@ -171,8 +188,9 @@ impl Blend {
     /// [`Blend::opacity`] of a splat that [is not clamped](Blend::is_clamped); `None` if the rules skip it.
     #[inline(always)]
     pub fn opacity_unclamped(&self, peak: u32, weight: u32) -> Option<u32> {
-        let alpha = self.product(peak, weight, self.opacity_narrow, self.opacity_shift) as u32;
-        (alpha >= self.alpha_min).then_some(alpha)
+        let opacity = self.opacity_product(peak, weight);
+        let alpha = self.round(opacity, self.opacity_narrow, self.opacity_shift) as u32;
+        (opacity >= self.opacity_min).then_some(alpha)
     }
 
     /// "Over", nearest splat first. Alpha in UQ1.alpha and at most 1, colour in UQ4.colour. A finished pixel must not be passed.
@@ -276,10 +294,16 @@ impl Blend {
         if !narrow {
             return self.shift(u64::from(a) * u64::from(b), by);
         }
-        let product = a.wrapping_mul(b);
-        if by <= 0 || by > 31 {
-            return self.shift(product.into(), by);
+        self.round(a.wrapping_mul(b).into(), true, by)
+    }
+
+    /// The rounding of [`Blend::product`].
+    #[inline(always)]
+    fn round(&self, product: u64, narrow: bool, by: i32) -> u64 {
+        if !narrow || by <= 0 || by > 31 {
+            return self.shift(product, by);
         }
+        let product = product as u32;
         let rounded = match self.rounding {
             Rounding::Nearest => product.wrapping_add(1 << (by - 1)),
             Rounding::Truncate => product,
@@ -297,8 +321,29 @@ const fn at_most(value: u32, limit: u32) -> u32 {
     if value > limit { limit } else { value }
 }
 
-const fn at_least(value: u32, limit: u32) -> u32 {
-    if value < limit { limit } else { value }
+/// The smallest product, with `fraction` fraction bits, that is not skipped: not below the threshold, and not 0 after rounding to `alpha` bits.
+const fn smallest_product(threshold: u64, fraction: i32, alpha: i32, rounding: Rounding) -> u64 {
+    let drop = (THRESHOLD as i32 - fraction) as u32;
+    let above = threshold.saturating_add((1 << drop) - 1) >> drop;
+    let visible = match (rounding, fraction - alpha) {
+        (_, ..=0) => 1,
+        (Rounding::Nearest, shift) => 1 << (shift - 1),
+        (Rounding::Truncate, shift) => 1 << shift,
+    };
+    if above < visible { visible } else { above }
+}
+
+/// The largest transmittance (`fraction` fraction bits) that counts as at most `threshold`: one less than the next integer above it, so that
+/// the middle between it and its successor, where rounding decides, is the integer boundary nearest to the threshold.
+const fn centred_stop(threshold: u64, fraction: i32) -> u32 {
+    let drop = (THRESHOLD as i32 - fraction) as u32;
+    let above = threshold.saturating_add((1 << drop) - 1) >> drop;
+    let below = above.saturating_sub(1);
+    if below > u32::MAX as u64 {
+        u32::MAX
+    } else {
+        below as u32
+    }
 }
 
 /// UQ1.31 to UQ1.bits, rounded to nearest.

@@ -2,7 +2,7 @@
 
 use super::{Coverage, Painter};
 use crate::blend::points::Slabs;
-use crate::footprint::Footprint;
+use crate::footprint::{Footprint, depth};
 use crate::format::Design;
 use crate::raster::{SpanRows, Stamp};
 use crate::target::Target;
@@ -10,7 +10,7 @@ use crate::target::Target;
 /// How points are gathered. Constant for a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Gathering<'a> {
-    /// Thickness of the depth range within which points are summed, UQ9.23 as the footprints' depths.
+    /// Thickness of the depth range within which points are summed, UQ9.23 scene units.
     pub range: u32,
     /// The filter as a stamp; without it points go through the traversal `spans`.
     pub stamp: Option<Stamp<'a>>,
@@ -26,6 +26,7 @@ impl<D: Design> Painter<'_, D> {
         slabs: &mut Slabs,
     ) -> Coverage {
         let blend = &self.blend;
+        let depth = depth::fixed(point.depth);
         let gather = |at, pixel: &mut _, alpha| {
             if let Some(slab) = slabs.at(at) {
                 blend.gather(
@@ -33,7 +34,7 @@ impl<D: Design> Painter<'_, D> {
                     slab,
                     alpha,
                     &point.colour,
-                    point.depth,
+                    depth,
                     gathering.range,
                 );
             }

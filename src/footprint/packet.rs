@@ -6,18 +6,21 @@
 //!
 //! The format is versioned by [`VERSION`], which is the packet's first field.
 
+use super::depth::KEY_BITS;
 use super::{Conic, Footprint, Scan};
 use crate::format::Widths;
 use crate::math::Scaled;
 
 /// Version of the layout.
-pub const VERSION: u32 = 1;
+///
+/// 1 had depths in UQ9.23; 2 has them as sort keys with an exponent.
+pub const VERSION: u32 = 2;
 
 /// Number of fields.
 pub const FIELDS: usize = 25;
 
 /// Words of the longest packet that the width ranges allow.
-pub const WORDS: usize = 20;
+pub const WORDS: usize = 21;
 
 /// One field of the packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,7 +60,7 @@ impl Layout {
         let (subpixel, peak, colour) = (widths.subpixel, widths.peak, widths.colour);
         let mut fields = [
             unsigned("version", 4, 0),
-            unsigned("depth", 32, 23),
+            unsigned("depth", KEY_BITS as u8, 0),
             signed("centre_u", 28 + subpixel, subpixel),
             signed("centre_v", 28 + subpixel, subpixel),
             unsigned("first_column", 16, 0),
@@ -125,7 +128,7 @@ impl Layout {
         if found != VERSION {
             return Err(VersionError { found });
         }
-        let depth = next() as u32;
+        let depth = next() as u64;
         let centre = [next(), next()];
         let first = [next() as u16, next() as u16];
         let last = [next() as u16, next() as u16];
@@ -175,7 +178,7 @@ fn values(footprint: &Footprint) -> [i64; FIELDS] {
     let [mantissa_a, mantissa_b, mantissa_c] = conic.mantissa.map(i64::from);
     [
         VERSION.into(),
-        footprint.depth.into(),
+        footprint.depth as i64,
         centre[0],
         centre[1],
         first[0].into(),

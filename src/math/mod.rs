@@ -1,5 +1,6 @@
 //! Integer arithmetic shared by the stages, one function per file, the derivation at its head.
 
+mod extended;
 mod log2;
 mod reciprocal;
 mod scaled;
@@ -7,6 +8,7 @@ mod shift;
 mod sqrt;
 pub(crate) mod words;
 
+pub use extended::Extended;
 pub use log2::{LOGARITHMS, log2_upper};
 pub use reciprocal::{RECIPROCALS, reciprocal};
 pub use scaled::{Product, Scaled, sum_of_products};

@@ -8,7 +8,7 @@ use super::project::Projected;
 use crate::format::Widths;
 use crate::math::{Product, Scaled, sum_of_products};
 use crate::splat::Axis;
-use crate::view::{View, round_entry};
+use crate::view::{Rotation, round_entry};
 
 /// An axis on the screen, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,16 +22,16 @@ pub struct Column {
 /// M = J W A, one column per axis. An axis of length 0 gives a zero column.
 pub fn columns(
     widths: &Widths,
-    view: &View,
+    rotation: &Rotation,
     projected: &Projected,
     axes: &[Axis; 3],
 ) -> [Column; 3] {
-    axes.map(|axis| column(widths, view, projected, axis))
+    axes.map(|axis| column(widths, rotation, projected, axis))
 }
 
-fn column(widths: &Widths, view: &View, projected: &Projected, axis: Axis) -> Column {
+fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axis) -> Column {
     let bits = u32::from(widths.mantissa);
-    let [x, y, z] = turn(widths, view, axis);
+    let [x, y, z] = turn(widths, rotation, axis);
     let shear = |across: Scaled, ratio: Scaled, gain: Scaled| {
         let along = ratio.times(z);
         let along = Product {
@@ -51,10 +51,10 @@ fn column(widths: &Widths, view: &View, projected: &Projected, axis: Axis) -> Co
 }
 
 /// W a: exact products and sum, each component rounded to the mantissa.
-pub(super) fn turn(widths: &Widths, view: &View, axis: Axis) -> [Scaled; 3] {
+pub(super) fn turn(widths: &Widths, rotation: &Rotation, axis: Axis) -> [Scaled; 3] {
     let exponent = axis.exponent.clamp(-512, 511) - 30;
     let mut turned = [Scaled::ZERO; 3];
-    for (component, entries) in turned.iter_mut().zip(&view.rotation) {
+    for (component, entries) in turned.iter_mut().zip(rotation) {
         let mut sum = 0i64;
         for (entry, mantissa) in entries.iter().zip(axis.mantissa) {
             let mantissa = i64::from(mantissa.max(-i32::MAX));

@@ -26,12 +26,12 @@ pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
 pub use surface::{depth_gradient, setup_surface, surface_peak};
 pub use variance::{Variance, variance};
 
-use crate::footprint::{Conic, Footprint, Scan};
+use crate::footprint::{depth, Conic, Footprint, Scan};
 use crate::format::{Design, Widths};
 use crate::math::{Scaled, shift_left, shift_unsigned, square_root};
 use crate::rules::Rules;
 use crate::splat::VolumeSplat;
-use crate::view::View;
+use crate::view::{Pose, View};
 
 /// Why a splat has no footprint. Every culled splat has exactly one reason, the first that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -66,11 +66,11 @@ impl Cull {
 /// The whole of setup for one volume splat (\[EWA\] 6.2 and 7.1).
 ///
 /// Total: defined for every bit pattern of its inputs.
-pub fn setup<D: Design>(
+pub fn setup<D: Design, P: Pose>(
     design: D,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    splat: &VolumeSplat,
+    splat: &VolumeSplat<P::Centre>,
 ) -> Result<Footprint, Cull> {
     footprint(design, view, rules, splat, |widths, variance, scan| {
         conic(widths, variance, scan.curvature)
@@ -80,26 +80,26 @@ pub fn setup<D: Design>(
 /// Setup for a small image that only traverses by `spans`: the same footprint with a conic of zeros.
 ///
 /// A splat whose conic has no place in the packet is not culled for it.
-pub fn setup_for_spans<D: Design>(
+pub fn setup_for_spans<D: Design, P: Pose>(
     design: D,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    splat: &VolumeSplat,
+    splat: &VolumeSplat<P::Centre>,
 ) -> Result<Footprint, Cull> {
     footprint(design, view, rules, splat, |_, _, _| Some(Conic::default()))
 }
 
 #[inline(always)]
-fn footprint<D: Design>(
+fn footprint<D: Design, P: Pose>(
     design: D,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    splat: &VolumeSplat,
+    splat: &VolumeSplat<P::Centre>,
     conic: impl Fn(&Widths, &Variance, &Scan) -> Option<Conic>,
 ) -> Result<Footprint, Cull> {
     let widths = design.widths();
-    let projected = project(&widths, view, rules, splat.centre)?;
-    let mut columns = columns(&widths, view, &projected, &splat.axes);
+    let projected = project(&widths, view, rules, &splat.centre)?;
+    let mut columns = columns(&widths, &view.rotation, &projected, &splat.axes);
     let mut weight = splat.weight;
     if let Some(factor) = distance::enlargement(&widths, rules, &projected) {
         columns = distance::enlarge(&widths, columns, factor);
@@ -123,7 +123,7 @@ fn footprint<D: Design>(
         .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32);
     let peak = peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
     Ok(Footprint {
-        depth: projected.depth,
+        depth: depth::key(projected.depth),
         centre: projected.centre,
         first,
         last,
@@ -138,9 +138,9 @@ fn footprint<D: Design>(
 /// Half-extents sqrt(c Vxx), sqrt(c Vyy) around the centre: the pixels whose sample points lie within, clipped to the viewport.
 ///
 /// Extents are taken 2^-10 larger, relatively, than the root unit's 16-bit result, so that no pixel is missed.
-fn bounding_box(
+fn bounding_box<P>(
     subpixel: u32,
-    view: &View,
+    view: &View<P>,
     centre: [i64; 2],
     variance: &Variance,
     cutoff: u32,

@@ -13,7 +13,7 @@ use super::variance::Variance;
 use crate::format::Widths;
 use crate::kernel::Kernel;
 use crate::math::{Product, Scaled, log2_upper, reciprocal, square_root, sum_of_products};
-use crate::rules::{Cutoff, Rules};
+use crate::rules::{Cutoff, Rules, THRESHOLD};
 
 /// Peak opacity; 0 for negative weights.
 pub fn peak(
@@ -72,7 +72,7 @@ pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
         Cutoff::Radial(cutoff) => Some(cutoff.min(rules.kernel.end())),
         Cutoff::Opacity if rules.kernel != Kernel::Gaussian => Some(rules.kernel.end()),
         Cutoff::Opacity => {
-            let smallest = Scaled::from_wide(rules.alpha_min.into(), -31, 31);
+            let smallest = Scaled::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
             // log2_upper exceeds the logarithm by less than 2^-11: 32 units of 2^-16.
             let octaves = log2_upper(peak)? - log2_upper(smallest)? + 32;
             if octaves <= 0 {

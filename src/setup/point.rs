@@ -11,12 +11,12 @@ use super::distance;
 use super::project::project;
 use super::variance::Variance;
 use super::{Cull, bounding_box, conic, peak_fixed, scan};
-use crate::footprint::{Conic, Footprint, Scan};
+use crate::footprint::{depth, Conic, Footprint, Scan};
 use crate::format::{Design, Widths};
 use crate::math::{Scaled, reciprocal, shift_unsigned};
 use crate::rules::{Cutoff, Rules};
 use crate::splat::VolumeSplat;
-use crate::view::View;
+use crate::view::{Pose, View};
 
 /// The circular filter by which pixels gather points. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,22 +63,27 @@ impl PointFilter {
 }
 
 /// Is the sample at `splat` minified, so that it becomes a point? Culled splats are not.
-pub fn is_minified(widths: &Widths, view: &View, rules: &Rules, splat: &VolumeSplat) -> bool {
-    project(widths, view, rules, splat.centre)
+pub fn is_minified<P: Pose>(
+    widths: &Widths,
+    view: &View<P>,
+    rules: &Rules,
+    splat: &VolumeSplat<P::Centre>,
+) -> bool {
+    project(widths, view, rules, &splat.centre)
         .is_ok_and(|projected| distance::enlargement(widths, rules, &projected).is_some())
 }
 
 /// Setup of a point: its footprint is the filter's. Total: defined for every bit pattern.
-pub fn setup_point<D: Design>(
+pub fn setup_point<D: Design, P: Pose>(
     design: D,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    splat: &VolumeSplat,
+    splat: &VolumeSplat<P::Centre>,
     filter: &PointFilter,
 ) -> Result<Footprint, Cull> {
     let widths = design.widths();
     let bits = u32::from(widths.mantissa);
-    let projected = project(&widths, view, rules, splat.centre)?;
+    let projected = project(&widths, view, rules, &splat.centre)?;
     if splat.weight.mantissa <= 0 {
         return Err(Cull::Transparent);
     }
@@ -98,7 +103,7 @@ pub fn setup_point<D: Design>(
     )?;
     let colour_shift = 28 - i32::from(widths.colour);
     Ok(Footprint {
-        depth: projected.depth,
+        depth: depth::key(projected.depth),
         centre: projected.centre,
         first,
         last,

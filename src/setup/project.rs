@@ -1,22 +1,21 @@
 //! Projection of the centre: view transform, reciprocal of the depth, perspective division (\[EWA\] eq. 22-24).
 //!
-//! t = W u + d is exact to Q9.54, so that a splat just behind the near plane loses nothing to cancellation.
-//! From there on mantissas of the design's `view` bits: 1/z once, then x/z and y/z, then u = fx x/z + cx rounded
+//! The difference to the eye is exact before it is rounded ([`Pose`]), so that a splat just behind the near plane loses nothing to
+//! cancellation, however far from the origin it stands. From camera space on mantissas of the design's `view` bits: 1/z once, then x/z and y/z, then u = fx x/z + cx rounded
 //! once to the design's sub-pixel bits. The centre deserves more bits than the shape: 8 sub-pixel bits
 //! cost more accuracy than everything else together (docs/number-formats.md).
 
 use super::Cull;
 use crate::format::Widths;
-use crate::math::{Scaled, reciprocal, shift_round};
+use crate::math::{Extended, Scaled, reciprocal, shift_round};
 use crate::rules::Rules;
-use crate::view::{Projection, View};
-use fixed::types::I8F24;
+use crate::view::{Pose, Projection, View};
 
 /// A projected centre with what the Jacobian needs of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Projected {
-    /// z in scene units, UQ9.23, rounded to nearest, saturated.
-    pub depth: u32,
+    /// z in scene units.
+    pub depth: Extended,
     /// Pixels, Q27.subpixel, |u| < 2^26.
     pub centre: [i64; 2],
     /// x/z and y/z, clamped if the rules say so; 0 for orthographic views.
@@ -25,26 +24,27 @@ pub struct Projected {
     pub gain: [Scaled; 2],
 }
 
-/// Projects `centre` (scene units, Q7.24); culls by depth and range.
-pub fn project(
+/// Projects `centre`; culls by depth and range.
+pub fn project<P: Pose>(
     widths: &Widths,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    centre: [I8F24; 3],
+    centre: &P::Centre,
 ) -> Result<Projected, Cull> {
     let bits = u32::from(widths.view);
-    let [x, y, z] = view.to_camera(centre, bits);
+    let point = view.pose.to_camera(&view.rotation, centre, widths);
+    let [x, y, z] = [0, 1, 2].map(|axis| point.coordinate(axis));
     let perspective = view.projection == Projection::Perspective;
-    if z <= view.near.to_bits() || (perspective && z <= 0) {
+    if !z.exceeds(view.near) || (perspective && z.value <= 0) {
         return Err(Cull::Near);
     }
-    if z >= view.far.to_bits() {
+    if !view.far.exceeds(z) {
         return Err(Cull::Far);
     }
-    let depth = shift_round(z, 31).clamp(0, u32::MAX.into()) as u32;
-    let position = [x, y].map(|coordinate| Scaled::from_wide(coordinate, -54, bits));
+    let rounded = |number: Extended| Scaled::from_wide(number.value, number.exponent, bits);
+    let position = [x, y].map(rounded);
     let inverse = if perspective {
-        reciprocal(Scaled::from_wide(z, -54, bits), bits).ok_or(Cull::Near)?
+        reciprocal(rounded(z), bits).ok_or(Cull::Near)?
     } else {
         ONE
     };
@@ -61,7 +61,7 @@ pub fn project(
         [Scaled::ZERO; 2]
     };
     Ok(Projected {
-        depth,
+        depth: z,
         centre,
         ratio,
         gain,
@@ -74,7 +74,9 @@ const ONE: Scaled = Scaled {
 };
 
 /// fx x/z + cx in Q27.subpixel; `None` beyond 2^26 pixels.
-fn on_screen(widths: &Widths, view: &View, axis: usize, on_plane: Scaled) -> Option<i64> {
+fn on_screen<P>(
+    widths: &Widths,
+    view: &View<P>, axis: usize, on_plane: Scaled) -> Option<i64> {
     let offset = view.focal[axis].times(on_plane).to_fixed(32);
     let position = view.principal[axis].to_bits().saturating_add(offset);
     if position.unsigned_abs() >> (32 + 26) != 0 {
@@ -84,7 +86,7 @@ fn on_screen(widths: &Widths, view: &View, axis: usize, on_plane: Scaled) -> Opt
 }
 
 /// x/z and y/z as the Jacobian takes them, clamped to the widened frustum under rules that say so.
-fn ratios(view: &View, rules: &Rules, on_plane: [Scaled; 2], bits: u32) -> [Scaled; 2] {
+fn ratios<P>(view: &View<P>, rules: &Rules, on_plane: [Scaled; 2], bits: u32) -> [Scaled; 2] {
     let mut ratio = on_plane;
     for (axis, value) in ratio.iter_mut().enumerate() {
         let mut fixed = value.to_fixed(32);

@@ -26,13 +26,13 @@
 use super::project::Projected;
 use super::variance::Variance;
 use super::{Cull, bounding_box, conic, cutoff, peak_fixed, project, scan};
-use crate::footprint::Footprint;
+use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
 use crate::kernel::covering_cutoff;
 use crate::math::{Product, Scaled, reciprocal, shift_unsigned, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::SphereSplat;
-use crate::view::{Projection, View};
+use crate::view::{Pose, Projection, View};
 
 /// Which ellipse a projected sphere gets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,16 +73,16 @@ const LARGEST_CUTOFF: u32 = 15 << 28;
 /// Setup of a spherical kernel. Total: defined for every bit pattern. The eye inside the sphere's end culls as `Near`.
 ///
 /// The low-pass filter of the rules is added to V as for every footprint; the outline is exact without it.
-pub fn setup_sphere<D: Design>(
+pub fn setup_sphere<D: Design, P: Pose>(
     design: D,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    splat: &SphereSplat,
+    splat: &SphereSplat<P::Centre>,
     (ellipse, index): (Ellipse, Index),
 ) -> Result<SphereFootprint, Cull> {
     let widths = design.widths();
     let bits = u32::from(widths.mantissa);
-    let projected = project(&widths, view, rules, splat.centre)?;
+    let projected = project(&widths, view, rules, &splat.centre)?;
     let peak = ball_peak(&widths, rules, splat);
     let end = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let cone =
@@ -94,7 +94,7 @@ pub fn setup_sphere<D: Design>(
     let (first, last) = bounding_box(widths.subpixel.into(), view, centre, &variance, cone.cutoff)?;
     let colour_shift = 28 - i32::from(widths.colour);
     let footprint = Footprint {
-        depth: projected.depth,
+        depth: depth::key(projected.depth),
         centre,
         first,
         last,
@@ -115,7 +115,7 @@ pub fn setup_sphere<D: Design>(
 }
 
 /// weight / (pi I s^2) for normalised kernels, else the weight.
-fn ball_peak(widths: &Widths, rules: &Rules, splat: &SphereSplat) -> Scaled {
+fn ball_peak<C>(widths: &Widths, rules: &Rules, splat: &SphereSplat<C>) -> Scaled {
     let bits = u32::from(widths.mantissa);
     if splat.weight.mantissa <= 0 {
         return Scaled::ZERO;
@@ -153,11 +153,11 @@ const ONE: Scaled = Scaled {
 
 impl Cone {
     /// `None` where the sphere reaches the plane of the eye.
-    fn new(
+    fn new<P, C>(
         widths: &Widths,
-        view: &View,
+        view: &View<P>,
         projected: &Projected,
-        splat: &SphereSplat,
+        splat: &SphereSplat<C>,
         end: u32,
         (ellipse, index): (Ellipse, Index),
     ) -> Option<Cone> {
@@ -262,7 +262,7 @@ impl Cone {
     }
 
     /// The ellipse's centre in Q27.subpixel: the projected centre moved outwards by (u, v) f (1/g - 1).
-    fn centre(&self, widths: &Widths, view: &View, projected: &Projected) -> [i64; 2] {
+    fn centre<P>(&self, widths: &Widths, view: &View<P>, projected: &Projected) -> [i64; 2] {
         let bits = u32::from(widths.view);
         let push = sum_of_products([self.inverse.times(ONE), negated(ONE.times(ONE))], bits);
         let mut centre = projected.centre;

@@ -30,31 +30,31 @@
 use super::jacobian::{Column, columns, turn};
 use super::variance::{Variance, minor, variance};
 use super::{Cull, Projected, bounding_box, conic, cutoff, peak_fixed, project, scan};
-use crate::footprint::Footprint;
+use crate::footprint::{Footprint, depth};
 use crate::footprint::surface::{Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint};
 use crate::format::{Design, Widths};
 use crate::math::{
-    Product, Scaled, reciprocal, shift_left, shift_unsigned, square_root, sum_of_products,
+    Product, Scaled, reciprocal, shift_unsigned, square_root, sum_of_products,
 };
 use crate::rules::Rules;
 use crate::splat::Axis;
 use crate::splat::surface::SurfaceSplat;
-use crate::view::View;
+use crate::view::{Pose, Rotation, View};
 
 /// The whole of setup for one surface splat. Total: defined for every bit pattern of its inputs.
-pub fn setup_surface<D: Design>(
+pub fn setup_surface<D: Design, P: Pose>(
     design: D,
-    view: &View,
+    view: &View<P>,
     rules: &Rules,
-    splat: &SurfaceSplat,
+    splat: &SurfaceSplat<P::Centre>,
 ) -> Result<SurfaceFootprint, Cull> {
     let widths = design.widths();
     let bits = u32::from(widths.mantissa);
-    let projected = project(&widths, view, rules, splat.centre)?;
+    let projected = project(&widths, view, rules, &splat.centre)?;
     let [first_axis, second_axis] = splat.frame;
     let columns = columns(
         &widths,
-        view,
+        &view.rotation,
         &projected,
         &[first_axis, second_axis, Axis::default()],
     );
@@ -72,8 +72,8 @@ pub fn setup_surface<D: Design>(
         &variance,
         cutoff,
     )?;
-    let attributes = attributes(&widths, view, &projected, splat);
-    let along_ray = splat.frame.map(|axis| turn(&widths, view, axis)[2]);
+    let attributes = attributes(&widths, &view.rotation, &projected, splat);
+    let along_ray = splat.frame.map(|axis| turn(&widths, &view.rotation, axis)[2]);
     let gradient = depth_gradient(
         &widths,
         rules.low_pass,
@@ -83,7 +83,7 @@ pub fn setup_surface<D: Design>(
         &variance,
     );
     let footprint = Footprint {
-        depth: projected.depth,
+        depth: depth::key(projected.depth),
         centre: projected.centre,
         first,
         last,
@@ -160,7 +160,11 @@ fn negative(product: Product) -> Product {
 /// The plane's integers: depth at the box's first sample point and its steps, each rounded once to 2^-32 scene units.
 fn plane(widths: &Widths, projected: &Projected, first: [u16; 2], gradient: [Scaled; 2]) -> Plane {
     let subpixel = u32::from(widths.subpixel);
-    let mut origin = shift_left(projected.depth.into(), DEPTH_FRACTION - 23);
+    let depth = Product {
+        value: projected.depth.value,
+        exponent: projected.depth.exponent,
+    };
+    let mut origin = depth.to_fixed(DEPTH_FRACTION);
     for axis in 0..2 {
         let sample = (2 * i64::from(first[axis]) + 1) << (subpixel - 1);
         let distance = Scaled::from_wide(
@@ -177,11 +181,11 @@ fn plane(widths: &Widths, projected: &Projected, first: [u16; 2], gradient: [Sca
 }
 
 /// Colour and opacity clamped to 1, the normal turned into camera space and towards the eye.
-fn attributes(
+fn attributes<C>(
     widths: &Widths,
-    view: &View,
+    rotation: &Rotation,
     projected: &Projected,
-    splat: &SurfaceSplat,
+    splat: &SurfaceSplat<C>,
 ) -> Attributes {
     let colour = i32::from(widths.colour);
     let one = 1u64 << colour;
@@ -193,7 +197,7 @@ fn attributes(
     Attributes {
         colour: splat.colour.map(premultiplied),
         opacity: opacity as u32,
-        normal: facing_normal(widths, view, projected, splat.normal),
+        normal: facing_normal(widths, rotation, projected, splat.normal),
         material: splat.material,
     }
 }
@@ -202,8 +206,8 @@ fn attributes(
 ///
 /// Surfaces are two-sided and normals of scans often are not oriented; averaged as they are, opposite ones would cancel. The turn
 /// leaves no seam: where n . t changes its sign the plane is seen edge-on and the splat's weight is 0.
-fn facing_normal(widths: &Widths, view: &View, projected: &Projected, normal: Axis) -> [i32; 3] {
-    let normal = turn(widths, view, normal);
+fn facing_normal(widths: &Widths, rotation: &Rotation, projected: &Projected, normal: Axis) -> [i32; 3] {
+    let normal = turn(widths, rotation, normal);
     let [ratio_x, ratio_y] = projected.ratio;
     let [x, y, z] = normal;
     let depth = Product {

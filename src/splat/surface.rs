@@ -1,14 +1,14 @@
 //! The surface splat: a point of a surface with its tangent frame, normal, colour and material (SURF 3.3, EWA 6.3).
 
-use super::Axis;
+use super::{Axis, Position};
 use crate::math::Scaled;
-use fixed::types::{I8F24, U4F28};
+use fixed::types::U4F28;
 
 /// An elliptical Gaussian basis function in the tangent plane of a point, of variance `V = S S^T`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SurfaceSplat {
-    /// Centre in scene units, Q7.24.
-    pub centre: [I8F24; 3],
+pub struct SurfaceSplat<C = Position> {
+    /// Centre in scene units.
+    pub centre: C,
     /// S: the two axes of the tangent frame, each one standard deviation long.
     pub frame: [Axis; 2],
     /// Unit normal in the scene's axes; its length is not used, shading normalises the filtered one.
