@@ -160,6 +160,13 @@ fn halves(value: i64, low: u32) -> (i32, i32) {
 }
 
 impl Eye {
+    /// At the origin of the scene, the rotation exact in 30 bits.
+    pub const ORIGIN: Eye = Eye {
+        position: [0; 3],
+        exponent: 0,
+        rotation_rest: [[0; 3]; 3],
+    };
+
     /// u - e with the leading bit of its largest coordinate at bit `bits - 1`, and the exponent of the three.
     ///
     /// All zeros with an exponent of 0 where splat and eye coincide.

@@ -50,6 +50,7 @@ fn shifts_of_the_pixel_path_at_every_seam() {
 /// The same pixel in wide integers.
 struct Wide {
     widths: Widths,
+    /// UQ1.60.
     alpha_min: u128,
     alpha_max: u128,
     stop: u128,
@@ -62,9 +63,10 @@ impl Wide {
             |value: u32, bits: u8| shifted(value.into(), 31 - i32::from(bits), Rounding::Nearest);
         Wide {
             widths,
-            alpha_min: unit(rules.alpha_min, widths.alpha).max(1),
+            alpha_min: rules.alpha_min.into(),
             alpha_max: unit(rules.alpha_max, widths.alpha).min(1 << widths.alpha),
-            stop: unit(rules.stop, widths.transmittance),
+            // The largest integer below the threshold.
+            stop: ((u128::from(rules.stop) << widths.transmittance).max(1) - 1) >> 60,
             stop_before: rules.stop_before,
         }
     }
@@ -77,13 +79,13 @@ impl Wide {
 
     fn opacity(&self, peak: u32, weight: u32) -> u32 {
         let w = &self.widths;
-        let alpha = self.product(peak, weight, w.peak + w.weight, w.alpha);
-        let alpha = alpha.min(self.alpha_max);
-        if alpha < self.alpha_min {
-            0
-        } else {
-            alpha as u32
+        // Compared before it is rounded.
+        let exact = u128::from(peak) * u128::from(weight);
+        if exact << 60 < self.alpha_min << (w.peak + w.weight) {
+            return 0;
         }
+        let alpha = self.product(peak, weight, w.peak + w.weight, w.alpha);
+        alpha.min(self.alpha_max) as u32
     }
 
     fn front_to_back(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
@@ -172,9 +174,9 @@ proptest! {
         let mut source = Source::new(&bytes);
         let widths = pixel_widths(&mut source);
         let rules = Rules {
-            alpha_min: source.bits(31) as u32 & 0xffff,
+            alpha_min: source.bits(60) & 0x1fff_ffff_ffff,
             alpha_max: 1 << 31,
-            stop: source.bits(31) as u32 & 0xff_ffff,
+            stop: source.bits(60) & 0x1f_ffff_ffff_ffff,
             stop_before: source.byte() < 128,
             ..Rules::EWA
         };

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{SIZE, double, scaled, splats, view};
-use fixed::types::{I8F24, U4F28};
+use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::points::{Slab, Slabs};
@@ -66,7 +66,7 @@ fn ball(centre: [f64; 3]) -> VolumeSplat {
         Axis::from_components(components)
     };
     VolumeSplat {
-        centre: centre.map(I8F24::from_num),
+        centre: centre.map(scaled),
         axes: [axis(0), axis(1), axis(2)],
         weight: scaled(0.002),
         colour: [1.0, 0.5, 0.25].map(U4F28::from_num),
@@ -194,14 +194,14 @@ proptest! {
     /// Any bits: no panic, nothing outside the target, no more steps than pixels.
     #[test]
     fn any_sphere_is_defined(
-        centre in any::<[i32; 3]>(),
+        centre in any::<[(i32, i32); 3]>(),
         (mantissa, exponent, weight, power) in any::<(i32, i32, i32, i32)>(),
         shape in 0usize..6,
     ) {
         let rules = Rules::EWA;
         let view = view(0.3, -0.2, Projection::Perspective);
         let sphere = SphereSplat {
-            centre: centre.map(I8F24::from_bits),
+            centre: centre.map(|(mantissa, exponent)| Scaled { mantissa, exponent }),
             deviation: Scaled { mantissa, exponent },
             weight: Scaled { mantissa: weight, exponent: power },
             colour: [U4F28::MAX; 3],
@@ -211,7 +211,7 @@ proptest! {
         let near = SphereSplat {
             deviation: Scaled { mantissa, exponent: -32 - exponent % 8 },
             weight: Scaled { mantissa: weight, exponent: -30 },
-            centre: centre.map(|bits| I8F24::from_bits(bits >> 5)),
+            centre: centre.map(|(bits, _)| Scaled { mantissa: bits >> 5, exponent: -24 }),
             ..sphere
         };
         any_sphere(&view, &rules, &near, shape);

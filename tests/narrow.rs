@@ -22,6 +22,7 @@ const RANGE: u8 = 4;
 
 /// The firmware's widths: three short products, a shift of 0 in the sums.
 const FIRMWARE: Widths = Widths {
+    position: 30,
     view: 24,
     mantissa: 15,
     subpixel: 12,

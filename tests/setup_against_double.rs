@@ -9,7 +9,7 @@ use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24};
 use splatline::rules::Rules;
 use splatline::setup::{Cull, columns, project, setup, variance};
 use splatline::splat::VolumeSplat;
-use splatline::view::{Projection, View};
+use splatline::view::{Pose, Projection, View};
 
 /// By how much the viewing ray's direction cancels in the columns: the longest axis in space over the longest on the screen.
 fn foreshortening(view: &View, splat: &VolumeSplat, exact: &Oracle) -> f64 {
@@ -46,9 +46,10 @@ fn check<D: Design>(
     let widths = design.widths();
     let bounds = tolerances::of(name, &widths);
     let exact = oracle(view, rules, splat);
-    let t = view
-        .to_camera(splat.centre, widths.view.into())
-        .map(|c| c as f64 / 54f64.exp2());
+    let point = view.pose.to_camera(&view.rotation, &splat.centre, &widths);
+    let t = point
+        .value
+        .map(|c| c as f64 * f64::from(point.exponent).exp2());
     for (got, expected) in t.iter().zip(exact.camera) {
         prop_assert!(
             (got - expected).abs() <= bounds.camera,
@@ -56,7 +57,7 @@ fn check<D: Design>(
             exact.camera
         );
     }
-    let Ok(projected) = project(&widths, view, rules, splat.centre) else {
+    let Ok(projected) = project(&widths, view, rules, &splat.centre) else {
         return Ok(());
     };
     let pixel = f64::from(widths.subpixel).exp2();
@@ -69,7 +70,7 @@ fn check<D: Design>(
             "{name} centre: {centre:?} {exact:?}"
         );
     }
-    let m = columns(&widths, view, &projected, &splat.axes);
+    let m = columns(&widths, &view.rotation, &projected, &splat.axes);
     let cancel = foreshortening(view, splat, &exact) * close;
     for (got, expected) in m.iter().zip(exact.columns) {
         let error = relative(&[double(got.x), double(got.y)], &expected);
@@ -170,7 +171,6 @@ proptest! {
 
 #[test]
 fn each_reason_culls() {
-    use fixed::types::I8F24;
     use splatline::math::Scaled;
     let camera = view(0.0, 0.0, Projection::Perspective);
     let axis = |i: usize, length: f64| {
@@ -179,13 +179,13 @@ fn each_reason_culls() {
         splatline::splat::Axis::from_components(v.map(common::scaled))
     };
     let good = VolumeSplat {
-        centre: [I8F24::ZERO; 3],
+        centre: [Scaled::ZERO; 3],
         axes: [axis(0, 0.1), axis(1, 0.1), axis(2, 0.1)],
         weight: common::scaled(0.5),
         colour: [fixed::types::U4F28::ONE; 3],
     };
     let at = |x: f64, y: f64, z: f64| VolumeSplat {
-        centre: [x, y, z].map(I8F24::from_num),
+        centre: [x, y, z].map(common::scaled),
         ..good
     };
     let sharp = Rules {
@@ -201,7 +201,7 @@ fn each_reason_culls() {
         ..good
     };
     let distant = View {
-        far: fixed::types::I10F54::from_num(100),
+        far: common::extended(100.0),
         ..camera
     };
     let cases: [(&str, Result<Footprint, Cull>, Option<Cull>); 8] = [

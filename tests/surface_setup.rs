@@ -1,14 +1,14 @@
 //! Surface setup against double precision: the ellipse by the inverse Jacobian, the plane's depth by the tangent plane, and every bit pattern.
 
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use fixed::types::{I2F30, I32F32, U4F28};
 use proptest::prelude::*;
 use splatline::format::{Classic8, Deep32, Standard24};
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::rules::Rules;
 use splatline::setup::setup_surface;
 use splatline::splat::Axis;
 use splatline::splat::surface::SurfaceSplat;
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::view::{Eye, Projection, RatioLimits, View};
 
 /// Largest error of the conic relative to its trace, and of the depth lane relative to the splat's radius, in `standard24`.
 const CONIC_TOLERANCE: f64 = 3e-5;
@@ -21,17 +21,25 @@ fn scaled(value: f64) -> Scaled {
     Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
 }
 
+/// A number of setup as the depth range has it.
+fn number(value: Scaled) -> Extended {
+    Extended {
+        value: value.mantissa.into(),
+        exponent: value.exponent,
+    }
+}
+
 /// The eye at the origin, looking along z.
 fn view() -> View {
     let one = I2F30::from_bits(1 << 30);
     let zero = I2F30::ZERO;
     View {
         rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
-        translation: [I10F54::ZERO; 3],
+        pose: Eye::ORIGIN,
         focal: [scaled(FOCAL); 2],
         principal: [I32F32::from_num(CENTRE); 2],
-        near: I10F54::from_num(0.01),
-        far: I10F54::from_num(500),
+        near: number(scaled(0.01)),
+        far: number(scaled(500.0)),
         viewport: [512, 512],
         projection: Projection::Perspective,
         limits: RatioLimits {
@@ -62,7 +70,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 fn splat(centre: [f64; 3], frame: [[f64; 3]; 2]) -> SurfaceSplat {
     SurfaceSplat {
-        centre: centre.map(I8F24::from_num),
+        centre: centre.map(scaled),
         frame: frame.map(|axis| Axis::from_components(axis.map(scaled))),
         normal: Axis::from_components(cross(frame[0], frame[1]).map(scaled)),
         weight: scaled(1.0),
@@ -174,12 +182,12 @@ proptest! {
 
     #[test]
     fn every_bit_pattern_is_defined(
-        centre: [i32; 3], mantissas: [[i32; 3]; 3], exponents: [i32; 3], weight: (i32, i32), colour: [u32; 4],
-        translation: [i64; 3], focal: [(i32, i32); 2], low_pass: (i32, i32), orthographic: bool,
+        centre: [(i32, i32); 3], mantissas: [[i32; 3]; 3], exponents: [i32; 4], weight: (i32, i32), colour: [u32; 4],
+        position: [i64; 3], focal: [(i32, i32); 2], low_pass: (i32, i32), orthographic: bool,
     ) {
         let axis = |k: usize| Axis { mantissa: mantissas[k], exponent: exponents[k] };
         let surface = SurfaceSplat {
-            centre: centre.map(I8F24::from_bits),
+            centre: centre.map(|(mantissa, exponent)| Scaled { mantissa, exponent }),
             frame: [axis(0), axis(1)],
             normal: axis(2),
             weight: Scaled { mantissa: weight.0, exponent: weight.1 },
@@ -188,7 +196,7 @@ proptest! {
             material: 255,
         };
         let view = View {
-            translation: translation.map(I10F54::from_bits),
+            pose: Eye { position, exponent: exponents[3], ..Eye::ORIGIN },
             focal: focal.map(|(mantissa, exponent)| Scaled { mantissa, exponent }),
             projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
             ..view()

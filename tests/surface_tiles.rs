@@ -1,6 +1,6 @@
 //! A picture of surfaces is the same whatever its tiles, and no cell outside the window is written.
 
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use fixed::types::{I2F30, I32F32, U4F28};
 use proptest::prelude::*;
 use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
@@ -11,17 +11,25 @@ use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::{Attributes, SurfaceFootprint};
 use splatline::format::{Design, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, gaussian};
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline::setup::setup_surface;
 use splatline::splat::Axis;
 use splatline::splat::surface::SurfaceSplat;
 use splatline::target::cells::CellTarget;
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::view::{Eye, Projection, RatioLimits, View};
 
 const SIDE: u16 = 96;
 static TABLE: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 2);
+
+/// A number of setup as the depth range has it.
+fn number(value: Scaled) -> Extended {
+    Extended {
+        value: value.mantissa.into(),
+        exponent: value.exponent,
+    }
+}
 
 fn scaled(value: f64) -> Scaled {
     Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
@@ -31,11 +39,11 @@ fn view() -> View {
     let (one, zero) = (I2F30::from_bits(1 << 30), I2F30::ZERO);
     View {
         rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
-        translation: [I10F54::ZERO; 3],
+        pose: Eye::ORIGIN,
         focal: [scaled(90.0); 2],
         principal: [I32F32::from_num(48); 2],
-        near: I10F54::from_num(0.01),
-        far: I10F54::from_num(500),
+        near: number(scaled(0.01)),
+        far: number(scaled(500.0)),
         viewport: [SIDE; 2],
         projection: Projection::Perspective,
         limits: RatioLimits {
@@ -47,7 +55,7 @@ fn view() -> View {
 
 fn footprint(centre: [f64; 3], frame: [[f64; 3]; 2]) -> Option<SurfaceFootprint> {
     let splat = SurfaceSplat {
-        centre: centre.map(I8F24::from_num),
+        centre: centre.map(scaled),
         frame: frame.map(|axis| Axis::from_components(axis.map(scaled))),
         normal: Axis::from_components([0.3, -0.2, 0.9].map(scaled)),
         weight: scaled(0.4),

@@ -164,7 +164,7 @@ proptest! {
 /// Ordinary splats: `box` agrees with the naive loop as well (needles are its known weakness, reported and not tested away).
 #[test]
 fn box_agrees_on_round_splats() {
-    use fixed::types::{I8F24, U4F28};
+    use fixed::types::U4F28;
     let rules = Rules::EWA;
     for i in 0..200 {
         let offset = f64::from(i) * 0.01 - 1.0;
@@ -174,7 +174,7 @@ fn box_agrees_on_round_splats() {
             splatline::splat::Axis::from_components(v.map(common::scaled))
         };
         let splat = VolumeSplat {
-            centre: [offset, offset * 0.7, 0.3].map(I8F24::from_num),
+            centre: [offset, offset * 0.7, 0.3].map(common::scaled),
             axes: [axis(0), axis(1), axis(2)],
             weight: common::scaled(0.3),
             colour: [U4F28::ONE; 3],

@@ -79,8 +79,8 @@ mod tests {
         #[test]
         fn depths_apart_by_more_than_the_mantissa_differ(value in 1i64 << 40..1 << 62, exponent in -200i32..150) {
             let step = value >> (MANTISSA - 1);
-            let next = Extended { value: value + step, exponent };
-            prop_assert!(key(Extended { value, exponent }) < key(next));
+            let (this, next) = (Extended { value, exponent }, Extended { value: value + step, exponent });
+            prop_assert!(key(this) < key(next));
         }
 
         #[test]
@@ -92,7 +92,8 @@ mod tests {
 
         #[test]
         fn every_bit_pattern_is_defined(value: i64, exponent: i32, word: u64) {
-            prop_assert!(key(Extended { value, exponent }) < 1 << KEY_BITS);
+            let depth = Extended { value, exponent };
+            prop_assert!(key(depth) < 1 << KEY_BITS);
             let _ = fixed(word);
         }
     }

@@ -7,15 +7,16 @@
 #![allow(dead_code)] // Each test and fuzz target uses a part of it.
 
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use splatline::footprint::depth::KEY_BITS;
 use splatline::footprint::packet::{Packet, VERSION};
 use splatline::footprint::{Conic, Footprint, Scan};
 use splatline::format::{Custom, Rounding, WIDTH_RANGES, Widths};
 use splatline::kernel::Kernel;
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Cutoff, Rules};
-use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::splat::{Axis, FixedPosition, VolumeSplat};
+use splatline::view::{Eye, Projection, RatioLimits, Translation, View};
 
 /// Bytes that are read as values.
 pub struct Source<'a> {
@@ -97,10 +98,18 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Any wide mantissa and exponent.
+    pub fn extended(&mut self) -> Extended {
+        Extended {
+            value: self.i64(),
+            exponent: self.exponent(),
+        }
+    }
+
     /// Any widths that a design may have.
     pub fn widths(&mut self) -> Widths {
         let numbers = WIDTH_RANGES.map(|(_, low, high)| low + self.byte() % (high - low + 1));
-        let [view, mantissa, subpixel, radial, table, interpolation, ..] = numbers;
+        let [position, view, mantissa, subpixel, radial, table, interpolation, ..] = numbers;
         let [.., weight, peak, alpha, transmittance, colour, accumulator] = numbers;
         let rounding = if self.bool() {
             Rounding::Nearest
@@ -108,6 +117,7 @@ impl<'a> Source<'a> {
             Rounding::Truncate
         };
         Widths {
+            position,
             view,
             mantissa,
             subpixel,
@@ -133,11 +143,15 @@ impl<'a> Source<'a> {
     pub fn view(&mut self) -> View {
         View {
             rotation: [(); 3].map(|()| [(); 3].map(|()| I2F30::from_bits(self.i32()))),
-            translation: [(); 3].map(|()| I10F54::from_bits(self.i64())),
+            pose: Eye {
+                position: [(); 3].map(|()| self.i64()),
+                exponent: self.exponent(),
+                rotation_rest: [(); 3].map(|()| [(); 3].map(|()| self.i32())),
+            },
             focal: [(); 2].map(|()| self.scaled()),
             principal: [(); 2].map(|()| I32F32::from_bits(self.i64())),
-            near: I10F54::from_bits(self.i64()),
-            far: I10F54::from_bits(self.i64()),
+            near: self.extended(),
+            far: self.extended(),
             viewport: [self.u16(), self.u16()],
             projection: if self.bool() {
                 Projection::Perspective
@@ -158,9 +172,16 @@ impl<'a> Source<'a> {
         };
         let mut view = self.view();
         view.rotation = [axis(0), axis(1), axis(2)];
-        view.translation = [0, 0, 1 << 54].map(I10F54::from_bits);
-        view.near = I10F54::from_bits(1 << 40);
-        view.far = I10F54::MAX;
+        view.pose = Eye {
+            position: [0, 0, -1 << 50],
+            exponent: -50,
+            rotation_rest: [[0; 3]; 3],
+        };
+        view.near = Extended {
+            value: 1,
+            exponent: -14,
+        };
+        view.far = Extended::MAX;
         view.focal = [(); 2].map(|()| Scaled {
             mantissa: 1 << 30,
             exponent: i32::from(self.byte() % 16) - 32,
@@ -170,10 +191,35 @@ impl<'a> Source<'a> {
         view
     }
 
+    /// The same camera for centres in fixed point, standing anywhere.
+    pub fn fixed_view(&mut self, view: View) -> View<Translation> {
+        View {
+            rotation: view.rotation,
+            pose: Translation([(); 3].map(|()| I10F54::from_bits(self.i64()))),
+            focal: view.focal,
+            principal: view.principal,
+            near: view.near,
+            far: view.far,
+            viewport: view.viewport,
+            projection: view.projection,
+            limits: view.limits,
+        }
+    }
+
+    /// The same splat with any centre in fixed point.
+    pub fn fixed_splat(&mut self, splat: VolumeSplat) -> VolumeSplat<FixedPosition> {
+        VolumeSplat {
+            centre: [(); 3].map(|()| I8F24::from_bits(self.i32())),
+            axes: splat.axes,
+            weight: splat.weight,
+            colour: splat.colour,
+        }
+    }
+
     /// Any volume splat.
     pub fn volume_splat(&mut self) -> VolumeSplat {
         VolumeSplat {
-            centre: [(); 3].map(|()| I8F24::from_bits(self.i32())),
+            centre: [(); 3].map(|()| self.scaled()),
             axes: [(); 3].map(|()| Axis {
                 mantissa: [(); 3].map(|()| self.i32()),
                 exponent: self.exponent(),
@@ -186,7 +232,10 @@ impl<'a> Source<'a> {
     /// A splat that a sound camera is likely to see: of any shape, but of a size and an opacity that leave a trace.
     pub fn visible_splat(&mut self) -> VolumeSplat {
         let mut splat = self.volume_splat();
-        splat.centre = [(); 3].map(|()| I8F24::from_bits(self.i32() >> 10));
+        splat.centre = [(); 3].map(|()| Scaled {
+            mantissa: self.i32() >> 10,
+            exponent: -24,
+        });
         for axis in &mut splat.axes {
             axis.exponent = -28 - i32::from(self.byte() % 16);
         }
@@ -213,8 +262,8 @@ impl<'a> Source<'a> {
                     Cutoff::Opacity
                 },
                 alpha_max: self.u32(),
-                alpha_min: self.u32(),
-                stop: self.u32(),
+                alpha_min: self.i64() as u64,
+                stop: self.i64() as u64,
                 stop_before: self.bool(),
                 clamp_jacobian: self.bool(),
                 table_range: self.bits(8) as u8,
@@ -234,7 +283,7 @@ impl<'a> Source<'a> {
     /// Any footprint, also those that setup never makes.
     pub fn footprint(&mut self) -> Footprint {
         Footprint {
-            depth: self.u32(),
+            depth: self.i64() as u64 >> (64 - KEY_BITS),
             centre: [(); 2].map(|()| self.i64()),
             first: [self.edge(), self.edge()],
             last: [self.edge(), self.edge()],

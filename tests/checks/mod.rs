@@ -69,6 +69,11 @@ pub fn setup(source: &mut Source) {
     check_footprint(&setup::setup(Lean18, &view, &rules, &splat), viewport);
     check_footprint(&setup::setup(Standard24, &view, &rules, &splat), viewport);
     check_footprint(&setup::setup(Deep32, &view, &rules, &splat), viewport);
+    let (fixed_view, fixed_splat) = (source.fixed_view(view), source.fixed_splat(splat));
+    check_footprint(
+        &setup::setup(design, &fixed_view, &rules, &fixed_splat),
+        viewport,
+    );
     let view = source.sound_view();
     check_footprint(&setup::setup(design, &view, &rules, &splat), view.viewport);
     units_of_setup(source, &design.widths());
@@ -85,12 +90,12 @@ fn check_footprint(outcome: &Result<Footprint, setup::Cull>, viewport: [u16; 2])
 fn units_of_setup(source: &mut Source, widths: &Widths) {
     let (view, rules, splat) = (source.view(), source.rules(), source.volume_splat());
     let projected = setup::Projected {
-        depth: source.u32(),
+        depth: source.extended(),
         centre: [(); 2].map(|()| source.i64()),
         ratio: [(); 2].map(|()| source.scaled()),
         gain: [(); 2].map(|()| source.scaled()),
     };
-    let _ = setup::columns(widths, &view, &projected, &splat.axes);
+    let _ = setup::columns(widths, &view.rotation, &projected, &splat.axes);
     let columns = [(); 3].map(|()| setup::Column {
         x: source.scaled(),
         y: source.scaled(),

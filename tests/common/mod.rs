@@ -6,12 +6,12 @@
 
 pub mod tolerances;
 
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use fixed::types::{I2F30, I32F32, U4F28};
 use proptest::prelude::*;
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::rules::Rules;
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::view::{Eye, Projection, RatioLimits, Rotation, View};
 
 pub const SIZE: u16 = 96;
 
@@ -22,6 +22,38 @@ pub fn scaled(value: f64) -> Scaled {
     }
     let exponent = value.abs().log2().floor() as i32 - 40;
     Scaled::from_wide((value * f64::from(-exponent).exp2()) as i64, exponent, 31)
+}
+
+/// A double as it is.
+pub fn extended(value: f64) -> Extended {
+    let exponent = value.abs().max(1e-300).log2().floor() as i32 - 52;
+    Extended {
+        value: (value * f64::from(-exponent).exp2()) as i64,
+        exponent,
+    }
+}
+
+/// A rotation in the kernel's two parts.
+pub fn rotation(rows: [[f64; 3]; 3]) -> (Rotation, [[i32; 3]; 3]) {
+    let fine = rows.map(|row| row.map(|entry| (entry * 60f64.exp2()) as i64));
+    let coarse = fine.map(|row| row.map(|entry| (entry + (1 << 29)) >> 30));
+    let rest = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (fine[i][j] - (coarse[i][j] << 30)) as i32));
+    (coarse.map(|row| row.map(|entry| I2F30::from_bits(entry as i32))), rest)
+}
+
+/// The rotation in double precision.
+pub fn rotation_of(view: &View) -> [[f64; 3]; 3] {
+    let entry = |i: usize, j: usize| {
+        let rest = f64::from(view.pose.rotation_rest[i][j]);
+        view.rotation[i][j].to_num::<f64>() + rest / 60f64.exp2()
+    };
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))
+}
+
+/// The eye, and a centre's difference to it, in double precision.
+pub fn from_eye(view: &View, centre: &[Scaled; 3]) -> [f64; 3] {
+    let unit = f64::from(view.pose.exponent).exp2();
+    [0, 1, 2].map(|i| double(centre[i]) - view.pose.position[i] as f64 * unit)
 }
 
 pub fn double(value: Scaled) -> f64 {
@@ -38,16 +70,23 @@ pub fn view(yaw: f64, pitch: f64, projection: Projection) -> View {
         [cp * sy, -sp, cp * cy],
     ];
     let limit = [0.8, 0.9].map(I32F32::from_num);
+    let translation = [0.1, -0.2, 4.0];
+    let eye = [0, 1, 2].map(|i| -dot([0, 1, 2].map(|row| rotation[row][i]), translation));
+    let (rotation, rotation_rest) = self::rotation(rotation);
     View {
-        rotation: rotation.map(|row| row.map(I2F30::from_num)),
-        translation: [0.1, -0.2, 4.0].map(I10F54::from_num),
+        rotation,
+        pose: Eye {
+            position: eye.map(|e| (e * 50f64.exp2()) as i64),
+            exponent: -50,
+            rotation_rest,
+        },
         focal: match projection {
             Projection::Perspective => [scaled(90.0), scaled(95.0)],
             Projection::Orthographic => [scaled(20.0), scaled(21.0)],
         },
         principal: [I32F32::from_num(47.3), I32F32::from_num(48.9)],
-        near: I10F54::from_num(0.01),
-        far: I10F54::from_num(250.0),
+        near: extended(0.01),
+        far: extended(250.0),
         viewport: [SIZE; 2],
         projection,
         limits: RatioLimits {
@@ -78,7 +117,7 @@ pub fn splats() -> impl Strategy<Value = VolumeSplat> {
     )
         .prop_map(
             |(centre, first, second, size, weight, colour)| VolumeSplat {
-                centre: centre.map(I8F24::from_num),
+                centre: centre.map(scaled),
                 axes: axes(first, second, size),
                 weight: scaled(weight),
                 colour: colour.map(U4F28::from_num),
@@ -130,14 +169,9 @@ pub struct Oracle {
 
 /// EWA setup of one splat under `rules`, without culling.
 pub fn oracle(view: &View, rules: &Rules, splat: &VolumeSplat) -> Oracle {
-    let rotation = view
-        .rotation
-        .map(|row| row.map(|entry| entry.to_num::<f64>()));
+    let rotation = rotation_of(view);
     let turn = |v: [f64; 3]| [0, 1, 2].map(|row| dot(rotation[row], v));
-    let mut camera = turn(splat.centre.map(|c| c.to_num::<f64>()));
-    for (t, d) in camera.iter_mut().zip(view.translation) {
-        *t += d.to_num::<f64>();
-    }
+    let camera = turn(from_eye(view, &splat.centre));
     let focal = view.focal.map(double);
     let perspective = view.projection == Projection::Perspective;
     let depth = if perspective { camera[2] } else { 1.0 };
