@@ -79,9 +79,11 @@ impl Wide {
 
     fn opacity(&self, peak: u32, weight: u32) -> u32 {
         let w = &self.widths;
-        // Compared before it is rounded.
+        // Compared before it is rounded, with a threshold of at most eight bits more than alpha has.
+        let fraction = (w.peak + w.weight).min(w.alpha + 8);
+        let least = ((self.alpha_min >> (59 - fraction)) + 1) >> 1;
         let exact = u128::from(peak) * u128::from(weight);
-        if exact << 60 < self.alpha_min << (w.peak + w.weight) {
+        if exact < least << (w.peak + w.weight - fraction) {
             return 0;
         }
         let alpha = self.product(peak, weight, w.peak + w.weight, w.alpha);

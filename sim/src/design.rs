@@ -235,6 +235,7 @@ pub fn traversal_name(traversal: Traversal) -> &'static str {
 #[serde(deny_unknown_fields)]
 struct DesignFile {
     base: String,
+    position: Option<u8>,
     view: Option<u8>,
     mantissa: Option<u8>,
     subpixel: Option<u8>,
@@ -269,6 +270,7 @@ impl DesignFile {
     fn apply(&self, choice: &mut DesignChoice) {
         let base = choice.widths;
         choice.widths = Widths {
+            position: self.position.unwrap_or(base.position),
             view: self.view.unwrap_or(base.view),
             mantissa: self.mantissa.unwrap_or(base.mantissa),
             subpixel: self.subpixel.unwrap_or(base.subpixel),

@@ -5,9 +5,10 @@
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. \[SWAN\] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 //!
-//! Decisions have no side. A splat is skipped by its opacity before rounding, the whole product of peak and kernel: compared after
-//! rounding, all opacities within half a unit below the threshold would be drawn, and a deep stack would come out too opaque. A pixel stops at
-//! the largest transmittance whose rounding interval lies around the threshold or below, so that stopping early and late are as likely.
+//! Decisions have no side. A splat is skipped by its opacity before rounding, the product of peak and kernel, against a threshold with
+//! [`GUARD`] bits below opacity's last: compared after rounding, all opacities within half a unit below the threshold would be drawn, and a
+//! deep stack would come out too opaque. A pixel stops at the transmittance whose rounding interval ends nearest to the threshold, so that
+//! stopping early and late are as likely.
 
 pub mod deep;
 pub mod edge;
@@ -31,6 +32,9 @@ pub struct Pixel {
     /// Transmittance, UQ1.transmittance; [`FINISHED`] marks a pixel that takes no more splats.
     pub transmittance: u32,
 }
+
+/// Bits below opacity's last one with which opacities are compared before they are rounded.
+pub const GUARD: i32 = 8;
 
 /// Flag in [`Pixel::transmittance`].
 pub const FINISHED: u32 = 1 << 31;
@@ -84,7 +88,7 @@ pub struct BlendConstants {
     /// Largest opacity, UQ1.alpha, at most 1.
     pub alpha_max: u32,
     /// Splats are skipped where peak (UQ4.peak) times kernel (UQ1.weight) is less: UQ4.(peak + weight), at least what rounds to one unit
-    /// of alpha.
+    /// of alpha. All but [`GUARD`] of the bits that rounding drops are 0.
     pub opacity_min: u64,
     /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
     pub stop: u32,
@@ -323,18 +327,21 @@ const fn at_most(value: u32, limit: u32) -> u32 {
 
 /// The smallest product, with `fraction` fraction bits, that is not skipped: not below the threshold, and not 0 after rounding to `alpha` bits.
 const fn smallest_product(threshold: u64, fraction: i32, alpha: i32, rounding: Rounding) -> u64 {
-    let drop = (THRESHOLD as i32 - fraction) as u32;
-    let above = threshold.saturating_add((1 << drop) - 1) >> drop;
-    let visible = match (rounding, fraction - alpha) {
+    let dropped = fraction - alpha;
+    // The bits of the product that are not looked at.
+    let blind = if dropped > GUARD { dropped - GUARD } else { 0 };
+    let drop = THRESHOLD as i32 - (fraction - blind);
+    let least = shift_unsigned(threshold, drop, Rounding::Nearest) << blind;
+    let visible = match (rounding, dropped) {
         (_, ..=0) => 1,
-        (Rounding::Nearest, shift) => 1 << (shift - 1),
-        (Rounding::Truncate, shift) => 1 << shift,
+        (Rounding::Nearest, dropped) => 1 << (dropped - 1),
+        (Rounding::Truncate, dropped) => 1 << dropped,
     };
-    if above < visible { visible } else { above }
+    if least < visible { visible } else { least }
 }
 
-/// The largest transmittance (`fraction` fraction bits) that counts as at most `threshold`: one less than the next integer above it, so that
-/// the middle between it and its successor, where rounding decides, is the integer boundary nearest to the threshold.
+/// The largest transmittance (`fraction` fraction bits) that stops a pixel: the largest integer below the threshold. Words are rounded, so
+/// that it stands for all transmittances up to half a unit more, and no other integer has its end nearer to the threshold.
 const fn centred_stop(threshold: u64, fraction: i32) -> u32 {
     let drop = (THRESHOLD as i32 - fraction) as u32;
     let above = threshold.saturating_add((1 << drop) - 1) >> drop;

@@ -29,14 +29,7 @@ impl<D: Design> Painter<'_, D> {
         let depth = depth::fixed(point.depth);
         let gather = |at, pixel: &mut _, alpha| {
             if let Some(slab) = slabs.at(at) {
-                blend.gather(
-                    pixel,
-                    slab,
-                    alpha,
-                    &point.colour,
-                    depth,
-                    gathering.range,
-                );
+                blend.gather(pixel, slab, alpha, &point.colour, depth, gathering.range);
             }
         };
         match &gathering.stamp {

@@ -42,18 +42,29 @@ pub const fn key(depth: Extended) -> u64 {
     }
 }
 
+/// The depth of a key, from the key's bits: what [`key`] was given, truncated.
+#[inline]
+pub const fn number(key: u64) -> Extended {
+    let positive = key & POSITIVE != 0;
+    let magnitude = if positive { key } else { !key } & (POSITIVE - 1);
+    let mantissa = (magnitude & ((1 << MANTISSA) - 1) | 1 << MANTISSA) as i64;
+    Extended {
+        value: if positive { mantissa } else { -mantissa },
+        exponent: (magnitude >> MANTISSA) as i32 - BIAS - MANTISSA as i32,
+    }
+}
+
 /// The depth of a key in UQ9.23, rounded to nearest and saturated; 0 behind the eye.
 ///
 /// Sheets, gathered points and surfaces compare depths by differences, for which a fixed unit is right.
 #[cfg_attr(not(target_pointer_width = "32"), inline)]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 pub const fn fixed(key: u64) -> u32 {
-    if key & POSITIVE == 0 {
+    let Extended { value, exponent } = number(key);
+    if value < 0 {
         return 0;
     }
-    let mantissa = key & ((1 << MANTISSA) - 1) | 1 << MANTISSA;
-    let leading = (key >> MANTISSA & ((1 << EXPONENT) - 1)) as i32 - BIAS;
-    let fixed = shift_signed(mantissa as i64, MANTISSA as i32 - 23 - leading);
+    let fixed = shift_signed(value, -23 - exponent);
     if fixed > u32::MAX as i64 {
         u32::MAX
     } else {
@@ -94,7 +105,8 @@ mod tests {
         fn every_bit_pattern_is_defined(value: i64, exponent: i32, word: u64) {
             let depth = Extended { value, exponent };
             prop_assert!(key(depth) < 1 << KEY_BITS);
-            let _ = fixed(word);
+            let _ = (fixed(word), number(word));
+            prop_assert!(key(number(word & ((1 << KEY_BITS) - 1))) == word & ((1 << KEY_BITS) - 1));
         }
     }
 

@@ -26,7 +26,7 @@ pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
 pub use surface::{depth_gradient, setup_surface, surface_peak};
 pub use variance::{Variance, variance};
 
-use crate::footprint::{depth, Conic, Footprint, Scan};
+use crate::footprint::{Conic, Footprint, Scan, depth};
 use crate::format::{Design, Widths};
 use crate::math::{Scaled, shift_left, shift_unsigned, square_root};
 use crate::rules::Rules;

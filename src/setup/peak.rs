@@ -72,7 +72,8 @@ pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
         Cutoff::Radial(cutoff) => Some(cutoff.min(rules.kernel.end())),
         Cutoff::Opacity if rules.kernel != Kernel::Gaussian => Some(rules.kernel.end()),
         Cutoff::Opacity => {
-            let smallest = Scaled::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
+            let smallest =
+                Scaled::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
             // log2_upper exceeds the logarithm by less than 2^-11: 32 units of 2^-16.
             let octaves = log2_upper(peak)? - log2_upper(smallest)? + 32;
             if octaves <= 0 {

@@ -11,7 +11,7 @@ use super::distance;
 use super::project::project;
 use super::variance::Variance;
 use super::{Cull, bounding_box, conic, peak_fixed, scan};
-use crate::footprint::{depth, Conic, Footprint, Scan};
+use crate::footprint::{Conic, Footprint, Scan, depth};
 use crate::format::{Design, Widths};
 use crate::math::{Scaled, reciprocal, shift_unsigned};
 use crate::rules::{Cutoff, Rules};

@@ -74,9 +74,7 @@ const ONE: Scaled = Scaled {
 };
 
 /// fx x/z + cx in Q27.subpixel; `None` beyond 2^26 pixels.
-fn on_screen<P>(
-    widths: &Widths,
-    view: &View<P>, axis: usize, on_plane: Scaled) -> Option<i64> {
+fn on_screen<P>(widths: &Widths, view: &View<P>, axis: usize, on_plane: Scaled) -> Option<i64> {
     let offset = view.focal[axis].times(on_plane).to_fixed(32);
     let position = view.principal[axis].to_bits().saturating_add(offset);
     if position.unsigned_abs() >> (32 + 26) != 0 {

@@ -30,12 +30,10 @@
 use super::jacobian::{Column, columns, turn};
 use super::variance::{Variance, minor, variance};
 use super::{Cull, Projected, bounding_box, conic, cutoff, peak_fixed, project, scan};
-use crate::footprint::{Footprint, depth};
 use crate::footprint::surface::{Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint};
+use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
-use crate::math::{
-    Product, Scaled, reciprocal, shift_unsigned, square_root, sum_of_products,
-};
+use crate::math::{Product, Scaled, reciprocal, shift_unsigned, square_root, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::Axis;
 use crate::splat::surface::SurfaceSplat;
@@ -73,7 +71,9 @@ pub fn setup_surface<D: Design, P: Pose>(
         cutoff,
     )?;
     let attributes = attributes(&widths, &view.rotation, &projected, splat);
-    let along_ray = splat.frame.map(|axis| turn(&widths, &view.rotation, axis)[2]);
+    let along_ray = splat
+        .frame
+        .map(|axis| turn(&widths, &view.rotation, axis)[2]);
     let gradient = depth_gradient(
         &widths,
         rules.low_pass,
@@ -206,7 +206,12 @@ fn attributes<C>(
 ///
 /// Surfaces are two-sided and normals of scans often are not oriented; averaged as they are, opposite ones would cancel. The turn
 /// leaves no seam: where n . t changes its sign the plane is seen edge-on and the splat's weight is 0.
-fn facing_normal(widths: &Widths, rotation: &Rotation, projected: &Projected, normal: Axis) -> [i32; 3] {
+fn facing_normal(
+    widths: &Widths,
+    rotation: &Rotation,
+    projected: &Projected,
+    normal: Axis,
+) -> [i32; 3] {
     let normal = turn(widths, rotation, normal);
     let [ratio_x, ratio_y] = projected.ratio;
     let [x, y, z] = normal;

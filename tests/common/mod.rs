@@ -38,7 +38,10 @@ pub fn rotation(rows: [[f64; 3]; 3]) -> (Rotation, [[i32; 3]; 3]) {
     let fine = rows.map(|row| row.map(|entry| (entry * 60f64.exp2()) as i64));
     let coarse = fine.map(|row| row.map(|entry| (entry + (1 << 29)) >> 30));
     let rest = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (fine[i][j] - (coarse[i][j] << 30)) as i32));
-    (coarse.map(|row| row.map(|entry| I2F30::from_bits(entry as i32))), rest)
+    (
+        coarse.map(|row| row.map(|entry| I2F30::from_bits(entry as i32))),
+        rest,
+    )
 }
 
 /// The rotation in double precision.

@@ -49,7 +49,7 @@ fn keys(footprints: &[Option<FloatFootprint>], start: usize) -> Vec<Key> {
     numbered
         .filter_map(|(footprint, index)| {
             footprint.as_ref().map(|footprint| Key {
-                depth: depth_key(footprint.depth),
+                depth: depth_key(footprint.depth).into(),
                 index,
                 bounds: footprint.bounds,
             })

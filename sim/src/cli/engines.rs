@@ -4,7 +4,7 @@ use super::args::Engine;
 use super::drawing::{Drawing, FootprintLine};
 use anyhow::{Context, Error, Result, bail};
 use rayon::ThreadPoolBuilder;
-use splatline::footprint::Footprint;
+use splatline::footprint::{Footprint, depth};
 use splatline::format::{Traversal, Widths};
 use splatline::setup::Cull;
 use splatline_sim::camera::Camera;
@@ -161,9 +161,7 @@ pub fn fixed_footprints(task: Task, design: &DesignChoice) -> Vec<Option<Footpri
         traversal,
     };
     let footprints = fixed::footprints(task.scene, task.camera, &options);
-    // The kernel's depths are in its own scene units; quantising once more is the price of not widening its interface.
-    let depth_log2 = -fixed::QuantisedScene::new(task.scene, task.camera, task.rules).scale_log2;
-    let line = |footprint: &Footprint| line_of(footprint, &design.widths, depth_log2);
+    let line = |footprint: &Footprint| line_of(footprint, &design.widths);
     footprints
         .iter()
         .map(|result| result.as_ref().ok().map(line))
@@ -188,14 +186,15 @@ pub fn float_footprints(task: Task) -> Vec<Option<FootprintLine>> {
         .collect()
 }
 
-/// A packet's integers as numbers: UQ9.23 depth in units of 2^`depth_log2`, Q27.subpixel centre, conic mantissas with their exponent.
-fn line_of(footprint: &Footprint, widths: &Widths, depth_log2: i32) -> FootprintLine {
+/// A packet's integers as numbers: depth as a sort key, Q27.subpixel centre, conic mantissas with their exponent.
+fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
+    let depth = depth::number(footprint.depth);
     let power_of_two = |power: i32| f64::from(power).exp2();
     let step = power_of_two(-i32::from(widths.subpixel));
     let ([x0, y0], [x1, y1]) = (footprint.first, footprint.last);
     FootprintLine {
         centre: footprint.centre.map(|coordinate| coordinate as f64 * step),
-        depth: f64::from(footprint.depth) * power_of_two(depth_log2 - 23),
+        depth: depth.value as f64 * power_of_two(depth.exponent),
         conic: footprint
             .conic
             .mantissa

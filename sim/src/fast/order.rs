@@ -3,6 +3,9 @@
 //! Sorting the tiles apart costs a little more work than one sort of all splats, because a splat on a tile's edge is sorted twice;
 //! but every list fits the cache and all of it runs on all cores. A list's entry is (depth, index), so no two are equal, and order is
 //! by depth, ties by index, whatever sorts it.
+//!
+//! A footprint's sort key has 48 bits, an entry's depth 32: the leading ones of the difference to the nearest splat. Where the dropped bits
+//! decide, which is rare, the entries of equal depth are sorted once more by the whole key.
 
 use rayon::prelude::*;
 use splatline::raster::Window;
@@ -10,8 +13,8 @@ use splatline::raster::Window;
 /// What ordering needs to know of a splat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Smaller is nearer.
-    pub depth: u32,
+    /// Smaller is nearer: the footprint's sort key.
+    pub depth: u64,
     /// Its number in the scene.
     pub index: u32,
     /// Pixels that it may touch; not empty.
@@ -93,6 +96,56 @@ impl Grid {
     }
 }
 
+/// The range of a picture's sort keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct DepthRange {
+    nearest: u64,
+    /// Bits of the difference to the nearest that an entry has no room for.
+    dropped: u32,
+}
+
+impl DepthRange {
+    fn new(parts: &[Vec<Key>]) -> Self {
+        let depths = || parts.iter().flatten().map(|key| key.depth);
+        let nearest = depths().min().unwrap_or(0);
+        let extent = depths().max().unwrap_or(0) - nearest;
+        DepthRange {
+            nearest,
+            dropped: (u64::BITS - extent.leading_zeros()).saturating_sub(u32::BITS),
+        }
+    }
+
+    /// A key's leading 32 bits above the nearest.
+    #[inline(always)]
+    fn leading(&self, depth: u64) -> u64 {
+        (depth - self.nearest) >> self.dropped
+    }
+
+    /// Puts entries of equal leading bits in the order of their whole keys.
+    fn settle(&self, entries: &mut [u64], parts: &[Vec<Key>]) {
+        if self.dropped == 0 {
+            return;
+        }
+        for equal in entries.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
+            if equal.len() > 1 {
+                equal.sort_by_key(|entry| (whole_key(parts, *entry as u32), *entry));
+            }
+        }
+    }
+}
+
+/// The sort key of a splat; the indices of the parts ascend.
+fn whole_key(parts: &[Vec<Key>], index: u32) -> u64 {
+    let part = parts
+        .iter()
+        .find(|part| part.last().is_some_and(|key| key.index >= index));
+    let place = part.and_then(|part| {
+        let place = part.binary_search_by_key(&index, |key| key.index).ok()?;
+        part.get(place)
+    });
+    place.map_or(0, |key| key.depth)
+}
+
 /// Splats of one part of the scene, by tile.
 struct Bins {
     /// Where each tile's entries end.
@@ -102,7 +155,7 @@ struct Bins {
 
 impl Bins {
     /// Two passes: counting, then placing.
-    fn new(grid: &Grid, keys: &[Key]) -> Self {
+    fn new(grid: &Grid, keys: &[Key], range: DepthRange) -> Self {
         let mut ends = vec![0u32; grid.len()];
         for key in keys {
             grid.touched(&key.bounds, |tile| ends[tile] += 1);
@@ -113,7 +166,7 @@ impl Bins {
         }
         let mut entries = vec![0; next as usize];
         for key in keys {
-            let entry = (u64::from(key.depth) << 32) | u64::from(key.index);
+            let entry = range.leading(key.depth) << 32 | u64::from(key.index);
             grid.touched(&key.bounds, |tile| {
                 entries[ends[tile] as usize] = entry;
                 ends[tile] += 1;
@@ -130,7 +183,11 @@ impl Bins {
 
 /// For every tile the splats that touch it, nearest first. The parts of `keys` are binned side by side.
 pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
-    let bins: Vec<Bins> = parts.par_iter().map(|part| Bins::new(grid, part)).collect();
+    let range = DepthRange::new(parts);
+    let bins: Vec<Bins> = parts
+        .par_iter()
+        .map(|part| Bins::new(grid, part, range))
+        .collect();
     (0..grid.len())
         .into_par_iter()
         .map_init(Vec::new, |spare, tile| {
@@ -140,6 +197,7 @@ pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
                 entries.extend_from_slice(bins.of(tile));
             }
             sort_by_depth(&mut entries, spare);
+            range.settle(&mut entries, parts);
             entries.iter().map(|entry| *entry as u32).collect()
         })
         .collect()
@@ -186,8 +244,14 @@ mod tests {
 
     const VIEWPORT: [u16; 2] = [100, 50];
 
-    fn key() -> impl Strategy<Value = (u32, [u16; 4])> {
-        let depth = prop_oneof![any::<u32>(), 0u32..4, (0u32..4).prop_map(|d| d << 24)];
+    /// Keys of 48 bits: anywhere, near each other, alike but for their last bits, alike but for their first.
+    fn key() -> impl Strategy<Value = (u64, [u16; 4])> {
+        let depth = prop_oneof![
+            0u64..1 << 48,
+            0u64..4,
+            (0u64..4).prop_map(|d| d << 40),
+            (1u64 << 47) - 4..1 << 47
+        ];
         let corner = (0..VIEWPORT[0], 0..VIEWPORT[1]);
         (depth, corner.clone(), corner).prop_map(|(depth, a, b)| {
             let [left, right] = [a.0.min(b.0), a.0.max(b.0) + 1];

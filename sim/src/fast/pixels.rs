@@ -127,6 +127,12 @@ pub fn supports(widths: &Widths, rules: &Rules, intervals: &Intervals) -> bool {
         constants.colour_shift,
     ];
     shifts.iter().all(|shift| (1..=48).contains(shift))
+        && constants.opacity_min
+            < 1 << if Products::new(widths, &constants).opacity.narrow {
+                31
+            } else {
+                63
+            }
         && widths.radial <= 27
         && u64::from(constants.stop) < 1 << widths.transmittance
         && intervals.steepest <= 1 << change_bits(widths, rules.table_range.into())
@@ -146,7 +152,8 @@ pub struct PixelPath<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> {
     kept_bits: u32,
     iota: L::Words,
     alpha_max: L::Words,
-    alpha_min: L::Words,
+    /// Products of peak and kernel below this are skipped.
+    opacity_min: u64,
     /// Transmittances below this finish a pixel.
     stop: L::Words,
     finished: L::Words,
@@ -215,7 +222,7 @@ impl<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> PixelPath<'a, L, S
             kept_bits: u32::from(widths.interpolation).min(rest_bits),
             iota: lanes.iota(),
             alpha_max: lanes.splat(constants.alpha_max),
-            alpha_min: lanes.splat(constants.alpha_min),
+            opacity_min: constants.opacity_min,
             stop: lanes.splat(constants.stop + 1),
             finished: lanes.splat(FINISHED),
             zero: lanes.splat(0),
@@ -319,10 +326,10 @@ impl<'a, L: Lanes, const STOP_BEFORE: bool, const RANGE: u32> PixelPath<'a, L, S
         }
         counts.live = lanes.count(counts.live, live);
         let weight = self.weight(radial, live);
-        let alpha = lanes.product(brush.peak, weight, self.products.opacity);
-        let alpha = lanes.min_unsigned(alpha, self.alpha_max);
         // Where no pixel is live the gathered weight and with it the opacity is 0 already.
-        let alpha = lanes.clear(alpha, lanes.greater(self.alpha_min, alpha));
+        let opacity = self.products.opacity;
+        let alpha = lanes.product_from(brush.peak, weight, opacity, self.opacity_min);
+        let alpha = lanes.min_unsigned(alpha, self.alpha_max);
         let share = lanes.product(transmittance, alpha, self.products.share);
         let rest = lanes.sub(transmittance, share);
         let stop = lanes.greater(self.stop, rest);

@@ -49,6 +49,7 @@ fn widths() -> impl Strategy<Value = Widths> {
         number(11, 27),
     );
     (shape, blend, any::<bool>()).prop_map(|(shape, blend, truncate)| Widths {
+        position: Standard24::WIDTHS.position,
         view: 30,
         mantissa: shape.0,
         subpixel: shape.1,

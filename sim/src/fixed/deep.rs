@@ -30,7 +30,7 @@ pub fn draw(scene: &Scene, camera: &Camera, options: &Options, channel: Channel)
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let pixels = options.design.dispatch(Job(&quantised, options, channel));
-    to_picture(&pixels, camera, &channel)
+    to_picture(&pixels, camera, &channel, quantised.colour_log2)
 }
 
 fn draw_with<D: Design + Send + Sync>(
@@ -78,8 +78,13 @@ fn draw_with<D: Design + Send + Sync>(
     })
 }
 
-fn to_picture(pixels: &[DeepPixel], camera: &Camera, channel: &Channel) -> Picture {
-    let colour_unit = f64::from(channel.width() - 1).exp2();
+fn to_picture(
+    pixels: &[DeepPixel],
+    camera: &Camera,
+    channel: &Channel,
+    colour_log2: i32,
+) -> Picture {
+    let colour_unit = f64::from(channel.width() as i32 - 1 - colour_log2).exp2();
     let mut picture = Picture::new(camera.width, camera.height);
     for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
         let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);

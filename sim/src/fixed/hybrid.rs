@@ -70,7 +70,7 @@ pub fn draw_hybrid(
             engine.draw(camera, options)
         }
     }
-    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
     let job = Job(hybrid, &quantised, camera, options, deviation(scene));
     options.design.dispatch(job)
 }
@@ -159,11 +159,12 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
         times: Times,
     ) -> Drawing {
         Drawing {
-            picture: to_picture(&pixels, camera, widths),
+            picture: to_picture(&pixels, camera, widths, self.quantised.colour_log2),
             pixels,
             splats: self.quantised.splats.len(),
             culled,
             clamped: self.quantised.clamped,
+            colour_log2: self.quantised.colour_log2,
             coverage,
             times,
         }

@@ -77,8 +77,10 @@ pub struct Drawing {
     pub splats: usize,
     /// Splats culled, by reason, in the order of [`Cull::ALL`].
     pub culled: [usize; Cull::ALL.len()],
-    /// Splats of which a coordinate or colour was clamped to its format.
+    /// Splats of which a coordinate or colour is not finite.
     pub clamped: usize,
+    /// Unit of the kernel's colours as a power of two; the picture has been multiplied by it.
+    pub colour_log2: i32,
     /// Pixels visited and covered.
     pub coverage: Coverage,
     /// Time taken.
@@ -155,8 +157,8 @@ fn kernel_variances(
     let quantised = QuantisedScene::new(scene, camera, rules);
     let rules = quantised.rules(rules);
     let variance_of = |splat: &VolumeSplat| {
-        let projected = project(widths, &quantised.view, &rules, splat.centre).ok()?;
-        let mut columns = columns(widths, &quantised.view, &projected, &splat.axes);
+        let projected = project(widths, &quantised.view, &rules, &splat.centre).ok()?;
+        let mut columns = columns(widths, &quantised.view.rotation, &projected, &splat.axes);
         if let Some(factor) = distance::enlargement(widths, &rules, &projected) {
             columns = distance::enlarge(widths, columns, factor);
         }
@@ -249,7 +251,7 @@ fn draw_with<D: Design + Send + Sync>(
     for reason in results.iter().filter_map(|result| result.err()) {
         culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1;
     }
-    let picture = to_picture(&pixels, camera, &design.widths());
+    let picture = to_picture(&pixels, camera, &design.widths(), quantised.colour_log2);
     let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
     let drawing = Drawing {
         picture,
@@ -257,6 +259,7 @@ fn draw_with<D: Design + Send + Sync>(
         splats,
         culled,
         clamped,
+        colour_log2: quantised.colour_log2,
         coverage,
         times,
     };
@@ -442,9 +445,14 @@ fn paint_frame<S>(
     (frame, coverage)
 }
 
-/// Colour and 1 - T in units of 1.0.
-pub(super) fn to_picture(pixels: &[Pixel], camera: &Camera, widths: &Widths) -> Picture {
-    let colour_unit = f64::from(widths.accumulator).exp2();
+/// Colour and 1 - T in units of 1.0, colours multiplied by the unit that they were divided by.
+pub(super) fn to_picture(
+    pixels: &[Pixel],
+    camera: &Camera,
+    widths: &Widths,
+    colour_log2: i32,
+) -> Picture {
+    let colour_unit = f64::from(i32::from(widths.accumulator) - colour_log2).exp2();
     let opaque = f64::from(widths.transmittance).exp2();
     let mut picture = Picture::new(camera.width, camera.height);
     for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {

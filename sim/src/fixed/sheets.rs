@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use splatline::blend::sheets::{AxisSlabs, DepthSlabs, Facing, SheetBuffer, depth_spread};
 use splatline::blend::{Blend, Pixel};
 use splatline::draw::Painter;
-use splatline::footprint::Footprint;
+use splatline::footprint::{Footprint, depth};
 use splatline::format::Design;
 use splatline::rules::Compositing;
 use splatline::setup::setup;
@@ -29,9 +29,14 @@ pub fn draw(scene: &Scene, camera: &Camera, options: &Options, plan: &SheetPlan)
             draw_with(design, self.0, self.1, self.2)
         }
     }
-    let quantised = QuantisedScene::new(scene, camera, options.rules);
+    let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
     let pixels = options.design.dispatch(Job(&quantised, options, plan));
-    to_picture(&pixels, camera, &options.design.widths)
+    to_picture(
+        &pixels,
+        camera,
+        &options.design.widths,
+        quantised.colour_log2,
+    )
 }
 
 fn draw_with<D: Design + Send + Sync>(
@@ -118,18 +123,21 @@ impl Slabs {
         match self {
             Slabs::Axis(slabs) => vec![(slabs.slab(splat.centre).into(), footprint)],
             Slabs::Depth(slabs, SheetKind::ImageAlignedCut) => {
+                let depth = depth::fixed(footprint.depth);
                 let spread = depth_spread(&quantised.view, &splat.axes);
-                let (first, last) = slabs.reach(footprint.depth, spread);
+                let (first, last) = slabs.reach(depth, spread);
                 (first..=last)
                     .map(|slab| {
-                        let share = slabs.share(slab, footprint.depth, spread);
+                        let share = slabs.share(slab, depth, spread);
                         let peak = (u64::from(footprint.peak) * u64::from(share) + (1 << 15)) >> 16;
                         let peak = peak as u32;
                         (slab.into(), Footprint { peak, ..footprint })
                     })
                     .collect()
             }
-            Slabs::Depth(slabs, _) => vec![(slabs.slab(footprint.depth).into(), footprint)],
+            Slabs::Depth(slabs, _) => {
+                vec![(slabs.slab(depth::fixed(footprint.depth)).into(), footprint)]
+            }
         }
     }
 }

@@ -79,11 +79,12 @@ fn draw_with<D: Design + Send + Sync>(
         coverage
     });
     Drawing {
-        picture: to_picture(&pixels, camera, &widths),
+        picture: to_picture(&pixels, camera, &widths, quantised.colour_log2),
         pixels,
         splats: scene.splats.len(),
         culled,
         clamped: quantised.clamped,
+        colour_log2: quantised.colour_log2,
         coverage,
         times: Times::default(),
     }

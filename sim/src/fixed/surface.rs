@@ -6,14 +6,14 @@
 //!
 //! There is no sorting: the accumulation buffer decides by depth and the layered buffer takes any order.
 
-use super::quantise::{axis, exp2, scale_log2, scaled, view};
+use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
 use crate::surface::{Buffer, Style};
 use crate::vector;
-use fixed::types::{I8F24, U4F28};
+use fixed::types::U4F28;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::edge::EdgeFilter;
@@ -46,7 +46,7 @@ pub struct QuantisedPoints {
     pub splats: Vec<SurfaceSplat>,
     /// Kernel scene units per scene unit, as a power of two.
     pub scale_log2: i32,
-    /// Points of which a coordinate had to be clamped to its format.
+    /// Points of which a coordinate is not finite.
     pub clamped: usize,
 }
 
@@ -54,11 +54,7 @@ impl QuantisedPoints {
     /// Quantises what both engines draw.
     pub fn new(scene: &SurfaceScene, camera: &Camera) -> Self {
         let scale_log2 = scale_log2(scene.points.iter().map(|point| point.centre), camera);
-        let beyond = |p: &&SurfacePoint| {
-            p.centre
-                .iter()
-                .any(|c| (c * exp2(scale_log2)).abs() >= 128.0)
-        };
+        let beyond = |p: &&SurfacePoint| p.centre.iter().any(|c| !c.is_finite());
         QuantisedPoints {
             view: view(camera, scale_log2),
             splats: scene.points.iter().map(|p| splat(p, scale_log2)).collect(),
@@ -69,9 +65,8 @@ impl QuantisedPoints {
 }
 
 fn splat(point: &SurfacePoint, scale_log2: i32) -> SurfaceSplat {
-    let coordinate = |value: f64| I8F24::saturating_from_num(value * exp2(scale_log2));
     SurfaceSplat {
-        centre: point.centre.map(coordinate),
+        centre: position(point.centre, scale_log2),
         frame: point.frame.map(|tangent| axis(tangent, scale_log2)),
         normal: axis(point.normal, 0),
         weight: scaled(point.weight),

@@ -1,12 +1,13 @@
 //! What each step of the datapath may lose at most, derived in `docs/error-analysis.md`, for one splat and one design.
 //!
-//! u is one rounding to the mantissa, p the quantum of positions, in scene units. G = 1 / sqrt(1 - rho^2) grows with a needle's
+//! u is one rounding to the mantissa, q the rounding of a difference to the eye, relative to its length. G = 1 / sqrt(1 - rho^2) grows with a needle's
 //! axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M cancels (`ExactFootprint::cancellation`).
 //! The bounds hold for designs that scan rows by LDL and round to nearest.
 
 use super::exact::ExactFootprint;
 use super::pictures::Edge;
 use crate::camera::Camera;
+use splatline::footprint::depth::MANTISSA;
 use splatline::format::Widths;
 use splatline::raster::BLOCK;
 
@@ -23,31 +24,42 @@ pub(super) struct Bounds {
     footprint: ExactFootprint,
 }
 
+/// How far from the eye of a parallel view a splat is, `offset` pixels from the middle.
+fn camera_distance(footprint: &ExactFootprint, camera: &Camera, offset: [f64; 2]) -> f64 {
+    let [x, y] = [offset[0] / camera.fx, offset[1] / camera.fy];
+    (footprint.depth.powi(2) + x * x + y * y).sqrt()
+}
+
 /// Half a unit of a format with `bits` fraction bits.
 fn half(bits: u8) -> f64 {
     (-f64::from(bits) - 1.0).exp2()
 }
 
 impl Bounds {
-    /// `quantum` is that of the positions, scene units.
     pub fn new(
         widths: &Widths,
         footprint: &ExactFootprint,
         camera: &Camera,
         normalised: bool,
-        quantum: f64,
     ) -> Bounds {
         let u = 2.0 * half(widths.mantissa);
-        let near = quantum / footprint.depth;
+        let middle = [(camera.cx, camera.fx), (camera.cy, camera.fy)];
+        let offset = [0, 1].map(|i| (footprint.centre[i] - middle[i].0).abs());
+        // The difference to the eye, whose length over the depth is the slant, and the rotation.
+        let slant = match camera.orthographic {
+            true => camera_distance(footprint, camera, offset) / footprint.depth.abs(),
+            false => (1.0
+                + (0..2)
+                    .map(|i| (offset[i] / middle[i].1).powi(2))
+                    .sum::<f64>())
+            .sqrt(),
+        };
+        let near = 8.0 * half(widths.position) * slant;
         let lost = (6.0 * u + 2.0 * near) * footprint.cancellation;
         let gain = footprint.gain();
         let determinant = 4.0 * lost * gain + 2.0 * lost + 5.0 * u;
-        let middle = [(camera.cx, camera.fx), (camera.cy, camera.fy)];
-        let centre = [0, 1].map(|i| {
-            let (principal, focal) = middle[i];
-            let offset = (footprint.centre[i] - principal).abs();
-            8.0 * half(widths.view) * offset + near * (focal + offset)
-        });
+        let centre =
+            [0, 1].map(|i| 8.0 * half(widths.view) * offset[i] + near * (middle[i].1 + offset[i]));
         // Dimmed by the area and the root of the determinant, or the weight itself.
         let scaled = match normalised {
             true => 0.5 * determinant + 10.0 * u + 2.0 * near,
@@ -55,7 +67,7 @@ impl Bounds {
         };
         Bounds {
             centre: half(widths.subpixel) + half(31) + centre[0].max(centre[1]),
-            depth: 2.0 * near,
+            depth: 2.0 * near + 2.0 * half(MANTISSA as u8),
             peak: scaled + half(widths.peak) / footprint.peak,
             variance: 2.0 * lost + u,
             determinant,

@@ -34,8 +34,9 @@ use errors::{form_error_of_conic, form_error_of_scan, value, worse};
 use exact::ExactFootprint;
 use pictures::Truth;
 use rayon::prelude::*;
-use splatline::footprint::Footprint;
+use splatline::footprint::{Footprint, depth};
 use splatline::format::{Design, Traversal};
+use splatline::math::Extended;
 use splatline::raster::{ConicRows, Rows, SpanRows, Window};
 
 /// One line of the table: an engine in a case.
@@ -182,14 +183,12 @@ fn fixed_errors(
         traversal: design.traversal,
     };
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
-    let quantised = fixed::QuantisedScene::new(&case.scene, &case.camera, &case.rules);
-    let quantum = value(1, -24 - quantised.scale_log2);
     let bounded = design.traversal == Traversal::Spans;
     let bounds: Vec<Option<Bounds>> = truth
         .iter()
         .map(|truth| {
             let normalised = case.rules.normalised;
-            let of = |t| Bounds::new(&design.widths, t, &case.camera, normalised, quantum);
+            let of = |t| Bounds::new(&design.widths, t, &case.camera, normalised);
             truth.as_ref().filter(|_| bounded).map(of)
         })
         .collect();
@@ -214,7 +213,8 @@ fn fixed_errors(
         }
         last = Some(*fixed);
         let variance = variance.unwrap_or_default();
-        let depth = f64::from(fixed.depth) * 2.0 * quantum;
+        let Extended { value, exponent } = depth::number(fixed.depth);
+        let depth = value as f64 * f64::from(exponent).exp2();
         let mut own = setup_errors(fixed, variance, depth, design, truth);
         if let Some(bounds) = bounds {
             own.compare(bounds);

@@ -1,9 +1,9 @@
 //! The built-in subject: random splats, every other one a hard case.
 
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
-use splatline::math::Scaled;
+use fixed::types::{I2F30, I32F32, U4F28};
+use splatline::math::{Extended, Scaled};
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::view::{Eye, Projection, RatioLimits, View};
 
 /// A linear congruential generator, so that anyone can make the same splats.
 struct Random(u32);
@@ -44,7 +44,10 @@ fn splat(random: &mut Random, index: usize) -> VolumeSplat {
         exponent: -32 - power,
     });
     VolumeSplat {
-        centre: centre.map(I8F24::from_bits),
+        centre: centre.map(|mantissa| Scaled {
+            mantissa,
+            exponent: -24,
+        }),
         axes,
         weight: Scaled {
             mantissa: (random.bits() >> 2) as i32,
@@ -69,11 +72,22 @@ fn view(size: [u16; 2]) -> View {
             [zero, one, zero],
             [sine, zero, cosine],
         ],
-        translation: [I10F54::ZERO, I10F54::ZERO, I10F54::from_num(4)],
+        // t = W u + d with d = (0, 0, 4): e = -W^T d.
+        pose: Eye {
+            position: [-24, 0, -32],
+            exponent: -3,
+            rotation_rest: [[0; 3]; 3],
+        },
         focal: [focal; 2],
         principal: half,
-        near: I10F54::from_bits(1 << 48),
-        far: I10F54::from_num(200),
+        near: Extended {
+            value: 1,
+            exponent: -6,
+        },
+        far: Extended {
+            value: 200,
+            exponent: 0,
+        },
         viewport: size,
         projection: Projection::Perspective,
         limits: RatioLimits {

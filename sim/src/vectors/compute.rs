@@ -7,6 +7,7 @@ use crate::rules::Compositing as Order;
 use splatline::blend::{Blend, Pixel};
 use splatline::draw::cutoff_in_lane;
 use splatline::footprint::Footprint;
+use splatline::footprint::depth::{self, KEY_BITS};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
@@ -123,9 +124,7 @@ impl SetupStages {
             splats: Stage::new(
                 "splats",
                 "one input splat a record",
-                ["x", "y", "z"]
-                    .map(|n| field(n, 32, true, 24))
-                    .into_iter()
+                numbers(["x", "y", "z"])
                     .chain(["a", "b", "c"].into_iter().flat_map(|axis| {
                         let part = |n: &str| field(&format!("axis_{axis}_{n}"), 32, true, 0);
                         ["x", "y", "z", "exponent"].map(part)
@@ -138,7 +137,7 @@ impl SetupStages {
                 "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
                 [
                     field("culled", 4, false, 0),
-                    field("depth", 32, false, 23),
+                    field("depth", KEY_BITS as usize, false, 0),
                     field("centre_u", centre, true, subpixel),
                     field("centre_v", centre, true, subpixel),
                 ]
@@ -170,10 +169,11 @@ impl SetupStages {
         self.splats.records.push(splat_values(splat));
         let result = setup::setup(design, view, rules, splat);
         let mut projected = vec![reason(&result)];
-        if let Ok(found) = setup::project(&widths, view, rules, splat.centre) {
-            projected.extend([found.depth.into(), found.centre[0], found.centre[1]]);
+        if let Ok(found) = setup::project(&widths, view, rules, &splat.centre) {
+            let depth = depth::key(found.depth) as i64;
+            projected.extend([depth, found.centre[0], found.centre[1]]);
             projected.extend(values(found.ratio.into_iter().chain(found.gain)));
-            let columns = setup::columns(&widths, view, &found, &splat.axes);
+            let columns = setup::columns(&widths, &view.rotation, &found, &splat.axes);
             let variance = setup::variance(&widths, rules.low_pass, &columns);
             self.columns
                 .records
@@ -193,7 +193,7 @@ impl SetupStages {
 }
 
 fn splat_values(splat: &VolumeSplat) -> Vec<i64> {
-    let mut record: Vec<i64> = splat.centre.map(|c| c.to_bits().into()).to_vec();
+    let mut record: Vec<i64> = values(splat.centre).collect();
     for axis in &splat.axes {
         record.extend(axis.mantissa.map(i64::from));
         record.push(axis.exponent.into());

@@ -3,7 +3,7 @@
 use super::manifest::{Manifest, StageRecord, digest};
 use super::{Stage, Subject, compute};
 use crate::atomic;
-use fixed::types::{I8F24, U4F28};
+use fixed::types::U4F28;
 use splatline::math::Scaled;
 use splatline::splat::{Axis, VolumeSplat};
 use std::fs;
@@ -163,7 +163,10 @@ fn splat(record: &[i64]) -> VolumeSplat {
     let mut values = record.iter().copied();
     let mut next = || values.next().unwrap_or_default();
     VolumeSplat {
-        centre: [(); 3].map(|()| I8F24::from_bits(next() as i32)),
+        centre: [(); 3].map(|()| Scaled {
+            mantissa: next() as i32,
+            exponent: next() as i32,
+        }),
         axes: [(); 3].map(|()| Axis {
             mantissa: [(); 3].map(|()| next() as i32),
             exponent: next() as i32,

@@ -3,15 +3,17 @@
 use super::{Field, Stage, Subject};
 use crate::design::{DesignChoice, ResolvedDesign};
 use crate::rules::{Compositing, Rules};
-use fixed::types::{I2F30, I10F54, I32F32};
+use fixed::types::{I2F30, I32F32};
 use serde::{Deserialize, Serialize};
-use splatline::math::Scaled;
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::math::{Extended, Scaled};
+use splatline::view::{Eye, Projection, RatioLimits, View};
 use std::fmt::Write;
 use std::str::FromStr;
 
 /// Version of the folder's format; another version is refused.
-pub const FORMAT_VERSION: u32 = 1;
+///
+/// 1 had positions and depths in fixed point; 2 has them with exponents.
+pub const FORMAT_VERSION: u32 = 2;
 
 /// The content of `manifest.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -45,11 +47,13 @@ pub struct DesignRecord {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ViewRecord {
     rotation_q1_30: [[i32; 3]; 3],
-    translation_q9_54: [i64; 3],
+    rotation_rest_2_60: [[i32; 3]; 3],
+    eye_mantissas: [i64; 3],
+    eye_exponent: i32,
     focal_mantissa_exponent: [[i32; 2]; 2],
     principal_q31_32: [i64; 2],
-    near_q9_54: i64,
-    far_q9_54: i64,
+    near_mantissa_exponent: (i64, i32),
+    far_mantissa_exponent: (i64, i32),
     viewport: [u16; 2],
     orthographic: bool,
     ratio_low_q31_32: [i64; 2],
@@ -189,11 +193,13 @@ impl From<&View> for ViewRecord {
     fn from(view: &View) -> Self {
         ViewRecord {
             rotation_q1_30: view.rotation.map(|row| row.map(I2F30::to_bits)),
-            translation_q9_54: view.translation.map(I10F54::to_bits),
+            rotation_rest_2_60: view.pose.rotation_rest,
+            eye_mantissas: view.pose.position,
+            eye_exponent: view.pose.exponent,
             focal_mantissa_exponent: view.focal.map(|f| [f.mantissa, f.exponent]),
             principal_q31_32: view.principal.map(I32F32::to_bits),
-            near_q9_54: view.near.to_bits(),
-            far_q9_54: view.far.to_bits(),
+            near_mantissa_exponent: (view.near.value, view.near.exponent),
+            far_mantissa_exponent: (view.far.value, view.far.exponent),
             viewport: view.viewport,
             orthographic: view.projection == Projection::Orthographic,
             ratio_low_q31_32: view.limits.low.map(I32F32::to_bits),
@@ -202,17 +208,25 @@ impl From<&View> for ViewRecord {
     }
 }
 
+fn extended((value, exponent): (i64, i32)) -> Extended {
+    Extended { value, exponent }
+}
+
 impl ViewRecord {
     fn view(&self) -> View {
         View {
             rotation: self.rotation_q1_30.map(|row| row.map(I2F30::from_bits)),
-            translation: self.translation_q9_54.map(I10F54::from_bits),
+            pose: Eye {
+                position: self.eye_mantissas,
+                exponent: self.eye_exponent,
+                rotation_rest: self.rotation_rest_2_60,
+            },
             focal: self
                 .focal_mantissa_exponent
                 .map(|[mantissa, exponent]| Scaled { mantissa, exponent }),
             principal: self.principal_q31_32.map(I32F32::from_bits),
-            near: I10F54::from_bits(self.near_q9_54),
-            far: I10F54::from_bits(self.far_q9_54),
+            near: extended(self.near_mantissa_exponent),
+            far: extended(self.far_mantissa_exponent),
             viewport: self.viewport,
             projection: if self.orthographic {
                 Projection::Orthographic

@@ -34,7 +34,7 @@ impl Facing {
     }
 
     /// The direction in which a parallel view looks.
-    pub fn of_view(view: &View) -> Facing {
+    pub fn of_view<P>(view: &View<P>) -> Facing {
         Facing::new(view.rotation[2])
     }
 }
@@ -52,10 +52,10 @@ pub struct AxisSlabs {
 
 impl AxisSlabs {
     /// Number of a centre's slab, growing away from the eye; saturates at the ends of `i32`.
-    pub fn slab(&self, centre: [I8F24; 3]) -> i32 {
-        let distance =
-            i64::from(centre[self.facing.axis % 3].to_bits()) - i64::from(self.first.to_bits());
-        // Q8.24 times UQ16.16: 33 by 32 bits do not fit 64 with the sign.
+    pub fn slab(&self, centre: [Scaled; 3]) -> i32 {
+        let coordinate = centre[self.facing.axis % 3].to_fixed(24);
+        let distance = coordinate.saturating_sub(self.first.to_bits().into());
+        // Q.24 times UQ16.16 does not fit 64 bits.
         let slab = ((i128::from(distance) * i128::from(self.per_unit)) >> 40)
             .clamp(i32::MIN.into(), i32::MAX.into()) as i32;
         if self.facing.ascending {
@@ -69,7 +69,7 @@ impl AxisSlabs {
 /// Slabs parallel to the image plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DepthSlabs {
-    /// Depth at which slab 0 begins, scene units, UQ9.23 as [`Footprint::depth`](crate::footprint::Footprint).
+    /// Depth at which slab 0 begins, scene units, UQ9.23 as [`depth::fixed`](crate::footprint::depth::fixed) gives it.
     pub nearest: u32,
     /// Slabs per scene unit, UQ16.16.
     pub per_unit: u32,
@@ -124,7 +124,7 @@ impl DepthSlabs {
 
 /// Standard deviation of a splat along the view: sqrt(sum_k (w . a_k)^2) with the third row w of the view's rotation, scene
 /// units, 24 bits rounded to nearest; sums are aligned to their largest term.
-pub fn depth_spread(view: &View, axes: &[Axis; 3]) -> Scaled {
+pub fn depth_spread<P>(view: &View<P>, axes: &[Axis; 3]) -> Scaled {
     let parts = axes.map(|axis| {
         let terms = [0, 1, 2].map(|i| Product {
             value: i64::from(view.rotation[2][i].to_bits())

@@ -48,7 +48,7 @@ proptest! {
     #[test]
     fn no_bits_panic(
         colour: [u32; 3], transmittance: u32, sheet: [u32; 3], opacity: u32,
-        depth: u32, nearest: u32, per_unit: u32, slab: u32, mantissa: i32, exponent: i32, centre: [i32; 3], axis: usize,
+        depth: u32, nearest: u32, per_unit: u32, slab: u32, mantissa: i32, exponent: i32, centre: [(i32, i32); 3], axis: usize,
     ) {
         let blend = Blend::new(&WIDTHS, &Rules::EWA);
         let mut pixel = Pixel { colour, transmittance };
@@ -59,7 +59,7 @@ proptest! {
         let slabs = DepthSlabs { nearest, per_unit };
         prop_assert!(slabs.share(slab, depth, spread) <= 1 << 16);
         let facing = Facing { axis, ascending: depth % 2 == 0 };
-        AxisSlabs { facing, first: I8F24::from_bits(mantissa), per_unit }.slab(centre.map(I8F24::from_bits));
+        AxisSlabs { facing, first: I8F24::from_bits(mantissa), per_unit }.slab(centre.map(|(mantissa, exponent)| Scaled { mantissa, exponent }));
     }
 
     #[test]
@@ -114,7 +114,11 @@ fn slabs_count_away_from_the_eye() {
         first: I8F24::from_num(-4),
         per_unit: 2 << 16,
     };
-    let centre = |z: f64| [0.0, 0.0, z].map(I8F24::from_num);
+    let number = |value: f64| Scaled {
+        mantissa: (value * 2f64.powi(24)) as i32,
+        exponent: -24,
+    };
+    let centre = |z: f64| [0.0, 0.0, z].map(number);
     assert_eq!(slabs(true).slab(centre(-4.0)), 0);
     assert_eq!(slabs(true).slab(centre(-3.26)), 1);
     assert_eq!(slabs(false).slab(centre(-3.26)), -1);

@@ -126,7 +126,8 @@ pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> {
     alpha_half: L::Word,
     alpha_mask: L::Word,
     alpha_max: L::Word,
-    alpha_min: L::Word,
+    /// Opacities, with half of a unit added, below this are skipped.
+    opacity_min: L::Word,
     share_half: L::Word,
     share_mask: L::Word,
     /// Right turn that makes a share a transmittance.
@@ -215,7 +216,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_
             alpha_half: half(scale.alpha),
             alpha_mask: above(scale.alpha),
             alpha_max: splat(u64::from(constants.alpha_max) << scale.alpha),
-            alpha_min: splat(u64::from(constants.alpha_min) << scale.alpha),
+            opacity_min: splat(scale.opacity_min + scale.half(scale.alpha)),
             share_half: half(scale.share),
             share_mask: above(scale.share),
             to_light: turn(64 - scale.to_light),
@@ -316,9 +317,9 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelPath<L>
         }
         let value = self.value(radial, lanes.spread(live));
         let alpha = lanes.fused(self.alpha_half, value, colours.peak);
-        let alpha = lanes.min_whole(alpha, self.alpha_max);
         // Where no pixel is live the value and with it the opacity is 0 already.
-        let too_small = lanes.spread(lanes.wide_sub(alpha, self.alpha_min));
+        let too_small = lanes.spread(lanes.wide_sub(alpha, self.opacity_min));
+        let alpha = lanes.min_whole(alpha, self.alpha_max);
         let alpha = lanes.without(alpha, self.alpha_mask, too_small);
         let share = lanes.fused(self.share_half, light, alpha);
         let share = lanes.wide_and(share, self.share_mask);

@@ -133,13 +133,18 @@ impl<L: Narrow> Parts<L> {
         ]
     }
 
-    /// The product of a factor in parts.
+    /// The product of a factor in parts, without the bits of the lower part.
     #[inline(always)]
-    fn product(&self, lanes: L, [high, low]: [L::Short; 2], other: L::Short) -> L::Short {
+    fn sum(&self, lanes: L, [high, low]: [L::Short; 2], other: L::Short) -> L::Short {
         let low = lanes.short_add(lanes.short_mul(low, other), self.half);
         let high = lanes.short_mul(high, other);
-        let sum = lanes.short_add(high, lanes.short_shr(low, self.bits));
-        lanes.short_shr(sum, self.rest)
+        lanes.short_add(high, lanes.short_shr(low, self.bits))
+    }
+
+    /// The product, rounded.
+    #[inline(always)]
+    fn product(&self, lanes: L, factor: [L::Short; 2], other: L::Short) -> L::Short {
+        lanes.short_shr(self.sum(lanes, factor, other), self.rest)
     }
 }
 
@@ -166,7 +171,9 @@ pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool> {
     /// Where a number's integer lies.
     value_mask: L::Short,
     alpha_max: L::Short,
-    alpha_min: L::Short,
+    /// Sums of the opacity's parts below this are skipped, and the largest signed number.
+    opacity_min: L::Short,
+    largest: L::Short,
     /// Transmittances below this finish a pixel.
     stop: L::Short,
     mark: L::Short,
@@ -222,7 +229,8 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
             step: splat(*kept),
             value_mask: splat((1 << 23) - 1),
             alpha_max: splat(constants.alpha_max),
-            alpha_min: splat(constants.alpha_min),
+            opacity_min: splat(products.opacity_min as u32),
+            largest: splat(i32::MAX as u32),
             stop: splat(constants.stop + 1),
             mark: splat(u32::MARK),
             raise: splat(products.raise),
@@ -294,10 +302,12 @@ impl<L: Narrow, const STOP_BEFORE: bool> super::PixelPath<L> for Path<'_, L, STO
             return;
         }
         let value = self.value(radial, live);
-        let alpha = self.opacity.product(lanes, colours.peak, value);
-        let alpha = lanes.short_min(alpha, self.alpha_max);
+        let opacity = self.opacity.sum(lanes, colours.peak, value);
         // Where no pixel is live the value and with it the opacity is 0 already.
-        let too_small = lanes.short_spread(lanes.short_sub(alpha, self.alpha_min));
+        let signed = lanes.short_min(opacity, self.largest);
+        let too_small = lanes.short_spread(lanes.short_sub(signed, self.opacity_min));
+        let alpha = lanes.short_shr(opacity, self.opacity.rest);
+        let alpha = lanes.short_min(alpha, self.alpha_max);
         let alpha = lanes.short_without(alpha, alpha, too_small);
         let parts = self.share.split(lanes, light);
         let share = self.share.product(lanes, parts, alpha);

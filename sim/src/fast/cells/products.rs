@@ -5,7 +5,7 @@
 //!
 //! | product | k | short products |
 //! |---|--:|---|
-//! | opacity = peak x kernel | 12 | 32 bits: parts of the peak are constants of the footprint |
+//! | opacity = peak x kernel | up to 12 | 32 bits: parts of the peak are constants of the footprint |
 //! | share = transmittance x opacity | 13 | 32 bits |
 //! | colour = share x colour | 13 | 16 bits: the share stands in its word so that h is the upper half, and l 2^3 the lower |
 //!
@@ -59,6 +59,8 @@ impl Split {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Products {
     pub opacity: Split,
+    /// Sums of the opacity's parts below this are skipped.
+    pub opacity_min: i32,
     pub share: Split,
     /// Largest peak.
     pub peak: u32,
@@ -81,11 +83,14 @@ impl Products {
         let [transmittance, colour, accumulator] =
             [widths.transmittance, widths.colour, widths.accumulator].map(u32::from);
         let (opacity, peak) = Split::new(
-            PEAK_PART,
+            PEAK_PART.min(constants.opacity_min.trailing_zeros()),
             constants.opacity_shift,
             1 << widths.weight,
             rounding,
         )?;
+        // Compared where the parts of the product have been put together.
+        let least = constants.opacity_min + u64::from(opacity.half);
+        let opacity_min = i32::try_from(least >> opacity.bits).ok()?;
         let alpha = constants.alpha_max.into();
         let (share, light) = Split::new(LIGHT_PART, constants.share_shift, alpha, rounding)?;
         // At least one bit, for rounding, and not more than the sum of 16 has room for.
@@ -97,6 +102,7 @@ impl Products {
             && LIGHT_PART + colour <= 27;
         fits.then(|| Products {
             opacity,
+            opacity_min,
             share,
             peak: (((peak + 1) << opacity.bits).min(16 << widths.peak) - 1).min(u32::MAX.into())
                 as u32,

@@ -35,6 +35,8 @@ pub struct Scale {
     pub peak: u32,
     /// Of an opacity.
     pub alpha: u32,
+    /// Unrounded opacities below this are skipped.
+    pub opacity_min: u64,
     /// Of the transmittance.
     pub transmittance: u32,
     /// Of a share, to round it.
@@ -57,7 +59,9 @@ impl Scale {
             let bits = fraction.checked_sub(width.into())?;
             (bits > 0).then_some(bits)
         };
+        let product = u32::from(widths.peak) + u32::from(widths.weight);
         Some(Scale {
+            opacity_min: at_scale(constants.opacity_min, product, value - 4)?,
             weight: value - u32::from(widths.weight),
             peak: FACTOR - u32::from(widths.peak),
             alpha: below(value - 4, widths.alpha)?,
@@ -74,6 +78,18 @@ impl Scale {
     pub fn half(&self, below: u32) -> u64 {
         if self.rounds { 1 << below >> 1 } else { 0 }
     }
+}
+
+/// A threshold of a product, brought from the product's fraction bits to others; `None` if that loses a bit.
+fn at_scale(least: u64, from: u32, to: u32) -> Option<u64> {
+    if least >= 1 << 63 {
+        return None;
+    }
+    let raised = u128::from(least) << to >> from;
+    let exact = raised << from == u128::from(least) << to;
+    u64::try_from(raised)
+        .ok()
+        .filter(|least| exact && *least < 1 << 62)
 }
 
 impl Format for Scale {

@@ -130,6 +130,26 @@ impl Lanes for Avx2 {
         join(even, odd, drop)
     }
     #[inline(always)]
+    fn product_from(self, a: __m256i, b: __m256i, drop: Drop, least: u64) -> __m256i {
+        if drop.narrow {
+            let product = self.mul(a, b);
+            let product = self.clear(product, self.greater(self.splat(least as u32), product));
+            return self.shr(self.add(product, self.splat(drop.half as u32)), drop.shift);
+        }
+        let least = op!(_mm256_set1_epi64x(least as i64));
+        let kept = |product| {
+            op!(_mm256_andnot_si256(
+                _mm256_cmpgt_epi64(least, product),
+                product
+            ))
+        };
+        let (even, odd) = op!((
+            _mm256_mul_epu32(a, b),
+            _mm256_mul_epu32(_mm256_srli_epi64(a, 32), _mm256_srli_epi64(b, 32)),
+        ));
+        join(kept(even), kept(odd), drop)
+    }
+    #[inline(always)]
     fn signed_product(self, a: __m256i, b: __m256i, drop: Drop) -> __m256i {
         if drop.narrow {
             let rounded = self.add(self.mul(a, b), self.splat(drop.half as u32));

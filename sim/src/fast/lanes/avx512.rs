@@ -137,6 +137,26 @@ impl Lanes for Avx512 {
         join(even, odd, drop)
     }
     #[inline(always)]
+    fn product_from(self, a: __m512i, b: __m512i, drop: Drop, least: u64) -> __m512i {
+        if drop.narrow {
+            let product = self.mul(a, b);
+            let product = self.clear(product, self.greater(self.splat(least as u32), product));
+            return self.shr(self.add(product, self.splat(drop.half as u32)), drop.shift);
+        }
+        let least = op!(_mm512_set1_epi64(least as i64));
+        let kept = |product| {
+            op!(_mm512_maskz_mov_epi64(
+                _mm512_cmpge_epi64_mask(product, least),
+                product
+            ))
+        };
+        let (even, odd) = op!((
+            _mm512_mul_epu32(a, b),
+            _mm512_mul_epu32(_mm512_srli_epi64(a, 32), _mm512_srli_epi64(b, 32)),
+        ));
+        join(kept(even), kept(odd), drop)
+    }
+    #[inline(always)]
     fn signed_product(self, a: __m512i, b: __m512i, drop: Drop) -> __m512i {
         if drop.narrow {
             let rounded = self.add(self.mul(a, b), self.splat(drop.half as u32));

@@ -78,7 +78,9 @@ pub trait Lanes: Wide {
     fn min_unsigned(self, a: Self::Words, b: Self::Words) -> Self::Words;
     /// `(a b + half) >> shift` in 64 bits, low word: the product of the pixel path.
     fn product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
-    /// The same with signed words; the shift is at most 32.
+    /// The same, 0 where the product, which must be below 2^63, or 2^31 if it is narrow, is less than `least`.
+    fn product_from(self, a: Self::Words, b: Self::Words, drop: Drop, least: u64) -> Self::Words;
+    /// The product with signed words; the shift is at most 32.
     fn signed_product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
     /// `table[index]` where the mask holds, 0 elsewhere and beyond the table.
     fn gather(self, table: &[u32], index: Self::Words, mask: Self::Mask) -> Self::Words;

@@ -87,6 +87,14 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
+    fn product_from(self, a: Words, b: Words, drop: Drop, least: u64) -> Words {
+        zip(a, b, |a, b| {
+            let product = u64::from(a) * u64::from(b);
+            let product = if product < least { 0 } else { product };
+            (product.wrapping_add(drop.half) >> drop.shift) as u32
+        })
+    }
+    #[inline(always)]
     fn signed_product(self, a: Words, b: Words, drop: Drop) -> Words {
         zip(a, b, |a, b| {
             let product = i64::from(a as i32) * i64::from(b as i32);

@@ -54,6 +54,18 @@ impl Job for &All {
                 lanes.min_unsigned(a, b),
                 lanes.product(a, b, drop(false)),
                 lanes.product(lanes.shr(a, 17), lanes.shr(b, 17), drop(true)),
+                lanes.product_from(
+                    lanes.shr(a, 1),
+                    lanes.shr(b, 1),
+                    drop(false),
+                    u64::from(self.a[0] >> 1) * u64::from(self.b[0] >> 1),
+                ),
+                lanes.product_from(
+                    lanes.shr(a, 17),
+                    lanes.shr(b, 17),
+                    drop(true),
+                    u64::from(self.a[0] >> 17) * u64::from(self.b[0] >> 17),
+                ),
                 lanes.signed_product(
                     a,
                     b,
@@ -78,13 +90,13 @@ impl Job for &All {
                 result.extend(stored);
             }
             let count = lanes.count(lanes.count(lanes.no_count(), mask), first);
-            results[24].push(lanes.total(count) as u32);
-            results[25].push(lanes.is_none(mask).into());
+            results[26].push(lanes.total(count) as u32);
+            results[27].push(lanes.is_none(mask).into());
         }
-        let total = results[24].iter().sum();
-        let none = results[25].iter().product();
-        results[24] = vec![total];
-        results[25] = vec![none];
+        let total = results[26].iter().sum();
+        let none = results[27].iter().product();
+        results[26] = vec![total];
+        results[27] = vec![none];
         results
     }
 }

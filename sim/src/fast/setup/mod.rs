@@ -9,6 +9,7 @@
 //! exponents near the ends of 32 bits.
 
 pub(crate) mod number;
+mod position;
 mod stages;
 
 use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
@@ -66,22 +67,28 @@ fn covers(view: &View, rules: &Rules) -> bool {
             .principal
             .iter()
             .all(|p| p.to_bits().unsigned_abs() < 1 << 58)
-        && view.near.to_bits() < i64::MAX
-        && view.far.to_bits() > i64::MIN
+        && position::covers(view)
         && mild(rules.low_pass)
         && !spaced
         && (gaussian || !by_opacity)
-        && (rules.alpha_min > 0 || !by_opacity)
+        && (rules.alpha_min > 1 || !by_opacity)
 }
 
-/// Is the splat one of those that vectors take? Its depth must not reach the end of its word, and its exponents no end at all.
+/// Is the splat one of those that vectors take? Its exponents must not come near the end of their word, and its coordinates be normalised.
 #[inline(always)]
 fn is_mild(splat: &VolumeSplat) -> bool {
+    let normalised = |number: &Scaled| {
+        let magnitude = number.mantissa.unsigned_abs();
+        let length = u32::BITS - magnitude.leading_zeros();
+        (magnitude == 0 || length == position::COORDINATE)
+            && number.exponent.unsigned_abs() < 1 << 24
+    };
     let exponents = splat.axes.map(|axis| axis.exponent);
     let least = splat.axes.iter().flat_map(|axis| axis.mantissa).min();
     splat.weight.exponent.unsigned_abs() < 1 << 24
         && exponents.iter().all(|e| e.unsigned_abs() < 1 << 24)
         && least.is_none_or(|mantissa| mantissa > i32::MIN)
+        && splat.centre.iter().all(normalised)
 }
 
 struct Batch<'a> {
@@ -123,12 +130,13 @@ impl Job for Batch<'_> {
 /// Splats to words.
 #[inline(always)]
 fn read<L: Lanes>(lanes: L, splats: &[VolumeSplat]) -> Splats<L> {
-    let mut lists = [[0; 8]; 17];
+    let mut lists = [[0; 8]; 20];
     for (k, splat) in splats.iter().take(L::WIDE).enumerate() {
         let [a, b, c] = splat.axes;
         let parts = [a.mantissa, b.mantissa, c.mantissa];
         for i in 0..3 {
-            lists[i][k] = splat.centre[i].to_bits().into();
+            lists[i][k] = splat.centre[i].mantissa.into();
+            lists[17 + i][k] = splat.centre[i].exponent.into();
             for axis in 0..3 {
                 lists[3 + 3 * axis + i][k] = parts[axis][i].into();
             }
@@ -137,7 +145,7 @@ fn read<L: Lanes>(lanes: L, splats: &[VolumeSplat]) -> Splats<L> {
         lists[15][k] = splat.weight.mantissa.into();
         lists[16][k] = splat.weight.exponent.into();
     }
-    let mut words = [lanes.wide_splat(0); 17];
+    let mut words = [lanes.wide_splat(0); 20];
     for (word, list) in words.iter_mut().zip(&lists) {
         *word = lanes.wide_load(list);
     }
@@ -159,9 +167,13 @@ fn read<L: Lanes>(lanes: L, splats: &[VolumeSplat]) -> Splats<L> {
         c,
         mantissa,
         exponent,
+        x_power,
+        y_power,
+        z_power,
     ] = words;
+    let number = |mantissa, exponent| Number { mantissa, exponent };
     Splats {
-        centre: [x, y, z],
+        centre: [number(x, x_power), number(y, y_power), number(z, z_power)],
         axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
         exponents: [a, b, c],
         weight: Number { mantissa, exponent },
@@ -240,7 +252,7 @@ impl Lists {
         let [curvature, spread, slope, stretch] = &self.scan;
         let colour_shift = 28 - i32::from(widths.colour);
         Ok(Footprint {
-            depth: self.depth[k] as u32,
+            depth: self.depth[k] as u64,
             centre: [self.centre[0][k], self.centre[1][k]],
             first: [self.first[0][k] as u16, self.first[1][k] as u16],
             last: [self.last[0][k] as u16, self.last[1][k] as u16],

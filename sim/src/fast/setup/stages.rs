@@ -4,10 +4,11 @@
 //! splat is defined but of no use.
 
 use super::number::{Arithmetic, Number};
+use super::position::CameraPoint;
 use crate::fast::lanes::Wide;
 use splatline::format::Widths;
 use splatline::math::{Scaled, log2_upper};
-use splatline::rules::{Cutoff, Rules};
+use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::Cull;
 use splatline::view::{View, round_entry};
 
@@ -16,7 +17,7 @@ type Word<W> = <W as Wide>::Word;
 /// Splats, one per word.
 #[derive(Clone, Copy)]
 pub struct Splats<W: Wide> {
-    pub centre: [Word<W>; 3],
+    pub centre: [Number<W>; 3],
     /// Mantissas of the axes.
     pub axes: [[Word<W>; 3]; 3],
     /// Exponents of the axes.
@@ -121,6 +122,14 @@ impl<W: Wide> Stages<'_, W> {
         *culled = self.math.select(now, *culled, noted);
     }
 
+    /// Notes the reason where it does not hold.
+    #[inline(always)]
+    fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
+        let math = self.math;
+        let kept = math.select(math.splat(0), math.splat(1), truth);
+        self.cull(culled, reason, math.greater(math.splat(1), kept));
+    }
+
     /// W times a vector of integers, entries rounded as the kernel rounds them.
     #[inline(always)]
     fn rotate(&self, row: usize, vector: &[Word<W>; 3]) -> Word<W> {
@@ -131,21 +140,6 @@ impl<W: Wide> Stages<'_, W> {
             sum = math.add(sum, math.mul(entry, *part));
         }
         sum
-    }
-
-    /// One row of t = W u + d, Q9.54.
-    #[inline(always)]
-    fn camera_space(&self, row: usize, splats: &Splats<W>) -> Word<W> {
-        let d = self.math.splat(self.view.translation[row].to_bits());
-        self.math.add(d, self.rotate(row, &splats.centre))
-    }
-
-    /// A coordinate in camera space, rounded to the view's mantissa.
-    #[inline(always)]
-    fn coordinate(&self, mantissa: Word<W>) -> Number<W> {
-        let exponent = self.math.splat(-54);
-        self.math
-            .normalise(Number { mantissa, exponent }, self.widths.view.into())
     }
 
     /// Culls where a magnitude has more than so many bits.
@@ -159,20 +153,17 @@ impl<W: Wide> Stages<'_, W> {
     #[inline(always)]
     fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
         let (math, bits) = (self.math, u32::from(self.widths.view));
-        let x = self.camera_space(0, splats);
-        let y = self.camera_space(1, splats);
-        let z = self.camera_space(2, splats);
-        let (near, far) = (self.view.near.to_bits(), self.view.far.to_bits());
-        let near = math.splat(near.max(0));
-        self.cull(culled, Cull::Near, math.greater(math.plus(near, 1), z));
-        self.cull(culled, Cull::Far, math.greater(z, math.splat(far - 1)));
-        let depth = math.round(z, 31);
-        let depth = math.max(math.min(depth, math.splat(u32::MAX.into())), math.splat(0));
-        let depths = self.coordinate(z);
-        let inverse = math.reciprocal(depths, bits);
+        let CameraPoint { value, exponent } =
+            math.to_camera(self.view, &self.widths, &splats.centre);
+        let [x, y, z] = value.map(|mantissa| math.normalise(Number { mantissa, exponent }, bits));
+        let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
+        self.cull_unless(culled, Cull::Near, behind_near);
+        self.cull_unless(culled, Cull::Far, before_far);
+        let depth = math.depth_key(value[2], exponent);
+        let inverse = math.reciprocal(z, bits);
         let on_plane = [
-            math.multiply(self.coordinate(x), inverse, bits),
-            math.multiply(self.coordinate(y), inverse, bits),
+            math.multiply(x, inverse, bits),
+            math.multiply(y, inverse, bits),
         ];
         let [across, down] = self.view.focal;
         let focal = [math.number(across), math.number(down)];
@@ -424,7 +415,8 @@ impl<W: Wide> Stages<'_, W> {
         if let Cutoff::Radial(cutoff) = self.rules.cutoff {
             return math.splat(cutoff.min(end).into());
         }
-        let smallest = Scaled::from_wide(self.rules.alpha_min.into(), -31, 31);
+        let least = (self.rules.alpha_min >> 1) as i64;
+        let smallest = Scaled::from_wide(least, 1 - THRESHOLD as i32, 31);
         let zero = math.splat(0);
         let below = log2_upper(smallest).unwrap_or(i32::MAX);
         let octaves = math.plus(math.log2_upper(peak), 32 - i64::from(below));

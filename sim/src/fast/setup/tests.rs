@@ -4,7 +4,7 @@ use super::*;
 use crate::fixed::{QuantisedScene, kernel_rules};
 use crate::rules;
 use crate::scene::synthetic;
-use fixed::types::{I8F24, U4F28};
+use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::format::{Classic8, Deep32, Lean18, Standard24};
 use splatline::splat::Axis;
@@ -22,7 +22,17 @@ fn splat() -> impl Strategy<Value = VolumeSplat> {
     let exponent = prop_oneof![4 => -60i32..-20, 1 => any::<i32>(), 1 => -600i32..600];
     let axis = (prop::array::uniform3(bits()), exponent.clone())
         .prop_map(|(mantissa, exponent)| Axis { mantissa, exponent });
-    let centre = prop::array::uniform3(prop_oneof![bits(), (-1i32 << 27)..1 << 27]);
+    // Normalised, as the host has them, or any.
+    let normalised =
+        (1i32 << 30..=i32::MAX, any::<bool>(), -40i32..-24).prop_map(|(m, s, exponent)| Scaled {
+            mantissa: if s { -m } else { m },
+            exponent,
+        });
+    let any_number =
+        (bits(), exponent.clone()).prop_map(|(mantissa, exponent)| Scaled { mantissa, exponent });
+    let centre = prop::array::uniform3(
+        prop_oneof![20 => normalised, 1 => any_number, 1 => Just(Scaled::ZERO)],
+    );
     (
         centre,
         prop::array::uniform3(axis),
@@ -31,7 +41,7 @@ fn splat() -> impl Strategy<Value = VolumeSplat> {
         any::<[u32; 3]>(),
     )
         .prop_map(|(centre, axes, mantissa, exponent, colour)| VolumeSplat {
-            centre: centre.map(I8F24::from_bits),
+            centre,
             axes,
             weight: Scaled { mantissa, exponent },
             colour: colour.map(U4F28::from_bits),

@@ -34,6 +34,7 @@ impl Bits {
     pub fn new(widths: &Widths) -> Bits {
         let [
             _,
+            _,
             mantissa,
             _,
             radial,

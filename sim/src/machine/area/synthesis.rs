@@ -136,7 +136,9 @@ fn widths_of(numbers: [u8; 12]) -> Widths {
         colour,
         accumulator,
     ] = numbers;
+    // The circuit begins at the packet; how positions became footprints is nothing to it.
     Widths {
+        position: Standard24::WIDTHS.position,
         view,
         mantissa,
         subpixel,
@@ -161,6 +163,7 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
             .widths
             .numbers()
             .iter()
+            .skip(1)
             .map(ToString::to_string)
             .collect();
         let part = match line.part {
