@@ -79,8 +79,8 @@ impl Wide {
 
     fn opacity(&self, peak: u32, weight: u32) -> u32 {
         let w = &self.widths;
-        // Compared before it is rounded, with a threshold of at most eight bits more than alpha has.
-        let fraction = (w.peak + w.weight).min(w.alpha + 8);
+        // Compared before it is rounded, with a threshold of at most seven bits more than alpha has.
+        let fraction = (w.peak + w.weight).min(w.alpha + 7);
         let least = ((self.alpha_min >> (59 - fraction)) + 1) >> 1;
         let exact = u128::from(peak) * u128::from(weight);
         if exact < least << (w.peak + w.weight - fraction) {

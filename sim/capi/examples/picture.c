@@ -13,7 +13,8 @@ static void make_splats(SplatlineSplat *splats) {
     for (int i = 0; i < SPLATS; i++) {
         SplatlineSplat *splat = &splats[i];
         for (int k = 0; k < 3; k++) {
-            splat->centre[k] = ((int32_t)(random_bits() >> 8) - (1 << 23)) * 4; // [-2, 2)
+            splat->centre[k].mantissa = ((int32_t)(random_bits() >> 8) - (1 << 23)) * 4; // [-2, 2)
+            splat->centre[k].exponent = -24;
         }
         for (int axis = 0; axis < 3; axis++) {
             for (int k = 0; k < 3; k++) {
@@ -35,7 +36,7 @@ static SplatlineView make_view(void) {
     for (int k = 0; k < 3; k++) {
         view.rotation[4 * k] = 1 << 30;
     }
-    view.translation[2] = (int64_t)4 << 54;
+    view.eye[2] = -4;
     for (int axis = 0; axis < 2; axis++) {
         view.focal[axis].mantissa = 80 << 24;
         view.focal[axis].exponent = -24;
@@ -44,8 +45,9 @@ static SplatlineView make_view(void) {
     }
     view.principal[0] = (int64_t)(COLUMNS / 2) << 32;
     view.principal[1] = (int64_t)(ROWS / 2) << 32;
-    view.near_depth = 180143985094820;
-    view.far_depth = (int64_t)200 << 54;
+    view.near_depth.mantissa = 180143985094820;
+    view.near_depth.exponent = -54;
+    view.far_depth.mantissa = 200;
     view.viewport[0] = COLUMNS;
     view.viewport[1] = ROWS;
     return view;

@@ -97,7 +97,7 @@
 #define SPLATLINE_CULLED_OUTSIDE 6
 
 // Words of the longest packet of any design.
-#define SPLATLINE_LONGEST_PACKET 20
+#define SPLATLINE_LONGEST_PACKET 21
 
 // Fields of a packet.
 #define SPLATLINE_PACKET_FIELDS 25
@@ -110,7 +110,9 @@
 
 // A design: how many bits every quantity has. Ranges in brackets.
 typedef struct {
-  // Magnitude bits of mantissas from camera space to the centre, fraction bits of the rotation [8, 31].
+  // Magnitude bits of a splat's difference to the eye and of the rotation by which it gets to camera space [8, 60].
+  uint8_t position;
+  // Magnitude bits of mantissas from camera space to the centre [8, 31].
   uint8_t view;
   // Magnitude bits of the mantissas of setup and row seeds [8, 31].
   uint8_t mantissa;
@@ -158,10 +160,10 @@ typedef struct {
   uint32_t cutoff;
   // Opacities are clamped to this, UQ1.31.
   uint32_t alpha_max;
-  // Smaller opacities are skipped, UQ1.31.
-  uint32_t alpha_min;
-  // A pixel is finished when its transmittance is at most this, UQ1.31.
-  uint32_t stop;
+  // Smaller opacities are skipped, UQ1.60.
+  uint64_t alpha_min;
+  // A pixel is finished when its transmittance is at most this, UQ1.60.
+  uint64_t stop;
   // 1: the splat that would bring the transmittance to `stop` is left out.
   uint32_t stop_before;
   // 1: x/z and y/z are clamped in the Jacobian.
@@ -170,20 +172,44 @@ typedef struct {
   uint32_t table_range;
 } SplatlineRules;
 
+// Rules brought to a design's widths: what a circuit compares with. `splatline_blend_constants` gives them.
+typedef struct {
+  // Splats are skipped where peak times kernel is less, before it is rounded: UQ4.(peak + weight).
+  uint64_t opacity_min;
+  // Opacities are clamped to this, UQ1.alpha.
+  uint32_t alpha_max;
+  // A pixel is finished when its transmittance is at most this, UQ1.transmittance.
+  uint32_t stop;
+  // 1: the splat that would bring the transmittance to `stop` is left out.
+  uint32_t stop_before;
+} SplatlineBlendConstants;
+
+// `mantissa * 2^exponent` with more bits.
+typedef struct {
+  // Signed mantissa.
+  int64_t mantissa;
+  // Power of two.
+  int32_t exponent;
+} SplatlineExtended;
+
 // The camera. Camera space is x right, y down, z forward; pixel (i, j) is sampled at (i + 0.5, j + 0.5).
 typedef struct {
   // World-to-camera rotation, row-major, Q1.30.
   int32_t rotation[9];
-  // World-to-camera translation, scene units, Q9.54, magnitude at most 256.
-  int64_t translation[3];
+  // What the rotation has beyond its 30 fraction bits, units of 2^-60, magnitude at most 2^29.
+  int32_t rotation_rest[9];
+  // The eye in the scene: `eye[i] * 2^eye_exponent`, scene units. Magnitudes above 2^60 lose their low bits.
+  int64_t eye[3];
+  // Power of two of the eye's coordinates.
+  int32_t eye_exponent;
   // Focal lengths in pixels (orthographic: pixels per scene unit), positive.
   SplatlineScaled focal[2];
   // Principal point in pixels, Q31.32.
   int64_t principal[2];
-  // Splats with z <= near are culled; scene units, Q9.54.
-  int64_t near_depth;
-  // Splats with z >= far are culled; scene units, Q9.54.
-  int64_t far_depth;
+  // Splats with z <= near are culled; scene units.
+  SplatlineExtended near_depth;
+  // Splats with z >= far are culled; scene units.
+  SplatlineExtended far_depth;
   // Smallest x/z and y/z in the Jacobian under rules that clamp them, Q31.32.
   int64_t ratio_low[2];
   // Largest x/z and y/z, Q31.32.
@@ -204,8 +230,8 @@ typedef struct {
 
 // A volume splat: a Gaussian whose variance is the sum of its axes' outer products.
 typedef struct {
-  // Centre in scene units, Q7.24.
-  int32_t centre[3];
+  // Centre in scene units: a number of its own for each coordinate, such as a float's mantissa and exponent.
+  SplatlineScaled centre[3];
   // Three axes, each one standard deviation long.
   SplatlineAxis axes[3];
   // Peak opacity, or extinction times volume in square scene units under normalised rules. Negative counts as 0.
@@ -218,8 +244,8 @@ typedef struct {
 typedef struct {
   // Centre in pixels, Q27.subpixel.
   int64_t centre[2];
-  // Sort key: depth in scene units, UQ9.23.
-  uint32_t depth;
+  // Sort key: depth in scene units as a number of 48 bits that grows with it.
+  uint64_t depth;
   // First column and row of the bounding box.
   uint16_t first[2];
   // One past the last column and row.
@@ -358,6 +384,12 @@ int32_t splatline_design_check(const SplatlineWidths *widths);
 // Memory:
 // Pointers are null or lead to what their types say.
 int32_t splatline_rules(uint32_t name, SplatlineRules *rules);
+
+// Writes the constants of front-to-back compositing: what a circuit of the design compares with under these rules.
+//
+// Memory:
+// Pointers are null or lead to what their types say.
+int32_t splatline_blend_constants(const SplatlineWidths *widths, const SplatlineRules *rules, SplatlineBlendConstants *constants);
 
 // Writes the number of entries of a design's footprint table.
 //

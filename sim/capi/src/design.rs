@@ -2,7 +2,8 @@
 
 use crate::memory::{read, slice, slice_mut, write};
 use crate::status::{Error, SPLATLINE_OK, code};
-use crate::types::{SplatlineRules, SplatlineWidths};
+use crate::types::{SplatlineBlendConstants, SplatlineRules, SplatlineWidths};
+use splatline::blend::Blend;
 use splatline::format::{Classic8, Deep32, Lean18, Standard24, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::rules::Rules;
@@ -61,6 +62,26 @@ pub unsafe extern "C" fn splatline_rules(name: u32, rules: *mut SplatlineRules) 
     };
     // SAFETY: the function's own contract.
     code(unsafe { write(rules, named.into()) }.map(|()| SPLATLINE_OK))
+}
+
+/// Writes the constants of front-to-back compositing: what a circuit of the design compares with under these rules.
+///
+/// # Safety
+/// Pointers are null or lead to what their types say.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn splatline_blend_constants(
+    widths: *const SplatlineWidths,
+    rules: *const SplatlineRules,
+    constants: *mut SplatlineBlendConstants,
+) -> i32 {
+    // SAFETY: the function's own contract.
+    code(unsafe { read(widths) }.and_then(|widths| {
+        // SAFETY: the function's own contract.
+        let rules = unsafe { read(rules) }?.rules()?;
+        let blend = Blend::new(&widths.widths()?, &rules);
+        // SAFETY: the function's own contract.
+        unsafe { write(constants, blend.constants().into()) }.map(|()| SPLATLINE_OK)
+    }))
 }
 
 /// Writes the number of entries of a design's footprint table.

@@ -8,7 +8,7 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::{FIELDS, Layout, WORDS};
 
 /// Words of the longest packet of any design.
-pub const SPLATLINE_LONGEST_PACKET: usize = 20;
+pub const SPLATLINE_LONGEST_PACKET: usize = 21;
 /// Fields of a packet.
 pub const SPLATLINE_PACKET_FIELDS: usize = 25;
 /// Bytes of a field's name, with the final zero.

@@ -1,15 +1,16 @@
 //! Plain structs with documented Q-formats, and their conversions to and from the kernel's types.
 
 use crate::status::Error;
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use fixed::types::{I2F30, I32F32, U4F28};
+use splatline::blend::BlendConstants;
 use splatline::footprint::{Conic, Footprint, Scan};
 use splatline::format::{Custom, Rounding, Traversal, Widths};
 use splatline::kernel::Kernel;
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Cutoff, Rules};
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::view::{Eye, Projection, RatioLimits, View};
 
 /// Every pixel of the bounding box by conic forward differencing.
 pub const SPLATLINE_TRAVERSAL_BOX: u32 = 0;
@@ -30,7 +31,9 @@ pub const SPLATLINE_LARGEST_VIEWPORT: u32 = 32768;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SplatlineWidths {
-    /// Magnitude bits of mantissas from camera space to the centre, fraction bits of the rotation [8, 31].
+    /// Magnitude bits of a splat's difference to the eye and of the rotation by which it gets to camera space [8, 60].
+    pub position: u8,
+    /// Magnitude bits of mantissas from camera space to the centre [8, 31].
     pub view: u8,
     /// Magnitude bits of the mantissas of setup and row seeds [8, 31].
     pub mantissa: u8,
@@ -68,6 +71,16 @@ pub struct SplatlineScaled {
     pub exponent: i32,
 }
 
+/// `mantissa * 2^exponent` with more bits.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlineExtended {
+    /// Signed mantissa.
+    pub mantissa: i64,
+    /// Power of two.
+    pub exponent: i32,
+}
+
 /// A vector in scene units: `mantissa[i] * 2^exponent`; the largest component should use 31 bits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -82,8 +95,8 @@ pub struct SplatlineAxis {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SplatlineSplat {
-    /// Centre in scene units, Q7.24.
-    pub centre: [i32; 3],
+    /// Centre in scene units: a number of its own for each coordinate, such as a float's mantissa and exponent.
+    pub centre: [SplatlineScaled; 3],
     /// Three axes, each one standard deviation long.
     pub axes: [SplatlineAxis; 3],
     /// Peak opacity, or extinction times volume in square scene units under normalised rules. Negative counts as 0.
@@ -98,16 +111,20 @@ pub struct SplatlineSplat {
 pub struct SplatlineView {
     /// World-to-camera rotation, row-major, Q1.30.
     pub rotation: [i32; 9],
-    /// World-to-camera translation, scene units, Q9.54, magnitude at most 256.
-    pub translation: [i64; 3],
+    /// What the rotation has beyond its 30 fraction bits, units of 2^-60, magnitude at most 2^29.
+    pub rotation_rest: [i32; 9],
+    /// The eye in the scene: `eye[i] * 2^eye_exponent`, scene units. Magnitudes above 2^60 lose their low bits.
+    pub eye: [i64; 3],
+    /// Power of two of the eye's coordinates.
+    pub eye_exponent: i32,
     /// Focal lengths in pixels (orthographic: pixels per scene unit), positive.
     pub focal: [SplatlineScaled; 2],
     /// Principal point in pixels, Q31.32.
     pub principal: [i64; 2],
-    /// Splats with z <= near are culled; scene units, Q9.54.
-    pub near_depth: i64,
-    /// Splats with z >= far are culled; scene units, Q9.54.
-    pub far_depth: i64,
+    /// Splats with z <= near are culled; scene units.
+    pub near_depth: SplatlineExtended,
+    /// Splats with z >= far are culled; scene units.
+    pub far_depth: SplatlineExtended,
     /// Smallest x/z and y/z in the Jacobian under rules that clamp them, Q31.32.
     pub ratio_low: [i64; 2],
     /// Largest x/z and y/z, Q31.32.
@@ -132,10 +149,10 @@ pub struct SplatlineRules {
     pub cutoff: u32,
     /// Opacities are clamped to this, UQ1.31.
     pub alpha_max: u32,
-    /// Smaller opacities are skipped, UQ1.31.
-    pub alpha_min: u32,
-    /// A pixel is finished when its transmittance is at most this, UQ1.31.
-    pub stop: u32,
+    /// Smaller opacities are skipped, UQ1.60.
+    pub alpha_min: u64,
+    /// A pixel is finished when its transmittance is at most this, UQ1.60.
+    pub stop: u64,
     /// 1: the splat that would bring the transmittance to `stop` is left out.
     pub stop_before: u32,
     /// 1: x/z and y/z are clamped in the Jacobian.
@@ -144,14 +161,28 @@ pub struct SplatlineRules {
     pub table_range: u32,
 }
 
+/// Rules brought to a design's widths: what a circuit compares with. `splatline_blend_constants` gives them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SplatlineBlendConstants {
+    /// Splats are skipped where peak times kernel is less, before it is rounded: UQ4.(peak + weight).
+    pub opacity_min: u64,
+    /// Opacities are clamped to this, UQ1.alpha.
+    pub alpha_max: u32,
+    /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
+    pub stop: u32,
+    /// 1: the splat that would bring the transmittance to `stop` is left out.
+    pub stop_before: u32,
+}
+
 /// A projected splat: what setup hands to the rasterizer.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SplatlineFootprint {
     /// Centre in pixels, Q27.subpixel.
     pub centre: [i64; 2],
-    /// Sort key: depth in scene units, UQ9.23.
-    pub depth: u32,
+    /// Sort key: depth in scene units as a number of 48 bits that grows with it.
+    pub depth: u64,
     /// First column and row of the bounding box.
     pub first: [u16; 2],
     /// One past the last column and row.
@@ -217,6 +248,7 @@ impl From<SplatlineScaled> for Scaled {
 impl From<&Widths> for SplatlineWidths {
     fn from(widths: &Widths) -> Self {
         SplatlineWidths {
+            position: widths.position,
             view: widths.view,
             mantissa: widths.mantissa,
             subpixel: widths.subpixel,
@@ -237,6 +269,7 @@ impl From<&Widths> for SplatlineWidths {
 impl SplatlineWidths {
     pub(crate) fn widths(&self) -> Result<Widths, Error> {
         let widths = Widths {
+            position: self.position,
             view: self.view,
             mantissa: self.mantissa,
             subpixel: self.subpixel,
@@ -267,7 +300,7 @@ impl SplatlineWidths {
 impl From<&SplatlineSplat> for VolumeSplat {
     fn from(splat: &SplatlineSplat) -> Self {
         VolumeSplat {
-            centre: splat.centre.map(I8F24::from_bits),
+            centre: splat.centre.map(Scaled::from),
             axes: splat.axes.map(|axis| Axis {
                 mantissa: axis.mantissa,
                 exponent: axis.exponent,
@@ -287,14 +320,19 @@ impl SplatlineView {
         {
             return Err(Error::Value);
         }
-        let [a, b, c, d, e, f, g, h, i] = self.rotation.map(I2F30::from_bits);
+        let rows =
+            |entries: &[i32; 9]| [0, 3, 6].map(|row| [0, 1, 2].map(|column| entries[row + column]));
         Ok(View {
-            rotation: [[a, b, c], [d, e, f], [g, h, i]],
-            translation: self.translation.map(I10F54::from_bits),
+            rotation: rows(&self.rotation).map(|row| row.map(I2F30::from_bits)),
+            pose: Eye {
+                position: self.eye,
+                exponent: self.eye_exponent,
+                rotation_rest: rows(&self.rotation_rest),
+            },
             focal: self.focal.map(Scaled::from),
             principal: self.principal.map(I32F32::from_bits),
-            near: I10F54::from_bits(self.near_depth),
-            far: I10F54::from_bits(self.far_depth),
+            near: self.near_depth.into(),
+            far: self.far_depth.into(),
             viewport: self.viewport,
             projection: if flag(self.orthographic)? {
                 Projection::Orthographic
@@ -306,6 +344,26 @@ impl SplatlineView {
                 high: self.ratio_high.map(I32F32::from_bits),
             },
         })
+    }
+}
+
+impl From<SplatlineExtended> for Extended {
+    fn from(number: SplatlineExtended) -> Self {
+        Extended {
+            value: number.mantissa,
+            exponent: number.exponent,
+        }
+    }
+}
+
+impl From<BlendConstants> for SplatlineBlendConstants {
+    fn from(constants: BlendConstants) -> Self {
+        SplatlineBlendConstants {
+            opacity_min: constants.opacity_min,
+            alpha_max: constants.alpha_max,
+            stop: constants.stop,
+            stop_before: constants.stop_before.into(),
+        }
     }
 }
 

@@ -1,17 +1,17 @@
 //! A program in C, compiled and run: its pictures equal Rust's, word for word.
 
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use fixed::types::{I2F30, I32F32, U4F28};
 use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::target::Target;
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::view::{Eye, Projection, RatioLimits, View};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -31,7 +31,10 @@ impl Random {
 fn splats() -> Vec<VolumeSplat> {
     let mut random = Random(1);
     let mut splat = || VolumeSplat {
-        centre: [(); 3].map(|()| I8F24::from_bits(((random.bits() >> 8) as i32 - (1 << 23)) * 4)),
+        centre: [(); 3].map(|()| Scaled {
+            mantissa: ((random.bits() >> 8) as i32 - (1 << 23)) * 4,
+            exponent: -24,
+        }),
         axes: [(); 3].map(|()| Axis {
             mantissa: [(); 3].map(|()| (random.bits() >> 1) as i32 - (1 << 30)),
             exponent: -32 - (random.bits() >> 30) as i32,
@@ -54,11 +57,20 @@ fn view() -> View {
     };
     View {
         rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
-        translation: [I10F54::ZERO, I10F54::ZERO, I10F54::from_num(4)],
+        pose: Eye {
+            position: [0, 0, -4],
+            ..Eye::ORIGIN
+        },
         focal: [focal; 2],
         principal: SIZE.map(|size| I32F32::from_num(size / 2)),
-        near: I10F54::from_bits(180_143_985_094_820),
-        far: I10F54::from_num(200),
+        near: Extended {
+            value: 180_143_985_094_820,
+            exponent: -54,
+        },
+        far: Extended {
+            value: 200,
+            exponent: 0,
+        },
         viewport: SIZE,
         projection: Projection::Perspective,
         limits: RatioLimits {

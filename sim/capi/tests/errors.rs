@@ -237,7 +237,7 @@ fn number() -> impl Strategy<Value = SplatlineScaled> {
 prop_compose! {
     fn footprint()(
         centre in prop::array::uniform2(prop_oneof![any::<i64>(), -(1i64 << 26)..1 << 26]),
-        depth: u32, first in prop::array::uniform2(0u16..20), last in prop::array::uniform2(prop_oneof![any::<u16>(), 0u16..20]),
+        depth: u64, first in prop::array::uniform2(0u16..20), last in prop::array::uniform2(prop_oneof![any::<u16>(), 0u16..20]),
         scan in [number(), number(), number(), number()],
         conic_mantissa: [i32; 3], conic_exponent: i32, cutoff: u32, peak: u32, colour: [u32; 3],
     ) -> SplatlineFootprint {

@@ -31,6 +31,7 @@ const TABLE: (u8, u8) = if cfg!(feature = "plain") {
 impl Firmware16 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
+        position: 30,
         view: 24,
         mantissa: 15,
         subpixel: 12,

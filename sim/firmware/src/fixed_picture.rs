@@ -33,7 +33,7 @@ pub struct Memory {
     /// Footprints, in the scene's order.
     pub footprints: [Option<Footprint>; SPLATS],
     /// Numbers of the visible splats, nearest first.
-    pub order: Order<u32>,
+    pub order: Order<u64>,
     /// One strip.
     pub strip: [Pixel; STRIP_PIXELS],
 }

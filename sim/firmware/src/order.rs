@@ -4,6 +4,9 @@
 
 use crate::scene::SPLATS;
 
+/// A number has a byte.
+const _: () = assert!(SPLATS <= 256);
+
 /// Depths and numbers of the splats inserted so far.
 #[derive(Clone, Copy, Debug)]
 pub struct Order<K> {

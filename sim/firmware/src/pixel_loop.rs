@@ -35,6 +35,10 @@ use splatline::format::Rounding;
 const INTERPOLATION: u8 = Firmware16::WIDTHS.interpolation;
 const BLEND: BlendConstants = Blend::new(&Firmware16::WIDTHS, &RULES).constants();
 
+/// What rounds an opacity, and the smallest rounded one that is not skipped.
+const OPACITY_HALF: u64 = 1 << (BLEND.opacity_shift - 1);
+const ALPHA_MIN: u32 = ((BLEND.opacity_min + OPACITY_HALF) >> BLEND.opacity_shift) as u32;
+
 /// Bits of a radial index, and those of them below the interval's number.
 const LANE: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
 const BELOW: u32 = LANE - INTERVALS.ilog2();
@@ -45,7 +49,9 @@ const SCALE: i32 = BLEND.share_shift - BLEND.opacity_shift;
 // What the assembly takes for granted.
 const _: () = {
     assert!(matches!(BLEND.rounding, Rounding::Nearest) && BLEND.stop_before);
-    assert!(BLEND.alpha_min < 256 && BLEND.stop < 256 && BLEND.alpha_max >= BLEND.alpha_min);
+    // The threshold lies where opacities begin to be rounded to a word, so that the rounded one can be compared with an immediate.
+    assert!((ALPHA_MIN as u64) << BLEND.opacity_shift == BLEND.opacity_min + OPACITY_HALF);
+    assert!(ALPHA_MIN < 256 && BLEND.stop < 256 && BLEND.alpha_max >= ALPHA_MIN);
     assert!(BLEND.share_shift > 0 && BLEND.opacity_shift > 0 && BLEND.colour_shift == 0);
     // The scaled peak of a splat that is not clamped is below 2^(peak + SCALE).
     let widths = Firmware16::WIDTHS;
@@ -319,7 +325,7 @@ unsafe extern "C" fn paint_range(
         colour = const offset_of!(Footprint, colour),
         share_shift = const BLEND.share_shift,
         opacity_shift = const BLEND.opacity_shift,
-        alpha_min = const BLEND.alpha_min,
+        alpha_min = const ALPHA_MIN,
         alpha_max = const BLEND.alpha_max,
         stop = const BLEND.stop,
         finished = const FINISHED,

@@ -1,10 +1,10 @@
 //! The scene: splats of a linear congruential generator, evaluated at compile time, and a camera before them.
 
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
-use splatline::math::Scaled;
+use splatline::math::{Extended, Scaled};
 use splatline::rules::Rules;
-use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, RatioLimits, View};
+use splatline::splat::{Axis, FixedPosition, VolumeSplat};
+use splatline::view::{Projection, RatioLimits, Translation, View};
 
 /// Splats.
 pub const SPLATS: usize = 40;
@@ -20,8 +20,11 @@ pub const STRIP_PIXELS: usize = COLUMNS as usize * STRIP as usize;
 /// Peak opacity, low-pass 0.3, alpha at least 1/255: the rules of most scenes one finds.
 pub const RULES: Rules = Rules::GAUSSIAN_3D;
 
+/// A splat: the range of the scene is known, so that its centre is in fixed point.
+pub type Splat = VolumeSplat<FixedPosition>;
+
 /// The splats.
-pub static SCENE: [VolumeSplat; SPLATS] = splats();
+pub static SCENE: [Splat; SPLATS] = splats();
 
 struct Random(u32);
 
@@ -55,7 +58,7 @@ impl Random {
     }
 }
 
-const fn splats() -> [VolumeSplat; SPLATS] {
+const fn splats() -> [Splat; SPLATS] {
     let mut random = Random(7);
     let empty = VolumeSplat {
         centre: [I8F24::ZERO; 3],
@@ -84,7 +87,7 @@ const fn splats() -> [VolumeSplat; SPLATS] {
 }
 
 /// A camera 4 units in front of the scene.
-pub fn view() -> View {
+pub fn view() -> View<Translation> {
     let (zero, one) = (I2F30::ZERO, I2F30::ONE);
     let limit = I32F32::from_bits(3_435_973_837); // 0.8
     let focal = Scaled {
@@ -93,14 +96,20 @@ pub fn view() -> View {
     };
     View {
         rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
-        translation: [I10F54::ZERO, I10F54::ZERO, I10F54::from_bits(4 << 54)],
+        pose: Translation([I10F54::ZERO, I10F54::ZERO, I10F54::from_bits(4 << 54)]),
         focal: [focal; 2],
         principal: [
             I32F32::from_bits(i64::from(COLUMNS / 2) << 32),
             I32F32::from_bits(i64::from(ROWS / 2) << 32),
         ],
-        near: I10F54::from_bits(1 << 48),
-        far: I10F54::from_bits(200 << 54),
+        near: Extended {
+            value: 1,
+            exponent: -6,
+        },
+        far: Extended {
+            value: 200,
+            exponent: 0,
+        },
         viewport: [COLUMNS, ROWS],
         projection: Projection::Perspective,
         limits: RatioLimits {

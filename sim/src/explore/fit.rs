@@ -75,9 +75,10 @@ pub struct Fit {
 }
 
 /// The order in which widths are lowered: dear bits first (multipliers of setup, rows and lanes, then storage).
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 13] = [
     "mantissa",
     "view",
+    "position",
     "peak",
     "weight",
     "transmittance",

@@ -34,19 +34,19 @@ impl Design for Narrow {
 fn widths() -> impl Strategy<Value = Widths> {
     let number = |index: usize, last: u8| WIDTH_RANGES[index].1..=WIDTH_RANGES[index].2.min(last);
     let shape = (
-        number(1, 31),
-        number(2, 24),
-        number(3, 27),
-        number(4, 14),
-        number(5, 20),
+        number(2, 31),
+        number(3, 24),
+        number(4, 27),
+        number(5, 14),
+        number(6, 20),
     );
     let blend = (
-        number(6, 28),
         number(7, 28),
         number(8, 28),
-        number(9, 30),
-        number(10, 28),
-        number(11, 27),
+        number(9, 28),
+        number(10, 30),
+        number(11, 28),
+        number(12, 27),
     );
     (shape, blend, any::<bool>()).prop_map(|(shape, blend, truncate)| Widths {
         position: Standard24::WIDTHS.position,

@@ -5,6 +5,7 @@ mod sheets {
     use crate::common::{WIDTHS, painter};
     use splatline::blend::sheets::{DepthSlabs, SheetBuffer};
     use splatline::blend::{Blend, Pixel};
+    use splatline::footprint::depth;
     use splatline::format::Standard24;
     use splatline::rules::{Compositing, Rules};
     use splatline::setup::setup;
@@ -34,7 +35,7 @@ mod sheets {
         };
         painter.draw(&footprint, sheet.target());
         sheet.composite_behind(&Blend::new(&WIDTHS, &rules), target);
-        slabs.slab(footprint.depth).into()
+        slabs.slab(depth::fixed(footprint.depth)).into()
     }
 }
 

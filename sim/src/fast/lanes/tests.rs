@@ -23,7 +23,7 @@ impl Job for &All {
     /// Sixteen words in steps of the vector's width.
     #[inline(always)]
     fn run<L: Floats>(self, lanes: L) -> Self::Output {
-        let mut results = vec![Vec::new(); 26];
+        let mut results = vec![Vec::new(); 28];
         for start in (0..16).step_by(L::WIDTH) {
             let (a, b) = (lanes.load(&self.a[start..]), lanes.load(&self.b[start..]));
             let mask = lanes.greater(a, b);

@@ -188,22 +188,28 @@ impl Operators {
     }
 }
 
-/// Geometry setup, for which there is no circuit: projection (9 products of position and rotation, 4 of ratios and focal length), columns of
+/// Geometry setup, for which there is no circuit: projection (9 products of position and rotation, 27 where they have two
+/// parts, and 4 of ratios and focal length), columns of
 /// J W S (27 + 12), variance (15), LDL and conic (10), peak and cut-off (4), reciprocals and roots by table and a product or two (8).
 ///
 /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
 /// saturation, special cases); geometry setup is taken to be short by the same factor.
 fn setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
-    let [view, m, subpixel, ..] = widths.numbers().map(u64::from);
+    let [position, view, m, subpixel, ..] = widths.numbers().map(u64::from);
+    // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
+    let low = position.saturating_sub(30);
+    let cross = if low > 0 { 18 } else { 0 };
     let products = [
-        vec![[view + 1, 32]; 9],
+        vec![[position.min(30) + 1; 2]; 9],
+        vec![[31, low + 1]; cross],
         vec![[view + 1, view + 1]; 4],
         vec![[view + 1, m + 1]; 27],
         vec![[m + 1, m + 1]; 12 + 15 + 10 + 4 + 8],
     ];
     let counted = Operators {
-        adder_bits: 60 * (m + 2) + 9 * (view + 32),
-        shifters: vec![m; 40],
+        // Alignment of splat and eye in 61 bits, the difference, its block exponent and the rotation's sums come first.
+        adder_bits: 60 * (m + 2) + 9 * 64 + 3 * 61,
+        shifters: [vec![61; 6], vec![position; 3], vec![m; 40]].concat(),
     };
     let written = [
         Operators {
