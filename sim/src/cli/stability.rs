@@ -16,8 +16,9 @@ single precision. The last column compares\nwithout any tolerance. Columns are e
 
 const SCENES: &str = "## Scenes as people have them\n\nDrawn at 512x512 under the `3dgs` rules and compared with double precision \
 (`--only scenes` prints this part alone). All pixels count,\nthose on a threshold too; differences are in units of the picture's largest \
-sample (at least 1), and no sample is clamped. \"Drawn besides\"\nand \"left out\" count pairs of a splat and a pixel that were decided \
-otherwise at the smallest opacity, 1/255, of all pairs that the reference\nblends; \"lost\" are splats that were culled although the reference \
+sample (at least 1), and no sample is clamped. \"Added\"\nand \"removed\" count pairs of a splat and a pixel that were decided \
+otherwise at the smallest opacity, 1/255, of all pairs that the reference\nblends; \"stopped early\" and \"late\" count pixels that another \
+splat than the reference's finished; \"lost\" are splats that were culled although the reference \
 draws them. Engines are explained in `sim/src/stability/scenes/mod.rs`,\nthe scenes in `sim/src/stability/scenes/classes.rs`.\n\n";
 
 /// Everything measured, as JSON.

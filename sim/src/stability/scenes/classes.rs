@@ -138,7 +138,7 @@ fn telephoto(size: Size, seed: u64) -> Class {
 fn offset(size: Size, seed: u64, name: &str, extent: f64, origin: [f64; 3]) -> Class {
     let mut random = Random(seed);
     let splats = object(&mut random, size.of(4_000), origin, extent);
-    let eye = vector::add(origin, vector::scale(extent, [0.55, -0.4, -1.4]));
+    let eye = vector::add(origin, vector::scale(extent, [0.5531, -0.4127, -1.3913]));
     let mut made = class(
         &format!("world offset {name}"),
         splats,

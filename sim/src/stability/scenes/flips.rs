@@ -1,7 +1,9 @@
-//! Decisions at the smallest opacity: which pairs of a splat and a pixel an engine draws and the reference does not, and the reverse.
+//! Decisions by threshold: which pairs of a splat and a pixel an engine draws and the reference does not, and the reverse, and which pixels
+//! it finishes sooner or later.
 //!
-//! Every pair is decided by the engine's own code: a splat is drawn alone. Pairs behind a pixel that the reference has finished do not count,
-//! since no picture shows them.
+//! Every decision is made by the engine's own code. For the smallest opacity a splat is drawn alone on empty pixels; for the stop at the
+//! smallest transmittance the splats are drawn on top of each other, in the true order. Pairs behind a pixel that the reference has finished
+//! do not count, since no picture shows them.
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
@@ -24,20 +26,25 @@ use splatline::target::Target;
 /// Side of the squares of pixels that are decided at a time.
 const TILE: usize = 64;
 
-/// Pairs decided otherwise than by the reference.
+/// Decisions otherwise than by the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Flips {
-    /// Drawn by the engine alone.
+    /// Pairs drawn by the engine alone.
     pub added: u64,
-    /// Drawn by the reference alone.
+    /// Pairs drawn by the reference alone.
     pub removed: u64,
+    /// Pixels finished by an earlier splat than the reference's.
+    pub early: u64,
+    /// Pixels finished by a later splat, or never.
+    pub late: u64,
 }
 
-impl std::ops::AddAssign for Flips {
-    fn add_assign(&mut self, other: Flips) {
-        self.added += other.added;
-        self.removed += other.removed;
-    }
+/// An engine's decisions over a picture.
+#[derive(Clone, Debug)]
+pub(super) struct Decisions {
+    pub flips: Flips,
+    /// Pixels of which one was decided otherwise, row by row.
+    pub pixels: Vec<bool>,
 }
 
 /// An engine that says where a splat is drawn.
@@ -45,8 +52,17 @@ pub(super) trait Decides: Sync {
     /// The pixels outside of which splat `index` is not drawn.
     fn bounds(&self, index: usize) -> PixelBox;
 
-    /// Marks the pixels of `area` in which it is drawn, row by row.
-    fn mark(&self, index: usize, area: PixelBox, marks: &mut Vec<bool>);
+    /// Empty pixels for `area`.
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_>;
+}
+
+/// Pixels of a tile that an engine draws on.
+pub(super) trait Deciding {
+    /// Draws splat `index` within `bounds`, and tells for each of those pixels, row by row, whether it would be drawn if alone.
+    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>);
+
+    /// Whether the pixel at a place of the tile takes no more splats.
+    fn is_finished(&self, place: usize) -> bool;
 }
 
 const NOWHERE: PixelBox = PixelBox {
@@ -55,13 +71,6 @@ const NOWHERE: PixelBox = PixelBox {
     x1: 0,
     y1: 0,
 };
-
-fn mark_each(area: PixelBox, marks: &mut Vec<bool>, drawn: impl Fn(usize, usize) -> bool) {
-    marks.clear();
-    for y in area.y0..area.y1 {
-        marks.extend((area.x0..area.x1).map(|x| drawn(x, y)));
-    }
-}
 
 /// Double precision.
 pub(super) struct Double<'a> {
@@ -76,12 +85,18 @@ impl Decides for Double<'_> {
             .map_or(NOWHERE, Projected::bounds)
     }
 
-    fn mark(&self, index: usize, area: PixelBox, marks: &mut Vec<bool>) {
-        mark_each(area, marks, |x, y| {
-            let at = [x as f64 + 0.5, y as f64 + 0.5];
-            let splat = self.projected[index].as_ref().ok();
-            splat.is_some_and(|splat| compositor::opacity(splat, at, self.rules).is_some())
-        });
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+        let opacity = |index: usize, [x, y]: [usize; 2]| {
+            let splat = self.projected[index].as_ref().ok()?;
+            compositor::opacity(splat, [x as f64 + 0.5, y as f64 + 0.5], self.rules)
+        };
+        Box::new(Floating::<f64, _> {
+            area,
+            clear: vec![1.0; pixels_of(area)],
+            rules: self.rules,
+            opacity,
+            behind: |clear, alpha| clear * (1.0 - alpha),
+        })
     }
 }
 
@@ -99,21 +114,75 @@ impl Decides for Single<'_> {
             .map_or(NOWHERE, |f| f.bounds(self.camera, self.rules))
     }
 
-    fn mark(&self, index: usize, area: PixelBox, marks: &mut Vec<bool>) {
-        mark_each(area, marks, |x, y| {
-            let at = [x as f32 + 0.5, y as f32 + 0.5];
-            let splat = self.projected[index].as_ref();
-            splat.is_some_and(|splat| splat.opacity(at[0], at[1], self.rules) > 0.0)
-        });
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+        let opacity = |index: usize, [x, y]: [usize; 2]| {
+            let splat = self.projected[index].as_ref()?;
+            let opacity = splat.opacity(x as f32 + 0.5, y as f32 + 0.5, self.rules);
+            (opacity > 0.0).then_some(opacity)
+        };
+        Box::new(Floating::<f32, _> {
+            area,
+            clear: vec![1.0; pixels_of(area)],
+            rules: self.rules,
+            opacity,
+            behind: |clear, alpha| clear * (1.0 - alpha),
+        })
+    }
+}
+
+/// Pixels of either float engine: the light that is left, 0 once finished.
+struct Floating<'a, F, O> {
+    area: PixelBox,
+    clear: Vec<F>,
+    rules: &'a Rules,
+    opacity: O,
+    behind: fn(F, F) -> F,
+}
+
+impl<F, O> Deciding for Floating<'_, F, O>
+where
+    F: Copy + Default + Into<f64>,
+    O: Fn(usize, [usize; 2]) -> Option<F>,
+{
+    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
+        drawn.clear();
+        let columns = self.area.x1 - self.area.x0;
+        for place in places(bounds, self.area) {
+            let at = [
+                place % columns + self.area.x0,
+                place / columns + self.area.y0,
+            ];
+            let opacity = (self.opacity)(index, at);
+            drawn.push(opacity.is_some());
+            if let Some(opacity) = opacity {
+                let rest = (self.behind)(self.clear[place], opacity);
+                let finished = rest.into() <= self.stop();
+                self.clear[place] = if finished { F::default() } else { rest };
+            }
+        }
+    }
+
+    fn is_finished(&self, place: usize) -> bool {
+        self.clear[place].into() == 0.0
+    }
+}
+
+impl<F, O> Floating<'_, F, O> {
+    /// Each engine compares with the threshold in its own precision.
+    fn stop(&self) -> f64 {
+        match size_of::<F>() {
+            4 => f64::from(self.rules.stop as f32),
+            _ => self.rules.stop,
+        }
     }
 }
 
 /// The kernel under a design.
 pub(super) struct Fixed<'a> {
-    pub footprints: &'a [Result<Footprint, Cull>],
-    pub design: &'a DesignChoice,
-    pub rules: splatline::rules::Rules,
-    pub table: Vec<u32>,
+    footprints: &'a [Result<Footprint, Cull>],
+    design: &'a DesignChoice,
+    rules: splatline::rules::Rules,
+    table: Vec<u32>,
 }
 
 impl<'a> Fixed<'a> {
@@ -143,49 +212,68 @@ impl Decides for Fixed<'_> {
         PixelBox { x0, y0, x1, y1 }
     }
 
-    fn mark(&self, index: usize, area: PixelBox, marks: &mut Vec<bool>) {
-        match &self.footprints[index] {
-            Ok(footprint) => self.design.dispatch(Alone {
-                engine: self,
-                footprint,
-                area,
-                marks,
-            }),
-            Err(_) => mark_each(area, marks, |_, _| false),
-        }
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+        Box::new(FixedTile {
+            engine: self,
+            area,
+            pixels: vec![Pixel::clear(&self.design.widths); pixels_of(area)],
+        })
     }
 }
 
-/// One splat on an empty picture: where it leaves a trace, it is drawn.
-struct Alone<'a, 'b> {
+struct FixedTile<'a> {
+    engine: &'a Fixed<'a>,
+    area: PixelBox,
+    pixels: Vec<Pixel>,
+}
+
+impl Deciding for FixedTile<'_> {
+    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
+        let engine = self.engine;
+        let clear = Pixel::clear(&engine.design.widths);
+        let mut alone = vec![clear; pixels_of(bounds)];
+        if let Ok(footprint) = &engine.footprints[index] {
+            let onto = |area, pixels: &mut [Pixel]| {
+                engine.design.dispatch(DrawOne {
+                    engine,
+                    footprint,
+                    area,
+                    pixels,
+                });
+            };
+            onto(bounds, &mut alone);
+            onto(self.area, &mut self.pixels);
+        }
+        drawn.clear();
+        drawn.extend(alone.iter().map(|pixel| *pixel != clear));
+    }
+
+    fn is_finished(&self, place: usize) -> bool {
+        self.pixels[place].is_finished()
+    }
+}
+
+/// One splat by the kernel's painter.
+struct DrawOne<'a, 'b> {
     engine: &'a Fixed<'a>,
     footprint: &'a Footprint,
     area: PixelBox,
-    marks: &'b mut Vec<bool>,
+    pixels: &'b mut [Pixel],
 }
 
-impl DesignJob for Alone<'_, '_> {
+impl DesignJob for DrawOne<'_, '_> {
     type Output = ();
 
     fn run<D: Design + Send + Sync>(self, design: D) {
-        let Alone {
-            engine,
-            footprint,
-            area,
-            marks,
-        } = self;
-        let widths = design.widths();
-        let clear = Pixel::clear(&widths);
-        let columns = area.x1 - area.x0;
-        let mut pixels = vec![clear; columns * (area.y1 - area.y0)];
+        let DrawOne { engine, area, .. } = self;
         let window = Window {
             first: [area.x0 as u16, area.y0 as u16],
             last: [area.x1 as u16, area.y1 as u16],
         };
-        let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
-            unreachable!("the memory has just been made for its window")
+        let Ok(mut target) = Target::new(self.pixels, window, area.x1 - area.x0) else {
+            unreachable!("the memory has been made for its window")
         };
-        let table = fixed::table(&engine.table, &widths, &engine.rules);
+        let table = fixed::table(&engine.table, &design.widths(), &engine.rules);
         let traversal = engine.design.traversal;
         let painter = Painter::new(
             design,
@@ -194,52 +282,64 @@ impl DesignJob for Alone<'_, '_> {
             Compositing::FrontToBack,
             traversal,
         );
-        painter.draw(footprint, &mut target);
-        marks.clear();
-        marks.extend(pixels.iter().map(|pixel| *pixel != clear));
+        painter.draw(self.footprint, &mut target);
     }
 }
 
-/// Flips of every engine against the reference; `order` lists all splats, nearest first.
+/// Every engine's decisions against the reference's; `order` lists all splats, nearest first.
 pub(super) fn count(
-    reference: &Double,
+    reference: &dyn Decides,
     engines: &[&dyn Decides],
     order: &[usize],
     camera: &Camera,
-) -> Vec<Flips> {
+) -> Vec<Decisions> {
     let across = camera.width.div_ceil(TILE);
-    let tiles = 0..across * camera.height.div_ceil(TILE);
-    let counted: Vec<Vec<Flips>> = tiles
-        .into_par_iter()
+    let areas: Vec<PixelBox> = (0..across * camera.height.div_ceil(TILE))
         .map(|tile| {
             let (x0, y0) = (tile % across * TILE, tile / across * TILE);
-            let area = PixelBox {
+            PixelBox {
                 x0,
                 y0,
                 x1: (x0 + TILE).min(camera.width),
                 y1: (y0 + TILE).min(camera.height),
-            };
-            count_tile(reference, engines, order, area)
+            }
         })
         .collect();
-    let mut sums = vec![Flips::default(); engines.len()];
-    for flips in &counted {
-        for (sum, flips) in sums.iter_mut().zip(flips) {
-            *sum += *flips;
+    let tiles: Vec<Vec<Decisions>> = areas
+        .par_iter()
+        .map(|area| count_tile(reference, engines, order, *area))
+        .collect();
+    let picture = PixelBox {
+        x0: 0,
+        y0: 0,
+        x1: camera.width,
+        y1: camera.height,
+    };
+    let mut joined = vec![Decisions::none(picture); engines.len()];
+    for (area, tile) in areas.iter().zip(tiles) {
+        for (joined, tile) in joined.iter_mut().zip(tile) {
+            joined.flips += tile.flips;
+            for (place, flipped) in places(*area, picture).zip(tile.pixels) {
+                joined.pixels[place] = flipped;
+            }
         }
     }
-    sums
+    joined
 }
 
 fn count_tile(
-    reference: &Double,
+    reference: &dyn Decides,
     engines: &[&dyn Decides],
     order: &[usize],
     area: PixelBox,
-) -> Vec<Flips> {
-    let mut flips = vec![Flips::default(); engines.len()];
-    let columns = area.x1 - area.x0;
-    let mut clear = vec![1.0; columns * (area.y1 - area.y0)];
+) -> Vec<Decisions> {
+    let mut decisions = vec![Decisions::none(area); engines.len()];
+    // Whether the reference has finished a pixel before the splat at hand.
+    let mut finished = vec![false; pixels_of(area)];
+    // By engine and pixel: the stop was decided otherwise, and has been counted.
+    let mut stopped = vec![finished.clone(); engines.len()];
+    let mut truth = reference.start(area);
+    let mut tiles: Vec<_> = engines.iter().map(|engine| engine.start(area)).collect();
     let (mut expected, mut got) = (Vec::new(), Vec::new());
     for &index in order {
         let mut bounds = reference.bounds(index).intersection(&area);
@@ -249,38 +349,62 @@ fn count_tile(
         if bounds.is_empty() {
             continue;
         }
-        reference.mark(index, bounds, &mut expected);
-        for (flips, engine) in flips.iter_mut().zip(engines) {
-            engine.mark(index, bounds, &mut got);
-            let pairs = expected.iter().zip(&got).zip(places(bounds, area));
-            for ((expected, got), place) in pairs {
-                let seen = clear[place] > 0.0;
-                flips.added += u64::from(seen && *got && !expected);
-                flips.removed += u64::from(seen && *expected && !got);
+        truth.draw(index, bounds, &mut expected);
+        let engines = tiles.iter_mut().zip(&mut stopped).zip(&mut decisions);
+        for ((tile, stopped), decisions) in engines {
+            tile.draw(index, bounds, &mut got);
+            for (place, drawn) in places(bounds, area).zip(expected.iter().zip(&got)) {
+                if finished[place] {
+                    continue;
+                }
+                decisions.compare(place, *drawn.0, *drawn.1);
+                if !stopped[place] {
+                    let (end, now) = (truth.is_finished(place), tile.is_finished(place));
+                    stopped[place] = decisions.compare_stop(place, end, now);
+                }
             }
         }
-        for (drawn, place) in expected.iter().zip(places(bounds, area)) {
-            if *drawn {
-                let at = [place % columns + area.x0, place / columns + area.y0];
-                clear[place] = behind(reference, index, at, clear[place]);
-            }
+        for place in places(bounds, area) {
+            finished[place] = truth.is_finished(place);
         }
     }
-    flips
+    decisions
 }
 
-/// What the rules leave of the light behind a splat that is drawn; 0 once the pixel is finished.
-fn behind(reference: &Double, index: usize, at: [usize; 2], clear: f64) -> f64 {
-    let Ok(splat) = &reference.projected[index] else {
-        return clear;
-    };
-    let at = at.map(|x| x as f64 + 0.5);
-    let opacity = compositor::opacity(splat, at, reference.rules).unwrap_or(0.0);
-    let rest = clear * (1.0 - opacity);
-    match rest <= reference.rules.stop {
-        true => 0.0,
-        false => rest,
+impl Decisions {
+    fn none(area: PixelBox) -> Decisions {
+        Decisions {
+            flips: Flips::default(),
+            pixels: vec![false; pixels_of(area)],
+        }
     }
+
+    fn compare(&mut self, place: usize, expected: bool, got: bool) {
+        self.flips.added += u64::from(got && !expected);
+        self.flips.removed += u64::from(expected && !got);
+        self.pixels[place] |= expected != got;
+    }
+
+    /// Returns whether the pixel was finished by one of both alone.
+    fn compare_stop(&mut self, place: usize, expected: bool, got: bool) -> bool {
+        self.flips.early += u64::from(got && !expected);
+        self.flips.late += u64::from(expected && !got);
+        self.pixels[place] |= expected != got;
+        expected != got
+    }
+}
+
+impl std::ops::AddAssign for Flips {
+    fn add_assign(&mut self, other: Flips) {
+        self.added += other.added;
+        self.removed += other.removed;
+        self.early += other.early;
+        self.late += other.late;
+    }
+}
+
+fn pixels_of(area: PixelBox) -> usize {
+    (area.x1 - area.x0) * (area.y1 - area.y0)
 }
 
 /// The places of the pixels of `bounds` in a tile that holds `area`.
@@ -302,5 +426,58 @@ fn hull(a: PixelBox, b: PixelBox) -> PixelBox {
             x1: a.x1.max(b.x1),
             y1: a.y1.max(b.y1),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::classes::{self, Size};
+    use super::*;
+    use crate::reference::float;
+
+    const RULES: Rules = Rules::GAUSSIAN_3D;
+
+    /// Decisions of the reference under other rules, against the reference.
+    fn under(rules: Rules) -> (Flips, usize) {
+        let class = &classes::all(Size::QUICK, 3)[0];
+        let project = |rules| float::footprints(&class.scene, &class.camera, rules);
+        let (truth, other) = (project(&RULES), project(&rules));
+        let order: Vec<usize> = compositor::order(&truth);
+        let double = |projected, rules| Double { projected, rules };
+        let engine = double(&other, &rules);
+        let decisions = count(&double(&truth, &RULES), &[&engine], &order, &class.camera);
+        let flipped = decisions[0]
+            .pixels
+            .iter()
+            .filter(|flipped| **flipped)
+            .count();
+        (decisions[0].flips, flipped)
+    }
+
+    #[test]
+    fn an_engine_agrees_with_itself() {
+        assert_eq!(under(RULES), (Flips::default(), 0));
+    }
+
+    #[test]
+    fn another_threshold_flips_to_one_side() {
+        let moved = |factor: f64| Rules {
+            alpha_min: RULES.alpha_min * factor,
+            ..RULES
+        };
+        let (lower, pixels) = under(moved(0.9));
+        assert!(lower.added > 100 && lower.removed == 0, "{lower:?}");
+        assert!(pixels > 100 && pixels as u64 <= lower.added, "{pixels}");
+        let (higher, _) = under(moved(1.1));
+        assert!(higher.removed > 100 && higher.added == 0, "{higher:?}");
+    }
+
+    #[test]
+    fn another_stop_finishes_pixels_sooner_or_later() {
+        let moved = |stop: f64| under(Rules { stop, ..RULES }).0;
+        let (sooner, later) = (moved(0.5), moved(0.0));
+        assert!(sooner.early > 10 && sooner.late == 0, "{sooner:?}");
+        assert_eq!((sooner.added, sooner.removed), (0, 0));
+        assert_eq!(later.early, 0, "{later:?}");
     }
 }

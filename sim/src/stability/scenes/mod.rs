@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `f32` | the usual formulas in single precision, in the true depth order |
 //! | `f32, offset subtracted` | the same once the scene's place in the world has been subtracted in double precision |
-//! | `f64 from the eye` | the reference again, from W (u - eye) instead of W u + d: how far the yardstick itself can be trusted |
+//! | `f64, W u + d` | the reference again, its centres by W u + d instead of W (u - eye): what double precision itself loses out there |
 //! | a design's name | the kernel |
 
 pub mod classes;
@@ -37,7 +37,7 @@ pub const SINGLE: &str = "f32";
 /// Name of single precision after the offset has been subtracted.
 pub const SINGLE_NEAR: &str = "f32, offset subtracted";
 /// Name of the reference's other form.
-pub const FROM_EYE: &str = "f64 from the eye";
+pub const FROM_ORIGIN: &str = "f64, W u + d";
 
 const RULES: Rules = Rules::GAUSSIAN_3D;
 
@@ -50,13 +50,17 @@ pub struct SceneLine {
     pub engine: String,
     /// Colour, decibels; none if no sample differs.
     pub psnr_db: Option<f64>,
+    /// The same over the settled pixels: those at which nothing was decided otherwise.
+    pub settled_psnr_db: Option<f64>,
+    /// Settled pixels over all.
+    pub settled: f64,
     /// Largest difference of any sample.
     pub max_abs: f64,
     /// Mean of the differences of colours.
     pub bias: f64,
     /// Largest relative difference of a conic, over splats that both project.
     pub conic: f64,
-    /// Decisions at the smallest opacity.
+    /// Decisions by threshold.
     pub flips: Flips,
     /// Pairs of splat and pixel that the reference blends.
     pub blended: u64,
@@ -96,8 +100,8 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
             fixed::draw_with_footprints(scene, camera, &options)
         })
         .collect();
-    let eye = from_eye(scene, camera, camera.eye());
-    let from_eye = Truth::new(&eye.0, &eye.1);
+    let other = in_camera_space(scene, camera);
+    let other = Truth::new(&other.0, &other.1);
     let mut singles = vec![(SINGLE, SingleDrawing::new(scene, camera, &truth.order))];
     if let Some(offset) = class.offset {
         let (scene, camera) = moved(scene, camera, offset);
@@ -107,7 +111,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         ));
     }
 
-    let mut lines = vec![from_eye.line(class, &truth)];
+    let mut lines = vec![other.line(class, &truth)];
     lines.extend(
         singles
             .iter()
@@ -130,7 +134,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         projected: truth,
         rules,
     };
-    let eye = double(&from_eye.projected);
+    let other_form = double(&other.projected);
     let single: Vec<Single> = singles
         .iter()
         .map(|(_, drawing)| Single {
@@ -144,23 +148,40 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         .zip(&drawings)
         .map(|(design, (_, footprints))| Fixed::new(footprints, design, rules))
         .collect();
-    let mut engines: Vec<&dyn Decides> = vec![&eye];
+    let mut engines: Vec<&dyn Decides> = vec![&other_form];
     engines.extend(single.iter().map(|engine| engine as &dyn Decides));
     engines.extend(fixed.iter().map(|engine| engine as &dyn Decides));
-    let counted = flips::count(&double(&truth.projected), &engines, &truth.order, camera);
-    for (line, flips) in lines.iter_mut().zip(counted) {
-        line.flips = flips;
+    let decisions = flips::count(&double(&truth.projected), &engines, &truth.order, camera);
+    let pictures = std::iter::once(&other.drawing.picture)
+        .chain(singles.iter().map(|(_, drawing)| &drawing.picture))
+        .chain(drawings.iter().map(|(drawing, _)| &drawing.picture));
+    for ((line, picture), decisions) in lines.iter_mut().zip(pictures).zip(decisions) {
+        line.flips = decisions.flips;
+        line.settled_psnr_db = truth.psnr_where(picture, |pixel| !decisions.pixels[pixel]);
+        let flipped = decisions.pixels.iter().filter(|flipped| **flipped).count();
+        line.settled = 1.0 - flipped as f64 / decisions.pixels.len() as f64;
     }
     lines
 }
 
-/// The scene and the camera as the eye at `eye` finds them: centres relative to it.
-fn from_eye(scene: &Scene, camera: &Camera, eye: [f64; 3]) -> (Scene, Camera) {
+/// The scene in camera space by W u + d, and a camera at its origin.
+fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
+    let turn = |v| vector::transform(&camera.rotation, v);
+    let turned = |splat: &Splat| Splat {
+        centre: vector::add(turn(splat.centre), camera.translation),
+        axes: splat.axes.map(turn),
+        ..*splat
+    };
+    let scene = Scene {
+        splats: scene.splats.iter().map(turned).collect(),
+        ..scene.clone()
+    };
     let camera = Camera {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
         ..camera.clone()
     };
-    (relative_to(scene, eye), camera)
+    (scene, camera)
 }
 
 /// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision again.
@@ -225,7 +246,7 @@ impl Truth {
     fn line(&self, class: &Class, truth: &Truth) -> SceneLine {
         let counts = &self.drawing.counts;
         SceneLine {
-            engine: FROM_EYE.to_owned(),
+            engine: FROM_ORIGIN.to_owned(),
             conic: truth.worst_conic(self.projected.iter().map(|f| Some(f.as_ref().ok()?.conic))),
             culled: counts.splats - counts.drawn,
             lost: truth.lost(self.projected.iter().map(Result::is_ok)),
@@ -250,20 +271,19 @@ impl Truth {
     /// The picture's figures; the rest is for the caller.
     fn compare(&self, class: &Class, picture: &Picture) -> SceneLine {
         let expected = &self.drawing.picture;
-        let samples = || expected.pixels.iter().flatten();
-        let unit = 1.0 / samples().fold(1.0, |most: f64, s| most.max(*s));
+        let unit = self.unit();
         let pairs = || picture.pixels.iter().zip(&expected.pixels);
         let differences = |channels: std::ops::Range<usize>| {
             pairs().flat_map(move |(a, b)| channels.clone().map(move |c| (a[c] - b[c]) * unit))
         };
-        let count = 3.0 * expected.pixels.len() as f64;
-        let squares: f64 = differences(0..3).map(|d| d * d).sum();
         SceneLine {
             class: class.name.clone(),
             engine: String::new(),
-            psnr_db: (squares > 0.0).then(|| -10.0 * (squares / count).log10()),
+            psnr_db: self.psnr_where(picture, |_| true),
+            settled_psnr_db: None,
+            settled: 0.0,
             max_abs: differences(0..4).fold(0.0, |most: f64, d| most.max(d.abs())),
-            bias: differences(0..3).sum::<f64>() / count,
+            bias: differences(0..3).sum::<f64>() / (3.0 * expected.pixels.len() as f64),
             conic: 0.0,
             flips: Flips::default(),
             blended: self.drawing.counts.covered_pixels,
@@ -272,6 +292,26 @@ impl Truth {
             culled: 0,
             lost: 0,
         }
+    }
+
+    /// One over the largest sample, or over 1.
+    fn unit(&self) -> f64 {
+        let samples = self.drawing.picture.pixels.iter().flatten();
+        1.0 / samples.fold(1.0, |most: f64, s| most.max(*s))
+    }
+
+    /// Colour over some of the pixels; none if no sample differs.
+    fn psnr_where(&self, picture: &Picture, counts: impl Fn(usize) -> bool) -> Option<f64> {
+        let expected = &self.drawing.picture.pixels;
+        let (mut squares, mut samples) = (0.0, 0);
+        for (pixel, (a, b)) in picture.pixels.iter().zip(expected).enumerate() {
+            if counts(pixel) {
+                samples += 3;
+                squares += (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>();
+            }
+        }
+        let mean = squares * self.unit().powi(2) / f64::from(samples.max(1));
+        (squares > 0.0).then(|| -10.0 * mean.log10())
     }
 }
 
