@@ -46,3 +46,20 @@ pub fn transform(rows: &[Vector; 3], a: Vector) -> Vector {
 pub fn is_finite(a: Vector) -> bool {
     a.iter().all(|coordinate| coordinate.is_finite())
 }
+
+/// The solution of `rows a = b` by Cramer's rule; not finite where the rows do not span space.
+pub fn solve(rows: &[Vector; 3], b: Vector) -> Vector {
+    let [r0, r1, r2] = *rows;
+    let columns = [cross(r1, r2), cross(r2, r0), cross(r0, r1)];
+    let determinant = dot(r0, columns[0]);
+    let once = |b: Vector| {
+        let sum = add(
+            scale(b[0], columns[0]),
+            add(scale(b[1], columns[1]), scale(b[2], columns[2])),
+        );
+        scale(1.0 / determinant, sum)
+    };
+    // Once more for what the first solution leaves over.
+    let first = once(b);
+    add(first, once(subtract(b, transform(rows, first))))
+}

@@ -140,15 +140,30 @@ Examples:
 
 #[derive(Debug, Args)]
 pub struct StabilityOptions {
-    /// A short stack of splats instead of 100,000
+    /// A short stack of splats instead of 100,000, and small scenes
     #[arg(long)]
     pub quick: bool,
+    /// Only the sections named
+    #[arg(long, value_enum, value_name = "SECTION")]
+    pub only: Vec<StabilitySection>,
+    /// Seed of the scenes
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
     /// JSON file to write as well
     #[arg(long, value_name = "s.json")]
     pub json: Option<PathBuf>,
     /// Markdown page to write; the summary alone is then printed
     #[arg(long, value_name = "s.md")]
     pub markdown: Option<PathBuf>,
+}
+
+/// Sections of the stability suite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StabilitySection {
+    /// Sixteen splats a case, stage by stage, against exact arithmetic.
+    Cases,
+    /// Whole scenes of the kinds that people have.
+    Scenes,
 }
 
 #[derive(Debug, Args)]

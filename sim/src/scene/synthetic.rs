@@ -88,10 +88,10 @@ fn scene(name: String, splats: Vec<Splat>) -> Scene {
 }
 
 /// SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    fn next(&mut self) -> u64 {
+    pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mixed = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let mixed = (mixed ^ (mixed >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -99,26 +99,26 @@ impl Random {
     }
 
     /// Uniform in [0, 1).
-    fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
     /// Standard normal (Box and Muller).
-    fn normal(&mut self) -> f64 {
+    pub(crate) fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.uniform()).cos()
     }
 
-    fn triple(&mut self, mut draw: impl FnMut(&mut Self) -> f64) -> [f64; 3] {
+    pub(crate) fn triple(&mut self, mut draw: impl FnMut(&mut Self) -> f64) -> [f64; 3] {
         std::array::from_fn(|_| draw(self))
     }
 
     /// Four normal numbers point in a uniform direction, which makes a uniform rotation.
-    fn rotation(&mut self) -> [[f64; 3]; 3] {
+    pub(crate) fn rotation(&mut self) -> [[f64; 3]; 3] {
         let quaternion = std::array::from_fn(|_| self.normal());
         rotation_matrix(quaternion).unwrap_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     }

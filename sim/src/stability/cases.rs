@@ -372,7 +372,7 @@ fn splat(centre: [f64; 3], axes: [[f64; 3]; 3], weight: f64) -> Splat {
 }
 
 /// The same splat in numbers that single precision holds.
-fn rounded(splat: Splat) -> Splat {
+pub(super) fn rounded(splat: Splat) -> Splat {
     let single = |x: f64| f64::from(x as f32);
     Splat {
         centre: splat.centre.map(single),

@@ -1,7 +1,7 @@
 //! The hard-case suite: every stage of every named design against exact arithmetic, beside the same in single precision.
 //!
 //! [`cases`] makes the scenes, [`exact`] the truth in rationals, [`single`] the yardstick in f32, [`table`] the text,
-//! [`steps`] what each width of `standard24` buys.
+//! [`steps`] what each width of `standard24` buys. [`scenes`] are whole scenes of the kinds that people have.
 //!
 //! | stage | error, the worst of a case |
 //! |---|---|
@@ -20,6 +20,7 @@ mod bounds;
 mod errors;
 pub mod exact;
 mod pictures;
+pub mod scenes;
 pub mod single;
 pub mod steps;
 pub mod table;

@@ -1,11 +1,17 @@
 //! The usual formulas in single precision: what a float rasterizer of 3D Gaussians computes.
 //!
 //! Covariance from the axes, T = J W, T V T^T + h I, the determinant as a c - b^2, the conic by division, r from the
-//! conic per pixel, exp of the mathematical library. It is the yardstick of the stability table, written for that alone.
+//! conic per pixel, exp of the mathematical library. It is the yardstick of the stability tables, written for that alone.
 
 use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::reference::PixelBox;
 use crate::rules::Rules;
 use crate::scene::Splat;
+use rayon::prelude::*;
+
+/// Rows that one task draws.
+const BAND: usize = 16;
 
 /// A footprint in single precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +34,22 @@ impl SingleFootprint {
         let [a, b, c] = self.conic;
         let [dx, dy] = [x - self.centre[0], y - self.centre[1]];
         a * dx * dx + 2.0 * b * dx * dy + c * dy * dy
+    }
+
+    /// The pixels outside of which the opacity is below the smallest that the rules draw, two pixels wider for rounding.
+    pub fn bounds(&self, camera: &Camera, rules: &Rules) -> PixelBox {
+        let faint = 2.0 * (self.peak / rules.alpha_min as f32).ln().max(0.0);
+        let cutoff = faint.min(rules.cutoff as f32);
+        let range = |axis: usize, variance: f32, size: usize| {
+            let half = (cutoff * variance).sqrt() + 2.0;
+            // Casts from float to integer saturate.
+            let first = (self.centre[axis] - half).max(0.0) as usize;
+            let last = (self.centre[axis] + half).max(0.0) as usize;
+            (first, last.saturating_add(1).min(size))
+        };
+        let (x0, x1) = range(0, self.variance[0], camera.width);
+        let (y0, y1) = range(1, self.variance[2], camera.height);
+        PixelBox { x0, y0, x1, y1 }
     }
 
     /// Opacity at a point, clamped and cut off by the rules.
@@ -101,6 +123,69 @@ pub fn project(
         conic: [c / determinant, -b / determinant, a / determinant],
         peak,
     })
+}
+
+/// The picture of projected splats, drawn front to back in the order given.
+pub fn picture(
+    projected: &[Option<SingleFootprint>],
+    colours: &[[f64; 3]],
+    order: &[usize],
+    camera: &Camera,
+    rules: &Rules,
+) -> Picture {
+    let splats: Vec<(SingleFootprint, PixelBox, [f32; 3])> = order
+        .iter()
+        .filter_map(|&index| {
+            let footprint = projected[index]?;
+            let colour = colours[index].map(|channel| channel as f32);
+            Some((footprint, footprint.bounds(camera, rules), colour))
+        })
+        .collect();
+    let mut picture = Picture::new(camera.width, camera.height);
+    let bands = picture.pixels.par_chunks_mut(camera.width * BAND);
+    bands.enumerate().for_each(|(band, pixels)| {
+        let rows = PixelBox {
+            x0: 0,
+            y0: band * BAND,
+            x1: camera.width,
+            y1: band * BAND + pixels.len() / camera.width,
+        };
+        // Premultiplied colour and the light that is left; negative once the pixel is finished.
+        let mut gathered = vec![[0.0f32, 0.0, 0.0, 1.0]; pixels.len()];
+        for (footprint, bounds, colour) in &splats {
+            let inside = bounds.intersection(&rows);
+            for y in inside.y0..inside.y1 {
+                let row = (y - rows.y0) * camera.width;
+                for x in inside.x0..inside.x1 {
+                    let at = [x as f32 + 0.5, y as f32 + 0.5];
+                    let alpha = footprint.opacity(at[0], at[1], rules);
+                    blend(&mut gathered[row + x], alpha, colour, rules);
+                }
+            }
+        }
+        for (pixel, [r, g, b, clear]) in pixels.iter_mut().zip(gathered) {
+            *pixel = [r, g, b, 1.0 - clear.abs()].map(f64::from);
+        }
+    });
+    picture
+}
+
+/// "Over" in single precision; the sign of the light that is left says that the pixel takes no more.
+fn blend(pixel: &mut [f32; 4], alpha: f32, colour: &[f32; 3], rules: &Rules) {
+    let clear = pixel[3];
+    if alpha <= 0.0 || clear < 0.0 {
+        return;
+    }
+    let rest = clear * (1.0 - alpha);
+    let finished = rest <= rules.stop as f32;
+    if finished && rules.stop_before {
+        pixel[3] = -clear;
+        return;
+    }
+    for (sum, channel) in pixel.iter_mut().zip(colour) {
+        *sum += clear * alpha * channel;
+    }
+    pixel[3] = if finished { -rest } else { rest };
 }
 
 fn slopes(t: [f32; 3], camera: &Camera, rules: &Rules) -> [f32; 2] {

@@ -1,0 +1,483 @@
+//! Decisions by threshold: which pairs of a splat and a pixel an engine draws and the reference does not, and the reverse, and which pixels
+//! it finishes sooner or later.
+//!
+//! Every decision is made by the engine's own code. For the smallest opacity a splat is drawn alone on empty pixels; for the stop at the
+//! smallest transmittance the splats are drawn on top of each other, in the true order. Pairs behind a pixel that the reference has finished
+//! do not count, since no picture shows them.
+
+use crate::camera::Camera;
+use crate::design::{DesignChoice, DesignJob};
+use crate::fixed;
+use crate::reference::compositor::{self, Projected};
+use crate::reference::float::Footprint as Exact;
+use crate::reference::{Culled, PixelBox};
+use crate::rules::Rules;
+use crate::stability::single::SingleFootprint;
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::Painter;
+use splatline::footprint::Footprint;
+use splatline::format::Design;
+use splatline::raster::Window;
+use splatline::rules::Compositing;
+use splatline::setup::Cull;
+use splatline::target::Target;
+
+/// Side of the squares of pixels that are decided at a time.
+const TILE: usize = 64;
+
+/// Decisions otherwise than by the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+pub struct Flips {
+    /// Pairs drawn by the engine alone.
+    pub added: u64,
+    /// Pairs drawn by the reference alone.
+    pub removed: u64,
+    /// Pixels finished by an earlier splat than the reference's.
+    pub early: u64,
+    /// Pixels finished by a later splat, or never.
+    pub late: u64,
+}
+
+/// An engine's decisions over a picture.
+#[derive(Clone, Debug)]
+pub(super) struct Decisions {
+    pub flips: Flips,
+    /// Pixels of which one was decided otherwise, row by row.
+    pub pixels: Vec<bool>,
+}
+
+/// An engine that says where a splat is drawn.
+pub(super) trait Decides: Sync {
+    /// The pixels outside of which splat `index` is not drawn.
+    fn bounds(&self, index: usize) -> PixelBox;
+
+    /// Empty pixels for `area`.
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_>;
+}
+
+/// Pixels of a tile that an engine draws on.
+pub(super) trait Deciding {
+    /// Draws splat `index` within `bounds`, and tells for each of those pixels, row by row, whether it would be drawn if alone.
+    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>);
+
+    /// Whether the pixel at a place of the tile takes no more splats.
+    fn is_finished(&self, place: usize) -> bool;
+}
+
+const NOWHERE: PixelBox = PixelBox {
+    x0: 0,
+    y0: 0,
+    x1: 0,
+    y1: 0,
+};
+
+/// Double precision.
+pub(super) struct Double<'a> {
+    pub projected: &'a [Result<Exact, Culled>],
+    pub rules: &'a Rules,
+}
+
+impl Decides for Double<'_> {
+    fn bounds(&self, index: usize) -> PixelBox {
+        self.projected[index]
+            .as_ref()
+            .map_or(NOWHERE, Projected::bounds)
+    }
+
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+        let opacity = |index: usize, [x, y]: [usize; 2]| {
+            let splat = self.projected[index].as_ref().ok()?;
+            compositor::opacity(splat, [x as f64 + 0.5, y as f64 + 0.5], self.rules)
+        };
+        Box::new(Floating::<f64, _> {
+            area,
+            clear: vec![1.0; pixels_of(area)],
+            rules: self.rules,
+            opacity,
+            behind: |clear, alpha| clear * (1.0 - alpha),
+        })
+    }
+}
+
+/// Single precision.
+pub(super) struct Single<'a> {
+    pub projected: &'a [Option<SingleFootprint>],
+    pub camera: &'a Camera,
+    pub rules: &'a Rules,
+}
+
+impl Decides for Single<'_> {
+    fn bounds(&self, index: usize) -> PixelBox {
+        self.projected[index]
+            .as_ref()
+            .map_or(NOWHERE, |f| f.bounds(self.camera, self.rules))
+    }
+
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+        let opacity = |index: usize, [x, y]: [usize; 2]| {
+            let splat = self.projected[index].as_ref()?;
+            let opacity = splat.opacity(x as f32 + 0.5, y as f32 + 0.5, self.rules);
+            (opacity > 0.0).then_some(opacity)
+        };
+        Box::new(Floating::<f32, _> {
+            area,
+            clear: vec![1.0; pixels_of(area)],
+            rules: self.rules,
+            opacity,
+            behind: |clear, alpha| clear * (1.0 - alpha),
+        })
+    }
+}
+
+/// Pixels of either float engine: the light that is left, 0 once finished.
+struct Floating<'a, F, O> {
+    area: PixelBox,
+    clear: Vec<F>,
+    rules: &'a Rules,
+    opacity: O,
+    behind: fn(F, F) -> F,
+}
+
+impl<F, O> Deciding for Floating<'_, F, O>
+where
+    F: Copy + Default + Into<f64>,
+    O: Fn(usize, [usize; 2]) -> Option<F>,
+{
+    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
+        drawn.clear();
+        let columns = self.area.x1 - self.area.x0;
+        for place in places(bounds, self.area) {
+            let at = [
+                place % columns + self.area.x0,
+                place / columns + self.area.y0,
+            ];
+            let opacity = (self.opacity)(index, at);
+            drawn.push(opacity.is_some());
+            if let Some(opacity) = opacity {
+                let rest = (self.behind)(self.clear[place], opacity);
+                let finished = rest.into() <= self.stop();
+                self.clear[place] = if finished { F::default() } else { rest };
+            }
+        }
+    }
+
+    fn is_finished(&self, place: usize) -> bool {
+        self.clear[place].into() == 0.0
+    }
+}
+
+impl<F, O> Floating<'_, F, O> {
+    /// Each engine compares with the threshold in its own precision.
+    fn stop(&self) -> f64 {
+        match size_of::<F>() {
+            4 => f64::from(self.rules.stop as f32),
+            _ => self.rules.stop,
+        }
+    }
+}
+
+/// The kernel under a design.
+pub(super) struct Fixed<'a> {
+    footprints: &'a [Result<Footprint, Cull>],
+    design: &'a DesignChoice,
+    rules: splatline::rules::Rules,
+    table: Vec<u32>,
+}
+
+impl<'a> Fixed<'a> {
+    pub fn new(
+        footprints: &'a [Result<Footprint, Cull>],
+        design: &'a DesignChoice,
+        rules: &Rules,
+    ) -> Self {
+        let rules = fixed::kernel_rules(rules);
+        let table = fixed::table_entries(&design.widths, &rules);
+        Fixed {
+            footprints,
+            design,
+            rules,
+            table,
+        }
+    }
+}
+
+impl Decides for Fixed<'_> {
+    fn bounds(&self, index: usize) -> PixelBox {
+        let Ok(footprint) = &self.footprints[index] else {
+            return NOWHERE;
+        };
+        let [x0, y0] = footprint.first.map(usize::from);
+        let [x1, y1] = footprint.last.map(usize::from);
+        PixelBox { x0, y0, x1, y1 }
+    }
+
+    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+        Box::new(FixedTile {
+            engine: self,
+            area,
+            pixels: vec![Pixel::clear(&self.design.widths); pixels_of(area)],
+        })
+    }
+}
+
+struct FixedTile<'a> {
+    engine: &'a Fixed<'a>,
+    area: PixelBox,
+    pixels: Vec<Pixel>,
+}
+
+impl Deciding for FixedTile<'_> {
+    fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
+        let engine = self.engine;
+        let clear = Pixel::clear(&engine.design.widths);
+        let mut alone = vec![clear; pixels_of(bounds)];
+        if let Ok(footprint) = &engine.footprints[index] {
+            let onto = |area, pixels: &mut [Pixel]| {
+                engine.design.dispatch(DrawOne {
+                    engine,
+                    footprint,
+                    area,
+                    pixels,
+                });
+            };
+            onto(bounds, &mut alone);
+            onto(self.area, &mut self.pixels);
+        }
+        drawn.clear();
+        drawn.extend(alone.iter().map(|pixel| *pixel != clear));
+    }
+
+    fn is_finished(&self, place: usize) -> bool {
+        self.pixels[place].is_finished()
+    }
+}
+
+/// One splat by the kernel's painter.
+struct DrawOne<'a, 'b> {
+    engine: &'a Fixed<'a>,
+    footprint: &'a Footprint,
+    area: PixelBox,
+    pixels: &'b mut [Pixel],
+}
+
+impl DesignJob for DrawOne<'_, '_> {
+    type Output = ();
+
+    fn run<D: Design + Send + Sync>(self, design: D) {
+        let DrawOne { engine, area, .. } = self;
+        let window = Window {
+            first: [area.x0 as u16, area.y0 as u16],
+            last: [area.x1 as u16, area.y1 as u16],
+        };
+        let Ok(mut target) = Target::new(self.pixels, window, area.x1 - area.x0) else {
+            unreachable!("the memory has been made for its window")
+        };
+        let table = fixed::table(&engine.table, &design.widths(), &engine.rules);
+        let traversal = engine.design.traversal;
+        let painter = Painter::new(
+            design,
+            &engine.rules,
+            table,
+            Compositing::FrontToBack,
+            traversal,
+        );
+        painter.draw(self.footprint, &mut target);
+    }
+}
+
+/// Every engine's decisions against the reference's; `order` lists all splats, nearest first.
+pub(super) fn count(
+    reference: &dyn Decides,
+    engines: &[&dyn Decides],
+    order: &[usize],
+    camera: &Camera,
+) -> Vec<Decisions> {
+    let across = camera.width.div_ceil(TILE);
+    let areas: Vec<PixelBox> = (0..across * camera.height.div_ceil(TILE))
+        .map(|tile| {
+            let (x0, y0) = (tile % across * TILE, tile / across * TILE);
+            PixelBox {
+                x0,
+                y0,
+                x1: (x0 + TILE).min(camera.width),
+                y1: (y0 + TILE).min(camera.height),
+            }
+        })
+        .collect();
+    let tiles: Vec<Vec<Decisions>> = areas
+        .par_iter()
+        .map(|area| count_tile(reference, engines, order, *area))
+        .collect();
+    let picture = PixelBox {
+        x0: 0,
+        y0: 0,
+        x1: camera.width,
+        y1: camera.height,
+    };
+    let mut joined = vec![Decisions::none(picture); engines.len()];
+    for (area, tile) in areas.iter().zip(tiles) {
+        for (joined, tile) in joined.iter_mut().zip(tile) {
+            joined.flips += tile.flips;
+            for (place, flipped) in places(*area, picture).zip(tile.pixels) {
+                joined.pixels[place] = flipped;
+            }
+        }
+    }
+    joined
+}
+
+fn count_tile(
+    reference: &dyn Decides,
+    engines: &[&dyn Decides],
+    order: &[usize],
+    area: PixelBox,
+) -> Vec<Decisions> {
+    let mut decisions = vec![Decisions::none(area); engines.len()];
+    // Whether the reference has finished a pixel before the splat at hand.
+    let mut finished = vec![false; pixels_of(area)];
+    // By engine and pixel: the stop was decided otherwise, and has been counted.
+    let mut stopped = vec![finished.clone(); engines.len()];
+    let mut truth = reference.start(area);
+    let mut tiles: Vec<_> = engines.iter().map(|engine| engine.start(area)).collect();
+    let (mut expected, mut got) = (Vec::new(), Vec::new());
+    for &index in order {
+        let mut bounds = reference.bounds(index).intersection(&area);
+        for engine in engines {
+            bounds = hull(bounds, engine.bounds(index).intersection(&area));
+        }
+        if bounds.is_empty() {
+            continue;
+        }
+        truth.draw(index, bounds, &mut expected);
+        let engines = tiles.iter_mut().zip(&mut stopped).zip(&mut decisions);
+        for ((tile, stopped), decisions) in engines {
+            tile.draw(index, bounds, &mut got);
+            for (place, drawn) in places(bounds, area).zip(expected.iter().zip(&got)) {
+                if finished[place] {
+                    continue;
+                }
+                decisions.compare(place, *drawn.0, *drawn.1);
+                if !stopped[place] {
+                    let (end, now) = (truth.is_finished(place), tile.is_finished(place));
+                    stopped[place] = decisions.compare_stop(place, end, now);
+                }
+            }
+        }
+        for place in places(bounds, area) {
+            finished[place] = truth.is_finished(place);
+        }
+    }
+    decisions
+}
+
+impl Decisions {
+    fn none(area: PixelBox) -> Decisions {
+        Decisions {
+            flips: Flips::default(),
+            pixels: vec![false; pixels_of(area)],
+        }
+    }
+
+    fn compare(&mut self, place: usize, expected: bool, got: bool) {
+        self.flips.added += u64::from(got && !expected);
+        self.flips.removed += u64::from(expected && !got);
+        self.pixels[place] |= expected != got;
+    }
+
+    /// Returns whether the pixel was finished by one of both alone.
+    fn compare_stop(&mut self, place: usize, expected: bool, got: bool) -> bool {
+        self.flips.early += u64::from(got && !expected);
+        self.flips.late += u64::from(expected && !got);
+        self.pixels[place] |= expected != got;
+        expected != got
+    }
+}
+
+impl std::ops::AddAssign for Flips {
+    fn add_assign(&mut self, other: Flips) {
+        self.added += other.added;
+        self.removed += other.removed;
+        self.early += other.early;
+        self.late += other.late;
+    }
+}
+
+fn pixels_of(area: PixelBox) -> usize {
+    (area.x1 - area.x0) * (area.y1 - area.y0)
+}
+
+/// The places of the pixels of `bounds` in a tile that holds `area`.
+fn places(bounds: PixelBox, area: PixelBox) -> impl Iterator<Item = usize> {
+    let columns = area.x1 - area.x0;
+    (bounds.y0..bounds.y1)
+        .flat_map(move |y| (bounds.x0..bounds.x1).map(move |x| (x, y)))
+        .map(move |(x, y)| (y - area.y0) * columns + x - area.x0)
+}
+
+/// The smallest rectangle around both.
+fn hull(a: PixelBox, b: PixelBox) -> PixelBox {
+    match (a.is_empty(), b.is_empty()) {
+        (true, _) => b,
+        (_, true) => a,
+        _ => PixelBox {
+            x0: a.x0.min(b.x0),
+            y0: a.y0.min(b.y0),
+            x1: a.x1.max(b.x1),
+            y1: a.y1.max(b.y1),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::classes::{self, Size};
+    use super::*;
+    use crate::reference::float;
+
+    const RULES: Rules = Rules::GAUSSIAN_3D;
+
+    /// Decisions of the reference under other rules, against the reference.
+    fn under(rules: Rules) -> (Flips, usize) {
+        let class = &classes::all(Size::QUICK, 3)[0];
+        let project = |rules| float::footprints(&class.scene, &class.camera, rules);
+        let (truth, other) = (project(&RULES), project(&rules));
+        let order: Vec<usize> = compositor::order(&truth);
+        let double = |projected, rules| Double { projected, rules };
+        let engine = double(&other, &rules);
+        let decisions = count(&double(&truth, &RULES), &[&engine], &order, &class.camera);
+        let flipped = decisions[0]
+            .pixels
+            .iter()
+            .filter(|flipped| **flipped)
+            .count();
+        (decisions[0].flips, flipped)
+    }
+
+    #[test]
+    fn an_engine_agrees_with_itself() {
+        assert_eq!(under(RULES), (Flips::default(), 0));
+    }
+
+    #[test]
+    fn another_threshold_flips_to_one_side() {
+        let moved = |factor: f64| Rules {
+            alpha_min: RULES.alpha_min * factor,
+            ..RULES
+        };
+        let (lower, pixels) = under(moved(0.9));
+        assert!(lower.added > 100 && lower.removed == 0, "{lower:?}");
+        assert!(pixels > 100 && pixels as u64 <= lower.added, "{pixels}");
+        let (higher, _) = under(moved(1.1));
+        assert!(higher.removed > 100 && higher.added == 0, "{higher:?}");
+    }
+
+    #[test]
+    fn another_stop_finishes_pixels_sooner_or_later() {
+        let moved = |stop: f64| under(Rules { stop, ..RULES }).0;
+        let (sooner, later) = (moved(0.5), moved(0.0));
+        assert!(sooner.early > 10 && sooner.late == 0, "{sooner:?}");
+        assert_eq!((sooner.added, sooner.removed), (0, 0));
+        assert_eq!(later.early, 0, "{later:?}");
+    }
+}

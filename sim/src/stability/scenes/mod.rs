@@ -1,0 +1,348 @@
+//! Whole scenes of the kinds that people have, each drawn by every engine and measured against double precision.
+//!
+//! [`classes`] makes the scenes, [`flips`] counts decisions at the smallest opacity, [`table`] writes the text. All pixels count, those on a
+//! threshold too; no sample is clamped, and everything is in units of the picture's largest sample (at least 1).
+//!
+//! | engine | what it is |
+//! |---|---|
+//! | `f32` | the usual formulas in single precision, in the true depth order |
+//! | `f32, offset subtracted` | the same once the scene's place in the world has been subtracted in double precision |
+//! | `f64, W u + d` | the reference again, its centres by W u + d instead of W (u - eye): what double precision itself loses out there |
+//! | a design's name | the kernel |
+
+pub mod classes;
+pub mod flips;
+mod hard;
+pub mod table;
+
+use super::single;
+use crate::camera::Camera;
+use crate::design::DesignChoice;
+use crate::fixed;
+use crate::picture::Picture;
+use crate::reference::compositor;
+use crate::reference::float::{self, Footprint};
+use crate::reference::golden::conic_difference;
+use crate::reference::{Culled, Drawing};
+use crate::rules::{Compositing, Rules};
+use crate::scene::{Scene, Splat};
+use crate::vector;
+use classes::{Class, Size};
+use flips::{Decides, Double, Fixed, Flips, Single};
+
+/// The designs that the page shows.
+pub const DESIGNS: [&str; 3] = ["lean18", "standard24", "deep32"];
+/// Name of single precision.
+pub const SINGLE: &str = "f32";
+/// Name of single precision after the offset has been subtracted.
+pub const SINGLE_NEAR: &str = "f32, offset subtracted";
+/// Name of the reference's other form.
+pub const FROM_ORIGIN: &str = "f64, W u + d";
+
+const RULES: Rules = Rules::GAUSSIAN_3D;
+
+/// One line of the table: an engine in a class.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct SceneLine {
+    /// The class.
+    pub class: String,
+    /// A design's name, or another of this module's.
+    pub engine: String,
+    /// Colour, decibels; none if no sample differs.
+    pub psnr_db: Option<f64>,
+    /// The same over the settled pixels: those at which nothing was decided otherwise.
+    pub settled_psnr_db: Option<f64>,
+    /// Settled pixels over all.
+    pub settled: f64,
+    /// Largest difference of any sample.
+    pub max_abs: f64,
+    /// Mean of the differences of colours.
+    pub bias: f64,
+    /// Largest relative difference of a conic, over splats that both project.
+    pub conic: f64,
+    /// Decisions by threshold.
+    pub flips: Flips,
+    /// Pairs of splat and pixel that the reference blends.
+    pub blended: u64,
+    /// Splats of the scene.
+    pub splats: usize,
+    /// Splats of which a number was clamped to its format.
+    pub clamped: usize,
+    /// Splats culled.
+    pub culled: usize,
+    /// Splats culled although the reference draws them.
+    pub lost: usize,
+}
+
+/// Measures every class under every engine.
+pub fn measure(size: Size, seed: u64) -> Vec<SceneLine> {
+    let classes = classes::all(size, seed);
+    classes.iter().flat_map(measure_class).collect()
+}
+
+/// Every engine's line in one class.
+pub fn measure_class(class: &Class) -> Vec<SceneLine> {
+    let Class { scene, camera, .. } = class;
+    let truth = Truth::new(scene, camera);
+    let designs: Vec<DesignChoice> = DESIGNS
+        .into_iter()
+        .filter_map(DesignChoice::named)
+        .collect();
+    let drawings: Vec<_> = designs
+        .iter()
+        .map(|design| {
+            let options = fixed::Options {
+                rules: &RULES,
+                compositing: Compositing::FrontToBack,
+                design,
+                traversal: design.traversal,
+            };
+            fixed::draw_with_footprints(scene, camera, &options)
+        })
+        .collect();
+    let other = in_camera_space(scene, camera);
+    let other = Truth::new(&other.0, &other.1);
+    let mut singles = vec![(SINGLE, SingleDrawing::new(scene, camera, &truth.order))];
+    if let Some(offset) = class.offset {
+        let (scene, camera) = moved(scene, camera, offset);
+        singles.push((
+            SINGLE_NEAR,
+            SingleDrawing::new(&scene, &camera, &truth.order),
+        ));
+    }
+
+    let mut lines = vec![other.line(class, &truth)];
+    lines.extend(
+        singles
+            .iter()
+            .map(|(name, drawing)| drawing.line(name, class, &truth)),
+    );
+    for (design, (drawing, footprints)) in designs.iter().zip(&drawings) {
+        let conics = fixed::conics(scene, camera, &RULES, design);
+        lines.push(SceneLine {
+            engine: design.name.clone(),
+            conic: truth.worst_conic(conics.into_iter()),
+            clamped: drawing.clamped,
+            culled: drawing.culled.iter().sum(),
+            lost: truth.lost(footprints.iter().map(Result::is_ok)),
+            ..truth.compare(class, &drawing.picture)
+        });
+    }
+
+    let rules = &RULES;
+    let double = |truth| Double {
+        projected: truth,
+        rules,
+    };
+    let other_form = double(&other.projected);
+    let single: Vec<Single> = singles
+        .iter()
+        .map(|(_, drawing)| Single {
+            projected: &drawing.projected,
+            camera,
+            rules,
+        })
+        .collect();
+    let fixed: Vec<Fixed> = designs
+        .iter()
+        .zip(&drawings)
+        .map(|(design, (_, footprints))| Fixed::new(footprints, design, rules))
+        .collect();
+    let mut engines: Vec<&dyn Decides> = vec![&other_form];
+    engines.extend(single.iter().map(|engine| engine as &dyn Decides));
+    engines.extend(fixed.iter().map(|engine| engine as &dyn Decides));
+    let decisions = flips::count(&double(&truth.projected), &engines, &truth.order, camera);
+    let pictures = std::iter::once(&other.drawing.picture)
+        .chain(singles.iter().map(|(_, drawing)| &drawing.picture))
+        .chain(drawings.iter().map(|(drawing, _)| &drawing.picture));
+    for ((line, picture), decisions) in lines.iter_mut().zip(pictures).zip(decisions) {
+        line.flips = decisions.flips;
+        line.settled_psnr_db = truth.psnr_where(picture, |pixel| !decisions.pixels[pixel]);
+        let flipped = decisions.pixels.iter().filter(|flipped| **flipped).count();
+        line.settled = 1.0 - flipped as f64 / decisions.pixels.len() as f64;
+    }
+    lines
+}
+
+/// The scene in camera space by W u + d, and a camera at its origin.
+fn in_camera_space(scene: &Scene, camera: &Camera) -> (Scene, Camera) {
+    let turn = |v| vector::transform(&camera.rotation, v);
+    let turned = |splat: &Splat| Splat {
+        centre: vector::add(turn(splat.centre), camera.translation),
+        axes: splat.axes.map(turn),
+        ..*splat
+    };
+    let scene = Scene {
+        splats: scene.splats.iter().map(turned).collect(),
+        ..scene.clone()
+    };
+    let camera = Camera {
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0; 3],
+        ..camera.clone()
+    };
+    (scene, camera)
+}
+
+/// The same view after everything has been moved by `-offset` and the splats have been rounded to single precision again.
+fn moved(scene: &Scene, camera: &Camera, offset: [f64; 3]) -> (Scene, Camera) {
+    let translation = vector::add(
+        camera.translation,
+        vector::transform(&camera.rotation, offset),
+    );
+    (
+        relative_to(scene, offset),
+        Camera {
+            translation,
+            ..camera.clone()
+        },
+    )
+}
+
+fn relative_to(scene: &Scene, origin: [f64; 3]) -> Scene {
+    let nearer = |splat: &Splat| Splat {
+        centre: vector::subtract(splat.centre, origin),
+        ..*splat
+    };
+    Scene {
+        splats: scene.splats.iter().map(nearer).collect(),
+        ..scene.clone()
+    }
+}
+
+/// What double precision makes of a scene.
+struct Truth {
+    projected: Vec<Result<Footprint, Culled>>,
+    drawing: Drawing,
+    /// Splats nearest first, culled ones too.
+    order: Vec<usize>,
+}
+
+impl Truth {
+    fn new(scene: &Scene, camera: &Camera) -> Truth {
+        let projected = float::footprints(scene, camera, &RULES);
+        let drawing = compositor::draw(
+            &projected,
+            camera,
+            &RULES,
+            Compositing::FrontToBack,
+            &|_, _| (),
+        );
+        let depths: Vec<f64> = scene
+            .splats
+            .iter()
+            .map(|s| camera.to_camera(s.centre)[2])
+            .collect();
+        let mut order: Vec<usize> = (0..depths.len()).collect();
+        order.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
+        Truth {
+            projected,
+            drawing,
+            order,
+        }
+    }
+
+    /// The line of this form of the reference against the reference.
+    fn line(&self, class: &Class, truth: &Truth) -> SceneLine {
+        let counts = &self.drawing.counts;
+        SceneLine {
+            engine: FROM_ORIGIN.to_owned(),
+            conic: truth.worst_conic(self.projected.iter().map(|f| Some(f.as_ref().ok()?.conic))),
+            culled: counts.splats - counts.drawn,
+            lost: truth.lost(self.projected.iter().map(Result::is_ok)),
+            ..truth.compare(class, &self.drawing.picture)
+        }
+    }
+
+    fn worst_conic(&self, conics: impl Iterator<Item = Option<[f64; 3]>>) -> f64 {
+        let pairs = self.projected.iter().zip(conics);
+        pairs
+            .filter_map(|(truth, conic)| Some(conic_difference(conic?, truth.as_ref().ok()?.conic)))
+            .fold(0.0, f64::max)
+    }
+
+    fn lost(&self, drawn: impl Iterator<Item = bool>) -> usize {
+        let pairs = self.projected.iter().zip(drawn);
+        pairs
+            .filter(|(truth, drawn)| truth.is_ok() && !drawn)
+            .count()
+    }
+
+    /// The picture's figures; the rest is for the caller.
+    fn compare(&self, class: &Class, picture: &Picture) -> SceneLine {
+        let expected = &self.drawing.picture;
+        let unit = self.unit();
+        let pairs = || picture.pixels.iter().zip(&expected.pixels);
+        let differences = |channels: std::ops::Range<usize>| {
+            pairs().flat_map(move |(a, b)| channels.clone().map(move |c| (a[c] - b[c]) * unit))
+        };
+        SceneLine {
+            class: class.name.clone(),
+            engine: String::new(),
+            psnr_db: self.psnr_where(picture, |_| true),
+            settled_psnr_db: None,
+            settled: 0.0,
+            max_abs: differences(0..4).fold(0.0, |most: f64, d| most.max(d.abs())),
+            bias: differences(0..3).sum::<f64>() / (3.0 * expected.pixels.len() as f64),
+            conic: 0.0,
+            flips: Flips::default(),
+            blended: self.drawing.counts.covered_pixels,
+            splats: class.scene.splats.len(),
+            clamped: 0,
+            culled: 0,
+            lost: 0,
+        }
+    }
+
+    /// One over the largest sample, or over 1.
+    fn unit(&self) -> f64 {
+        let samples = self.drawing.picture.pixels.iter().flatten();
+        1.0 / samples.fold(1.0, |most: f64, s| most.max(*s))
+    }
+
+    /// Colour over some of the pixels; none if no sample differs.
+    fn psnr_where(&self, picture: &Picture, counts: impl Fn(usize) -> bool) -> Option<f64> {
+        let expected = &self.drawing.picture.pixels;
+        let (mut squares, mut samples) = (0.0, 0);
+        for (pixel, (a, b)) in picture.pixels.iter().zip(expected).enumerate() {
+            if counts(pixel) {
+                samples += 3;
+                squares += (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f64>();
+            }
+        }
+        let mean = squares * self.unit().powi(2) / f64::from(samples.max(1));
+        (squares > 0.0).then(|| -10.0 * mean.log10())
+    }
+}
+
+/// What single precision makes of a scene, composited in the true order.
+struct SingleDrawing {
+    projected: Vec<Option<single::SingleFootprint>>,
+    picture: Picture,
+}
+
+impl SingleDrawing {
+    fn new(scene: &Scene, camera: &Camera, order: &[usize]) -> SingleDrawing {
+        let splats = scene.splats.iter().zip(scene.weights_for(&RULES));
+        let projected: Vec<_> = splats
+            .map(|(splat, weight)| single::project(splat, weight, camera, &RULES))
+            .collect();
+        let colours = scene.colours(camera);
+        let picture = single::picture(&projected, &colours, order, camera, &RULES);
+        SingleDrawing { projected, picture }
+    }
+
+    fn line(&self, name: &str, class: &Class, truth: &Truth) -> SceneLine {
+        let conics = self
+            .projected
+            .iter()
+            .map(|f| Some(f.as_ref()?.conic.map(f64::from)));
+        SceneLine {
+            engine: name.to_owned(),
+            conic: truth.worst_conic(conics),
+            culled: self.projected.iter().filter(|f| f.is_none()).count(),
+            lost: truth.lost(self.projected.iter().map(Option::is_some)),
+            ..truth.compare(class, &self.picture)
+        }
+    }
+}
