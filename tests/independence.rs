@@ -7,13 +7,15 @@
 mod arbitrary;
 
 use arbitrary::Source;
+use fixed::types::I2F30;
 use num_bigint::{BigInt, Sign};
 use proptest::prelude::*;
 use splatline::blend::{Blend, Pixel};
-use splatline::format::{Classic8, Rounding, Widths};
+use splatline::format::{Classic8, Custom, Design, Rounding, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::math::{self, Product, Scaled};
 use splatline::rules::Rules;
+use splatline::view::Pose;
 
 fn big(value: i64) -> BigInt {
     BigInt::from(value)
@@ -272,8 +274,90 @@ fn table_lookup_at_every_index() {
     }
 }
 
+/// `value 2^(exponent + 400)`, for exponents above -400.
+fn at_400(value: &BigInt, exponent: i32) -> BigInt {
+    value << (exponent + 400) as u32
+}
+
+/// The camera space of the kernel against exact numbers: the error is relative to the distance from the eye, wherever both are.
+fn camera_space_is_relative_to_the_eye(source: &mut Source, design: Custom) {
+    let widths = design.widths();
+    let mut view = source.sound_view();
+    // Entries as they are, not a rotation: the formula does not care.
+    view.rotation = [(); 3].map(|()| [(); 3].map(|()| I2F30::from_bits(source.i32() >> 2)));
+    let rest = || 1i32 << 29;
+    view.pose.rotation_rest =
+        [(); 3].map(|()| [(); 3].map(|()| source.i32().rem_euclid(2 * rest()) - rest()));
+    view.pose.exponent = i32::from(source.byte() % 64) - 60;
+    view.pose.position = [(); 3].map(|()| source.i64() >> 4);
+    // Near the eye by cancellation, or anywhere.
+    let centre = [0, 1, 2].map(|axis| {
+        let near = Scaled::from_wide(view.pose.position[axis], view.pose.exponent, 31);
+        match source.byte() % 3 {
+            0 => Scaled {
+                mantissa: source.i32().max(-i32::MAX),
+                exponent: i32::from(source.byte() % 64) - 60,
+            },
+            1 => Scaled {
+                mantissa: near.mantissa ^ i32::from(source.byte()),
+                ..near
+            },
+            _ => near,
+        }
+    });
+    let point = view.pose.to_camera(&view.rotation, &centre, &widths);
+    let difference = [0, 1, 2].map(|axis| {
+        at_400(
+            &big(centre[axis].mantissa.into()),
+            centre[axis].exponent.max(-399),
+        ) - at_400(&big(view.pose.position[axis]), view.pose.exponent)
+    });
+    let magnitude = |n: &BigInt| {
+        if n.sign() == Sign::Minus {
+            -n.clone()
+        } else {
+            n.clone()
+        }
+    };
+    let distance: BigInt = difference.iter().map(magnitude).max().unwrap();
+    // What is rounded before the difference: 2^-60 of the largest coordinate of either.
+    let operands = (0..3).flat_map(|axis| {
+        [
+            at_400(
+                &big(centre[axis].mantissa.into()),
+                centre[axis].exponent.max(-399),
+            ),
+            at_400(&big(view.pose.position[axis]), view.pose.exponent),
+        ]
+    });
+    let largest: BigInt = operands.map(|n| magnitude(&n)).max().unwrap();
+    for row in 0..3 {
+        let mut exact = big(0);
+        for axis in 0..3 {
+            let entry = i64::from(view.rotation[row][axis].to_bits()) << 30;
+            let entry = entry + i64::from(view.pose.rotation_rest[row][axis]);
+            exact += big(entry) * &difference[axis];
+        }
+        let got: BigInt = at_400(&big(point.value[row]), point.exponent.max(-399)) << 60u32;
+        let allowed: BigInt = (&distance << (62 - u32::from(widths.position)))
+            + (&largest << 2u32)
+            + (big(1) << 61u32);
+        assert!(
+            magnitude(&(got - exact)) <= allowed,
+            "{view:?} {centre:?} {point:?}"
+        );
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(20_000) })]
+
+    #[test]
+    fn camera_space(bytes in proptest::collection::vec(any::<u8>(), 400)) {
+        let mut source = Source::new(&bytes);
+        let design = source.design();
+        camera_space_is_relative_to_the_eye(&mut source, design);
+    }
 
     #[test]
     fn shifts(bytes in proptest::collection::vec(any::<u8>(), 32)) {

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use splatline::blend::{Blend, FINISHED, Pixel};
 use splatline::format::{Rounding, Standard24, WIDTH_RANGES, Widths};
 use splatline::math::{self, Scaled};
-use splatline::rules::Rules;
+use splatline::rules::{Cutoff, Rules};
 
 /// `value 2^-shift` by the definition of the rounding; a negative shift multiplies.
 fn shifted(value: u128, shift: i32, rounding: Rounding) -> u128 {
@@ -63,7 +63,11 @@ impl Wide {
             |value: u32, bits: u8| shifted(value.into(), 31 - i32::from(bits), Rounding::Nearest);
         Wide {
             widths,
-            alpha_min: rules.alpha_min.into(),
+            // Under rules whose cut-off decides by opacity nothing is left to skip but 0.
+            alpha_min: match rules.cutoff {
+                Cutoff::Opacity => 0,
+                Cutoff::Radial(_) => rules.alpha_min.into(),
+            },
             alpha_max: unit(rules.alpha_max, widths.alpha).min(1 << widths.alpha),
             // The largest integer below the threshold.
             stop: ((u128::from(rules.stop) << widths.transmittance).max(1) - 1) >> 60,

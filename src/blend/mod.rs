@@ -5,9 +5,10 @@
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. \[SWAN\] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 //!
-//! Decisions have no side. A splat is skipped by its opacity before rounding, the product of peak and kernel, against a threshold with
-//! [`GUARD`] bits below opacity's last: compared after rounding, all opacities within half a unit below the threshold would be drawn, and a
-//! deep stack would come out too opaque. A pixel stops at the transmittance whose rounding interval ends nearest to the threshold, so that
+//! Decisions have no side. Where a footprint ends by its opacity, its cut-off is computed from the unrounded peak, and the comparison of the
+//! radial index with it decides ([`cutoff`](crate::setup::cutoff)). Elsewhere a splat is skipped by its opacity before rounding, the product
+//! of peak and kernel, against a threshold with [`GUARD`] bits below opacity's last: compared after rounding, all opacities within half a unit
+//! below the threshold would be drawn, and a deep stack would come out too opaque. A pixel stops at the transmittance whose rounding interval ends nearest to the threshold, so that
 //! stopping early and late are as likely.
 
 pub mod deep;
@@ -20,8 +21,9 @@ pub mod sheets;
 pub mod surface;
 
 use crate::format::{Rounding, Widths};
+use crate::kernel::Kernel;
 use crate::math::shift_unsigned;
-use crate::rules::{Rules, THRESHOLD};
+use crate::rules::{Cutoff, Rules, THRESHOLD};
 
 /// One pixel of the target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -134,6 +136,11 @@ impl Blend {
             widths.colour as i32,
             widths.accumulator as i32,
         ];
+        // A Gaussian's cut-off has decided already.
+        let least = match (rules.cutoff, rules.kernel) {
+            (Cutoff::Opacity, Kernel::Gaussian) => 0,
+            _ => rules.alpha_min,
+        };
         // Truncation adds no rounding constant.
         let unrounded = match widths.rounding {
             Rounding::Nearest => 0,
@@ -142,7 +149,7 @@ impl Blend {
         Blend {
             // At most 1, so that a share never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
-            opacity_min: smallest_product(rules.alpha_min, peak + weight, alpha, widths.rounding),
+            opacity_min: smallest_product(least, peak + weight, alpha, widths.rounding),
             stop: centred_stop(rules.stop, transmittance),
             stop_before: rules.stop_before,
             rounding: widths.rounding,

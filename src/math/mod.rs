@@ -1,7 +1,7 @@
 //! Integer arithmetic shared by the stages, one function per file, the derivation at its head.
 
 mod extended;
-mod log2;
+mod ln;
 mod reciprocal;
 mod scaled;
 mod shift;
@@ -9,7 +9,7 @@ mod sqrt;
 pub(crate) mod words;
 
 pub use extended::Extended;
-pub use log2::{LOGARITHMS, log2_upper};
+pub use ln::{LN_2, LOGARITHMS, REST, fraction, ln};
 pub use reciprocal::{RECIPROCALS, reciprocal};
 pub use scaled::{Product, Scaled, sum_of_products};
 pub use shift::{shift_left, shift_round, shift_signed, shift_unsigned};

@@ -12,7 +12,7 @@ use super::project::Projected;
 use super::variance::Variance;
 use crate::format::Widths;
 use crate::kernel::Kernel;
-use crate::math::{Product, Scaled, log2_upper, reciprocal, square_root, sum_of_products};
+use crate::math::{Product, Scaled, ln, reciprocal, shift_round, square_root, sum_of_products};
 use crate::rules::{Cutoff, Rules, THRESHOLD};
 
 /// Peak opacity; 0 for negative weights.
@@ -63,10 +63,9 @@ pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
 
 /// Radial index at which the footprint ends, UQ4.28, at most 15; `None` if it is nowhere visible.
 ///
-/// Where the opacity decides, c = 2 ln(peak / alpha_min) = 2 ln 2 (log2 peak - log2 alpha_min), rounded up by less than
-/// 2^-9: the pixel itself compares its opacity.
+/// Where the opacity decides, c = 2 ln(peak / alpha_min), rounded to nearest. The comparison r < c in the lanes is then the decision itself:
+/// it sees the unrounded peak, and no rounding of table or opacity, whose errors are ten times those of r.
 pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
-    const TWO_LN_2: i64 = 90_852; // UQ1.16
     const END: i64 = 15 << 28;
     match rules.cutoff {
         Cutoff::Radial(cutoff) => Some(cutoff.min(rules.kernel.end())),
@@ -74,13 +73,10 @@ pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
         Cutoff::Opacity => {
             let smallest =
                 Scaled::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
-            // log2_upper exceeds the logarithm by less than 2^-11: 32 units of 2^-16.
-            let octaves = log2_upper(peak)? - log2_upper(smallest)? + 32;
-            if octaves <= 0 {
-                None
-            } else {
-                Some((i64::from(octaves) * TWO_LN_2 / 16).min(END) as u32)
-            }
+            let difference = ln(peak)?.wrapping_sub(ln(smallest)?);
+            // Twice as much, from 32 to 28 fraction bits.
+            let cutoff = shift_round(difference, 3);
+            (cutoff > 0).then_some(cutoff.min(END) as u32)
         }
     }
 }

@@ -52,7 +52,7 @@ pub fn arithmetic(source: &mut Source) {
         math::shift_signed(value, shift as i32),
     );
     let _ = math::shift_unsigned(value as u64, shift as i32, source.widths().rounding);
-    let _ = (math::log2_upper(a), math::root_seed(value as u64));
+    let _ = (math::ln(a), math::root_seed(value as u64));
     let _ = (
         Axis::from_components([a, b, source.scaled()]),
         Axis::from_covariance([(); 6].map(|()| source.scaled())),

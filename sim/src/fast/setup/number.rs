@@ -7,7 +7,7 @@
 //! [`Product`]: splatline::math::Product
 
 use crate::fast::lanes::Wide;
-use splatline::math::{LOGARITHMS, RECIPROCALS, ROOTS, Scaled};
+use splatline::math::{LN_2, LOGARITHMS, RECIPROCALS, REST, ROOTS, Scaled, fraction};
 
 /// `mantissa * 2^exponent` per word; also an exact product, whose mantissa has up to 62 bits.
 #[derive(Clone, Copy)]
@@ -319,18 +319,26 @@ impl<W: Wide> Arithmetic<W> {
         )
     }
 
-    /// `log2_upper` of positive numbers.
+    /// `ln` of positive numbers.
     #[inline(always)]
-    pub fn log2_upper(self, value: Number<W>) -> Word<W> {
-        let x = self.top(value.mantissa);
-        let [low, high] = self
-            .lanes
-            .wide_gather(&LOGARITHMS, self.and(self.shr(x, 26), 31));
-        let rest = self.and(self.shr(x, 10), 0xffff);
-        let step = self.shr(self.mul(self.sub(high, low), rest), 16);
-        let fraction = self.plus(self.add(low, step), (1 << 4) + 2);
-        let leading = self.leading(value);
-        let leading = self.max(self.min(leading, self.splat(0x7000)), self.splat(-0x7000));
-        self.add(self.shl(leading, 16), fraction)
+    pub fn ln(self, value: Number<W>) -> Word<W> {
+        let x = self.shr(self.top(value.mantissa), 1);
+        let index = self.shl(self.and(self.shr(x, 25), 31), 1);
+        let [inverse, offset] = self.lanes.wide_gather(&LOGARITHMS, index);
+        let rest = self.plus(self.mul(x, inverse), -(1 << 46));
+        let rest = self.round(rest, 46 - REST);
+        let bent = |factor: Word<W>, n: i64| {
+            let lost = self.round(self.mul(rest, factor), REST);
+            self.sub(self.splat(fraction(n).into()), lost)
+        };
+        let inner = bent(bent(bent(self.splat(fraction(5).into()), 4), 3), 2);
+        let curve = self.round(self.mul(rest, inner), 30);
+        let curve = self.round(self.mul(rest, curve), 2 * REST - 40);
+        let below = self.sub(self.shl(rest, i64::from(40 - REST)), curve);
+        let end = self.splat(1 << 20);
+        let leading = self.max(self.min(self.leading(value), end), self.negate(end));
+        let octaves = self.lanes.wide_mul_whole(leading, self.splat(LN_2));
+        let sum = self.add(self.add(octaves, self.shl(offset, 8)), below);
+        self.round(sum, 8)
     }
 }

@@ -7,7 +7,7 @@ use super::number::{Arithmetic, Number};
 use super::position::CameraPoint;
 use crate::fast::lanes::Wide;
 use splatline::format::Widths;
-use splatline::math::{Scaled, log2_upper};
+use splatline::math::{Scaled, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::Cull;
 use splatline::view::{View, round_entry};
@@ -409,7 +409,6 @@ impl<W: Wide> Stages<'_, W> {
     #[inline(always)]
     fn cutoff(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
         // As in the kernel's `cutoff`.
-        const TWO_LN_2: i64 = 90_852;
         const END: i64 = 15 << 28;
         let (math, end) = (self.math, self.rules.kernel.end());
         if let Cutoff::Radial(cutoff) = self.rules.cutoff {
@@ -417,19 +416,13 @@ impl<W: Wide> Stages<'_, W> {
         }
         let least = (self.rules.alpha_min >> 1) as i64;
         let smallest = Scaled::from_wide(least, 1 - THRESHOLD as i32, 31);
-        let zero = math.splat(0);
-        let below = log2_upper(smallest).unwrap_or(i32::MAX);
-        let octaves = math.plus(math.log2_upper(peak), 32 - i64::from(below));
+        let below = ln(smallest).unwrap_or(i64::MAX >> 1);
         let dark = math.greater(math.splat(1), peak.mantissa);
         self.cull(culled, Cull::Transparent, dark);
-        self.cull(
-            culled,
-            Cull::Transparent,
-            math.greater(math.splat(1), octaves),
-        );
-        let octaves = math.max(octaves, zero);
-        let cutoff = math.shr(math.mul(octaves, math.splat(TWO_LN_2)), 4);
-        math.min(cutoff, math.splat(END))
+        let cutoff = math.round(math.plus(math.ln(peak), -below), 3);
+        let nowhere = math.greater(math.splat(1), cutoff);
+        self.cull(culled, Cull::Transparent, nowhere);
+        math.max(math.min(cutoff, math.splat(END)), math.splat(0))
     }
 
     /// First and one past the last pixel on one axis.
