@@ -294,6 +294,10 @@ fn camera_space_is_relative_to_the_eye(source: &mut Source, design: Custom) {
     let centre = [0, 1, 2].map(|axis| {
         let near = Scaled::from_wide(view.pose.position[axis], view.pose.exponent, 31);
         match source.byte() % 3 {
+            _ if near.mantissa == 0 => Scaled {
+                mantissa: source.i32() >> 3,
+                exponent: -30,
+            },
             0 => Scaled {
                 mantissa: source.i32().max(-i32::MAX),
                 exponent: i32::from(source.byte() % 64) - 60,

@@ -8,6 +8,7 @@
 //! reciprocal of the depth is block floating point with the design's mantissa.
 
 pub mod distance;
+mod colour;
 mod jacobian;
 mod peak;
 mod point;
@@ -17,6 +18,7 @@ mod sphere;
 mod surface;
 mod variance;
 
+pub use colour::colour;
 pub use jacobian::{Column, columns};
 pub use peak::{cutoff, peak, peak_fixed};
 pub use point::{PointFilter, is_minified, setup_point};
@@ -28,7 +30,7 @@ pub use variance::{Variance, variance};
 
 use crate::footprint::{Conic, Footprint, Scan, depth};
 use crate::format::{Design, Widths};
-use crate::math::{Scaled, shift_left, shift_unsigned, square_root};
+use crate::math::{Scaled, shift_left, square_root};
 use crate::rules::Rules;
 use crate::splat::VolumeSplat;
 use crate::view::{Pose, View};
@@ -117,10 +119,7 @@ fn footprint<D: Design, P: Pose>(
         &variance,
         cutoff,
     )?;
-    let colour_shift = 28 - i32::from(widths.colour);
-    let colour = splat
-        .colour
-        .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32);
+    let colour = colour(&widths, splat.colour);
     let peak = peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
     Ok(Footprint {
         depth: depth::key(projected.depth),

@@ -10,10 +10,10 @@
 use super::distance;
 use super::project::project;
 use super::variance::Variance;
-use super::{Cull, bounding_box, conic, peak_fixed, scan};
+use super::{Cull, bounding_box, colour, conic, peak_fixed, scan};
 use crate::footprint::{Conic, Footprint, Scan, depth};
 use crate::format::{Design, Widths};
-use crate::math::{Scaled, reciprocal, shift_unsigned};
+use crate::math::{Scaled, reciprocal};
 use crate::rules::{Cutoff, Rules};
 use crate::splat::VolumeSplat;
 use crate::view::{Pose, View};
@@ -101,7 +101,6 @@ pub fn setup_point<D: Design, P: Pose>(
         &filter.variance,
         filter.cutoff,
     )?;
-    let colour_shift = 28 - i32::from(widths.colour);
     Ok(Footprint {
         depth: depth::key(projected.depth),
         centre: projected.centre,
@@ -111,8 +110,6 @@ pub fn setup_point<D: Design, P: Pose>(
         conic: filter.conic,
         cutoff: filter.cutoff,
         peak: peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,
-        colour: splat
-            .colour
-            .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32),
+        colour: colour(&widths, splat.colour),
     })
 }

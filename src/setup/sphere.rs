@@ -25,11 +25,11 @@
 
 use super::project::Projected;
 use super::variance::Variance;
-use super::{Cull, bounding_box, conic, cutoff, peak_fixed, project, scan};
+use super::{Cull, bounding_box, colour, conic, cutoff, peak_fixed, project, scan};
 use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
 use crate::kernel::covering_cutoff;
-use crate::math::{Product, Scaled, reciprocal, shift_unsigned, sum_of_products};
+use crate::math::{Product, Scaled, reciprocal, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::SphereSplat;
 use crate::view::{Pose, Projection, View};
@@ -92,7 +92,6 @@ pub fn setup_sphere<D: Design, P: Pose>(
     let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
     let centre = cone.centre(&widths, view, &projected);
     let (first, last) = bounding_box(widths.subpixel.into(), view, centre, &variance, cone.cutoff)?;
-    let colour_shift = 28 - i32::from(widths.colour);
     let footprint = Footprint {
         depth: depth::key(projected.depth),
         centre,
@@ -102,9 +101,7 @@ pub fn setup_sphere<D: Design, P: Pose>(
         conic,
         cutoff: cone.cutoff,
         peak: peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,
-        colour: splat
-            .colour
-            .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32),
+        colour: colour(&widths, splat.colour),
     };
     Ok(SphereFootprint {
         footprint,

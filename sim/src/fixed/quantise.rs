@@ -63,8 +63,7 @@ impl QuantisedScene {
                     centre: position(splat.centre, scale_log2),
                     axes: splat.axes.map(|axis| self::axis(axis, scale_log2)),
                     weight: scaled(*weight).scaled_by(weight_log2),
-                    colour: colour
-                        .map(|value| U4F28::saturating_from_num(finite_or_zero(value) * unit)),
+                    colour: colour.map(|value| self::colour(finite_or_zero(value) * unit)),
                 }
             })
             .collect();
@@ -95,6 +94,16 @@ fn colour_log2(colours: &[[f64; 3]]) -> i32 {
     (0..1000)
         .find(|power| largest * exp2(-power) < 16.0 - exp2(-28))
         .unwrap_or(1000)
+}
+
+/// A colour in UQ4.28, saturated; rounded to odd, that is, with the last bit set where bits below it are lost.
+///
+/// The design rounds once more, to fewer bits. Rounded to nearest here, one colour in sixteen would lie in the middle between two numbers of
+/// 24 bits there and go up: a bias of `2^-29` in every picture.
+fn colour(value: f64) -> U4F28 {
+    let scaled = value * exp2(28);
+    let whole = scaled.clamp(0.0, u32::MAX.into()).floor();
+    U4F28::from_bits(whole as u32 | u32::from(whole < scaled))
 }
 
 fn finite_or_zero(value: f64) -> f64 {

@@ -16,9 +16,9 @@ use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
 use number::{Arithmetic, Number};
 use splatline::footprint::{Conic, Footprint, Scan};
 use splatline::format::{Custom, Design, Widths};
-use splatline::math::{Scaled, shift_unsigned};
+use splatline::math::Scaled;
 use splatline::rules::{Cutoff, Rules};
-use splatline::setup::{Cull, setup};
+use splatline::setup::{Cull, colour, setup};
 use splatline::splat::VolumeSplat;
 use splatline::view::{Projection, View};
 use stages::{Footprints, Splats, Stages};
@@ -250,7 +250,6 @@ impl Lists {
             exponent: exponent[k] as i32,
         };
         let [curvature, spread, slope, stretch] = &self.scan;
-        let colour_shift = 28 - i32::from(widths.colour);
         Ok(Footprint {
             depth: self.depth[k] as u64,
             centre: [self.centre[0][k], self.centre[1][k]],
@@ -268,9 +267,7 @@ impl Lists {
             },
             cutoff: self.cutoff[k] as u32,
             peak: self.peak[k] as u32,
-            colour: splat
-                .colour
-                .map(|c| shift_unsigned(c.to_bits().into(), colour_shift, widths.rounding) as u32),
+            colour: colour(widths, splat.colour),
         })
     }
 }
