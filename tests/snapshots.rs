@@ -162,7 +162,7 @@ conic_a              bit 373, 28 wide: 4cf3279
 conic_b              bit 401, 29 wide: 19d74c8b
 conic_c              bit 430, 28 wide: d1febae
 conic_exponent       bit 458, 10 wide: 3e4
-cutoff               bit 468, 32 wide: a82073c6
+cutoff               bit 468, 32 wide: a81d56e5
 peak                 bit 500, 32 wide: c000000
 red                  bit 532, 28 wide: 1000000
 green                bit 560, 28 wide: 800000
@@ -190,7 +190,7 @@ conic_a              bit 309, 18 wide: 133cd
 conic_b              bit 327, 19 wide: 675d3
 conic_c              bit 346, 18 wide: 347fb
 conic_exponent       bit 364, 10 wide: 3ee
-cutoff               bit 374, 32 wide: a82073c6
+cutoff               bit 374, 32 wide: a81d56e5
 peak                 bit 406, 28 wide: c00000
 red                  bit 434, 18 wide: 4000
 green                bit 452, 18 wide: 2000
