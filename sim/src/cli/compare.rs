@@ -42,7 +42,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }
-    say(&summary(&comparison.report, &options.output));
+    say(&summary(&comparison.report, &options.output))?;
     Ok(())
 }
 

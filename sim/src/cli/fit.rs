@@ -20,7 +20,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     };
     let start = DesignChoice::load(&options.work.design.0)?;
     let fitted = fitted(&view, &options.work, metric, options.max_error)?;
-    say(&text(&start, &fitted));
+    say(&text(&start, &fitted))?;
     if let Some(path) = &options.output {
         let traversal = options
             .work

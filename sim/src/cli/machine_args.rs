@@ -149,6 +149,9 @@ pub struct MergeOptions {
     /// Folders with points.csv or points-i-of-n.csv of one sweep
     #[arg(value_name = "DIR", required = true)]
     pub folders: Vec<PathBuf>,
+    /// Merge although points are missing
+    #[arg(long)]
+    pub partial: bool,
     /// Folder for points.csv, front.csv and front.html
     #[arg(short, long, value_name = "dir")]
     pub output: PathBuf,

@@ -44,13 +44,13 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
     let speed = timing.total as f64 / seconds / 1e6;
-    say(&summary::text(&name, &timing));
+    say(&summary::text(&name, &timing))?;
     let area = estimate_area(options, &config)?;
     say(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
         timing.total
-    ));
+    ))?;
     if let Some(folder) = &options.output {
         let histograms = Histograms::new(&work, &config, workload.splats.len());
         let result = json!({
@@ -88,7 +88,7 @@ fn estimate_area(options: &ModelOptions, config: &Config) -> Result<serde_json::
     say(&format!(
         "area: raster units {}; around them {}\n{statement}\n",
         area.raster, area.around
-    ));
+    ))?;
     Ok(
         json!({ "raster": area.raster, "around": area.around, "luts_in_all": area.weight, "of": statement }),
     )

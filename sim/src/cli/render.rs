@@ -46,7 +46,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         write(path, report.to_json()?.as_bytes())?;
     }
     drop(progress);
-    say(&summary(&report));
+    say(&summary(&report))?;
     Ok(())
 }
 

@@ -154,7 +154,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         .write_png(&options.output, drawing.depth)?;
     write_json(drawing, &report)?;
     drop(progress);
-    say(&summary(&report));
+    say(&summary(&report))?;
     Ok(())
 }
 
@@ -178,7 +178,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
     let comparison = sweep(&view, &manner, &chosen, &entries)?;
     comparison.write(&options.output, drawing.depth)?;
     write_json(drawing, &comparison.report)?;
-    say(&comparison_summary(&comparison.report, &options.output));
+    say(&comparison_summary(&comparison.report, &options.output))?;
     Ok(())
 }
 

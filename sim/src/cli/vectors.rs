@@ -59,17 +59,17 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         "{}: {}\n",
         options.folder.display(),
         counts.join(", ")
-    ));
+    ))?;
     Ok(())
 }
 
 fn verify(folder: &Path) -> Result<(), Failure> {
     let verified = vectors::verify(folder)?;
     for (stage, records) in &verified.stages {
-        say(&format!("{stage}: {records} records equal the kernel's\n"));
+        say(&format!("{stage}: {records} records equal the kernel's\n"))?;
     }
     for stage in &verified.missing {
-        say(&format!("{stage}: no file, not checked\n"));
+        say(&format!("{stage}: no file, not checked\n"))?;
     }
     Ok(())
 }

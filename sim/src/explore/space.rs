@@ -127,6 +127,15 @@ impl Space {
             .map(|(axis, index)| (axis.key.as_str(), &axis.values[*index]))
             .collect()
     }
+
+    /// A point's values as its table's line has them.
+    pub fn texts<'a>(&'a self, point: &'a [usize]) -> impl Iterator<Item = String> + 'a {
+        let values = self.axes.iter().zip(point);
+        values.map(|(axis, index)| match &axis.values[*index] {
+            Value::String(text) => text.clone(),
+            value => value.to_string(),
+        })
+    }
 }
 
 fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axis, SpaceError> {
