@@ -179,6 +179,7 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
     }
     std::fs::write(path("a.splat"), scene(0.5)).unwrap();
     let arguments = |shard: &str, out: &str, more: &[&str]| -> Vec<String> {
+        let out = format!("FOLDER/{out}");
         let usual = [
             "explore",
             "FOLDER/a.splat",
@@ -196,13 +197,7 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
             "--calibration",
             "FOLDER/p.toml",
         ];
-        let all = [
-            &usual,
-            &files[..],
-            more,
-            &["--shard", shard, "-o", &format!("FOLDER/{out}")],
-        ]
-        .concat();
+        let all = [&usual, &files[..], more, &["--shard", shard, "-o", &out]].concat();
         all.iter()
             .map(|argument| argument.replace("FOLDER", text(folder.path())))
             .collect()
@@ -371,11 +366,13 @@ fn an_interrupted_sweep_goes_on() {
         "[design]\nmantissa = { from = 12, to = 27 }\n[machine]\nlanes = [1, 4]\nrow_fifo = [2, 8]\n",
     )
     .unwrap();
+    // Large enough that it takes a while after its first rows.
+    let large = ["explore", "random:3000:1", "--size", "160x120"];
     let arguments = |out: &Path| -> Vec<String> {
-        let more = ["--space", text(&path("s.toml")), "-o", text(out)].map(str::to_owned);
-        let more: Vec<&str> = more.iter().map(String::as_str).collect();
-        let all = with("explore", &more);
-        all.into_iter().map(str::to_owned).collect()
+        let space = path("s.toml");
+        let more = ["--space", text(&space), "-o", text(out)];
+        let all = large.iter().chain(&more);
+        all.map(|argument| argument.to_string()).collect()
     };
     let (whole, stopped) = (path("whole"), path("stopped"));
     let run = |out: &Path| {
@@ -402,9 +399,8 @@ fn an_interrupted_sweep_goes_on() {
         while child.try_wait().unwrap().is_none() && rows() < before + 2 {
             std::thread::sleep(std::time::Duration::from_millis(1));
         }
-        let signal = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status();
+        let kill = format!("kill -INT {}", child.id());
+        let signal = Command::new("sh").args(["-c", &kill]).status();
         if signal.is_ok_and(|status| status.success()) && !child.wait().unwrap().success() {
             interrupted += 1;
         }

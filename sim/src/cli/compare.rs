@@ -2,7 +2,7 @@
 
 use super::args::{CompareOptions, Engine};
 use super::model::machine;
-use super::setup::{View, check_folder_of, write};
+use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
 use super::sweep::{self, Entry, Manner};
 use super::{Failure, say};
 use anyhow::Context;
@@ -20,6 +20,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         return super::surface::compare_with_float(options);
     }
     let view = View::from_options(&options.view)?;
+    room_for_picture(&view.camera, COMPARED)?;
     let manner = Manner {
         machine: machine(&options.machine)?,
         ..Manner::from_options(drawing, &view)?

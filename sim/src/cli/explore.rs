@@ -4,7 +4,7 @@ use super::compare::create_folder;
 use super::machine_args::{AreaOptions, ExploreOptions, MergeOptions, WorkOptions};
 use super::model::machine;
 use super::progress::Progress;
-use super::setup::{View, write};
+use super::setup::{COMPARED, View, room_for_picture, write};
 use super::{Failure, say};
 use anyhow::{Context, anyhow};
 use splatline_sim::design::DesignChoice;
@@ -28,6 +28,9 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     let text = read(&options.space)?;
     let space = Space::from_toml(&options.space.display().to_string(), &text)?;
     let view = View::from_options(&options.view)?;
+    if !options.no_error {
+        room_for_picture(&view.camera, COMPARED)?;
+    }
     let reference = (!options.no_error).then(|| reference(&view, &options.work));
     let subject = Subject {
         scene: &view.scene,

@@ -86,7 +86,7 @@ pub struct ModelOptions {
     #[arg(long, value_name = "WxH", requires = "footprints")]
     pub screen: Option<Size>,
     /// With --footprints: radial index at which a footprint without a cut-off of its own ends
-    #[arg(long, value_name = "r", default_value_t = 4.0)]
+    #[arg(long, value_name = "r", default_value_t = 4.0, value_parser = positive)]
     pub cutoff: f64,
     #[command(flatten)]
     pub work: WorkOptions,

@@ -10,12 +10,13 @@ use serde_json::json;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
+use splatline_sim::input;
 use splatline_sim::machine::area::{self, synthesis};
 use splatline_sim::machine::config::{self, Config};
 use splatline_sim::machine::histogram::Histograms;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::timing::Timing;
-use splatline_sim::machine::workload::{TableOptions, Workload, extract, read_table};
+use splatline_sim::machine::workload::{TableOptions, Workload, extract_if_room, read_table};
 use splatline_sim::machine::{simulate, summary};
 use std::path::Path;
 use std::time::Instant;
@@ -119,17 +120,17 @@ pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Wo
         design: &design,
         traversal,
     };
-    Ok(extract(
+    Ok(extract_if_room(
         &view.scene,
         &view.camera,
         &options,
         [config.tile_width, config.tile_height],
-    ))
+    )?)
 }
 
 fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read '{shown}'"))?;
+    let text = input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
     let design = DesignChoice::load(&options.work.design.0)?;
     let traversal = options
         .work

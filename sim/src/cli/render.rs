@@ -2,7 +2,7 @@
 
 use super::args::{Engine, RenderOptions};
 use super::progress::Progress;
-use super::setup::{View, check_folder_of, write};
+use super::setup::{DRAWN, View, check_folder_of, room_for_picture, write};
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
 use super::{Failure, say};
 use splatline_sim::report::Report;
@@ -22,6 +22,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return super::surface::render(options);
     }
     let view = View::from_options(&options.view)?;
+    room_for_picture(&view.camera, DRAWN)?;
     let manner = Manner::from_options(drawing, &view)?;
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));

@@ -9,7 +9,7 @@ use super::drawing::Drawing;
 use super::engines::{cull_counts, reference_culled};
 use super::progress::Progress;
 use super::render::summary;
-use super::setup::{camera_or, write};
+use super::setup::{COMPARED, DRAWN, camera_or, room_for_picture, write};
 use super::sweep::{Comparison, Entry, Manner, Measured, measure};
 use super::{Failure, say};
 use anyhow::Context;
@@ -132,6 +132,11 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    let bytes = match drawing.engine {
+        Engine::Fixed => DRAWN,
+        Engine::Float | Engine::Exact => COMPARED,
+    };
+    room_for_picture(&view.camera, bytes)?;
     let manner = Manner::without_points(drawing);
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
@@ -165,6 +170,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    room_for_picture(&view.camera, COMPARED)?;
     let manner = Manner::without_points(drawing);
     let chosen = Entry::from_options(drawing)?;
     let mut entries = if options.only {

@@ -8,6 +8,7 @@
 use super::space::{Space, SpaceError};
 use super::sweep::Subject;
 use crate::design::traversal_name;
+use crate::difference::{Difference, differences};
 use crate::digest::Digest;
 use crate::machine::area::synthesis;
 use crate::machine::config;
@@ -19,8 +20,6 @@ use serde_json::{Value, json};
 const FORMAT: &str = "splatline-sweep/3";
 /// Differences that a message lists at most.
 const FEW: usize = 6;
-/// Letters of a value that a message quotes at most.
-const SHORT: usize = 48;
 
 /// The facts of a sweep.
 #[derive(Clone, Debug, PartialEq)]
@@ -102,9 +101,9 @@ impl Identity {
 
     /// Where `known` and this one differ, one line each; empty if they are the same sweep.
     pub fn differences(&self, known: &Identity) -> Vec<String> {
-        let mut found = Vec::new();
-        differences("", Some(&known.0), Some(&self.0), &mut found);
-        found
+        let found = differences(&known.0, &self.0);
+        let line = |d: &Difference| format!("{}: {} there, {} here", d.place, d.first, d.second);
+        found.iter().map(line).collect()
     }
 
     /// The differences as the end of a message.
@@ -116,65 +115,6 @@ impl Identity {
         };
         let few: Vec<&str> = all.iter().take(FEW).map(String::as_str).collect();
         format!("\n  {}{more}", few.join("\n  "))
-    }
-}
-
-fn differences(path: &str, known: Option<&Value>, new: Option<&Value>, found: &mut Vec<String>) {
-    let below = |key: &str| match path {
-        "" => key.to_owned(),
-        _ => format!("{path}.{key}"),
-    };
-    match (known, new) {
-        (known, new) if known == new => {}
-        (Some(Value::Object(known)), Some(Value::Object(new))) => {
-            let only_new = new.keys().filter(|key| !known.contains_key(*key));
-            for key in known.keys().chain(only_new) {
-                differences(&below(key), known.get(key), new.get(key), found);
-            }
-        }
-        (Some(Value::Array(known)), Some(Value::Array(new))) if known.len() == new.len() => {
-            for (index, (known, new)) in known.iter().zip(new).enumerate() {
-                differences(&below(&index.to_string()), Some(known), Some(new), found);
-            }
-        }
-        (Some(Value::String(known)), Some(Value::String(new))) if lines(known, new) > 1 => {
-            let (line, known, new) = first_line(known, new);
-            let (known, new) = (short(known), short(new));
-            found.push(format!(
-                "{path}, line {line}: '{known}' there, '{new}' here"
-            ));
-        }
-        (known, new) => {
-            let [known, new] = [known, new].map(|value| match value {
-                Some(value) => short(&value.to_string()),
-                None => "nothing".to_owned(),
-            });
-            found.push(format!("{path}: {known} there, {new} here"));
-        }
-    }
-}
-
-fn lines(known: &str, new: &str) -> usize {
-    known.lines().count().max(new.lines().count())
-}
-
-/// Number and text of the first line that differs.
-fn first_line<'a>(known: &'a str, new: &'a str) -> (usize, &'a str, &'a str) {
-    let (mut known, mut new) = (known.split('\n'), new.split('\n'));
-    for number in 1.. {
-        match (known.next(), new.next()) {
-            (None, None) => break,
-            (known, new) if known == new => {}
-            (known, new) => return (number, known.unwrap_or_default(), new.unwrap_or_default()),
-        }
-    }
-    (0, "", "")
-}
-
-fn short(text: &str) -> String {
-    match text.char_indices().nth(SHORT) {
-        Some((end, _)) => format!("{}...", &text[..end]),
-        None => text.to_owned(),
     }
 }
 

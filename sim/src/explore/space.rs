@@ -22,6 +22,9 @@ use toml::Value;
 /// Most points of a sweep, so that a slip of the finger does not ask for years.
 pub const MOST_POINTS: usize = 1_000_000;
 
+/// Most values of a range.
+const MOST_VALUES: i64 = 10_000;
+
 /// What is wrong with a space.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("{file}:{line}: {key}: {problem}")]
@@ -219,12 +222,18 @@ fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
         Some(1)
     };
     match (number("from"), number("to"), step) {
-        (Some(from), Some(to), Some(step))
-            if known && step > 0 && from <= to && (to - from) / step < 10_000 =>
-        {
-            Ok((0..=(to - from) / step)
-                .map(|index| Value::Integer(from + index * step))
-                .collect())
+        (Some(from), Some(to), Some(step)) if known && step > 0 && from <= to => {
+            // The distance of two of the largest numbers is no i64.
+            let last = (i128::from(to) - i128::from(from)) / i128::from(step);
+            match i64::try_from(last) {
+                Ok(last) if last < MOST_VALUES => Ok((0..=last)
+                    .map(|index| Value::Integer(from + index * step))
+                    .collect()),
+                _ => Err(format!(
+                    "the range has {} values, allowed are {MOST_VALUES}",
+                    last + 1
+                )),
+            }
         }
         _ => Err(FORM.to_owned()),
     }
@@ -360,6 +369,17 @@ mod tests {
         assert!(message("[machine]\nlane = 1\n").contains("s.toml:2: lane: no such field"));
         assert!(message("[machine]\nlatency = { from = 9, to = 1 }\n").contains("a range is"));
         assert!(message("samples = 3\n").contains("allowed are sample"));
+        for (from, to, step) in [
+            (i64::MIN, i64::MAX, 1),
+            (i64::MIN, i64::MAX, i64::MAX),
+            (-1, i64::MAX, 1),
+            (0, i64::MAX, i64::MAX),
+        ] {
+            let range =
+                format!("[machine]\nlatency = {{ from = {from}, to = {to}, step = {step} }}\n");
+            let told = message(&range);
+            assert!(told.contains("s.toml:2: latency: "), "{told}");
+        }
         assert!(message("sample = \"latin\"\ncount = 0\n").contains("s.toml:2: count"));
     }
 }

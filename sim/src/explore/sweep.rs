@@ -10,7 +10,7 @@ use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
-use crate::machine::workload::{Workload, extract};
+use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
 use crate::metrics::{ChannelError, compare};
 use crate::picture::Picture;
@@ -97,7 +97,7 @@ pub fn run(
         };
         for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
             let tile = tile_of(subject, space, tiles[0].1)?;
-            let workload = extract(subject.scene, subject.camera, &options, tile);
+            let workload = extract_if_room(subject.scene, subject.camera, &options, tile)?;
             let run = Run {
                 subject,
                 space,
