@@ -227,7 +227,11 @@ fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
             let last = (i128::from(to) - i128::from(from)) / i128::from(step);
             match i64::try_from(last) {
                 Ok(last) if last < MOST_VALUES => Ok((0..=last)
-                    .map(|index| Value::Integer(from + index * step))
+                    .map(|index| {
+                        // The product may be no i64 where the sum is one.
+                        let value = i128::from(from) + i128::from(index) * i128::from(step);
+                        Value::Integer(i64::try_from(value).unwrap_or(to))
+                    })
                     .collect()),
                 _ => Err(format!(
                     "the range has {} values, allowed are {MOST_VALUES}",
