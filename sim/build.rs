@@ -1,5 +1,7 @@
-//! Digests the sources, so that a sweep knows which program its results are of: the version's number alone stays the same over many changes.
+//! Digests the sources, so that a sweep knows which program its results are of: the version's number alone stays the same over many
+//! changes. Also tells the tests whether the shared data and the tools are there that some of them need.
 
+mod build_tools;
 #[path = "src/digest.rs"]
 #[allow(dead_code)]
 mod digest;
@@ -16,7 +18,13 @@ const PARTS: [&str; 5] = [
 ];
 
 fn main() {
-    println!("cargo::rerun-if-changed=build.rs");
+    for file in ["build.rs", "build_tools.rs"] {
+        println!("cargo::rerun-if-changed={file}");
+    }
+    // No trigger for data that come later: Cargo would rebuild everything each time while they are missing.
+    println!("cargo::rerun-if-env-changed=SPLATLINE_LOOK_AGAIN");
+    build_tools::cfg("has_data", Path::new("../../shared/data").is_dir());
+    build_tools::cfg("has_iverilog", build_tools::has_tool("iverilog"));
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     let mut digest = digest::Digest::default();
     for part in PARTS {

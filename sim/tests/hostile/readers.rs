@@ -143,7 +143,7 @@ fn transfer_file(path: &Path) -> Result<(), String> {
     };
     let volume = path.with_file_name("volume.nrrd");
     if !volume.exists() {
-        std::fs::write(&volume, super::seeds::volume("raw")).map_err(told)?;
+        std::fs::write(&volume, crate::seeds::volume("raw")).map_err(told)?;
     }
     let scene = scene::load(&volume, &options).map_err(told)?;
     let camera = scene.default_camera(SIDE, SIDE);
@@ -225,7 +225,7 @@ fn manifest_file(path: &Path) -> Result<(), String> {
     let folder = path.parent().unwrap_or(Path::new("."));
     if !folder.join("splats.hex").exists() {
         let manifest = std::fs::read(path).map_err(told)?;
-        vectors::export(folder, &super::seeds::few_vectors([4, 4])).map_err(told)?;
+        vectors::export(folder, &crate::seeds::few_vectors([4, 4])).map_err(told)?;
         std::fs::write(path, manifest).map_err(told)?;
     }
     vectors::verify(folder).map(|_| ()).map_err(told)
