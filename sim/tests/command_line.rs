@@ -339,3 +339,35 @@ fn pipes_and_devices_are_no_settings() {
         }
     }
 }
+
+/// Exit code 0 and a black picture: the standard error says why.
+#[test]
+fn an_empty_picture_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("a.png").display().to_string();
+    let cloud = folder.path().join("c.xyz").display().to_string();
+    std::fs::write(&cloud, "0 0 0\n1 0 0\n0 1 0\n1 1 0\n").unwrap();
+    let away = [
+        "--eye", "0,0,900", "--target", "0,0,1000", "--up", "0,1,0", "--size", "16x16",
+    ];
+    for (scene, engine) in [
+        ("random:9", "fixed"),
+        ("random:9", "float"),
+        (&*cloud, "fixed"),
+    ] {
+        let mut arguments = vec!["render", scene, "--engine", engine, "-o", &picture];
+        arguments.extend(away);
+        if scene == cloud {
+            arguments.extend(["--as", "surface"]);
+        }
+        let output = splatline(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let told = stderr(&output);
+        assert!(
+            told.contains("the picture is empty: of ") && told.contains("culled"),
+            "{told}"
+        );
+    }
+    let seen = splatline(&["render", "random:9", "--size", "16x16", "-o", &picture]);
+    assert_eq!(stderr(&seen), "");
+}

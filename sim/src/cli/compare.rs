@@ -2,9 +2,10 @@
 
 use super::args::{CompareOptions, Engine};
 use super::model::machine;
+use super::render::if_nothing_is_seen;
 use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
 use super::sweep::{self, Entry, Manner};
-use super::{Failure, say};
+use super::{Failure, complain, say};
 use anyhow::Context;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -43,6 +44,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }
+    complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
     say(&summary(&comparison.report, &options.output))?;
     Ok(())
 }

@@ -8,7 +8,7 @@ use super::compare::{all_entries, summary as comparison_summary};
 use super::drawing::Drawing;
 use super::engines::{cull_counts, reference_culled};
 use super::progress::Progress;
-use super::render::summary;
+use super::render::{if_nothing_is_seen, summary};
 use super::setup::{COMPARED, DRAWN, camera_or, room_for_picture, write};
 use super::sweep::{Comparison, Entry, Manner, Measured, measure};
 use super::{Failure, say};
@@ -159,6 +159,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         .write_png(&options.output, drawing.depth)?;
     write_json(drawing, &report)?;
     drop(progress);
+    super::complain(&if_nothing_is_seen(&measured.drawing.picture, &report));
     say(&summary(&report))?;
     Ok(())
 }
@@ -184,6 +185,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
     let comparison = sweep(&view, &manner, &chosen, &entries)?;
     comparison.write(&options.output, drawing.depth)?;
     write_json(drawing, &comparison.report)?;
+    super::complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
     say(&comparison_summary(&comparison.report, &options.output))?;
     Ok(())
 }
