@@ -3,7 +3,7 @@
 # outside of memory. Property tests run four cases each. MIRI_SKIP lists (parts of) names of tests to leave out; by default those
 # that walk through whole number ranges, which would take an interpreter hours. Further arguments go to the test runner.
 cd "$(dirname "$0")/../.." || exit 1
-cargo +nightly miri --version >/dev/null 2>&1 || { echo "Miri skipped: not installed (rustup component add --toolchain nightly miri rust-src)"; exit 0; }
+cargo +nightly miri --version >/dev/null 2>&1 || { echo "no Miri: rustup component add --toolchain nightly miri rust-src" >&2; exit 1; }
 skips=""
 slow="exhaustive seed_is_good accurate noise_is narrow_interpolator wide_ deep_stack follow_the_paper tables_ shapes_ from_above"
 for name in ${MIRI_SKIP-$slow}; do skips="$skips --skip $name"; done

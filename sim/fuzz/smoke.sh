@@ -6,15 +6,15 @@
 # folder (sim/src/fast/lanes) that no target reaches, and with it the host crate's
 # dependencies take several times as long to build. FUZZ_SANITIZER=address turns it on.
 cd "$(dirname "$0")" || exit 1
-cargo +nightly --version >/dev/null 2>&1 || { echo "fuzz smoke SKIPPED: no nightly toolchain (rustup toolchain install nightly)"; exit 0; }
-cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "fuzz smoke SKIPPED: no cargo-fuzz (cargo install cargo-fuzz)"; exit 0; }
+cargo +nightly --version >/dev/null 2>&1 || { echo "no nightly toolchain: rustup toolchain install nightly" >&2; exit 1; }
+cargo +nightly fuzz --version >/dev/null 2>&1 || { echo "no cargo-fuzz: cargo install --locked cargo-fuzz" >&2; exit 1; }
 # A target folder of its own: the flags differ from every other build's.
 unset CARGO_TARGET_DIR
 flags="--fuzz-dir . --sanitizer ${FUZZ_SANITIZER:-none}"
 # shellcheck disable=SC2086 # The flags are split on purpose, and no seeds are no argument.
 {
     cargo +nightly fuzz build $flags || exit 1
-    for target in ${FUZZ_TARGETS:-setup packet draw ply splat spz nrrd detached points height_field}; do
+    for target in ${FUZZ_TARGETS:-setup packet draw ply splat spz nrrd detached points height_field settings tables picture}; do
         mkdir -p "corpus/$target"
         seeds=""
         [ -d "seeds/$target" ] && seeds="seeds/$target"

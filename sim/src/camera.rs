@@ -5,12 +5,11 @@
 //! ([`Camera::from_json_file`]); both go through the same checks, so that the engines meet sound cameras only.
 
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::input;
 use crate::vector::{self, Vector};
 
 /// Largest number of columns or rows.
@@ -24,8 +23,6 @@ pub const DEFAULT_FAR: f64 = 1e10;
 const ORTHONORMAL_TOLERANCE: f64 = 1e-4;
 /// Smallest sine of the angle between the direction of view and the up direction.
 const MIN_SINE_TO_UP: f64 = 1e-6;
-/// A camera file is a few hundred bytes; what is longer than this is not one.
-const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Pinhole or orthographic camera in double precision.
 #[derive(Clone, Debug, PartialEq)]
@@ -230,7 +227,9 @@ impl Camera {
 
     /// Reads a camera file.
     pub fn from_json_file(path: &Path) -> Result<Camera, CameraError> {
-        let text = read_text(path).map_err(|error| CameraError::whole(error).in_file(path))?;
+        let text = input::text(path, input::SETTINGS).map_err(|error| {
+            CameraError::whole(format!("cannot be read: {error}")).in_file(path)
+        })?;
         Camera::from_json_str(&text).map_err(|error| error.in_file(path))
     }
 
@@ -298,6 +297,17 @@ impl Camera {
         .checked()
     }
 
+    /// Whether every number is finite (`far` may be infinite) and the rotation is one. A camera that was placed by coordinates whose
+    /// squares or differences overflow is not.
+    pub fn is_sound(&self) -> bool {
+        let far = self.far.min(f64::MAX);
+        let sound = Camera {
+            far,
+            ..self.clone()
+        };
+        sound.checked().is_ok()
+    }
+
     /// The camera itself, or what is wrong with it.
     fn checked(self) -> Result<Camera, CameraError> {
         check_size("width", self.width)?;
@@ -326,20 +336,6 @@ impl Camera {
         }
         Ok(self)
     }
-}
-
-fn read_text(path: &Path) -> Result<String, String> {
-    let mut text = String::new();
-    let file = File::open(path).map_err(|error| format!("cannot be opened: {error}"))?;
-    file.take(MAX_FILE_BYTES + 1)
-        .read_to_string(&mut text)
-        .map_err(|error| format!("cannot be read: {error}"))?;
-    if text.len() as u64 > MAX_FILE_BYTES {
-        return Err(format!(
-            "is longer than {MAX_FILE_BYTES} bytes, so it is not a camera file"
-        ));
-    }
-    Ok(text)
 }
 
 /// `a` at length 1, unless it is zero or too long for a double.

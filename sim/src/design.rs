@@ -163,9 +163,11 @@ impl DesignChoice {
 
     fn from_file(path: &Path) -> Result<Self, DesignError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| DesignError::Unreadable {
-            file: file.clone(),
-            source,
+        let text = crate::input::text(path, crate::input::SETTINGS).map_err(|source| {
+            DesignError::Unreadable {
+                file: file.clone(),
+                source,
+            }
         })?;
         Self::from_toml(&file, &text)
     }

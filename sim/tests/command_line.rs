@@ -80,3 +80,294 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
     assert!(stderr(&output).contains("missing.ply"));
     assert!(output.stdout.is_empty() && !picture.exists());
 }
+
+/// Every command that prints, with little work: what cannot be printed must not look printed.
+const PRINTING: [&[&str]; 13] = [
+    &["--help"],
+    &["--version"],
+    &["model", "--help"],
+    &["render", "random:9", "--size", "8x8", "-o", "OUT/a.png"],
+    &[
+        "compare",
+        "random:9",
+        "--size",
+        "8x8",
+        "--only",
+        "-o",
+        "OUT/compare",
+    ],
+    &["footprints", "random:9", "--size", "8x8", "-o", "OUT/f.csv"],
+    &["model", "random:9", "--size", "8x8"],
+    &["needs", "random:9", "--size", "8x8"],
+    &["fit", "random:9", "--size", "8x8", "--max-error", "0.5"],
+    &[
+        "explore",
+        "random:9",
+        "--size",
+        "8x8",
+        "--no-error",
+        "--space",
+        "OUT/s.toml",
+        "-o",
+        "OUT/sweep",
+    ],
+    &["merge", "OUT/sweep", "-o", "OUT/merged"],
+    &[
+        "trace",
+        "random:9",
+        "--size",
+        "8x8",
+        "--format",
+        "vcd",
+        "-o",
+        "OUT/t.vcd",
+    ],
+    &[
+        "vectors",
+        "export",
+        "--splats",
+        "1",
+        "--size",
+        "8x8",
+        "OUT/vectors",
+    ],
+];
+
+fn with_output(
+    arguments: &[&str],
+    folder: &std::path::Path,
+    output: std::process::Stdio,
+) -> Output {
+    let arguments = arguments
+        .iter()
+        .map(|argument| argument.replace("OUT", folder.to_str().unwrap()));
+    Command::new(env!("CARGO_BIN_EXE_splatline"))
+        .args(arguments)
+        .stdout(output)
+        .output()
+        .unwrap()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn output_that_fails_fails_and_a_reader_that_left_does_not() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), "[machine]\nlanes = [1, 2]\n").unwrap();
+    for arguments in PRINTING {
+        let full = std::fs::File::create("/dev/full").unwrap();
+        let output = with_output(arguments, folder.path(), full.into());
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
+        assert!(
+            told.contains("cannot write to the standard output"),
+            "{arguments:?}: {told}"
+        );
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = with_output(arguments, folder.path(), writer.into());
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{arguments:?}: {}",
+            stderr(&output)
+        );
+    }
+}
+
+/// The list above is complete: whatever command is added must be in it, or here with its reason.
+#[test]
+fn every_command_is_tried_with_a_full_disk() {
+    // All minutes long, and all through the same function.
+    let long = ["gallery", "results", "stability", "help"];
+    let help = String::from_utf8(splatline(&["--help"]).stdout).unwrap();
+    let commands = help.lines().skip_while(|line| *line != "Commands:").skip(1);
+    let names = commands
+        .take_while(|line| !line.is_empty())
+        .filter(|line| !line.starts_with("   "))
+        .filter_map(|line| line.split_whitespace().next());
+    let mut found = 0;
+    for name in names {
+        found += 1;
+        let tried = PRINTING.iter().any(|arguments| arguments[0] == name);
+        assert!(tried || long.contains(&name), "{name} is not tried");
+    }
+    assert!(found > 12, "{found} commands");
+}
+
+/// What must be refused with a message, whatever it asks for.
+fn refused(code: i32, arguments: &[&str], expected: &str) {
+    let output = splatline(arguments);
+    let told = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
+    assert!(told.contains(expected), "{arguments:?}: {told}");
+}
+
+/// Coordinates of which squares, sums or differences overflow: no camera can be placed, and nothing is drawn from none.
+#[test]
+fn absurd_coordinates_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let picture = path("a.png");
+    let header = "ply\nformat ascii 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\nend_header\n";
+    for huge in ["1e154", "1e160", "1e308"] {
+        let cloud = format!("0 0 0\n{huge} 0 0\n0 {huge} 0\n-{huge} 1 1\n");
+        std::fs::write(path("c.xyz"), &cloud).unwrap();
+        std::fs::write(path("c.ply"), format!("{header}{cloud}")).unwrap();
+        std::fs::write(path("h.csv"), format!("0,{huge},0\n-{huge},0,0\n0,0,0\n")).unwrap();
+        for scene in ["c.xyz", "c.ply", "h.csv"].map(path) {
+            for engine in ["fixed", "float"] {
+                let output = splatline(&[
+                    "render", &scene, "--as", "surface", "--engine", engine, "-o", &picture,
+                ]);
+                let told = stderr(&output);
+                assert_eq!(output.status.code(), Some(1), "{scene} {huge}: {told}");
+                assert!(told.contains(&scene), "{scene}: {told}");
+            }
+        }
+    }
+    std::fs::write(path("flat.csv"), "0,1\n1,0\n").unwrap();
+    let spacing = [
+        "render",
+        &path("flat.csv"),
+        "--as",
+        "surface",
+        "--spacing",
+        "1e154",
+        "-o",
+        &picture,
+    ];
+    refused(1, &spacing, "too large or too far apart");
+}
+
+/// Allowed numbers whose product no machine holds: refused with the estimate and the limit before anything is allocated.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_does_not_fit_into_memory_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("v").display().to_string();
+    let picture = folder.path().join("a.png").display().to_string();
+    refused(
+        1,
+        &["vectors", "export", "--splats", "4294967295", &out],
+        "MB of memory",
+    );
+    refused(
+        1,
+        &[
+            "vectors",
+            "export",
+            "--splats",
+            "100000",
+            "--size",
+            "16384x16384",
+            &out,
+        ],
+        "MB of memory",
+    );
+    let machine = [
+        "raster_units=1024",
+        "row_fifo=65536",
+        "lanes=64",
+        "layout=rows",
+    ];
+    let set = machine.iter().flat_map(|word| ["--set", word]);
+    let model: Vec<&str> = ["model", "random:9"].into_iter().chain(set).collect();
+    refused(
+        2,
+        &model,
+        "raster_units = 1024: with these lanes and FIFOs the simulator would take",
+    );
+    for command in [
+        &[
+            "render",
+            "random:9",
+            "--size",
+            "16384x16384",
+            "-o",
+            &picture,
+        ][..],
+        &["compare", "random:9", "--size", "8192x8192", "-o", &out],
+    ] {
+        let line = format!("ulimit -v 4000000; exec \"$0\" \"$@\"");
+        let output = Command::new("sh")
+            .args(["-c", &line, env!("CARGO_BIN_EXE_splatline")])
+            .args(command)
+            .output()
+            .unwrap();
+        let told = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{command:?}: {told}");
+        assert!(
+            told.contains("MB are available: give a smaller --size"),
+            "{told}"
+        );
+    }
+}
+
+/// Every option that names a text: pipes and devices never end, and folders are no files.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_no_settings() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    std::fs::write(path("s.toml"), "[machine]\nlanes = [1]\n").unwrap();
+    assert!(
+        Command::new("mkfifo")
+            .arg(path("pipe.toml"))
+            .status()
+            .unwrap()
+            .success()
+    );
+    std::os::unix::fs::symlink("/dev/zero", path("zero.toml")).unwrap();
+    std::fs::create_dir(path("folder.toml")).unwrap();
+    for input in ["pipe.toml", "zero.toml", "folder.toml"].map(path) {
+        for options in [
+            &["render", "random:9", "-o", "OUT", "--camera"][..],
+            &["render", "demo", "-o", "OUT", "--transfer"],
+            &["render", "random:9", "-o", "OUT", "--design"],
+            &["model", "random:9", "--machine"],
+            &["model", "random:9", "--calibration"],
+            &["model", "--footprints"],
+            &["explore", "random:9", "-o", "OUT.d", "--space"],
+            &["render", "--as", "surface", "-o", "OUT"],
+            &["render", "-o", "OUT"],
+        ] {
+            let out = path("out");
+            let options = options.iter().map(|option| option.replace("OUT", &out));
+            let options: Vec<String> = options.chain([input.clone()]).collect();
+            let options: Vec<&str> = options.iter().map(String::as_str).collect();
+            refused(1, &options, "not a regular file");
+        }
+    }
+}
+
+/// Exit code 0 and a black picture: the standard error says why.
+#[test]
+fn an_empty_picture_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = folder.path().join("a.png").display().to_string();
+    let cloud = folder.path().join("c.xyz").display().to_string();
+    std::fs::write(&cloud, "0 0 0\n1 0 0\n0 1 0\n1 1 0\n").unwrap();
+    let away = [
+        "--eye", "0,0,900", "--target", "0,0,1000", "--up", "0,1,0", "--size", "16x16",
+    ];
+    for (scene, engine) in [
+        ("random:9", "fixed"),
+        ("random:9", "float"),
+        (&*cloud, "fixed"),
+    ] {
+        let mut arguments = vec!["render", scene, "--engine", engine, "-o", &picture];
+        arguments.extend(away);
+        if scene == cloud {
+            arguments.extend(["--as", "surface"]);
+        }
+        let output = splatline(&arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let told = stderr(&output);
+        assert!(
+            told.contains("the picture is empty: of ") && told.contains("culled"),
+            "{told}"
+        );
+    }
+    let seen = splatline(&["render", "random:9", "--size", "16x16", "-o", &picture]);
+    assert_eq!(stderr(&seen), "");
+}

@@ -3,11 +3,19 @@
 //!
 //! The readers' own tests look closer; this one goes through the same entrances as the command line.
 
+#[path = "hostile/mutations.rs"]
+mod mutations;
+#[path = "hostile/readers.rs"]
+mod readers;
+#[path = "hostile/seeds.rs"]
+mod seeds;
+
+use seeds::few_vectors;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::config;
 use splatline_sim::scene::{self, LoadOptions, points};
-use splatline_sim::vectors::{Subject, export, hard_cases, verify};
+use splatline_sim::vectors::{export, verify};
 use std::path::Path;
 
 /// Calls `read` with a file of each proper prefix of `whole`; its answer is "did that succeed?". Lengths that succeeded.
@@ -107,17 +115,6 @@ fn no_cut_of_a_machine_or_a_design_panics() {
     });
 }
 
-fn few_vectors(size: [u16; 2]) -> Subject {
-    let (view, splats) = hard_cases(2, size, 3);
-    Subject {
-        design: DesignChoice::named("lean18").unwrap(),
-        rules: splatline_sim::rules::Rules::GAUSSIAN_3D,
-        compositing: splatline_sim::rules::Compositing::FrontToBack,
-        view,
-        splats,
-    }
-}
-
 #[test]
 fn vectors_cut_anywhere_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -134,6 +131,59 @@ fn vectors_cut_anywhere_are_refused() {
         std::fs::write(&path, &whole).unwrap();
     }
     assert!(verify(folder.path()).is_ok());
+}
+
+/// The places of all values of a JSON text that are neither a list nor an object.
+fn leaves(value: &serde_json::Value, place: &str, found: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Object(map) => map
+            .iter()
+            .for_each(|(key, value)| leaves(value, &format!("{place}/{key}"), found)),
+        serde_json::Value::Array(list) => list
+            .iter()
+            .enumerate()
+            .for_each(|(index, value)| leaves(value, &format!("{place}/{index}"), found)),
+        _ => found.push(place.to_owned()),
+    }
+}
+
+fn other(value: &serde_json::Value) -> serde_json::Value {
+    match value {
+        serde_json::Value::Bool(value) => (!value).into(),
+        serde_json::Value::String(text) => format!("{text}0").into(),
+        // One less, since many fields are at their largest.
+        number => (number.as_i64().unwrap_or_default() - 1).into(),
+    }
+}
+
+/// No field of a manifest is there for show: whichever says something else, verifying fails.
+#[test]
+fn every_field_of_a_manifest_is_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), &few_vectors([4, 4])).unwrap();
+    let path = folder.path().join("manifest.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let sound: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut places = Vec::new();
+    leaves(&sound, "", &mut places);
+    assert!(places.len() > 500, "{}", places.len());
+    for place in &places {
+        let mut altered = sound.clone();
+        let value = altered.pointer_mut(place).unwrap();
+        *value = other(value);
+        std::fs::write(&path, altered.to_string()).unwrap();
+        assert!(verify(folder.path()).is_err(), "{place}");
+    }
+    let mut more = sound.clone();
+    more["rating"] = "five stars".into();
+    std::fs::write(&path, more.to_string()).unwrap();
+    let told = verify(folder.path()).unwrap_err().to_string();
+    assert!(
+        told.contains("rating is \"five stars\", this kernel's is nothing"),
+        "{told}"
+    );
+    std::fs::write(&path, text).unwrap();
+    verify(folder.path()).unwrap();
 }
 
 /// A manifest of two kilobytes that asks for 16 million pixels.
@@ -187,11 +237,12 @@ fn a_claim_of_a_million_million_elements_is_refused_at_once() {
     assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
 }
 
-/// Whatever is written goes through `atomic`, or is a sweep's table, which is cut back to its last whole line when it is opened.
+/// Whatever is written goes through `atomic`, or is a file of a sweep: its table is cut back to its last
+/// whole line when it is opened, and an identity without its end is written again.
 #[test]
 fn nothing_is_written_past_the_atomic_writer() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let exempt = ["atomic.rs", "explore/table.rs"].map(|name| root.join(name));
+    let exempt = ["atomic.rs", "explore/folder.rs"].map(|name| root.join(name));
     let mut folders = vec![root];
     let mut read = 0;
     while let Some(folder) = folders.pop() {

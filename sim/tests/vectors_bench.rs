@@ -1,5 +1,5 @@
 //! The vector bench of the co-simulation guide: a simulator reads exported runs, and what its lane computes is compared with
-//! the kernel. Without Icarus Verilog it says so and passes.
+//! the kernel. Without Icarus Verilog it is ignored.
 
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -9,11 +9,11 @@ use std::path::Path;
 use std::process::Command;
 
 #[test]
+#[cfg_attr(
+    not(has_iverilog),
+    ignore = "Icarus Verilog is missing: apt-get install iverilog"
+)]
 fn a_simulator_steps_exported_runs_to_the_same_radial_indices() {
-    if Command::new("iverilog").arg("-V").output().is_err() {
-        eprintln!("skipped: Icarus Verilog is missing (apt-get install iverilog)");
-        return;
-    }
     let (view, splats) = hard_cases(72, [80, 40], 5);
     let subject = Subject {
         design: DesignChoice::named("standard24").unwrap(),

@@ -3,7 +3,9 @@
 // Every function that can fail returns an `int32_t`: negative is an error (SPLATLINE_ERROR_...), 0 is success and positive is an
 // answer that the function's comment names. Nothing is allocated and nothing is global: all memory is the caller's. Functions
 // on different memory may run on different threads at the same time. No function panics or writes outside the memory it was
-// lent. `Qm.n` is two's complement with n fraction bits, `UQm.n` has no sign; widths named in a format are those of
+// lent. Memory that a function only reads (pointers to const) may overlap other memory that it only reads. Memory that it writes
+// (pointers without const: pixels, footprints, rows, runs, words, names) must not overlap any other memory of the same call; so a
+// footprint cannot be decoded over its own packet, nor a coverage be counted inside the pixels. `Qm.n` is two's complement with n fraction bits, `UQm.n` has no sign; widths named in a format are those of
 // the design (`UQ1.alpha` has SplatlineWidths.alpha fraction bits).
 
 #ifndef SPLATLINE_H

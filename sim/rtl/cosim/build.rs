@@ -3,6 +3,9 @@
 //! Without Verilator (`$VERILATOR`, or `verilator` on the path) the crate builds all the same; its co-simulation tests are then
 //! ignored and its commands say why they cannot run.
 
+#[path = "../../build_tools.rs"]
+mod build_tools;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
@@ -33,6 +36,7 @@ fn main() {
         println!("cargo:rerun-if-changed={}", file.display());
     }
     let verilator = env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
+    build_tools::has_tool(&verilator);
     let Some(root) = root(&verilator) else {
         println!(
             "cargo:warning=verilator was not found: the RTL co-simulation tests will be ignored"
@@ -41,6 +45,7 @@ fn main() {
     };
     let include = Path::new(&root).join("include");
     if compiler(&include).try_get_compiler().is_err() {
+        build_tools::has_tool("c++");
         println!(
             "cargo:warning=there is no C++ compiler: the RTL co-simulation tests will be ignored"
         );

@@ -2,9 +2,10 @@
 
 use super::args::{CompareOptions, Engine};
 use super::model::machine;
-use super::setup::{View, check_folder_of, write};
+use super::render::if_nothing_is_seen;
+use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
 use super::sweep::{self, Entry, Manner};
-use super::{Failure, say};
+use super::{Failure, complain, say};
 use anyhow::Context;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -20,6 +21,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         return super::surface::compare_with_float(options);
     }
     let view = View::from_options(&options.view)?;
+    room_for_picture(&view.camera, COMPARED)?;
     let manner = Manner {
         machine: machine(&options.machine)?,
         ..Manner::from_options(drawing, &view)?
@@ -42,7 +44,8 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }
-    say(&summary(&comparison.report, &options.output));
+    complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
+    say(&summary(&comparison.report, &options.output))?;
     Ok(())
 }
 

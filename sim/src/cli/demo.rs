@@ -66,6 +66,6 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         size.height,
         table::plain(&report.table),
         folder.join("report.html").display(),
-    ));
+    ))?;
     Ok(())
 }

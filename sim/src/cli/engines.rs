@@ -11,7 +11,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::hybrid::Hybrid;
-use splatline_sim::machine::workload::extract_from;
+use splatline_sim::machine::workload::{extract_from, room_for};
 use splatline_sim::machine::{Config, Timing, simulate_alone};
 use splatline_sim::reference::{self, exact, float};
 use splatline_sim::report::facts::Counts;
@@ -139,7 +139,7 @@ pub fn cycles(
     design: &DesignChoice,
     traversal: Traversal,
     machine: &Config,
-) -> Timing {
+) -> Result<Timing> {
     let options = fixed::Options {
         rules: task.rules,
         compositing: task.compositing,
@@ -147,8 +147,9 @@ pub fn cycles(
         traversal,
     };
     let tile = [machine.tile_width, machine.tile_height];
+    room_for(footprints, [task.camera.width, task.camera.height], tile)?;
     let workload = extract_from(footprints, task.camera, &options, tile);
-    simulate_alone(&workload, machine)
+    Ok(simulate_alone(&workload, machine))
 }
 
 /// Footprints by the kernel's setup, in splat order; nothing for culled splats.

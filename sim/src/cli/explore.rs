@@ -4,20 +4,23 @@ use super::compare::create_folder;
 use super::machine_args::{AreaOptions, ExploreOptions, MergeOptions, WorkOptions};
 use super::model::machine;
 use super::progress::Progress;
-use super::setup::{View, write};
+use super::setup::{COMPARED, View, room_for_picture, write};
 use super::{Failure, say};
 use anyhow::{Context, anyhow};
 use splatline_sim::design::DesignChoice;
+use splatline_sim::explore::folder::{self, Appender};
 use splatline_sim::explore::front::{candidates, front, front_table};
+use splatline_sim::explore::identity::{Identity, Settings};
 use splatline_sim::explore::plot;
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard, Subject};
-use splatline_sim::explore::table::{Appender, Table, heading};
+use splatline_sim::explore::table::{Table, heading};
+use splatline_sim::input;
 use splatline_sim::machine::area::{Calibration, Family, synthesis};
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
 use splatline_sim::rules::Compositing;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
@@ -25,6 +28,9 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     let text = read(&options.space)?;
     let space = Space::from_toml(&options.space.display().to_string(), &text)?;
     let view = View::from_options(&options.view)?;
+    if !options.no_error {
+        room_for_picture(&view.camera, COMPARED)?;
+    }
     let reference = (!options.no_error).then(|| reference(&view, &options.work));
     let subject = Subject {
         scene: &view.scene,
@@ -37,15 +43,10 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         calibration: calibration(&options.area)?,
         reference: reference.as_ref(),
     };
-    keep_identity(&options.output, &sweep::identity(&subject, &text)?)?;
+    let identity = Identity::new(&subject, &text, &settings(options)?)?;
+    folder::claim(&options.output, &identity)?;
     let path = options.output.join(table_name(options.shard));
-    let done = if path.exists() {
-        table(&path)?
-    } else {
-        Table::default()
-    };
-    let out = Appender::open(&path, &heading(&space))
-        .with_context(|| format!("cannot write '{}'", path.display()))?;
+    let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
 
     let mine = (0..space.points.len())
         .filter(|point| options.shard.holds(*point, space.points.len()))
@@ -64,51 +65,43 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         path.display(),
         mine,
         mine - before.min(mine)
-    ));
+    ))?;
     if options.shard.count == 1 {
         let note = synthesis::statement(&subject.calibration);
-        finish(&view.scene.name, &note, &table(&path)?, &options.output)?;
+        let table = folder::table(&path, &identity)?;
+        finish(&view.scene.name, &note, &table, &options.output)?;
     }
     Ok(())
 }
 
 pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
-    let mut merged: Option<(Table, String)> = None;
-    for folder in &options.folders {
-        let identity = read(&folder.join("sweep.json"))?;
-        for path in tables_in(folder)? {
-            let next = table(&path)?;
-            match &mut merged {
-                None => merged = Some((next, identity.clone())),
-                Some((_, known)) if *known != identity => {
-                    return Err(anyhow!(
-                        "{}: another sweep than the folders before it (sweep.json differs)",
-                        folder.display()
-                    )
-                    .into());
-                }
-                Some((all, _)) => all
-                    .merge(next)
-                    .map_err(|problem| anyhow!("{}: {problem}", path.display()))?,
-            }
-        }
+    let mut folders = options.folders.clone();
+    let path = options.output.join("points.csv");
+    if path.exists() {
+        // What an earlier merge left there is not to be lost.
+        folders.push(options.output.clone());
     }
-    let Some((merged, identity)) = merged else {
-        return Err(anyhow!("no points.csv or points-i-of-n.csv in these folders").into());
+    let (merged, identity) = folder::merge(&folders)?;
+    let space = identity.space()?;
+    let (missing, all) = (merged.missing(&space), space.points.len());
+    if missing > 0 && !options.partial {
+        let first = (0..all).find(|point| !merged.lines.contains_key(point));
+        let first = first.unwrap_or_default();
+        return Err(anyhow!(
+            "{missing} of the sweep's {all} points are missing, the first of them is point {first}: run the shards that hold them, or merge what is \
+             there with --partial"
+        )
+        .into());
+    }
+    folder::claim(&options.output, &identity)?;
+    folder::replace(&path, &merged)?;
+    let lacking = match missing {
+        0 => String::new(),
+        _ => format!("; {missing} of {all} are missing"),
     };
-    write(
-        &options.output.join("points.csv"),
-        merged.to_csv().as_bytes(),
-    )?;
-    write(&options.output.join("sweep.json"), identity.as_bytes())?;
-    say(&format!("{} points\n", merged.lines.len()));
-    finish(
-        "merged sweep",
-        &note_of(&identity),
-        &merged,
-        &options.output,
-    )
+    say(&format!("{} points{lacking}\n", merged.lines.len()))?;
+    finish("merged sweep", identity.area(), &merged, &options.output)
 }
 
 /// Front, plot and a line for each of the front's points.
@@ -123,20 +116,20 @@ fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Fa
         &folder.join("front.html"),
         plot::page(&format!("Speed, error and area: {name}"), note, &all).as_bytes(),
     )?;
-    say(&format!("{note}\n"));
+    say(&format!("{note}\n"))?;
     say(&format!(
         "front of error, cycles and area: {} of {} points\n",
         kept.len(),
         all.len()
-    ));
+    ))?;
     for candidate in kept.iter().take(12) {
-        say(&format!("  {}\n", candidate.label));
+        say(&format!("  {}\n", candidate.label))?;
     }
     if kept.len() > 12 {
         say(&format!(
             "  ... all of them in {}\n",
             folder.join("front.csv").display()
-        ));
+        ))?;
     }
     Ok(())
 }
@@ -154,25 +147,31 @@ fn table_name(shard: Shard) -> String {
     }
 }
 
-/// A folder holds one sweep only: results of different sweeps must never share a table.
-fn keep_identity(folder: &Path, identity: &str) -> Result<(), Failure> {
-    let path = folder.join("sweep.json");
-    match std::fs::read_to_string(&path) {
-        Ok(known) if known == identity => Ok(()),
-        Ok(_) => Err(anyhow!(
-            "'{}' holds another sweep (sweep.json differs in scene, camera, design, machine or space): choose another folder with -o",
-            folder.display()
-        )
-        .into()),
-        Err(_) => write(&path, identity.as_bytes()),
-    }
+/// The texts of all settings files that take part: whatever they say, another text is another sweep.
+fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
+    let design = Some(PathBuf::from(&options.work.design.0));
+    let machine = options.machine.machine.clone();
+    let files = [
+        ("transfer", options.view.transfer.clone()),
+        ("camera", options.view.camera.clone()),
+        ("design", design.filter(|name| is_toml(name))),
+        ("machine", machine.filter(|name| is_toml(name))),
+        ("calibration", options.area.calibration.clone()),
+    ];
+    let named = files
+        .into_iter()
+        .filter_map(|(role, path)| Some((role, path?)));
+    named
+        .map(|(role, path)| {
+            let text = read(&path)?;
+            Ok(Settings { role, text })
+        })
+        .collect()
 }
 
-/// What the sweep's identity says of its area.
-fn note_of(identity: &str) -> String {
-    let facts: Option<serde_json::Value> = serde_json::from_str(identity).ok();
-    let note = facts.and_then(|facts| Some(facts.get("area")?.as_str()?.to_owned()));
-    note.unwrap_or_default()
+/// Names of designs and machines have no extension.
+fn is_toml(name: &Path) -> bool {
+    name.extension().is_some()
 }
 
 /// The prices that the options name.
@@ -188,27 +187,6 @@ pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    Ok(std::fs::read_to_string(path)
+    Ok(input::text(path, input::SETTINGS)
         .with_context(|| format!("cannot read '{}'", path.display()))?)
-}
-
-fn table(path: &Path) -> Result<Table, Failure> {
-    Ok(
-        Table::from_csv(&read(path)?)
-            .map_err(|problem| anyhow!("{}: {problem}", path.display()))?,
-    )
-}
-
-fn tables_in(folder: &Path) -> Result<Vec<std::path::PathBuf>, Failure> {
-    let entries =
-        std::fs::read_dir(folder).with_context(|| format!("cannot read '{}'", folder.display()))?;
-    let mut paths: Vec<_> = entries
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .collect();
-    paths.retain(|path| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        name.starts_with("points") && name.ends_with(".csv")
-    });
-    paths.sort();
-    Ok(paths)
 }

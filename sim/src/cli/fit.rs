@@ -3,7 +3,7 @@
 use super::explore::reference;
 use super::machine_args::{FitOptions, MetricChoice, WorkOptions};
 use super::progress::Progress;
-use super::setup::{View, check_folder_of, write};
+use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
 use super::{Failure, say};
 use anyhow::anyhow;
 use splatline::format::{Traversal, WIDTH_RANGES};
@@ -20,7 +20,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     };
     let start = DesignChoice::load(&options.work.design.0)?;
     let fitted = fitted(&view, &options.work, metric, options.max_error)?;
-    say(&text(&start, &fitted));
+    say(&text(&start, &fitted))?;
     if let Some(path) = &options.output {
         let traversal = options
             .work
@@ -45,6 +45,7 @@ pub fn fitted(
 ) -> Result<Fit, Failure> {
     let start = DesignChoice::load(&work.design.0)?;
     let traversal = work.traversal.map_or(start.traversal, Traversal::from);
+    room_for_picture(&view.camera, COMPARED)?;
     let reference = reference(view, work);
     let task = Task {
         scene: &view.scene,

@@ -44,7 +44,7 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
         "{}: {} splats, {culled} culled\n",
         scene.name,
         lines.len()
-    ));
+    ))?;
     Ok(())
 }
 

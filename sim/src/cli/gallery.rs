@@ -101,6 +101,6 @@ fn store(
     let command = format!("cargo run --release -- gallery {name}{only} -o docs/gallery/{name}");
     let text = page::markdown(title, &command, exhibits);
     write(&folder.join("README.md"), text.as_bytes())?;
-    say(&text);
+    say(&text)?;
     Ok(())
 }

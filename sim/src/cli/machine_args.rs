@@ -86,7 +86,7 @@ pub struct ModelOptions {
     #[arg(long, value_name = "WxH", requires = "footprints")]
     pub screen: Option<Size>,
     /// With --footprints: radial index at which a footprint without a cut-off of its own ends
-    #[arg(long, value_name = "r", default_value_t = 4.0)]
+    #[arg(long, value_name = "r", default_value_t = 4.0, value_parser = positive)]
     pub cutoff: f64,
     #[command(flatten)]
     pub work: WorkOptions,
@@ -149,6 +149,9 @@ pub struct MergeOptions {
     /// Folders with points.csv or points-i-of-n.csv of one sweep
     #[arg(value_name = "DIR", required = true)]
     pub folders: Vec<PathBuf>,
+    /// Merge although points are missing
+    #[arg(long)]
+    pub partial: bool,
     /// Folder for points.csv, front.csv and front.html
     #[arg(short, long, value_name = "dir")]
     pub output: PathBuf,

@@ -30,7 +30,7 @@ mod vectors;
 
 use args::{Cli, Command};
 use clap::Parser;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
 /// Why a command failed, which decides the exit code.
@@ -50,8 +50,13 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
-    match dispatch(cli.command) {
+    let outcome = match Cli::try_parse() {
+        Ok(cli) => dispatch(cli.command),
+        // Help and version, which are results and must arrive.
+        Err(shown) if !shown.use_stderr() => printed(shown.print()),
+        Err(error) => error.exit(),
+    };
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
             complain(&format!("error: {}\n", explain(&error)));
@@ -101,9 +106,20 @@ fn explain(error: &anyhow::Error) -> String {
         })
 }
 
-/// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.
-fn say(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Prints a result.
+fn say(text: &str) -> Result<(), Failure> {
+    printed(std::io::stdout().write_all(text.as_bytes()))
+}
+
+/// What became of a result: a reader that has gone away (`splatline ... | head`) is no error, a full disk is one.
+fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
+    // Flushed here: what is still buffered when the process ends fails unseen.
+    match written.and_then(|()| std::io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(anyhow::Error::new(error)
+            .context("cannot write to the standard output")
+            .into()),
+        _ => Ok(()),
+    }
 }
 
 /// Prints to stderr; if even that fails, nobody is left to tell.

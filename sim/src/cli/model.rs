@@ -10,12 +10,13 @@ use serde_json::json;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
+use splatline_sim::input;
 use splatline_sim::machine::area::{self, synthesis};
 use splatline_sim::machine::config::{self, Config};
 use splatline_sim::machine::histogram::Histograms;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::timing::Timing;
-use splatline_sim::machine::workload::{TableOptions, Workload, extract, read_table};
+use splatline_sim::machine::workload::{TableOptions, Workload, extract_if_room, read_table};
 use splatline_sim::machine::{simulate, summary};
 use std::path::Path;
 use std::time::Instant;
@@ -44,13 +45,13 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
     let speed = timing.total as f64 / seconds / 1e6;
-    say(&summary::text(&name, &timing));
+    say(&summary::text(&name, &timing))?;
     let area = estimate_area(options, &config)?;
     say(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
         timing.total
-    ));
+    ))?;
     if let Some(folder) = &options.output {
         let histograms = Histograms::new(&work, &config, workload.splats.len());
         let result = json!({
@@ -88,7 +89,7 @@ fn estimate_area(options: &ModelOptions, config: &Config) -> Result<serde_json::
     say(&format!(
         "area: raster units {}; around them {}\n{statement}\n",
         area.raster, area.around
-    ));
+    ))?;
     Ok(
         json!({ "raster": area.raster, "around": area.around, "luts_in_all": area.weight, "of": statement }),
     )
@@ -119,17 +120,17 @@ pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Wo
         design: &design,
         traversal,
     };
-    Ok(extract(
+    Ok(extract_if_room(
         &view.scene,
         &view.camera,
         &options,
         [config.tile_width, config.tile_height],
-    ))
+    )?)
 }
 
 fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read '{shown}'"))?;
+    let text = input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
     let design = DesignChoice::load(&options.work.design.0)?;
     let traversal = options
         .work

@@ -43,15 +43,15 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     let workload = from_scene(&view, &options.work, &config)?;
     let found = needs(&workload, &footprints, design.widths.peak, &config);
     let systems = systems_of_volume(&view, options);
-    say(&text(&view.scene.name, &found));
-    say(&systems_text(&systems));
+    say(&text(&view.scene.name, &found))?;
+    say(&systems_text(&systems))?;
     let fitted = match options.max_error {
         Some(budget) => Some(fit::fitted(&view, &options.work, Metric::Largest, budget)?),
         None => None,
     };
     match &fitted {
-        Some(fitted) => say(&fit::text(&design, fitted)),
-        None => say("widths: give --max-error E to find the smallest ones within an error\n"),
+        Some(fitted) => say(&fit::text(&design, fitted))?,
+        None => say("widths: give --max-error E to find the smallest ones within an error\n")?,
     }
     if let Some(path) = &options.json {
         let answer = json!({"format": "splatline-needs/1", "scene": view.scene.name, "systems": systems, "needs": found, "fit": fitted});
@@ -68,8 +68,8 @@ fn run_surface(options: &NeedsOptions) -> Result<(), Failure> {
         textured: options.surface.texture.is_some(),
     });
     let (name, count) = (&view.scene.name, view.scene.points.len());
-    say(&format!("{name}: {count} points of a surface\n"));
-    say(&systems_text(&systems));
+    say(&format!("{name}: {count} points of a surface\n"))?;
+    say(&systems_text(&systems))?;
     if let Some(path) = &options.json {
         let answer = json!({"format": "splatline-needs/1", "scene": name, "systems": systems});
         write(path, format!("{answer:#}\n").as_bytes())?;

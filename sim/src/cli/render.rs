@@ -2,9 +2,10 @@
 
 use super::args::{Engine, RenderOptions};
 use super::progress::Progress;
-use super::setup::{View, check_folder_of, write};
+use super::setup::{DRAWN, View, check_folder_of, room_for_picture, write};
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
-use super::{Failure, say};
+use super::{Failure, complain, say};
+use splatline_sim::picture::Picture;
 use splatline_sim::report::Report;
 use splatline_sim::report::facts::Counts;
 
@@ -22,6 +23,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return super::surface::render(options);
     }
     let view = View::from_options(&options.view)?;
+    room_for_picture(&view.camera, DRAWN)?;
     let manner = Manner::from_options(drawing, &view)?;
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
@@ -46,8 +48,29 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         write(path, report.to_json()?.as_bytes())?;
     }
     drop(progress);
-    say(&summary(&report));
+    complain(&if_nothing_is_seen(&measured.drawing.picture, &report));
+    say(&summary(&report))?;
     Ok(())
+}
+
+/// Why a picture is empty, for the standard error: an empty picture and exit code 0 look like success. Nothing if it is not.
+pub fn if_nothing_is_seen(picture: &Picture, report: &Report) -> String {
+    let scene = &report.scene;
+    let clear = |pixel: &[f64; 4]| *pixel == [0.0; 4];
+    if !picture.pixels.iter().all(clear) {
+        return String::new();
+    }
+    let all = scene.splats;
+    let culled = scene.culled.values().sum::<u64>();
+    let why = match culled {
+        _ if all == 0 => "the scene has no splats".to_owned(),
+        0 => "all splats are transparent or smaller than a pixel".to_owned(),
+        _ => format!(
+            "of {all} splats{}; the rest is transparent or smaller than a pixel",
+            reasons("are culled", &scene.culled)
+        ),
+    };
+    format!("{}: the picture is empty: {why}\n", scene.name)
 }
 
 /// What was drawn, what was left out and how long it took.

@@ -63,9 +63,9 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     match &options.markdown {
         Some(path) => {
             write(path, (HEADING.to_owned() + &page).as_bytes())?;
-            say(&summary);
+            say(&summary)?;
         }
-        None => say(&page),
+        None => say(&page)?,
     }
     Ok(())
 }

@@ -8,8 +8,8 @@ use super::compare::{all_entries, summary as comparison_summary};
 use super::drawing::Drawing;
 use super::engines::{cull_counts, reference_culled};
 use super::progress::Progress;
-use super::render::summary;
-use super::setup::{camera_or, write};
+use super::render::{if_nothing_is_seen, summary};
+use super::setup::{COMPARED, DRAWN, camera_or, room_for_picture, write};
 use super::sweep::{Comparison, Entry, Manner, Measured, measure};
 use super::{Failure, say};
 use anyhow::Context;
@@ -132,6 +132,11 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    let bytes = match drawing.engine {
+        Engine::Fixed => DRAWN,
+        Engine::Float | Engine::Exact => COMPARED,
+    };
+    room_for_picture(&view.camera, bytes)?;
     let manner = Manner::without_points(drawing);
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", view.scene.name));
@@ -154,7 +159,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         .write_png(&options.output, drawing.depth)?;
     write_json(drawing, &report)?;
     drop(progress);
-    say(&summary(&report));
+    super::complain(&if_nothing_is_seen(&measured.drawing.picture, &report));
+    say(&summary(&report))?;
     Ok(())
 }
 
@@ -165,6 +171,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let view = SurfaceView::from_options(&options.view, &options.surface)?;
+    room_for_picture(&view.camera, COMPARED)?;
     let manner = Manner::without_points(drawing);
     let chosen = Entry::from_options(drawing)?;
     let mut entries = if options.only {
@@ -178,7 +185,8 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
     let comparison = sweep(&view, &manner, &chosen, &entries)?;
     comparison.write(&options.output, drawing.depth)?;
     write_json(drawing, &comparison.report)?;
-    say(&comparison_summary(&comparison.report, &options.output));
+    super::complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
+    say(&comparison_summary(&comparison.report, &options.output))?;
     Ok(())
 }
 

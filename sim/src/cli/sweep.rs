@@ -200,7 +200,7 @@ fn judge(
         )
     })?;
     let errors = errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
-    Ok((errors, timing))
+    Ok((errors, timing.transpose()?))
 }
 
 fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {

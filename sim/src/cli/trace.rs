@@ -39,6 +39,6 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     say(&format!(
         "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
         timing.raster
-    ));
+    ))?;
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! `splatline vectors`: test vectors for every stage boundary, written and checked.
 
+use super::setup::sound_camera;
 use super::study_args::{VectorsAction, VectorsExportOptions};
 use super::{Failure, say};
 use splatline_sim::design::DesignChoice;
@@ -24,6 +25,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         .map(|side| u16::try_from(side).unwrap_or(u16::MAX));
     let (view, splats, rules) = match &options.scene {
         None => {
+            vectors::room_for_splats(options.splats)?;
             let (view, splats) = vectors::hard_cases(options.splats, size, options.seed);
             (view, splats, splatline_sim::rules::Rules::GAUSSIAN_3D)
         }
@@ -36,6 +38,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
                 },
             )?;
             let camera = loaded.default_camera(options.size.width, options.size.height);
+            let camera = sound_camera(camera, &loaded.name)?;
             let rules = options.rules.unwrap_or(loaded.natural_rules);
             let mut quantised = QuantisedScene::new(&loaded, &camera, &rules);
             quantised.splats.truncate(options.splats);
@@ -59,17 +62,17 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         "{}: {}\n",
         options.folder.display(),
         counts.join(", ")
-    ));
+    ))?;
     Ok(())
 }
 
 fn verify(folder: &Path) -> Result<(), Failure> {
     let verified = vectors::verify(folder)?;
     for (stage, records) in &verified.stages {
-        say(&format!("{stage}: {records} records equal the kernel's\n"));
+        say(&format!("{stage}: {records} records equal the kernel's\n"))?;
     }
     for stage in &verified.missing {
-        say(&format!("{stage}: no file, not checked\n"));
+        say(&format!("{stage}: no file, not checked\n"))?;
     }
     Ok(())
 }

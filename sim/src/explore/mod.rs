@@ -5,7 +5,9 @@
 //! ```
 
 pub mod fit;
+pub mod folder;
 pub mod front;
+pub mod identity;
 pub mod needs;
 pub mod plot;
 pub mod space;

@@ -22,6 +22,9 @@ use toml::Value;
 /// Most points of a sweep, so that a slip of the finger does not ask for years.
 pub const MOST_POINTS: usize = 1_000_000;
 
+/// Most values of a range.
+const MOST_VALUES: i64 = 10_000;
+
 /// What is wrong with a space.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("{file}:{line}: {key}: {problem}")]
@@ -127,6 +130,15 @@ impl Space {
             .map(|(axis, index)| (axis.key.as_str(), &axis.values[*index]))
             .collect()
     }
+
+    /// A point's values as its table's line has them.
+    pub fn texts<'a>(&'a self, point: &'a [usize]) -> impl Iterator<Item = String> + 'a {
+        let values = self.axes.iter().zip(point);
+        values.map(|(axis, index)| match &axis.values[*index] {
+            Value::String(text) => text.clone(),
+            value => value.to_string(),
+        })
+    }
 }
 
 fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axis, SpaceError> {
@@ -210,12 +222,22 @@ fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
         Some(1)
     };
     match (number("from"), number("to"), step) {
-        (Some(from), Some(to), Some(step))
-            if known && step > 0 && from <= to && (to - from) / step < 10_000 =>
-        {
-            Ok((0..=(to - from) / step)
-                .map(|index| Value::Integer(from + index * step))
-                .collect())
+        (Some(from), Some(to), Some(step)) if known && step > 0 && from <= to => {
+            // The distance of two of the largest numbers is no i64.
+            let last = (i128::from(to) - i128::from(from)) / i128::from(step);
+            match i64::try_from(last) {
+                Ok(last) if last < MOST_VALUES => Ok((0..=last)
+                    .map(|index| {
+                        // The product may be no i64 where the sum is one.
+                        let value = i128::from(from) + i128::from(index) * i128::from(step);
+                        Value::Integer(i64::try_from(value).unwrap_or(to))
+                    })
+                    .collect()),
+                _ => Err(format!(
+                    "the range has {} values, allowed are {MOST_VALUES}",
+                    last + 1
+                )),
+            }
         }
         _ => Err(FORM.to_owned()),
     }
@@ -351,6 +373,17 @@ mod tests {
         assert!(message("[machine]\nlane = 1\n").contains("s.toml:2: lane: no such field"));
         assert!(message("[machine]\nlatency = { from = 9, to = 1 }\n").contains("a range is"));
         assert!(message("samples = 3\n").contains("allowed are sample"));
+        for (from, to, step) in [
+            (i64::MIN, i64::MAX, 1),
+            (i64::MIN, i64::MAX, i64::MAX),
+            (-1, i64::MAX, 1),
+            (0, i64::MAX, i64::MAX),
+        ] {
+            let range =
+                format!("[machine]\nlatency = {{ from = {from}, to = {to}, step = {step} }}\n");
+            let told = message(&range);
+            assert!(told.contains("s.toml:2: latency: "), "{told}");
+        }
         assert!(message("sample = \"latin\"\ncount = 0\n").contains("s.toml:2: count"));
     }
 }

@@ -1,15 +1,16 @@
 //! Runs the points of a space. Work that points share is done once: a picture per design, a workload per design and tile, lane
 //! work per lane shape.
 
+use super::folder::Appender;
 use super::space::{Part, Space};
-use super::table::{Appender, Table};
+use super::table::Table;
 use crate::camera::Camera;
-use crate::design::{DesignChoice, traversal_name};
+use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
-use crate::machine::area::{Area, Calibration, estimate, synthesis};
+use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
-use crate::machine::workload::{Workload, extract};
+use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
 use crate::metrics::{ChannelError, compare};
 use crate::picture::Picture;
@@ -96,7 +97,7 @@ pub fn run(
         };
         for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
             let tile = tile_of(subject, space, tiles[0].1)?;
-            let workload = extract(subject.scene, subject.camera, &options, tile);
+            let workload = extract_if_room(subject.scene, subject.camera, &options, tile)?;
             let run = Run {
                 subject,
                 space,
@@ -224,15 +225,7 @@ impl Run<'_> {
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
-        let axes =
-            self.space
-                .axes
-                .iter()
-                .zip(point)
-                .map(|(axis, index)| match &axis.values[*index] {
-                    toml::Value::String(text) => text.clone(),
-                    value => value.to_string(),
-                });
+        let axes = self.space.texts(point);
         let fields: Vec<String> = std::iter::once(number.to_string())
             .chain(axes)
             .chain(results)
@@ -296,26 +289,6 @@ fn left_out(reason: &str) -> Vec<String> {
     fields
 }
 
-/// Everything that decides a sweep's results, as text: two sweeps may share a table only if this is equal.
-pub fn identity(subject: &Subject, space_text: &str) -> Result<String> {
-    let facts = serde_json::json!({
-        "format": "splatline-sweep/2",
-        "scene": subject.scene.name,
-        "splats": subject.scene.splats.len(),
-        "camera": serde_json::from_str::<serde_json::Value>(&subject.camera.to_json())?,
-        "rules": subject.rules.name,
-        "compositing": format!("{:?}", subject.compositing),
-        "design": subject.design.resolved(),
-        "traversal": subject.traversal.map(traversal_name),
-        "machine": crate::machine::config::to_toml(&subject.machine),
-        "calibration": subject.calibration,
-        "area": synthesis::statement(&subject.calibration),
-        "errors": subject.reference.is_some(),
-        "space": space_text,
-    });
-    Ok(format!("{facts:#}\n"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -348,7 +321,7 @@ mod tests {
             calibration: Calibration::default(),
             reference: Some(&reference),
         };
-        let out = Appender::open(path, &heading(&space)).unwrap();
+        let (out, _) = Appender::open(path, &heading(&space)).unwrap();
         run(&subject, &space, shard, done, &out, &|| ()).unwrap();
     }
 

@@ -1,15 +1,11 @@
 //! The sweep's table: one CSV line per finished point, written as soon as it is known.
 //!
-//! A line is appended in one write and flushed, so an interrupted sweep leaves at most one broken last line, which reading drops and
-//! going on cuts off.
+//! A line is appended in one write ([`super::folder`]), so an interrupted sweep leaves at most one broken last line, which reading drops and
+//! going on cuts off. What is read is checked against the space: a point that is not there, an axis with another value, a result that is no
+//! number were not written by this sweep, and would be drawn as if they were.
 
 use super::space::Space;
-use crate::atomic;
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
-use std::path::Path;
-use std::sync::Mutex;
 
 /// Columns behind the axes. Area is that of the raster units, of what is around them, and all of it in look-up tables.
 pub const RESULTS: [&str; 22] = [
@@ -57,9 +53,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads the text of a table; a last line without its end is dropped.
+    /// Reads the text of a table; a last line without its end is dropped. Without a whole line it is the table of a sweep that was
+    /// interrupted before it began, which has no heading and no points.
     pub fn from_csv(text: &str) -> Result<Table, String> {
-        let whole = text.rfind('\n').map_or("", |end| &text[..end]);
+        let Some(whole) = text.rfind('\n').map(|end| &text[..end]) else {
+            return Ok(Table::default());
+        };
         let mut lines = whole.lines();
         let heading = lines.next().unwrap_or("").to_owned();
         if !heading.starts_with("point,") {
@@ -76,7 +75,12 @@ impl Table {
             let point = line.split(',').next().and_then(|point| point.parse().ok());
             match point {
                 Some(point) if line.split(',').count() == columns => {
-                    table.lines.insert(point, line.to_owned());
+                    if table.lines.insert(point, line.to_owned()).is_some() {
+                        let line = number + 2;
+                        return Err(format!(
+                            "line {line}: point {point} a second time: remove one of its lines"
+                        ));
+                    }
                 }
                 _ => {
                     return Err(format!(
@@ -99,8 +103,55 @@ impl Table {
         text
     }
 
+    /// Is this a table over that space, with errors or without? The message names point and column.
+    pub fn check(&self, space: &Space, errors: bool) -> Result<(), String> {
+        if self.heading.is_empty() {
+            return Ok(());
+        }
+        let expected = heading(space);
+        if self.heading != expected {
+            return Err(format!(
+                "line 1: the columns are not those of this sweep, which are {expected}"
+            ));
+        }
+        for (point, line) in &self.lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let problem = |problem: String| {
+                format!(
+                    "point {point}: {problem}: remove its line, and the sweep computes it again"
+                )
+            };
+            let Some(indices) = space.points.get(*point) else {
+                let last = space.points.len().saturating_sub(1);
+                return Err(problem(format!("the space has points 0 to {last} only")));
+            };
+            let (axes, results) = fields[1..].split_at(space.axes.len());
+            for ((axis, found), expected) in space.axes.iter().zip(axes).zip(space.texts(indices)) {
+                if *found != expected {
+                    let key = &axis.key;
+                    return Err(problem(format!(
+                        "{key} is '{found}', in the space it is '{expected}'"
+                    )));
+                }
+            }
+            check_results(results, errors).map_err(problem)?;
+        }
+        Ok(())
+    }
+
+    /// Points of the space that it has no line for.
+    pub fn missing(&self, space: &Space) -> usize {
+        space.points.len() - self.lines.len().min(space.points.len())
+    }
+
     /// Adds the lines of another shard. The same point may come twice only with the same result.
     pub fn merge(&mut self, other: Table) -> Result<(), String> {
+        if other.heading.is_empty() {
+            return Ok(());
+        }
+        if self.heading.is_empty() {
+            self.heading.clone_from(&other.heading);
+        }
         if self.heading != other.heading {
             return Err(
                 "the tables have different columns: they belong to different sweeps".to_owned(),
@@ -127,89 +178,63 @@ impl Table {
     }
 }
 
-/// Appends lines from any thread.
-pub struct Appender(Mutex<File>);
-
-impl Appender {
-    /// Opens the file, which is made with its heading if need be; cuts off a broken last line.
-    pub fn open(path: &Path, heading: &str) -> io::Result<Appender> {
-        let text = if path.exists() {
-            std::fs::read_to_string(path)?
-        } else {
-            String::new()
+/// Are these the results of a point, in the order of [`RESULTS`]?
+fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
+    let (reason, numbers) = results.split_last().unwrap_or((&"", &[]));
+    for (name, text) in RESULTS.iter().zip(numbers) {
+        let kind = match name {
+            _ if !reason.is_empty() => Kind::Nothing,
+            // Equal pictures have none.
+            &"psnr_db" if errors => Kind::NumberOrNothing,
+            &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => Kind::Nothing,
+            &"bias" | &"ssim" => Kind::Number,
+            &"rms" | &"max_abs" | &"lanes_busy" | &"area" => Kind::Positive,
+            name if name.ends_with("per_cycle_and_lane") => Kind::Positive,
+            _ => Kind::Count,
         };
-        let whole = text.rfind('\n').map_or(0, |end| end as u64 + 1);
-        if whole == 0 {
-            // A table that exists has its heading, whenever the sweep is interrupted.
-            atomic::write(path, format!("{heading}\n").as_bytes())?;
+        if !kind.allows(text) {
+            return Err(format!("{name} is '{text}', expected {}", kind.name()));
         }
-        let file = OpenOptions::new().append(true).open(path)?;
-        if whole > 0 {
-            file.set_len(whole)?;
+    }
+    Ok(())
+}
+
+/// What a field may hold.
+#[derive(Clone, Copy)]
+enum Kind {
+    Nothing,
+    Number,
+    NumberOrNothing,
+    Positive,
+    Count,
+}
+
+impl Kind {
+    fn allows(self, text: &str) -> bool {
+        let number = text.parse::<f64>().ok().filter(|value| value.is_finite());
+        match self {
+            Kind::Nothing => text.is_empty(),
+            Kind::Number => number.is_some(),
+            Kind::NumberOrNothing => text.is_empty() || number.is_some(),
+            Kind::Positive => number.is_some_and(|value| value >= 0.0),
+            Kind::Count => text.parse::<u64>().is_ok(),
         }
-        Ok(Appender(Mutex::new(file)))
     }
 
-    /// Appends one line.
-    pub fn append(&self, line: &str) -> io::Result<()> {
-        let mut file = self
-            .0
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
-        file.write_all(format!("{line}\n").as_bytes())?;
-        file.flush()
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Nothing => "nothing",
+            Kind::Number => "a finite number",
+            Kind::NumberOrNothing => "a finite number or nothing",
+            Kind::Positive => "a finite number, 0 or more",
+            Kind::Count => "a whole number, 0 or more",
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_broken_last_line_is_dropped_and_overwritten() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        std::fs::write(&path, "point,a\n0,5\n1,").unwrap();
-        let table = Table::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
-        assert_eq!(table.lines.keys().collect::<Vec<_>>(), [&0]);
-        Appender::open(&path, "point,a")
-            .unwrap()
-            .append("1,6")
-            .unwrap();
-        assert_eq!(
-            std::fs::read_to_string(&path).unwrap(),
-            "point,a\n0,5\n1,6\n"
-        );
-    }
-
-    /// Whatever byte an interruption cuts the table at, the sweep goes on with the whole lines, and ends with the same table.
-    #[test]
-    fn a_table_cut_anywhere_is_continued() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        let (heading, lines) = ("point,a", ["0,5", "1,16", "2,270"]);
-        let whole = format!("{heading}\n{}\n", lines.join("\n"));
-        for length in heading.len() + 1..=whole.len() {
-            std::fs::write(&path, &whole[..length]).unwrap();
-            let done = Table::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
-            let out = Appender::open(&path, heading).unwrap();
-            for (point, line) in lines.iter().enumerate() {
-                match done.lines.get(&point) {
-                    Some(kept) => assert_eq!(kept, line, "cut at {length}"),
-                    None => out.append(line).unwrap(),
-                }
-            }
-            assert_eq!(std::fs::read_to_string(&path).unwrap(), whole, "{length}");
-        }
-    }
-
-    #[test]
-    fn a_new_table_has_its_heading() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("points.csv");
-        Appender::open(&path, "point,a").unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "point,a\n");
-    }
 
     #[test]
     fn shards_merge_and_foreign_tables_do_not() {
@@ -231,5 +256,50 @@ mod tests {
                     .unwrap_err()
                     .contains("line 2")
         );
+    }
+
+    #[test]
+    fn a_point_twice_is_refused_and_no_heading_is_no_points() {
+        let message = Table::from_csv("point,a\n1,x\n1,x\n").unwrap_err();
+        assert!(
+            message.contains("line 3: point 1 a second time"),
+            "{message}"
+        );
+        assert_eq!(Table::from_csv("poi").unwrap(), Table::default());
+    }
+
+    const SPACE: &str = "[machine]\nlanes = [1, 2]\nlayout = [\"run\", \"rows\"]\n";
+    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,1,2,3,4,5,6,7,8,900,";
+
+    fn checked(line: &str, errors: bool) -> Result<(), String> {
+        let space = Space::from_toml("s.toml", SPACE).unwrap();
+        Table::from_csv(&format!("{}\n{line}\n", heading(&space)))?.check(&space, errors)
+    }
+
+    /// Whatever result is replaced by what no sweep writes, the point and the column are named.
+    #[test]
+    fn values_that_no_sweep_writes_are_refused() {
+        checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
+        checked(&format!("1,1,rows,{}{}quads", ",".repeat(20), ","), true).unwrap();
+        let columns = RESULTS.len() - 1;
+        for (column, name) in RESULTS.iter().enumerate().take(columns) {
+            for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {
+                let mut fields: Vec<&str> = SOUND.split(',').collect();
+                fields[column] = wrong;
+                let message = checked(&format!("1,1,rows,{}", fields.join(",")), true).unwrap_err();
+                assert!(
+                    message.contains("point 1:") && message.contains(name),
+                    "{message}"
+                );
+            }
+        }
+        let without_errors = checked(&format!("1,1,rows,{SOUND}"), false).unwrap_err();
+        assert!(without_errors.contains("psnr_db is '20.5', expected nothing"));
+        let message = |line: &str| checked(line, true).unwrap_err();
+        assert!(
+            message(&format!("1,2,rows,{SOUND}")).contains("lanes is '2', in the space it is '1'")
+        );
+        assert!(message(&format!("4,1,rows,{SOUND}")).contains("points 0 to 3 only"));
+        assert!(message(&format!("1,1,rows,{SOUND}why")).contains("expected nothing"));
     }
 }

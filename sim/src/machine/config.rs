@@ -240,6 +240,22 @@ impl Config {
             .max(shared(self.buffer_banks))
     }
 
+    /// Bytes of the queues that simulating it takes: a time per place, in rings of a power of two, and the primitive's own per lane.
+    pub fn simulator_bytes(&self) -> u64 {
+        let ring = |depth: u32| u64::from(depth.next_power_of_two());
+        let lanes = u64::from(self.lanes);
+        let sequencers = match self.layout {
+            Layout::Rows => lanes,
+            _ => 1,
+        };
+        let unit = sequencers * ring(self.row_fifo)
+            + ring(self.packet_fifo)
+            + ring(self.splat_fifo)
+            + lanes * u64::from(self.row_fifo);
+        let geometry = ring(self.setup_fifo) + ring(self.bin_fifo);
+        8 * (u64::from(self.raster_units) * unit + geometry)
+    }
+
     /// Columns that the lanes advance per group.
     pub fn stride(&self) -> u32 {
         match self.layout {

@@ -2,11 +2,12 @@
 //!
 //! Besides files, `demo`, `random:COUNT[:SEED]` and `deep-stack` are scenes; `./demo` is a file of that name.
 
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use super::error::{LoadError, Problem};
 use super::{Scene, nrrd, ply, shade, splat_file, spz, synthetic, transfer::Transfer};
+use crate::input;
 
 /// The embedded volume, see `sim/assets/README.md`.
 const DEMO: &[u8] = include_bytes!("../../assets/brainsmall.nrrd");
@@ -120,13 +121,9 @@ fn read_transfer(file: &Path) -> Result<Transfer, Problem> {
             fix,
         )
     };
-    let bytes = read_file(file).map_err(named)?;
-    let text = String::from_utf8(bytes).map_err(|error| {
-        named(Problem::Unreadable(io::Error::new(
-            io::ErrorKind::InvalidData,
-            error,
-        )))
-    })?;
+    let text = input::text(file, input::SETTINGS)
+        .map_err(Problem::Unreadable)
+        .map_err(named)?;
     Transfer::from_toml(&text).map_err(named)
 }
 

@@ -7,14 +7,11 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// A file of the shared data, or none (with a message) where the data are not at hand.
-pub(super) fn shared_data(file: &str) -> Option<PathBuf> {
+/// A file of the shared data; tests that ask for one are ignored where the data were not at hand when they were built.
+pub(super) fn shared_data(file: &str) -> PathBuf {
     let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data")).join(file);
-    if path.exists() {
-        return Some(path);
-    }
-    println!("skipped: {file} is not at hand (the shared data are no part of the repository)");
-    None
+    assert!(path.exists(), "{file} is missing from the shared data");
+    path
 }
 
 pub(super) fn load_plain(path: &Path) -> Scene {
@@ -48,10 +45,12 @@ fn largest_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 #[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
 fn infinite_logits_of_the_guitar_are_opacity_one() {
-    let Some(path) = shared_data("gaussians/guitar.ply") else {
-        return;
-    };
+    let path = shared_data("gaussians/guitar.ply");
     let scene = load_plain(&path);
     assert_eq!(scene.splats.len(), 90_854);
     assert_eq!(scene.skipped, Skipped::default());
@@ -68,10 +67,12 @@ fn infinite_logits_of_the_guitar_are_opacity_one() {
 
 /// Centres are stored as the same floats in both files, and each occurs once, so they tell which splat is which.
 #[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
 fn guitar_splat_is_guitar_ply_in_another_order() {
-    let Some(path) = shared_data("gaussians/guitar.ply") else {
-        return;
-    };
+    let path = shared_data("gaussians/guitar.ply");
     let (ply, splat) = (load_plain(&path), load_plain(&path.with_extension("splat")));
     assert_eq!(ply.splats.len(), splat.splats.len());
     let key = |splat: &Splat| splat.centre.map(f64::to_bits);
@@ -92,10 +93,12 @@ fn guitar_splat_is_guitar_ply_in_another_order() {
 }
 
 #[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
 fn guitar_spz_is_guitar_ply_in_the_same_order() {
-    let Some(path) = shared_data("gaussians/guitar.ply") else {
-        return;
-    };
+    let path = shared_data("gaussians/guitar.ply");
     let (ply, spz) = (
         load_plain(&path),
         load_plain(&path.with_file_name("guitar_v3.spz")),
@@ -121,10 +124,12 @@ fn guitar_spz_is_guitar_ply_in_the_same_order() {
 }
 
 #[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
 fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
-    let Some(path) = shared_data("gaussians/playbot_lod4.ply") else {
-        return;
-    };
+    let path = shared_data("gaussians/playbot_lod4.ply");
     let scene = load_plain(&path);
     assert_eq!(scene.splats.len(), 8406);
     let harmonics = scene.harmonics.as_ref().unwrap();
@@ -139,6 +144,10 @@ fn playbot_has_degree_two_and_a_colour_that_depends_on_the_view() {
 }
 
 #[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
 fn the_demo_is_the_brainsmall_file() {
     let demo = demo().unwrap();
     assert_eq!(demo, load_plain(Path::new("demo")));
@@ -147,9 +156,7 @@ fn the_demo_is_the_brainsmall_file() {
         "{} splats",
         demo.splats.len()
     );
-    let Some(path) = shared_data("volumes/brainsmall.nhdr") else {
-        return;
-    };
+    let path = shared_data("volumes/brainsmall.nhdr");
     assert!(
         demo == load_plain(&path),
         "the embedded volume differs from the file"
@@ -157,6 +164,10 @@ fn the_demo_is_the_brainsmall_file() {
 }
 
 #[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
 fn the_classic_volumes_load_with_moderate_counts_and_opacities() {
     let most = [
         ("aneurism", 160_000),
@@ -165,9 +176,7 @@ fn the_classic_volumes_load_with_moderate_counts_and_opacities() {
         ("headsq", 200_000),
     ];
     for (name, most) in most {
-        let Some(path) = shared_data(&format!("volumes/{name}.nhdr")) else {
-            return;
-        };
+        let path = shared_data(&format!("volumes/{name}.nhdr"));
         let scene = load_plain(&path);
         println!("{name}: {} splats", scene.splats.len());
         assert!(

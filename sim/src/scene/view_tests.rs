@@ -130,15 +130,21 @@ fn default_cameras_show_the_scenes() {
     );
     let random = random_gaussians(1000, 1, 1.0);
     assert!(part_in_view(&random, &random.default_camera(512, 512)) > 0.75);
+}
+
+#[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
+fn default_cameras_show_captured_scenes() {
     for file in [
         "gaussians/guitar.ply",
         "gaussians/playbot_lod4.ply",
         "golden/tiny.ply",
         "volumes/headsq.nhdr",
     ] {
-        let Some(path) = shared_data(file) else {
-            return;
-        };
+        let path = shared_data(file);
         let scene = load_plain(&path);
         let part = part_in_view(&scene, &scene.default_camera(640, 480));
         println!("{file}: {part}");

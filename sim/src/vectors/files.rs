@@ -1,8 +1,11 @@
 //! A folder of vectors: written by [`export`], checked by [`verify`].
 
 use super::manifest::{Manifest, StageRecord, digest};
+use super::work::room_for;
 use super::{Stage, Subject, compute};
-use crate::atomic;
+use crate::difference::differences;
+use crate::memory::TooLarge;
+use crate::{atomic, input};
 use fixed::types::U4F28;
 use splatline::math::Scaled;
 use splatline::splat::{Axis, VolumeSplat};
@@ -14,6 +17,8 @@ use thiserror::Error;
 const LARGEST_SIDE: u16 = 4096;
 /// Pixels of a viewport that are computed even if the folder has no picture of that many (72 bytes each).
 const FREE_PIXELS: u64 = 1 << 20;
+/// A manifest has some thirty kilobytes.
+const MANIFEST_BYTES: u64 = 1 << 22;
 
 /// Why vectors cannot be written or do not agree.
 #[derive(Debug, Error)]
@@ -34,6 +39,9 @@ pub enum VectorError {
         /// Names the line or field and what is expected.
         message: String,
     },
+    /// More than there is memory for.
+    #[error(transparent)]
+    TooLarge(#[from] TooLarge),
     /// A value differs from the kernel's.
     #[error("{file}: {difference}")]
     Difference {
@@ -59,6 +67,7 @@ pub fn export(folder: &Path, subject: &Subject) -> Result<Manifest, VectorError>
         file: folder.to_owned(),
         source,
     })?;
+    room_for(subject)?;
     let stages = compute(subject);
     let manifest = Manifest::new(subject, &stages);
     for (stage, record) in stages.iter().zip(&manifest.stages) {
@@ -75,8 +84,12 @@ pub fn export(folder: &Path, subject: &Subject) -> Result<Manifest, VectorError>
 /// data flow. The first difference is the error.
 pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
     let file = folder.join("manifest.json");
+    let text = input::text(&file, MANIFEST_BYTES).map_err(|source| VectorError::File {
+        file: file.clone(),
+        source,
+    })?;
     let manifest: Manifest =
-        serde_json::from_str(&read(&file)?).map_err(|error| content(&file, error.to_string()))?;
+        serde_json::from_str(&text).map_err(|error| content(&file, error.to_string()))?;
     let mut subject = manifest
         .subject()
         .map_err(|message| content(&file, message))?;
@@ -99,6 +112,7 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
         read_splats(folder, &manifest, stage)
     })?;
     subject.splats = splats;
+    room_for(&subject)?;
     let expected = compute(&subject);
     let owners = Owners::new(&expected);
     let mut verified = Verified::default();
@@ -115,7 +129,29 @@ pub fn verify(folder: &Path) -> Result<Verified, VectorError> {
             .map_err(|difference| VectorError::Difference { file, difference })?;
         verified.stages.push((stage.name.to_owned(), got.len()));
     }
+    let file = folder.join("manifest.json");
+    check_manifest(&text, &Manifest::new(&subject, &expected))
+        .map_err(|message| content(&file, message))?;
     Ok(verified)
+}
+
+/// Every field of the manifest must be what this kernel would write: a bench takes widths and places from it.
+///
+/// After the stages, whose first different record says more than a digest.
+fn check_manifest(text: &str, expected: &Manifest) -> Result<(), String> {
+    let value = |text: &str| serde_json::from_str::<serde_json::Value>(text);
+    let expected = serde_json::to_string(expected).and_then(|text| value(&text));
+    let (found, expected) = match (value(text), expected) {
+        (Ok(found), Ok(expected)) => (found, expected),
+        (Err(error), _) | (_, Err(error)) => return Err(error.to_string()),
+    };
+    match differences(&found, &expected).first() {
+        None => Ok(()),
+        Some(d) => Err(format!(
+            "{} is {}, this kernel's is {}: export the vectors again",
+            d.place, d.first, d.second
+        )),
+    }
 }
 
 /// Memory is bounded by the folder's size: a large viewport must come with a picture that has a line for each of its pixels.
@@ -240,7 +276,7 @@ fn compare(stage: &Stage, got: &[Vec<i64>], owners: &Owners) -> Result<(), Strin
 }
 
 fn read(file: &Path) -> Result<String, VectorError> {
-    fs::read_to_string(file).map_err(|source| VectorError::File {
+    input::text(file, input::TABLE).map_err(|source| VectorError::File {
         file: file.to_owned(),
         source,
     })

@@ -12,8 +12,8 @@ use std::str::FromStr;
 
 /// Version of the folder's format; another version is refused.
 ///
-/// 1 had positions and depths in fixed point; 2 has them with exponents.
-pub const FORMAT_VERSION: u32 = 2;
+/// 1 had positions and depths in fixed point; 2 has them with exponents; 3 has a digest of the inputs.
+pub const FORMAT_VERSION: u32 = 3;
 
 /// The content of `manifest.json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -30,6 +30,8 @@ pub struct Manifest {
     pub compositing: String,
     /// The camera.
     pub view: ViewRecord,
+    /// Of design, rules, compositing and view: no result tells whether `far` has moved by a bit, but this does.
+    pub inputs_digest: String,
     /// The stages in the order of the data flow.
     pub stages: Vec<StageRecord>,
 }
@@ -103,18 +105,24 @@ impl Manifest {
             digest: digest(stage.to_text().as_bytes()),
             fields: stage.fields.clone(),
         };
+        let design = DesignRecord {
+            name,
+            traversal: traversal.to_owned(),
+            rounding: rounding.to_owned(),
+            widths,
+        };
+        let rules = subject.rules.name.to_owned();
+        let compositing = compositing_name(subject.compositing).to_owned();
+        let view = ViewRecord::from(&subject.view);
+        let inputs = serde_json::json!([design, rules, compositing, view]).to_string();
         Manifest {
             format_version: FORMAT_VERSION,
             packet_version: splatline::footprint::packet::VERSION,
-            design: DesignRecord {
-                name,
-                traversal: traversal.to_owned(),
-                rounding: rounding.to_owned(),
-                widths,
-            },
-            rules: subject.rules.name.to_owned(),
-            compositing: compositing_name(subject.compositing).to_owned(),
-            view: ViewRecord::from(&subject.view),
+            design,
+            rules,
+            compositing,
+            view,
+            inputs_digest: digest(inputs.as_bytes()),
             stages: stages.iter().map(record).collect(),
         }
     }

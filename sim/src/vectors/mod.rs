@@ -15,12 +15,14 @@ mod compute;
 mod files;
 mod manifest;
 mod stage;
+mod work;
 
 pub use builtin::hard_cases;
 pub use compute::compute;
 pub use files::{VectorError, Verified, export, verify};
 pub use manifest::{FORMAT_VERSION, Manifest};
 pub use stage::{Field, Stage};
+pub use work::room_for_splats;
 
 use crate::design::DesignChoice;
 use crate::rules::{Compositing, Rules};

@@ -77,6 +77,6 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
         );
     }
     write(&folder.join("designs.md"), text.as_bytes())?;
-    say(&text);
+    say(&text)?;
     Ok(())
 }

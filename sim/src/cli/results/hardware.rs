@@ -80,7 +80,7 @@ pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
     drop(progress);
     let text = throughput::text(&tables, &missing);
     write(&output.join("throughput.md"), text.as_bytes())?;
-    say(&text);
+    say(&text)?;
     designs::write_all(subjects, output)
 }
 

@@ -5,11 +5,12 @@ use super::super::setup::write;
 use super::{COMMAND, Subject};
 use anyhow::Context;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::explore::folder::Appender;
 use splatline_sim::explore::front::{Candidate, candidates};
 use splatline_sim::explore::plot;
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard};
-use splatline_sim::explore::table::{Appender, Table, heading};
+use splatline_sim::explore::table::{Table, heading};
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Calibration, synthesis};
 use splatline_sim::picture::Picture;
@@ -75,7 +76,7 @@ pub fn sweep_of(
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot create '{}'", folder.display()))?;
     let path = folder.join("points.csv");
-    let out = Appender::open(&path, &heading(space))?;
+    let (out, _) = Appender::open(&path, &heading(space))?;
     let task = sweep::Subject {
         scene: &subject.scene,
         camera: &subject.camera,

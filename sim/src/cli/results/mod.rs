@@ -26,7 +26,7 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     for page in ResultsPage::value_variants().iter().filter(asked) {
         if let Some(Page { file, text }) = measure(*page, options)? {
             write(&options.output.join(file), text.as_bytes())?;
-            say(&format!("{text}\n"));
+            say(&format!("{text}\n"))?;
         }
     }
     Ok(())

@@ -220,7 +220,13 @@ impl Calibration {
         let mut prices = toml::Table::try_from(start.family.calibration())
             .map_err(|error| format!("{file}: {error}"))?;
         replace(&mut prices, changes);
-        prices.try_into().map_err(problem)
+        let prices: Calibration = prices.try_into().map_err(problem)?;
+        match prices.check() {
+            Ok(()) => Ok(prices),
+            Err((key, value, allowed)) => {
+                Err(format!("{file}: {key} = {value}: allowed are {allowed}"))
+            }
+        }
     }
 
     /// Are these the family's own prices?

@@ -7,6 +7,7 @@
 //! source fits them. See `docs/hardware-model.md`, section 5.
 
 mod calibration;
+mod check;
 mod circuit;
 pub mod synthesis;
 

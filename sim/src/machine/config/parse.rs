@@ -2,9 +2,13 @@
 
 use super::fields::{FIELDS, Field, Range, field};
 use super::{Config, Layout, Overlap, primitive};
+use crate::input;
 use std::fmt::Write;
 use std::path::Path;
 use thiserror::Error;
+
+/// Bytes that a simulated machine's queues may take: a thousandth of it is a large machine, and sweeps simulate several at once.
+const MOST_BYTES: u64 = 256_000_000;
 
 /// What is wrong with a machine file or with one setting.
 #[derive(Debug, Error, PartialEq, Eq)]
@@ -52,7 +56,7 @@ pub enum ConfigError {
 /// Reads a machine file.
 pub fn from_file(path: &Path) -> Result<Config, ConfigError> {
     let file = path.display().to_string();
-    let text = std::fs::read_to_string(path).map_err(|error| ConfigError::Unreadable {
+    let text = input::text(path, input::SETTINGS).map_err(|error| ConfigError::Unreadable {
         file: file.clone(),
         problem: error.to_string(),
     })?;
@@ -151,6 +155,14 @@ impl Config {
         }
         if self.overlap == Overlap::Primitive {
             self.check_primitive()?;
+        }
+        if self.simulator_bytes() > MOST_BYTES {
+            let allowed = format!(
+                "with these lanes and FIFOs the simulator would take {} MB, allowed are {} MB: fewer units, or shallower FIFOs",
+                self.simulator_bytes() / 1_000_000,
+                MOST_BYTES / 1_000_000
+            );
+            return Err(("raster_units", self.raster_units.to_string(), allowed));
         }
         if self.lanes > u32::from(self.tile_width) && self.layout != Layout::Rows {
             let allowed = format!(

@@ -3,10 +3,11 @@
 //! Every tile is drawn by the kernel's painter. Before a footprint is drawn, its rows are walked once more to note which of the
 //! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
 
-use super::{Bins, Pair, Row, TilePart, Workload, assemble};
+use super::{Bins, Pair, Row, TilePart, Workload, assemble, room_for};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fixed::{self, Options, kernel_compositing, kernel_rules, table, table_entries};
+use crate::memory::TooLarge;
 use crate::rules::Compositing;
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -24,6 +25,18 @@ use splatline::target::Target;
 pub fn extract(scene: &Scene, camera: &Camera, options: &Options, tile: [u16; 2]) -> Workload {
     let footprints = fixed::footprints(scene, camera, options);
     extract_from(&footprints, camera, options, tile)
+}
+
+/// The same, unless it does not fit into memory.
+pub fn extract_if_room(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    tile: [u16; 2],
+) -> Result<Workload, TooLarge> {
+    let footprints = fixed::footprints(scene, camera, options);
+    room_for(&footprints, [camera.width, camera.height], tile)?;
+    Ok(extract_from(&footprints, camera, options, tile))
 }
 
 /// The same where setup has been done: `footprints` in the scene's order, as the drawing with these options left them.

@@ -5,9 +5,11 @@
 //! 64-bit word.
 
 mod extract;
+mod room;
 mod table;
 
-pub use extract::{extract, extract_from};
+pub use extract::{extract, extract_from, extract_if_room};
+pub use room::room_for;
 pub use table::{TableError, TableOptions, read_table};
 
 /// Pixels of a row of a tile: bit i is column i.

@@ -64,6 +64,9 @@ pub enum TableError {
 /// can ask for a billion: without a limit a small file would take all memory.
 const LARGEST_WORK: u64 = 1 << 25;
 
+/// Relative error of a coefficient with a mantissa of 8 bits.
+const ROUNDED: f64 = 1.0 / 128.0;
+
 /// One footprint of the table.
 struct Entry {
     splat: u32,
@@ -211,7 +214,7 @@ impl Reader<'_> {
             splat,
             centre: [self.number(0)?, self.number(1)?],
             depth: self.number(2)?,
-            conic: [self.number(3)?, self.number(4)?, self.number(5)?],
+            conic: self.conic()?,
             cutoff: self.cutoff(options)?,
             first,
             last,
@@ -224,8 +227,27 @@ impl Reader<'_> {
         let text = self.optional[0].map_or("", |place| self.text(place));
         match text.parse::<f64>() {
             _ if text.is_empty() => Ok(options.cutoff),
-            Ok(value) if value.is_finite() => Ok(value),
-            _ => Err(self.wrong("cutoff", text, "expected a finite number or nothing")),
+            Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+            _ => Err(self.wrong(
+                "cutoff",
+                text,
+                "expected a finite number above 0, or nothing",
+            )),
+        }
+    }
+
+    /// The coefficients of an ellipse: with an indefinite form the footprint would grow towards the far corners.
+    fn conic(&self) -> Result<[f64; 3], TableError> {
+        let [a, b, c] = [self.number(3)?, self.number(4)?, self.number(5)?];
+        // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its sign.
+        let definite = a >= 0.0 && c >= 0.0 && b.abs() <= (a.sqrt() * c.sqrt()) * (1.0 + ROUNDED);
+        match definite {
+            true => Ok([a, b, c]),
+            false => Err(self.wrong(
+                "conic_b",
+                self.text(self.places[4]),
+                "expected conic_a >= 0, conic_c >= 0 and conic_b^2 <= conic_a conic_c, an ellipse",
+            )),
         }
     }
 
@@ -411,6 +433,16 @@ mod tests {
         );
         assert!(message(&format!("{HEADING}\n0,8,4,1,1,0,1,-6,2,10,6\n")).contains("x0 = '-6'"));
         assert!(message(&format!("{HEADING}\n0,8\n")).contains("x0 = ''"));
+        for indefinite in ["-1,0,1", "1,0,-1", "1,2,1", "0,1,0"] {
+            let line = format!("{HEADING}\n0,8,4,1,{indefinite},6,2,10,6\n");
+            assert!(message(&line).contains("conic_b"), "{indefinite}");
+        }
+        for cutoff in ["-1", "0", "NaN", "inf"] {
+            let line = format!("{HEADING},cutoff\n0,8,4,1,1,0,1,6,2,10,6,{cutoff}\n");
+            assert!(message(&line).contains("cutoff = "), "{cutoff}");
+        }
+        let needle = format!("{HEADING}\n0,8,4,1,1,1.001,1,6,2,10,6\n");
+        assert!(read_table(&needle, &OPTIONS).is_ok(), "rounded");
     }
     #[test]
     fn one_line_cannot_ask_for_all_memory() {

@@ -1,0 +1,178 @@
+//! What a sweep is of: everything that decides its results, kept in `sweep.json` beside its tables.
+//!
+//! A name and a count do not tell two scenes apart: the file may have been edited since, or another node may have another one of that
+//! name. So the scene is known by a digest of what was loaded from it (which takes in transfer function and light), the program by a
+//! digest of its sources, every settings file by a digest of its text, and camera, rules, design, machine and prices by all their
+//! values. Results may share a table only if all of it is equal, and where it is not, the message says what differs.
+
+use super::space::{Space, SpaceError};
+use super::sweep::Subject;
+use crate::design::traversal_name;
+use crate::difference::{Difference, differences};
+use crate::digest::Digest;
+use crate::machine::area::synthesis;
+use crate::machine::config;
+use crate::scene::{Harmonics, Scene, Weight};
+use anyhow::{Context, Result, bail};
+use serde_json::{Value, json};
+
+/// Version of `sweep.json`; tables of another version are never taken for ours.
+const FORMAT: &str = "splatline-sweep/3";
+/// Differences that a message lists at most.
+const FEW: usize = 6;
+
+/// The facts of a sweep.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Identity(Value);
+
+/// A settings file that took part: what it was for, and its text.
+pub struct Settings {
+    /// `transfer`, `design`, `machine`, `calibration`, `camera`.
+    pub role: &'static str,
+    /// Its text.
+    pub text: String,
+}
+
+impl Identity {
+    /// Of a sweep over the space of this text.
+    pub fn new(subject: &Subject, space: &str, settings: &[Settings]) -> Result<Identity> {
+        let files: serde_json::Map<String, Value> = settings
+            .iter()
+            .map(|file| (file.role.to_owned(), of_bytes(file.text.as_bytes()).into()))
+            .collect();
+        Ok(Identity(json!({
+            "format": FORMAT,
+            "program": { "version": env!("CARGO_PKG_VERSION"), "sources_sha256": env!("SPLATLINE_SOURCES") },
+            "scene": {
+                "name": subject.scene.name,
+                "splats": subject.scene.splats.len(),
+                "sha256": of_scene(subject.scene),
+            },
+            "camera": serde_json::from_str::<Value>(&subject.camera.to_json())?,
+            // Debug prints every field, and doubles so that they read back.
+            "rules": format!("{:?}", subject.rules),
+            "compositing": format!("{:?}", subject.compositing),
+            "design": subject.design.resolved(),
+            "traversal": subject.traversal.map(traversal_name),
+            "machine": config::to_toml(&subject.machine),
+            "calibration": subject.calibration,
+            "area": synthesis::statement(&subject.calibration),
+            "errors": subject.reference.is_some(),
+            "files_sha256": files,
+            "space": space,
+        })))
+    }
+
+    /// Reads the text of a `sweep.json`.
+    pub fn parse(text: &str) -> Result<Identity> {
+        let facts: Value = serde_json::from_str(text).context("not the JSON of a sweep")?;
+        match facts.get("format").and_then(Value::as_str) {
+            Some(FORMAT) => Ok(Identity(facts)),
+            Some(other) => bail!(
+                "format is '{other}', this program's is '{FORMAT}': run the sweep again in a new folder"
+            ),
+            None => bail!("no \"format\": not the identity of a sweep"),
+        }
+    }
+
+    /// The text of a `sweep.json`.
+    pub fn to_text(&self) -> String {
+        format!("{:#}\n", self.0)
+    }
+
+    /// The space that its tables must fill.
+    pub fn space(&self) -> Result<Space, SpaceError> {
+        Space::from_toml("space in sweep.json", self.text_of("space"))
+    }
+
+    /// Do its tables hold errors?
+    pub fn has_errors(&self) -> bool {
+        self.0.get("errors").and_then(Value::as_bool) == Some(true)
+    }
+
+    /// What it says of its area.
+    pub fn area(&self) -> &str {
+        self.text_of("area")
+    }
+
+    fn text_of(&self, key: &str) -> &str {
+        self.0.get(key).and_then(Value::as_str).unwrap_or_default()
+    }
+
+    /// Where `known` and this one differ, one line each; empty if they are the same sweep.
+    pub fn differences(&self, known: &Identity) -> Vec<String> {
+        let found = differences(&known.0, &self.0);
+        let line = |d: &Difference| format!("{}: {} there, {} here", d.place, d.first, d.second);
+        found.iter().map(line).collect()
+    }
+
+    /// The differences as the end of a message.
+    pub fn difference_text(&self, known: &Identity) -> String {
+        let all = self.differences(known);
+        let more = match all.len().saturating_sub(FEW) {
+            0 => String::new(),
+            more => format!("\n  and {more} more"),
+        };
+        let few: Vec<&str> = all.iter().take(FEW).map(String::as_str).collect();
+        format!("\n  {}{more}", few.join("\n  "))
+    }
+}
+
+fn of_bytes(bytes: &[u8]) -> String {
+    let mut digest = Digest::default();
+    digest.add(bytes);
+    digest.finish()
+}
+
+/// Every bit of a scene that a picture or a count can depend on.
+fn of_scene(scene: &Scene) -> String {
+    let Scene {
+        name: _,
+        natural_rules: _,
+        weight,
+        splats,
+        harmonics,
+        skipped,
+        up,
+    } = scene;
+    let mut digest = Digest::default();
+    digest.add(match weight {
+        Weight::Opacity => b"o",
+        Weight::Mass => b"m",
+    });
+    for number in [splats.len(), skipped.non_finite, skipped.zero_rotation] {
+        digest.add(&(number as u64).to_le_bytes());
+    }
+    doubles(&mut digest, up);
+    for splat in splats {
+        doubles(&mut digest, &splat.centre);
+        doubles(&mut digest, splat.axes.as_flattened());
+        doubles(&mut digest, &[splat.weight]);
+        doubles(&mut digest, &splat.colour);
+    }
+    if let Some(Harmonics {
+        degree,
+        coefficients,
+        base,
+    }) = harmonics
+    {
+        digest.add(&[*degree]);
+        for list in [coefficients, base] {
+            digest.add(&(list.len() as u64).to_le_bytes());
+            for value in list.as_flattened() {
+                digest.add(&value.to_bits().to_le_bytes());
+            }
+        }
+    }
+    digest.finish()
+}
+
+fn doubles(digest: &mut Digest, values: &[f64]) {
+    for value in values {
+        digest.add(&value.to_bits().to_le_bytes());
+    }
+}
+
+#[cfg(test)]
+#[path = "identity_tests.rs"]
+mod tests;

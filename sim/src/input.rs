@@ -1,0 +1,70 @@
+//! Texts from strangers: TOML, JSON and CSV files, read whole if they are files and not absurdly long.
+//!
+//! A pipe may never end and `/dev/zero` never does; a file of gigabytes under a name that promises a page of settings is a mistake
+//! of the caller's. Both are refused with the number and the limit, before anything is read.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Most bytes of a file that people write: a camera, a machine, a space, a design, prices, a transfer function.
+pub const SETTINGS: u64 = 1 << 20;
+/// Most bytes of a file that programs write: tables of footprints and of sweeps, test vectors.
+pub const TABLE: u64 = 1 << 30;
+
+/// The text of a regular file of at most `most` bytes.
+pub fn text(path: &Path, most: u64) -> io::Result<String> {
+    let refuse = |kind, message: String| Err(io::Error::new(kind, message));
+    // Before it is opened: opening a pipe waits for its writer.
+    let metadata = fs::metadata(path)?;
+    if !metadata.is_file() {
+        let message = "not a regular file: name a file on disk (pipes and devices may never end)";
+        return refuse(io::ErrorKind::InvalidInput, message.to_owned());
+    }
+    if metadata.len() > most {
+        let bytes = metadata.len();
+        return refuse(
+            io::ErrorKind::FileTooLarge,
+            format!("{bytes} bytes long, at most {most} are read: is it the right file?"),
+        );
+    }
+    let mut bytes = Vec::new();
+    // It may have grown since.
+    File::open(path)?.take(most).read_to_end(&mut bytes)?;
+    String::from_utf8(bytes).or_else(|error| {
+        let place = error.utf8_error().valid_up_to();
+        let message = format!("not a text in UTF-8: byte {place} begins no character");
+        refuse(io::ErrorKind::InvalidData, message)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_within_the_limit_are_read_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        fs::write(&path, "ten bytes\n").unwrap();
+        assert_eq!(text(&path, 10).unwrap(), "ten bytes\n");
+        let message = |path: &Path, most| text(path, most).unwrap_err().to_string();
+        assert!(message(&path, 9).contains("10 bytes long, at most 9"));
+        assert!(message(folder.path(), 9).contains("not a regular file"));
+        fs::write(&path, b"ab\xff").unwrap();
+        assert!(message(&path, 10).contains("byte 2"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_without_waiting() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        for path in [&pipe, Path::new("/dev/zero"), Path::new("/dev/null")] {
+            let message = text(path, SETTINGS).unwrap_err().to_string();
+            assert!(message.contains("not a regular file"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! A sound file of every format in [`super::readers::FORMATS`], small enough that most mutations hit something that matters.
+
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::explore::identity::Identity;
+use splatline_sim::explore::space::Space;
+use splatline_sim::explore::sweep::Subject;
+use splatline_sim::explore::table::heading;
+use splatline_sim::machine::area::Calibration;
+use splatline_sim::machine::config::{self, Config};
+use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::scene::synthetic;
+use splatline_sim::vectors::{self, hard_cases};
+use std::io::Write;
+
+const GAUSSIAN: [&str; 17] = [
+    "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
+    "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
+];
+const RECORDS: [[f32; 17]; 2] = [
+    [
+        0.5, -0.5, 3.0, 0., 0., 0., 0.1, 0.2, 0.3, 1.0, -1.0, -2.0, -3.0, 1.0, 0.0, 0.0, 0.5,
+    ],
+    [
+        -0.5, 0.5, 4.0, 0., 0., 0., 1.1, -0.2, 0.3, 3.0, -2.0, -1.0, -1.0, 0.3, 0.1, 0.9, 0.0,
+    ],
+];
+
+fn ply_header(encoding: &str, fields: &[&str], count: usize) -> String {
+    let fields: String = fields
+        .iter()
+        .map(|field| format!("property float {field}\n"))
+        .collect();
+    format!("ply\nformat {encoding} 1.0\nelement vertex {count}\n{fields}end_header\n")
+}
+
+fn line(numbers: &[f32]) -> String {
+    let words: Vec<String> = numbers.iter().map(f32::to_string).collect();
+    words.join(" ") + "\n"
+}
+
+fn splat() -> Vec<u8> {
+    let record = |x: f32| {
+        let mut bytes = [x, 0.2, 0.0, 0.1, 0.2, 0.1].map(f32::to_le_bytes).concat();
+        bytes.extend([200, 100, 50, 150, 255, 128, 128, 120]);
+        bytes
+    };
+    [-0.3, 0.0, 0.4].map(record).concat()
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    packed.write_all(bytes).expect("memory does not fail");
+    packed.finish().expect("memory does not fail")
+}
+
+/// Two Gaussians with harmonics of degree 1, version 2.
+fn spz() -> Vec<u8> {
+    let mut bytes = [0x5053_474eu32, 2, 2].map(u32::to_le_bytes).concat();
+    bytes.extend([1, 12, 0, 0]);
+    for place in [4096i32, -8192, 2048, 0, 100, 900] {
+        bytes.extend(&place.to_le_bytes()[..3]);
+    }
+    bytes.extend([51, 200]);
+    bytes.extend([
+        255, 0, 127, 99, 100, 101, 160, 144, 128, 120, 130, 140, 128, 120, 128, 255, 0, 128,
+    ]);
+    bytes.extend((0..18).map(|k| 120 + k));
+    gzip(&bytes)
+}
+
+/// A volume of 3 x 3 x 3, `raw` or `gzip`.
+pub fn volume(encoding: &str) -> Vec<u8> {
+    let header = format!(
+        "NRRD0004\ntype: short\ndimension: 3\nsizes: 3 3 3\nspacings: 1 2 1\nendian: little\nencoding: {encoding}\n\n"
+    );
+    let data: Vec<u8> = (0..27i16)
+        .flat_map(|value| (37 * value % 300).to_le_bytes())
+        .collect();
+    let data = match encoding {
+        "gzip" => gzip(&data),
+        _ => data,
+    };
+    [header.into_bytes(), data].concat()
+}
+
+fn camera() -> String {
+    let camera = Camera::look_at([0.0, -5.0, -8.0], [0.0; 3], [0.0, -1.0, 0.0], 60.0, 32, 24);
+    camera.expect("a sound camera").to_json()
+}
+
+const TRANSFER: &str = "[[value]]\nat = 0\ncolour = [0.1, 0.2, 0.3]\nextinction = 0.0\n[[value]]\nat = 200\ncolour = [1, 0.5, 0.25]\nextinction = 0.8\n\
+[[gradient]]\nat = 0\nmultiplier = 0.5\n[[gradient]]\nat = 90\nmultiplier = 1\n[shading]\nambient = 0.3\ndiffuse = 0.7\nspecular = 0.2\nexponent = 9\n";
+const DESIGN: &str = "base = \"lean18\"\nview = 24\nmantissa = 20\nsubpixel = 8\nradial = 18\ntable = 7\ninterpolation = 6\nweight = 16\npeak = 16\n\
+alpha = 14\ntransmittance = 16\ncolour = 12\naccumulator = 16\nrounding = \"truncate\"\ntraversal = \"box\"\n";
+const SPACE: &str = "sample = \"grid\"\ncount = 20\nseed = 3\n[design]\nbase = [\"lean18\"]\nmantissa = { from = 14, to = 24, step = 2 }\n\
+[machine]\nlanes = [1, 2, 4]\nlayout = [\"run\", \"rows\"]\nlatency = { from = 0, to = 90, step = 30 }\n";
+const FOOTPRINTS: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff,tiles\n0,8,4,1,1,0.5,1,6,2,10,6,4,0\n1,,,,,,,,,,,,\n\
+2,20.5,9.25,2e1,0.125,-0.1,0.25,16,4,30,16,3.5,0 1\n";
+
+/// The identity of a sweep of three points, and its table.
+fn sweep() -> String {
+    let text = "[machine]\nlanes = [1, 2, 4]\n";
+    let scene = synthetic::random_gaussians(3, 1, 2.0);
+    let space = Space::from_toml("space.toml", text).expect("a sound space");
+    let subject = Subject {
+        scene: &scene,
+        camera: &synthetic::camera(16, 16),
+        rules: &Rules::GAUSSIAN_3D,
+        compositing: Compositing::FrontToBack,
+        design: DesignChoice::named("lean18").expect("a named design"),
+        traversal: None,
+        machine: Config::default(),
+        calibration: Calibration::default(),
+        reference: None,
+    };
+    let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
+    let rows: String = [(0, 1), (1, 2), (2, 4)]
+        .map(|(point, lanes)| {
+            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,1,2,3,4,5,6,7,8,900,\n")
+        })
+        .concat();
+    format!("{}{}\n{rows}", identity.to_text(), heading(&space))
+}
+
+/// Vectors of two splats.
+pub fn few_vectors(size: [u16; 2]) -> vectors::Subject {
+    let (view, splats) = hard_cases(2, size, 3);
+    vectors::Subject {
+        design: DesignChoice::named("lean18").expect("a named design"),
+        rules: Rules::GAUSSIAN_3D,
+        compositing: Compositing::FrontToBack,
+        view,
+        splats,
+    }
+}
+
+fn manifest() -> Vec<u8> {
+    let folder = std::env::temp_dir().join(format!("splatline-seed-{}", std::process::id()));
+    vectors::export(&folder, &few_vectors([4, 4]))
+        .expect("the folder for temporary files is writable");
+    let manifest = std::fs::read(folder.join("manifest.json"));
+    std::fs::remove_dir_all(&folder).expect("it was made here");
+    manifest.expect("it was written here")
+}
+
+/// The sound file of that name.
+pub fn seed(name: &str) -> Vec<u8> {
+    let cloud = "0 0 5 0 0 1\n1 0 5 0 0 1\n0 1 5 0 0 1\n1 1 5 0 0 1\n";
+    match name {
+        "gaussian.ply" => (ply_header("ascii", &GAUSSIAN, 2)
+            + &RECORDS.map(|record| line(&record)).concat())
+            .into_bytes(),
+        "binary.ply" => {
+            let records = RECORDS
+                .as_flattened()
+                .iter()
+                .flat_map(|value| value.to_le_bytes());
+            let header = ply_header("binary_little_endian", &GAUSSIAN, 2);
+            header.into_bytes().into_iter().chain(records).collect()
+        }
+        "scene.splat" => splat(),
+        "scene.spz" => spz(),
+        "raw.nrrd" => volume("raw"),
+        "gzip.nrrd" => volume("gzip"),
+        "detached.nhdr" => {
+            b"NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 3 10\nencoding: raw\ndata file: data\n"
+                .to_vec()
+        }
+        "cloud.ply" => {
+            (ply_header("ascii", &["x", "y", "z", "nx", "ny", "nz"], 4) + cloud).into_bytes()
+        }
+        "cloud.xyz" => cloud.into(),
+        "grid.csv" => b"0.1,0.2,0.3\n0.2,0.5,0.1\n0.3,0.2,0.1\n".to_vec(),
+        "camera.json" => camera().into_bytes(),
+        "transfer.toml" => TRANSFER.into(),
+        "design.toml" => DESIGN.into(),
+        "machine.toml" => config::to_toml(&Config::default()).into_bytes(),
+        "prices.toml" => toml_of_prices().into_bytes(),
+        "space.toml" => SPACE.into(),
+        "footprints.csv" => FOOTPRINTS.into(),
+        "sweep.json" => sweep().into_bytes(),
+        "manifest.json" => manifest(),
+        other => unreachable!("{other} has no seed"),
+    }
+}
+
+/// Through JSON, whose numbers and lists TOML shares.
+fn toml_of_prices() -> String {
+    toml::to_string(&Calibration::default()).expect("prices have a TOML form")
+}
