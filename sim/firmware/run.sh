@@ -5,6 +5,8 @@
 #   sim/firmware/run.sh             the images built for speed (profile release, opt-level 2)
 #   sim/firmware/run.sh small       built for size (opt-level s)
 #   sim/firmware/run.sh plain       a footprint table without interpolation
+#   sim/firmware/run.sh lossless    centres as mantissas and exponents instead of fixed point
+#   sim/firmware/run.sh two-part    the same with a difference to the eye of 48 bits instead of 30
 #   sim/firmware/run.sh profile     also the ten costliest functions of each phase
 #
 # Words may be combined. Where a tool is missing it says so and fails; with SKIP_IF_MISSING=1 it says so and passes.
@@ -14,9 +16,9 @@ profile=release; features=; functions=
 for word in "$@"; do
     case $word in
     small) profile=small ;;
-    plain) features="--features plain" ;;
+    plain | lossless | two-part) features="--features $word" ;;
     profile) functions=10 ;;
-    *) echo "run.sh: unknown word '$word': expected small, plain or profile" >&2; exit 2 ;;
+    *) echo "run.sh: unknown word '$word': expected small, plain, lossless, two-part or profile" >&2; exit 2 ;;
     esac
 done
 targets="thumbv6m-none-eabi thumbv7m-none-eabi thumbv7em-none-eabi riscv32im-unknown-none-elf riscv32imac-unknown-none-elf"

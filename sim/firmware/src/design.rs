@@ -31,7 +31,7 @@ const TABLE: (u8, u8) = if cfg!(feature = "plain") {
 impl Firmware16 {
     /// Widths of the design.
     pub const WIDTHS: Widths = Widths {
-        position: 30,
+        position: if cfg!(feature = "two-part") { 48 } else { 30 },
         view: 24,
         mantissa: 15,
         subpixel: 12,

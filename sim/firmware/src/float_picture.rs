@@ -7,7 +7,7 @@
 use crate::fixed_picture::{ENTRIES, INTERVALS};
 use crate::order::Order;
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};
-use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS};
+use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS, bits_of};
 use libm::{ceilf, expf, floorf, logf, sqrtf};
 
 const FOCAL: f32 = 60.0;
@@ -121,7 +121,7 @@ fn converted(index: usize) -> FloatSplat {
     // Axes have exponents -32 to -34 and weights -30: within the range of f32's exponent bits.
     let power = |exponent: i32| f32::from_bits(((127 + exponent) as u32) << 23);
     FloatSplat {
-        centre: splat.centre.map(|c| c.to_bits() as f32 * power(-24)),
+        centre: splat.centre.map(|c| bits_of(c) as f32 * power(-24)),
         axes: splat
             .axes
             .map(|a| a.mantissa.map(|m| m as f32 * power(a.exponent))),

@@ -1,10 +1,16 @@
 //! The scene: splats of a linear congruential generator, evaluated at compile time, and a camera before them.
 
-use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
+use fixed::types::{I2F30, I32F32, U4F28};
+#[cfg(not(feature = "lossless"))]
+use fixed::types::{I8F24, I10F54};
 use splatline::math::{Extended, Scaled};
 use splatline::rules::Rules;
-use splatline::splat::{Axis, FixedPosition, VolumeSplat};
-use splatline::view::{Projection, RatioLimits, Translation, View};
+use splatline::splat::{Axis, VolumeSplat};
+#[cfg(feature = "lossless")]
+use splatline::view::Eye;
+#[cfg(not(feature = "lossless"))]
+use splatline::view::Translation;
+use splatline::view::{Pose, Projection, RatioLimits, View};
 
 /// Splats.
 pub const SPLATS: usize = 40;
@@ -20,8 +26,15 @@ pub const STRIP_PIXELS: usize = COLUMNS as usize * STRIP as usize;
 /// Peak opacity, low-pass 0.3, alpha at least 1/255: the rules of most scenes one finds.
 pub const RULES: Rules = Rules::GAUSSIAN_3D;
 
-/// A splat: the range of the scene is known, so that its centre is in fixed point.
-pub type Splat = VolumeSplat<FixedPosition>;
+/// Where the camera stands: the range of the scene is known, so that centres are in fixed point.
+#[cfg(not(feature = "lossless"))]
+pub type Stand = Translation;
+/// Where the camera stands.
+#[cfg(feature = "lossless")]
+pub type Stand = Eye;
+
+/// A splat of the scene.
+pub type Splat = VolumeSplat<<Stand as Pose>::Centre>;
 
 /// The splats.
 pub static SCENE: [Splat; SPLATS] = splats();
@@ -34,9 +47,19 @@ impl Random {
         self.0
     }
 
-    /// A position in [-2, 2), Q7.24.
+    /// A position in [-2, 2).
+    #[cfg(not(feature = "lossless"))]
     const fn position(&mut self) -> I8F24 {
         I8F24::from_bits(((self.bits() >> 8) as i32 - (1 << 23)) * 4)
+    }
+
+    /// A position in [-2, 2).
+    #[cfg(feature = "lossless")]
+    const fn position(&mut self) -> Scaled {
+        Scaled {
+            mantissa: ((self.bits() >> 8) as i32 - (1 << 23)) * 4,
+            exponent: -24,
+        }
     }
 
     /// A vector of up to 1/3 unit, from thick to thin.
@@ -58,10 +81,36 @@ impl Random {
     }
 }
 
+#[cfg(not(feature = "lossless"))]
+const ORIGIN: I8F24 = I8F24::ZERO;
+#[cfg(feature = "lossless")]
+const ORIGIN: Scaled = Scaled::ZERO;
+
+/// A coordinate of the scene in units of 2^-24.
+#[cfg(not(feature = "lossless"))]
+pub const fn bits_of(coordinate: I8F24) -> i32 {
+    coordinate.to_bits()
+}
+
+/// A coordinate of the scene in units of 2^-24.
+#[cfg(feature = "lossless")]
+pub const fn bits_of(coordinate: Scaled) -> i32 {
+    coordinate.mantissa
+}
+
+/// 4 units before the origin.
+#[cfg(not(feature = "lossless"))]
+const STAND: Stand = Translation([I10F54::ZERO, I10F54::ZERO, I10F54::from_bits(4 << 54)]);
+#[cfg(feature = "lossless")]
+const STAND: Stand = Eye {
+    position: [0, 0, -4],
+    ..Eye::ORIGIN
+};
+
 const fn splats() -> [Splat; SPLATS] {
     let mut random = Random(7);
     let empty = VolumeSplat {
-        centre: [I8F24::ZERO; 3],
+        centre: [ORIGIN; 3],
         axes: [Axis {
             mantissa: [0; 3],
             exponent: 0,
@@ -87,7 +136,7 @@ const fn splats() -> [Splat; SPLATS] {
 }
 
 /// A camera 4 units in front of the scene.
-pub fn view() -> View<Translation> {
+pub fn view() -> View<Stand> {
     let (zero, one) = (I2F30::ZERO, I2F30::ONE);
     let limit = I32F32::from_bits(3_435_973_837); // 0.8
     let focal = Scaled {
@@ -96,7 +145,7 @@ pub fn view() -> View<Translation> {
     };
     View {
         rotation: [[one, zero, zero], [zero, one, zero], [zero, zero, one]],
-        pose: Translation([I10F54::ZERO, I10F54::ZERO, I10F54::from_bits(4 << 54)]),
+        pose: STAND,
         focal: [focal; 2],
         principal: [
             I32F32::from_bits(i64::from(COLUMNS / 2) << 32),
