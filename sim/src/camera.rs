@@ -228,7 +228,7 @@ impl Camera {
     /// Reads a camera file.
     pub fn from_json_file(path: &Path) -> Result<Camera, CameraError> {
         let text = input::text(path, input::SETTINGS).map_err(|error| {
-            CameraError::whole(format!("cannot be read: {error}")).in_file(path)
+            CameraError::whole(format!("cannot be opened or read: {error}")).in_file(path)
         })?;
         Camera::from_json_str(&text).map_err(|error| error.in_file(path))
     }
