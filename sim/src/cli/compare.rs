@@ -4,7 +4,7 @@ use super::args::{CompareOptions, Engine};
 use super::model::machine;
 use super::setup::{View, check_folder_of, write};
 use super::sweep::{self, Entry, Manner};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use anyhow::Context;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -42,6 +42,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }
+    warn(&comparison.report.warnings);
     say(&summary(&comparison.report, &options.output));
     Ok(())
 }
@@ -71,12 +72,17 @@ pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
 /// The chosen design's errors.
 pub fn summary(report: &Report, folder: &Path) -> String {
     let line = |name: &str, error: &ChannelFacts| {
+        let covered = &error.covered;
         format!(
-            "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}\n",
-            decibels(error),
+            "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {} dB, bias {}, SSIM {:.6}\n",
+            decibels(error.psnr_db),
             scientific(error.max_abs),
             signed(error.bias),
-            error.ssim
+            error.ssim,
+            covered.pixels,
+            decibels(covered.psnr_db),
+            signed(covered.bias),
+            covered.ssim,
         )
     };
     let errors = report

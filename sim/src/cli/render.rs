@@ -4,7 +4,7 @@ use super::args::{Engine, RenderOptions};
 use super::progress::Progress;
 use super::setup::{View, check_folder_of, write};
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use splatline_sim::report::Report;
 use splatline_sim::report::facts::Counts;
 
@@ -46,6 +46,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         write(path, report.to_json()?.as_bytes())?;
     }
     drop(progress);
+    warn(&report.warnings);
     say(&summary(&report));
     Ok(())
 }
