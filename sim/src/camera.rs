@@ -21,6 +21,10 @@ pub const DEFAULT_FAR: f64 = 1e10;
 
 /// Largest deviation of the rotation's products of rows from those of the identity.
 const ORTHONORMAL_TOLERANCE: f64 = 1e-4;
+/// Deviations up to this are those of double precision itself and stay as they are.
+const ORTHONORMAL_IN_DOUBLES: f64 = 1e-13;
+/// A rotation whose entries are corrected by more than this is worth a line.
+pub const NOTABLE_CORRECTION: f64 = 1e-6;
 /// Smallest sine of the angle between the direction of view and the up direction.
 const MIN_SINE_TO_UP: f64 = 1e-6;
 
@@ -189,6 +193,14 @@ impl Camera {
 
     /// Reads a camera from the text of a camera file.
     pub fn from_json_str(text: &str) -> Result<Camera, CameraError> {
+        Ok(Camera::corrected_from_json_str(text)?.0)
+    }
+
+    /// Reads a camera from the text of a camera file and tells by how much an entry of its rotation was corrected.
+    ///
+    /// Files round rotations to a few digits. The engines take W for a rotation, one by its rows and another by its inverse, so that one that
+    /// is a rotation only nearly would make them draw different views. What they get is the nearest rotation, seen from the same eye.
+    pub fn corrected_from_json_str(text: &str) -> Result<(Camera, f64), CameraError> {
         let file: CameraFile = serde_json::from_str(text)
             .map_err(|error| CameraError::whole(format!("not a camera in JSON: {error}")))?;
         let matrix: [f64; 16] = file
@@ -209,7 +221,7 @@ impl Camera {
             );
             return Err(CameraError::new("world_to_camera", problem));
         }
-        Camera {
+        let corrected = Camera {
             width: usize::try_from(file.width).unwrap_or(usize::MAX),
             height: usize::try_from(file.height).unwrap_or(usize::MAX),
             fx: file.fx,
@@ -222,15 +234,43 @@ impl Camera {
             far: file.far,
             orthographic: file.orthographic,
         }
-        .checked()
+        .checked()?
+        .corrected();
+        Ok(corrected)
     }
 
     /// Reads a camera file.
     pub fn from_json_file(path: &Path) -> Result<Camera, CameraError> {
+        Ok(Camera::corrected_from_json_file(path)?.0)
+    }
+
+    /// Reads a camera file and tells by how much an entry of its rotation was corrected.
+    pub fn corrected_from_json_file(path: &Path) -> Result<(Camera, f64), CameraError> {
         let text = input::text(path, input::SETTINGS).map_err(|error| {
             CameraError::whole(format!("cannot be opened or read: {error}")).in_file(path)
         })?;
-        Camera::from_json_str(&text).map_err(|error| error.in_file(path))
+        Camera::corrected_from_json_str(&text).map_err(|error| error.in_file(path))
+    }
+
+    /// The view with the nearest rotation and the same eye, and the largest change of an entry.
+    fn corrected(self) -> (Camera, f64) {
+        if orthonormal_deviation(&self.rotation) <= ORTHONORMAL_IN_DOUBLES {
+            return (self, 0.0);
+        }
+        let eye = self.eye();
+        let rotation = nearest_rotation(&self.rotation);
+        let pairs = rotation
+            .iter()
+            .flatten()
+            .zip(self.rotation.iter().flatten());
+        let change = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+        let translation = vector::scale(-1.0, vector::transform(&rotation, eye));
+        let camera = Camera {
+            rotation,
+            translation,
+            ..self
+        };
+        (camera, change)
     }
 
     /// The camera as the text of a camera file; reading it back gives the same camera.
@@ -336,6 +376,39 @@ impl Camera {
         }
         Ok(self)
     }
+}
+
+/// Largest deviation of a product of rows from that of a rotation.
+fn orthonormal_deviation(rows: &[Vector; 3]) -> f64 {
+    let mut most = 0.0_f64;
+    for (i, row) in rows.iter().enumerate() {
+        for (j, other) in rows.iter().enumerate().skip(i) {
+            let expected = if i == j { 1.0 } else { 0.0 };
+            most = most.max((vector::dot(*row, *other) - expected).abs());
+        }
+    }
+    most
+}
+
+/// The rotation nearest to one that is nearly a rotation, in the sum of squares: the orthogonal factor of the polar decomposition.
+///
+/// Newton's iteration `X' = (X + X^-T) / 2` squares the deviation; X^-T has the cross products of the rows over the determinant as rows.
+fn nearest_rotation(rows: &[Vector; 3]) -> [Vector; 3] {
+    let mut rotation = *rows;
+    for _ in 0..4 {
+        let [r0, r1, r2] = rotation;
+        let cofactors = [
+            vector::cross(r1, r2),
+            vector::cross(r2, r0),
+            vector::cross(r0, r1),
+        ];
+        let determinant = vector::dot(r0, cofactors[0]);
+        rotation = [0, 1, 2].map(|i: usize| {
+            let inverse = vector::scale(1.0 / determinant, cofactors[i]);
+            vector::scale(0.5, vector::add(rotation[i], inverse))
+        });
+    }
+    rotation
 }
 
 /// `a` at length 1, unless it is zero or too long for a double.

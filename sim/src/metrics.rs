@@ -6,6 +6,8 @@
 //! - PSNR is `-10 log10(mean squared difference)`, +infinity for identical pictures.
 //! - Bias is the mean of fixed minus float. It is reported beside PSNR because truncating blends darken deep stacks
 //!   by an amount that PSNR hides.
+//! - PSNR, bias and SSIM are given twice: over the whole picture, and over the covered pixels alone, those that are not transparent in both
+//!   pictures. Empty background is drawn without an error and dilutes all three.
 //! - SSIM follows Wang, Bovik, Sheikh and Simoncelli (IEEE TIP 2004): an 11x11 Gaussian window of sigma 1.5,
 //!   K1 = 0.01, K2 = 0.03, averaged over the positions where the window lies inside the picture. A picture narrower or
 //!   lower than the window shrinks the window to its size. Colour is compared by its luminance, alpha by itself.
@@ -44,6 +46,21 @@ pub struct ChannelError {
     /// Mean of fixed minus float.
     pub bias: f64,
     /// Mean structural similarity; 1 for identical pictures.
+    pub ssim: f64,
+    /// The same over the covered pixels.
+    pub covered: CoveredError,
+}
+
+/// Difference of two pictures over the pixels that either of them covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoveredError {
+    /// How many there are.
+    pub pixels: usize,
+    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    pub psnr_db: f64,
+    /// Mean of fixed minus float; 0 without a covered pixel.
+    pub bias: f64,
+    /// Mean structural similarity over the windows around covered pixels; 1 without any.
     pub ssim: f64,
 }
 
@@ -147,28 +164,68 @@ fn channel_error(
     channels: &[usize],
     brightness: impl Fn(&[f64; 4]) -> f64,
 ) -> ChannelError {
-    let mut squares = 0.0;
-    let mut sum = 0.0;
+    let mut whole = Sums::default();
+    let mut covered = Sums::default();
     let mut max_abs = 0.0;
     let mut max_at = (0, 0, channels[0]);
     for (index, (a, b)) in fixed.pixels.iter().zip(&float.pixels).enumerate() {
+        let is_covered = is_covered(a, b);
         for &channel in channels {
             let difference = stored(a[channel]) - stored(b[channel]);
-            squares += difference * difference;
-            sum += difference;
+            whole.add(difference);
+            if is_covered {
+                covered.add(difference);
+            }
             if difference.abs() > max_abs {
                 max_abs = difference.abs();
                 max_at = (index % fixed.width, index / fixed.width, channel);
             }
         }
     }
-    let samples = (fixed.pixels.len() * channels.len()) as f64;
+    let (ssim, ssim_covered) = ssim(fixed, float, brightness);
     ChannelError {
-        psnr_db: psnr(max_abs, squares / samples),
+        psnr_db: psnr(max_abs, whole.mean_square()),
         max_abs,
         max_at,
-        bias: sum / samples,
-        ssim: ssim(fixed, float, brightness),
+        bias: whole.mean(),
+        ssim,
+        covered: CoveredError {
+            pixels: covered.samples / channels.len(),
+            psnr_db: psnr(covered.most, covered.mean_square()),
+            bias: covered.mean(),
+            ssim: ssim_covered,
+        },
+    }
+}
+
+/// Whether a pixel is not transparent in both pictures.
+fn is_covered(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    a[3] != 0.0 || b[3] != 0.0
+}
+
+/// Sums over samples.
+#[derive(Default)]
+struct Sums {
+    samples: usize,
+    sum: f64,
+    squares: f64,
+    most: f64,
+}
+
+impl Sums {
+    fn add(&mut self, difference: f64) {
+        self.samples += 1;
+        self.sum += difference;
+        self.squares += difference * difference;
+        self.most = self.most.max(difference.abs());
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.samples.max(1) as f64
+    }
+
+    fn mean_square(&self) -> f64 {
+        self.squares / self.samples.max(1) as f64
     }
 }
 
@@ -184,19 +241,18 @@ fn psnr(max_abs: f64, mean_square: f64) -> f64 {
 /// Window-weighted means of a, b, a^2, b^2 and ab.
 type Moments = [f64; 5];
 
-/// Mean SSIM over all positions of the window. The Gaussian is separable: rows are filtered first, and only as many
+/// Mean SSIM over all positions of the window, and over those with a covered pixel in their middle. The Gaussian is separable: rows are filtered first, and only as many
 /// filtered rows are kept as the window is high.
-fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64) -> f64 {
+fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64) -> (f64, f64) {
     let across = window(fixed.width);
     let down = window(fixed.height);
     let mut rows: VecDeque<Vec<Moments>> = VecDeque::with_capacity(down.len());
-    let mut sum = 0.0;
-    let mut positions = 0usize;
-    for (a, b) in fixed
+    let (mut whole, mut covered) = (Sums::default(), Sums::default());
+    let lines = fixed
         .pixels
         .chunks(fixed.width)
-        .zip(float.pixels.chunks(fixed.width))
-    {
+        .zip(float.pixels.chunks(fixed.width));
+    for (y, (a, b)) in lines.enumerate() {
         if rows.len() == down.len() {
             rows.pop_front();
         }
@@ -209,11 +265,19 @@ fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64)
             for (row, weight) in rows.iter().zip(&down) {
                 add_weighted(&mut moments, &row[x], *weight);
             }
-            sum += similarity(&moments);
-            positions += 1;
+            let similarity = similarity(&moments);
+            whole.add(similarity);
+            let middle = (y - down.len() / 2) * fixed.width + x + across.len() / 2;
+            if is_covered(&fixed.pixels[middle], &float.pixels[middle]) {
+                covered.add(similarity);
+            }
         }
     }
-    sum / positions as f64
+    let of_covered = match covered.samples {
+        0 => 1.0,
+        _ => covered.mean(),
+    };
+    (whole.mean(), of_covered)
 }
 
 /// Moments along one row, one entry per position of the window.

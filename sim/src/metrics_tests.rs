@@ -68,6 +68,60 @@ fn a_constant_offset_gives_its_textbook_figures() {
 }
 
 #[test]
+fn empty_background_does_not_dilute_the_covered_figures() {
+    // A covered square of 24 x 18 in pictures of growing size: the same figures over covered pixels, growing ones over the whole.
+    let drawn = |size: usize, lift: f64| {
+        picture(size, size, |x, y, c| {
+            let inside = (4..28).contains(&x) && (6..24).contains(&y);
+            let value = 0.5 + 0.2 * ((x + 2 * y) as f64).sin();
+            match (inside, c) {
+                (false, _) => 0.0,
+                (true, 3) => 0.9,
+                (true, _) => value + lift,
+            }
+        })
+    };
+    let mut last = 0.0;
+    for size in [40, 80, 160] {
+        let errors = compare(&drawn(size, 0.01), &drawn(size, 0.0))
+            .unwrap()
+            .colour;
+        let covered = errors.covered;
+        assert_eq!(covered.pixels, 24 * 18);
+        assert!(close(covered.psnr_db, 40.0, 1e-9), "{covered:?}");
+        assert!(close(covered.bias, 0.01, 1e-12), "{covered:?}");
+        assert!(covered.ssim < errors.ssim, "{errors:?}");
+        assert!(errors.psnr_db > last + 1.0 && errors.bias < covered.bias);
+        last = errors.psnr_db;
+    }
+    let nothing = compare(&Picture::new(20, 20), &Picture::new(20, 20)).unwrap();
+    let covered = nothing.alpha.covered;
+    assert_eq!((covered.pixels, covered.bias, covered.ssim), (0, 0.0, 1.0));
+    assert_eq!(covered.psnr_db, f64::INFINITY);
+}
+
+#[test]
+fn covered_everywhere_both_figures_agree() {
+    let float = picture(31, 23, |x, y, c| {
+        if c == 3 {
+            1.0
+        } else {
+            ((x * y) as f64).cos().abs()
+        }
+    });
+    let fixed = picture(31, 23, |x, y, c| float.pixels[y * 31 + x][c] * 0.99);
+    let errors = compare(&fixed, &float).unwrap();
+    for error in [errors.colour, errors.alpha] {
+        assert_eq!(error.covered.pixels, 31 * 23);
+        assert!(close(error.covered.psnr_db, error.psnr_db, 1e-12));
+        assert_eq!(
+            (error.covered.bias, error.covered.ssim),
+            (error.bias, error.ssim)
+        );
+    }
+}
+
+#[test]
 fn bias_is_signed_and_the_largest_difference_is_located() {
     let float = picture(9, 7, |_, _, _| 0.5);
     let mut fixed = float.clone();

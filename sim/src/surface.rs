@@ -32,6 +32,8 @@ pub struct Style {
     pub edge: Option<f64>,
     /// Direction towards the light in the scene's axes; none shows colours as they are.
     pub light: Option<Vector>,
+    /// Leave out points whose normal points away from the eye, instead of turning it.
+    pub cull_backfaces: bool,
 }
 
 impl Style {
@@ -44,6 +46,7 @@ impl Style {
             cutoff: 2.0,
             edge: None,
             light: None,
+            cull_backfaces: false,
         }
     }
 

@@ -163,3 +163,123 @@ fn resizing_scales_the_intrinsics() {
     assert_eq!(resized.rotation, camera.rotation);
     assert_eq!(camera.resized(0, 60).unwrap_err().field, Some("width"));
 }
+
+/// A rotation about a slant axis, its entries rounded to a step.
+fn rounded_rotation(step: f64) -> [[f64; 3]; 3] {
+    let sample = Camera::look_at(
+        [1.3, -2.1, 0.7],
+        [0.2, 0.4, 3.0],
+        [0.1, -1.0, 0.3],
+        50.0,
+        8,
+        8,
+    );
+    sample
+        .unwrap()
+        .rotation
+        .map(|row| row.map(|entry| (entry / step).round() * step))
+}
+
+fn file_of(rotation: [[f64; 3]; 3], translation: [f64; 3]) -> String {
+    let row = |i: usize| {
+        let [a, b, c] = rotation[i];
+        [a, b, c, translation[i]]
+    };
+    let matrix = [row(0), row(1), row(2), [0.0, 0.0, 0.0, 1.0]].concat();
+    file_with("world_to_camera", serde_json::json!(matrix))
+}
+
+#[test]
+fn rounded_rotations_become_rotations_seen_from_the_same_eye() {
+    for (step, translation) in [
+        (1e-5, [0.3, -0.2, 5.0]),
+        (1e-6, [4.5e5, 5.8e6, 300.0]),
+        (2f64.powi(-24), [1.0, 2.0, 3.0]),
+    ] {
+        let given = rounded_rotation(step);
+        let text = file_of(given, translation);
+        let (camera, change) = Camera::corrected_from_json_str(&text).unwrap();
+        let products = |i: usize, j: usize| vector::dot(camera.rotation[i], camera.rotation[j]);
+        for (i, j) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+            let expected = if i == j { 1.0 } else { 0.0 };
+            assert!((products(i, j) - expected).abs() < 1e-15, "{step}: {i} {j}");
+        }
+        assert!(change > 0.05 * step && change <= step, "{step}: {change}");
+        // The eye is where the matrix of the file maps to 0.
+        let eye = camera.eye();
+        let back = vector::add(vector::transform(&given, eye), translation);
+        let scale = translation.iter().fold(1.0, |m: f64, t| m.max(t.abs()));
+        assert!(vector::length(back) < 4e-15 * scale, "{step}: {back:?}");
+        // Nearest: no small turn of it is nearer to the matrix of the file.
+        let distance = |rotation: &[[f64; 3]; 3]| -> f64 {
+            let pairs = rotation.iter().flatten().zip(given.iter().flatten());
+            pairs.map(|(a, b)| (a - b) * (a - b)).sum()
+        };
+        for axis in 0..3 {
+            for angle in [-0.1 * step, 0.1 * step] {
+                let mut turned = camera.rotation;
+                let (p, q) = ((axis + 1) % 3, (axis + 2) % 3);
+                for row in &mut turned {
+                    let (a, b) = (row[p], row[q]);
+                    (row[p], row[q]) = (a - angle * b, b + angle * a);
+                }
+                assert!(distance(&turned) > distance(&camera.rotation), "{step}");
+            }
+        }
+    }
+    let (_, change) = Camera::corrected_from_json_str(&sample().to_json()).unwrap();
+    assert_eq!(change, 0.0);
+}
+
+#[test]
+fn far_from_a_rotation_is_refused() {
+    let text = file_of(rounded_rotation(1e-3), [0.0; 3]);
+    let error = Camera::from_json_str(&text).unwrap_err();
+    assert!(error.to_string().contains("is not a rotation"), "{error}");
+}
+
+/// Both engines draw what the file means: with the rotation as it stands, fixed and float were 93 dB apart.
+#[test]
+fn both_engines_see_the_same_view_of_a_rounded_rotation() {
+    use splatline_sim::rules::{Compositing, Rules};
+    use splatline_sim::{design::DesignChoice, fixed, metrics, reference::float, scene::synthetic};
+    let scene = synthetic::random_gaussians(400, 5, 3.0);
+    let exact = synthetic::camera(96, 96);
+    let turned = Camera::look_at([3.1, -2.2, -3.3], [0.0; 3], [0.1, -1.0, 0.2], 60.0, 96, 96);
+    let turned = turned.unwrap();
+    let rotation = turned
+        .rotation
+        .map(|row| row.map(|entry| (entry * 3e4).round() / 3e4));
+    let text = serde_json::from_str::<serde_json::Value>(&file_of(rotation, turned.translation));
+    let mut file = text.unwrap();
+    for (field, value) in [
+        ("fx", exact.fx),
+        ("fy", exact.fy),
+        ("cx", 48.0),
+        ("cy", 48.0),
+    ] {
+        file[field] = serde_json::json!(value);
+    }
+    (file["width"], file["height"]) = (serde_json::json!(96), serde_json::json!(96));
+    let camera = Camera::from_json_str(&file.to_string()).unwrap();
+    let design = DesignChoice::named("deep32").unwrap();
+    let options = fixed::Options {
+        rules: &Rules::GAUSSIAN_3D,
+        compositing: Compositing::FrontToBack,
+        design: &design,
+        traversal: design.traversal,
+    };
+    let drawn = fixed::draw(&scene, &camera, &options).picture;
+    let float = float::draw(
+        &scene,
+        &camera,
+        &Rules::GAUSSIAN_3D,
+        Compositing::FrontToBack,
+    );
+    let errors = metrics::compare(&drawn, &float.picture).unwrap();
+    assert!(
+        errors.colour.psnr_db > 120.0,
+        "{:.1} dB",
+        errors.colour.psnr_db
+    );
+}

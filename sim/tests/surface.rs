@@ -110,6 +110,56 @@ fn the_kernel_is_near_the_reference() {
     println!("{table}");
 }
 
+/// Covered pixels that are brighter and darker than the reference, and the mean of the differences over them.
+fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f64) {
+    let camera = camera(128);
+    let choice = DesignChoice::named(design).unwrap();
+    let float = draw(scene, &camera, style).picture;
+    let drawn = fixed::surface::draw(scene, &camera, style, &choice, Traversal::Spans).picture;
+    let (mut bright, mut dark, mut sum, mut samples) = (0, 0, 0.0, 0);
+    for (a, b) in drawn.pixels.iter().zip(&float.pixels) {
+        for channel in 0..3 {
+            let difference = a[channel] - b[channel];
+            if b[3] > 0.0 {
+                bright += usize::from(difference > 0.0);
+                dark += usize::from(difference < 0.0);
+                sum += difference;
+                samples += 1;
+            }
+        }
+    }
+    (bright, dark, sum / f64::from(samples))
+}
+
+/// A surface of one colour under a light: what its rounding does to all pixels alike shows as a map of one hue.
+#[test]
+fn errors_of_a_surface_have_no_side() {
+    for colour in [
+        [0.75, 0.75, 0.75],
+        [0.7, 0.7, 0.7],
+        [0.9, 0.4, 0.2],
+        [0.3, 0.35, 0.8],
+    ] {
+        let mut scene = scene("ball", sphere([0.0; 3], 1.0, 8_000, Paint::opaque(colour)));
+        for specular in [0.1, 0.0] {
+            scene.materials[0].specular = specular;
+            for light in [Some([0.5, -1.0, 0.8]), None] {
+                let style = Style {
+                    light,
+                    ..Style::opaque(scene.usual_threshold())
+                };
+                for design in ["standard24", "deep32"] {
+                    println!(
+                        "{colour:?} specular {specular} light {} {design}: {:?}",
+                        light.is_some(),
+                        sides(&scene, &style, design)
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn constants_and_fields_give_the_same_bits() {
     let scene = ball_and_sheet();

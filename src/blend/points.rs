@@ -56,7 +56,7 @@ impl<'a> Slabs<'a> {
     #[inline(always)]
     pub fn at(&mut self, [x, y]: [u16; 2]) -> Option<&mut Slab> {
         let Window { first, last } = self.window;
-        if x < first[0] || x >= last[0] || y < first[1] {
+        if x < first[0] || x >= last[0] || y < first[1] || y >= last[1] {
             return None;
         }
         let index = usize::from(y - first[1]) * self.stride + usize::from(x - first[0]);
@@ -142,6 +142,29 @@ mod tests {
 
     fn unit(value: f64, bits: u8) -> u32 {
         (value * f64::from(bits).exp2()) as u32
+    }
+
+    /// Memory larger than the window holds slabs that belong to no pixel: they are never handed out.
+    #[test]
+    fn slabs_end_with_their_window() {
+        let window = Window {
+            first: [3, 5],
+            last: [7, 8],
+        };
+        let mut memory = [Slab::default(); 40];
+        let mut slabs = Slabs::new(&mut memory, window).unwrap();
+        let mut inside = 0;
+        for (x, y) in (0..12).flat_map(|x| (0..12).map(move |y| (x, y))) {
+            let expected = (3..7).contains(&x) && (5..8).contains(&y);
+            let slab = slabs.at([x, y]);
+            assert_eq!(slab.is_some(), expected, "{x} {y}");
+            if let Some(slab) = slab {
+                assert_eq!(slab.opacity, 0, "{x} {y}: handed out twice");
+                slab.opacity = 1;
+                inside += 1;
+            }
+        }
+        assert_eq!(inside, 12);
     }
 
     /// Points in one range are summed, points of two ranges composited; also where opacities sum to more than 1.

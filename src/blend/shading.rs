@@ -17,10 +17,11 @@ use crate::view::{Projection, View};
 /// 1.0 in the vectors' Q1.30.
 const ONE: i64 = 1 << 30;
 
-/// Fraction bits of a material's coefficients.
-pub const COEFFICIENT: u32 = 24;
+/// Fraction bits of a material's coefficients: like a colour's rounding theirs would put all pixels of a surface on one side, so they are finer
+/// than the pixels.
+pub const COEFFICIENT: u32 = 27;
 
-/// One row of the material table; coefficients are UQ8.24.
+/// One row of the material table; coefficients are UQ5.27.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Material {
     /// Share of the colour that is there without light, ka.
@@ -163,9 +164,9 @@ fn power(base: i64, exponent: u8) -> i64 {
     result
 }
 
-/// Coefficient (UQ.24, saturated to 2^31) times value.
+/// Coefficient (UQ5.27, saturated) times value.
 fn scale(coefficient: i64, value: u32) -> i64 {
-    let coefficient = coefficient.clamp(0, i32::MAX.into());
+    let coefficient = coefficient.clamp(0, u32::MAX.into());
     shift_round(
         coefficient * i64::from(value.min(i32::MAX as u32)),
         COEFFICIENT,

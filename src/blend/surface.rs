@@ -9,7 +9,7 @@
 //! Weights are rounded to f bits first and the rounded weight multiplies all attributes, so that a constant
 //! attribute is reproduced to half a unit. A fragment whose weight sum would reach 128 takes no more: its average stays what it is.
 
-use crate::footprint::surface::Attributes;
+use crate::footprint::surface::{Attributes, attribute_fraction};
 use crate::format::{Rounding, Widths};
 use crate::math::{Product, Scaled, reciprocal, shift_round, shift_unsigned};
 
@@ -86,7 +86,7 @@ pub struct Gather {
     pub threshold: u32,
     fraction: i32,
     alpha: i32,
-    colour: i32,
+    attribute: i32,
     accumulator: u32,
     mantissa: u32,
     rounding: Rounding,
@@ -99,7 +99,7 @@ impl Gather {
             threshold,
             fraction: sum_fraction(widths) as i32,
             alpha: widths.alpha as i32,
-            colour: widths.colour as i32,
+            attribute: attribute_fraction(widths) as i32,
             accumulator: widths.accumulator as u32,
             mantissa: widths.mantissa as u32,
             rounding: widths.rounding,
@@ -139,11 +139,11 @@ impl Gather {
         fragment.far = fragment.far.max(sample.depth);
     }
 
-    /// Weight (UQ1.f) times attribute (UQ1.colour), UQ1.f; below 2^31 for attributes up to 1.
+    /// Weight (UQ1.f) times attribute (UQ1 with the attributes' fraction), UQ1.f; below 2^31 for attributes up to 1.
     #[inline(always)]
     fn share(&self, weight: u32, value: u32) -> u32 {
         let product = u64::from(weight) * u64::from(value);
-        shift_unsigned(product, self.colour, self.rounding).min(i32::MAX as u64) as u32
+        shift_unsigned(product, self.attribute, self.rounding).min(i32::MAX as u64) as u32
     }
 
     /// Division by the weight sum (SURF eq. 9) through the reciprocal unit; an empty fragment is transparent.

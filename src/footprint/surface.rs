@@ -5,19 +5,34 @@
 //! a picture is the same whatever its tiles.
 
 use super::Footprint;
+use crate::format::Widths;
 
 /// Fraction bits of the depth lane.
 pub const DEPTH_FRACTION: u32 = 32;
 
+/// Fraction bits of [`Attributes`]: those of a colour and four more, as far as the inputs have them.
+///
+/// Surfaces of one colour are the rule. What its rounding does it does to every pixel alike, where a volume's many colours would average
+/// out: with a colour's own bits the whole of a surface came out on one side, by more than the pixels' own rounding.
+pub const fn attribute_fraction(widths: &Widths) -> u8 {
+    if widths.colour < 24 {
+        widths.colour + 4
+    } else {
+        28
+    }
+}
+
 /// A projected surface splat.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SurfaceFootprint {
-    /// Where and how heavy it is. The footprint's own colour is [`Attributes::colour`].
+    /// Where and how heavy it is. The footprint's own colour is [`Attributes::colour`], rounded to a colour's bits.
     pub footprint: Footprint,
     /// Depth of the tangent plane.
     pub plane: Plane,
     /// What a pixel filters.
     pub attributes: Attributes,
+    /// The splat shows its back: its normal pointed away from the eye and was turned. Whoever draws closed surfaces leaves these out.
+    pub back: bool,
 }
 
 /// Depth of a tangent plane as a function of the pixel, scene units, Q31.32.
@@ -32,11 +47,11 @@ pub struct Plane {
 /// Attributes of a surface splat, constant over its footprint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attributes {
-    /// Linear red, green, blue, premultiplied with the opacity, UQ1.colour, at most 1.
+    /// Linear red, green, blue, premultiplied with the opacity, UQ1 with [`attribute_fraction`] bits, at most 1.
     pub colour: [u32; 3],
-    /// Opacity, UQ1.colour, at most 1.
+    /// Opacity in the same format, at most 1.
     pub opacity: u32,
-    /// Normal in camera space towards the eye, Q1.colour, each component within [-1, 1].
+    /// Normal in camera space towards the eye, Q1 with as many bits, each component within [-1, 1].
     pub normal: [i32; 3],
     /// Row of the material table.
     pub material: u8,

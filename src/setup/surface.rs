@@ -30,7 +30,9 @@
 use super::jacobian::{Column, columns, turn};
 use super::variance::{Variance, minor, variance};
 use super::{Cull, Projected, bounding_box, conic, cutoff, peak_fixed, project, scan};
-use crate::footprint::surface::{Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint};
+use crate::footprint::surface::{
+    Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
+};
 use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
 use crate::math::{Product, Scaled, reciprocal, shift_unsigned, square_root, sum_of_products};
@@ -70,7 +72,7 @@ pub fn setup_surface<D: Design, P: Pose>(
         &variance,
         cutoff,
     )?;
-    let attributes = attributes(&widths, &view.rotation, &projected, splat);
+    let (attributes, back) = attributes(&widths, &view.rotation, &projected, splat);
     let along_ray = splat
         .frame
         .map(|axis| turn(&widths, &view.rotation, axis)[2]);
@@ -91,12 +93,16 @@ pub fn setup_surface<D: Design, P: Pose>(
         conic,
         cutoff,
         peak,
-        colour: attributes.colour,
+        colour: attributes.colour.map(|channel| {
+            let drop = i32::from(attribute_fraction(&widths)) - i32::from(widths.colour);
+            shift_unsigned(channel.into(), drop, widths.rounding) as u32
+        }),
     };
     Ok(SurfaceFootprint {
         plane: plane(&widths, &projected, first, gradient),
         footprint,
         attributes,
+        back,
     })
 }
 
@@ -180,38 +186,43 @@ fn plane(widths: &Widths, projected: &Projected, first: [u16; 2], gradient: [Sca
     }
 }
 
-/// Colour and opacity clamped to 1, the normal turned into camera space and towards the eye.
+/// Colour and opacity clamped to 1, the normal turned into camera space and towards the eye; and whether that turned it around.
 fn attributes<C>(
     widths: &Widths,
     rotation: &Rotation,
     projected: &Projected,
     splat: &SurfaceSplat<C>,
-) -> Attributes {
-    let colour = i32::from(widths.colour);
-    let one = 1u64 << colour;
-    let unit = |value: u32| shift_unsigned(value.into(), 28 - colour, widths.rounding).min(one);
+) -> (Attributes, bool) {
+    let bits = i32::from(attribute_fraction(widths));
+    let one = 1u64 << bits;
+    let unit = |value: u32| shift_unsigned(value.into(), 28 - bits, widths.rounding).min(one);
     let opacity = unit(splat.opacity.to_bits());
     let premultiplied = |channel: fixed::types::U4F28| {
-        shift_unsigned(unit(channel.to_bits()) * opacity, colour, widths.rounding) as u32
+        shift_unsigned(unit(channel.to_bits()) * opacity, bits, widths.rounding) as u32
     };
-    Attributes {
+    let (normal, back) = facing_normal(widths, rotation, projected, splat.normal);
+    let attributes = Attributes {
         colour: splat.colour.map(premultiplied),
         opacity: opacity as u32,
-        normal: facing_normal(widths, rotation, projected, splat.normal),
+        normal,
         material: splat.material,
-    }
+    };
+    (attributes, back)
 }
 
-/// The normal in camera space, Q1.colour, turned so that it does not point away from the eye.
+/// The normal in camera space, Q1 with the attributes' fraction, turned so that it does not point away from the eye.
 ///
 /// Surfaces are two-sided and normals of scans often are not oriented; averaged as they are, opposite ones would cancel. The turn
 /// leaves no seam: where n . t changes its sign the plane is seen edge-on and the splat's weight is 0.
+///
+/// On closed surfaces whose normals are oriented it leaves a fringe instead: next to the silhouette the back's splats reach over it and are
+/// lit as if they were in front. There the ones that were turned are left out.
 fn facing_normal(
     widths: &Widths,
     rotation: &Rotation,
     projected: &Projected,
     normal: Axis,
-) -> [i32; 3] {
+) -> ([i32; 3], bool) {
     let normal = turn(widths, rotation, normal);
     let [ratio_x, ratio_y] = projected.ratio;
     let [x, y, z] = normal;
@@ -221,9 +232,11 @@ fn facing_normal(
     };
     let bits = widths.mantissa.into();
     let away = sum_of_products([x.times(ratio_x), y.times(ratio_y), depth], bits).mantissa > 0;
-    let limit = 1i64 << widths.colour;
-    normal.map(|n| {
-        let fixed = n.to_fixed(widths.colour.into()).clamp(-limit, limit) as i32;
+    let bits = attribute_fraction(widths);
+    let limit = 1i64 << bits;
+    let facing = normal.map(|n| {
+        let fixed = n.to_fixed(bits.into()).clamp(-limit, limit) as i32;
         if away { -fixed } else { fixed }
-    })
+    });
+    (facing, away)
 }

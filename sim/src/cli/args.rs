@@ -239,6 +239,33 @@ pub struct SurfaceOptions {
     /// Distance of neighbouring heights of a height field, in units of height [default: 0.1]
     #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
     pub spacing: Option<f64>,
+    /// Leaves out points that face away from the eye [default: auto; on if nothing follows]
+    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_value = "auto", default_missing_value = "on", hide_default_value = true, requires = "kind")]
+    pub cull_backfaces: Backfaces,
+    /// The same as --cull-backfaces=off
+    #[arg(long, requires = "kind", conflicts_with = "cull_backfaces")]
+    pub no_cull_backfaces: bool,
+}
+
+impl SurfaceOptions {
+    /// Whether backs are left out, from both options.
+    pub fn backfaces(&self) -> Backfaces {
+        match self.no_cull_backfaces {
+            true => Backfaces::Off,
+            false => self.cull_backfaces,
+        }
+    }
+}
+
+/// When points that face away are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backfaces {
+    /// On clouds of closed surfaces whose normals point outwards
+    Auto,
+    /// Always
+    On,
+    /// Never: they are turned towards the eye
+    Off,
 }
 
 /// What the points of a scene are taken for.

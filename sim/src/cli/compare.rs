@@ -5,7 +5,7 @@ use super::model::machine;
 use super::render::if_nothing_is_seen;
 use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
 use super::sweep::{self, Entry, Manner};
-use super::{Failure, complain, say};
+use super::{Failure, complain, say, warn};
 use anyhow::Context;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -44,6 +44,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }
+    warn(&comparison.report.warnings);
     complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
     say(&summary(&comparison.report, &options.output))?;
     Ok(())
@@ -74,12 +75,17 @@ pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
 /// The chosen design's errors.
 pub fn summary(report: &Report, folder: &Path) -> String {
     let line = |name: &str, error: &ChannelFacts| {
+        let covered = &error.covered;
         format!(
-            "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}\n",
-            decibels(error),
+            "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {} dB, bias {}, SSIM {:.6}\n",
+            decibels(error.psnr_db),
             scientific(error.max_abs),
             signed(error.bias),
-            error.ssim
+            error.ssim,
+            covered.pixels,
+            decibels(covered.psnr_db),
+            signed(covered.bias),
+            covered.ssim,
         )
     };
     let errors = report

@@ -4,7 +4,7 @@ use super::args::{Engine, Size};
 use super::compare::{all_entries, create_folder};
 use super::setup::{View, threads};
 use super::sweep::{self, Entry, Manner};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use anyhow::Context;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -36,6 +36,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         scene,
         camera,
         rules,
+        warnings: Vec::new(),
     };
     let manner = Manner {
         compositing: Compositing::FrontToBack,
@@ -58,6 +59,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
     )?;
     comparison.write(folder, Depth::Eight)?;
     let report = &comparison.report;
+    warn(&report.warnings);
     say(&format!(
         "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\n",
         report.scene.name,

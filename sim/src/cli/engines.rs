@@ -2,6 +2,7 @@
 
 use super::args::Engine;
 use super::drawing::{Drawing, FootprintLine};
+use super::setup::View;
 use anyhow::{Context, Error, Result, bail};
 use rayon::ThreadPoolBuilder;
 use splatline::footprint::{Footprint, depth};
@@ -14,7 +15,7 @@ use splatline_sim::hybrid::Hybrid;
 use splatline_sim::machine::workload::{extract_from, room_for};
 use splatline_sim::machine::{Config, Timing, simulate_alone};
 use splatline_sim::reference::{self, exact, float};
-use splatline_sim::report::facts::Counts;
+use splatline_sim::report::facts::{Counts, SceneFacts};
 use splatline_sim::report::{HostTimes, Pixels};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::Scene;
@@ -167,6 +168,31 @@ pub fn fixed_footprints(task: Task, design: &DesignChoice) -> Vec<Option<Footpri
         .iter()
         .map(|result| result.as_ref().ok().map(line))
         .collect()
+}
+
+/// What the kernel cannot take as it is given, for commands that make no report: the view's own warnings and those of a setup.
+pub fn warnings(view: &View, design: &DesignChoice) -> Vec<String> {
+    let View {
+        scene,
+        camera,
+        rules,
+        warnings,
+    } = view;
+    let options = fixed::Options {
+        rules,
+        compositing: Compositing::FrontToBack,
+        design,
+        traversal: design.traversal,
+    };
+    let mut culled = [0; Cull::ALL.len()];
+    for reason in fixed::footprints(scene, camera, &options)
+        .iter()
+        .filter_map(|f| f.err())
+    {
+        culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1;
+    }
+    let clamped = fixed::QuantisedScene::new(scene, camera, rules).clamped as u64;
+    SceneFacts::new(scene, cull_counts(culled), clamped).warnings(warnings)
 }
 
 /// Footprints in double precision, in splat order; nothing for culled splats.

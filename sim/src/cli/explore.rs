@@ -1,11 +1,12 @@
 //! `splatline explore` and `splatline merge`: sweeps, in one piece or in shards.
 
 use super::compare::create_folder;
+use super::engines;
 use super::machine_args::{AreaOptions, ExploreOptions, MergeOptions, WorkOptions};
 use super::model::machine;
 use super::progress::Progress;
 use super::setup::{COMPARED, View, room_for_picture, write};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use anyhow::{Context, anyhow};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::folder::{self, Appender};
@@ -31,13 +32,15 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     if !options.no_error {
         room_for_picture(&view.camera, COMPARED)?;
     }
+    let design = DesignChoice::load(&options.work.design.0)?;
+    warn(&engines::warnings(&view, &design));
     let reference = (!options.no_error).then(|| reference(&view, &options.work));
     let subject = Subject {
         scene: &view.scene,
         camera: &view.camera,
         rules: &view.rules,
         compositing: options.work.compositing.into(),
-        design: DesignChoice::load(&options.work.design.0)?,
+        design,
         traversal: options.work.traversal.map(Into::into),
         machine: machine(&options.machine)?,
         calibration: calibration(&options.area)?,

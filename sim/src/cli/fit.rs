@@ -1,10 +1,11 @@
 //! `splatline fit`: the smallest design within an error budget.
 
+use super::engines;
 use super::explore::reference;
 use super::machine_args::{FitOptions, MetricChoice, WorkOptions};
 use super::progress::Progress;
 use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use anyhow::anyhow;
 use splatline::format::{Traversal, WIDTH_RANGES};
 use splatline_sim::design::{DesignChoice, traversal_name};
@@ -19,6 +20,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
         MetricChoice::Rms => Metric::Rms,
     };
     let start = DesignChoice::load(&options.work.design.0)?;
+    warn(&engines::warnings(&view, &start));
     let fitted = fitted(&view, &options.work, metric, options.max_error)?;
     say(&text(&start, &fitted))?;
     if let Some(path) = &options.output {

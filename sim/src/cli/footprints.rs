@@ -7,7 +7,7 @@ use super::args::{Engine, FootprintsOptions};
 use super::drawing::FootprintLine;
 use super::engines::{self, Task};
 use super::setup::{View, check_folder_of, write};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
@@ -21,22 +21,31 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
             "--engine exact integrates along rays and has no footprints; use fixed or float";
         return Err(Failure::Usage(message.to_owned()));
     }
+    let view = View::from_options(&options.view)?;
     let View {
         scene,
         camera,
         rules,
-    } = View::from_options(&options.view)?;
+        ..
+    } = &view;
     // Footprints do not depend on the order of blending.
     let compositing = Compositing::FrontToBack;
     let task = Task {
-        scene: &scene,
-        camera: &camera,
-        rules: &rules,
+        scene,
+        camera,
+        rules,
         compositing,
     };
     let lines = match options.engine {
-        Engine::Fixed => engines::fixed_footprints(task, &DesignChoice::load(&options.design.0)?),
-        _ => engines::float_footprints(task),
+        Engine::Fixed => {
+            let design = DesignChoice::load(&options.design.0)?;
+            warn(&engines::warnings(&view, &design));
+            engines::fixed_footprints(task, &design)
+        }
+        _ => {
+            warn(&view.warnings);
+            engines::float_footprints(task)
+        }
     };
     write(&options.output, csv(&lines).as_bytes())?;
     let culled = lines.iter().filter(|line| line.is_none()).count();

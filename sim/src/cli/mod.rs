@@ -122,6 +122,13 @@ fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
     }
 }
 
+/// Warnings to stderr, one line each.
+fn warn(lines: &[String]) {
+    for line in lines {
+        complain(&format!("warning: {line}\n"));
+    }
+}
+
 /// Prints to stderr; if even that fails, nobody is left to tell.
 fn complain(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());

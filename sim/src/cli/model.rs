@@ -1,10 +1,11 @@
 //! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
 
 use super::compare::create_folder;
+use super::engines;
 use super::explore::calibration;
 use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
 use super::setup::{View, write};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use anyhow::{Context, anyhow};
 use serde_json::json;
 use splatline::format::Traversal;
@@ -33,6 +34,8 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         ),
         (Some(view), None) => {
             let view_of = View::from_options(view)?;
+            let design = DesignChoice::load(&options.work.design.0)?;
+            warn(&engines::warnings(&view_of, &design));
             let workload = from_scene(&view_of, &options.work, &config)?;
             (view_of.scene.name, workload)
         }

@@ -1,12 +1,13 @@
 //! `splatline needs`: which units, layers, ranges, widths and FIFO depths a scene exercises.
 
 use super::args::TraversalChoice;
+use super::engines;
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::model::{from_scene, machine};
 use super::setup::{View, check_folder_of, write};
 use super::surface::SurfaceView;
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use serde_json::json;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -26,6 +27,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     let config = machine(&options.machine)?;
     let view = View::from_options(&options.view)?;
     let design = DesignChoice::load(&options.work.design.0)?;
+    warn(&engines::warnings(&view, &design));
     let traversal = options
         .work
         .traversal

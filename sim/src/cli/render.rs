@@ -4,7 +4,7 @@ use super::args::{Engine, RenderOptions};
 use super::progress::Progress;
 use super::setup::{DRAWN, View, check_folder_of, room_for_picture, write};
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
-use super::{Failure, complain, say};
+use super::{Failure, complain, say, warn};
 use splatline_sim::picture::Picture;
 use splatline_sim::report::Report;
 use splatline_sim::report::facts::Counts;
@@ -48,6 +48,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         write(path, report.to_json()?.as_bytes())?;
     }
     drop(progress);
+    warn(&report.warnings);
     complain(&if_nothing_is_seen(&measured.drawing.picture, &report));
     say(&summary(&report))?;
     Ok(())

@@ -3,7 +3,7 @@
 use super::Failure;
 use super::args::{AntialiasChoice, Size, USUAL_FOV, Vector, ViewOptions};
 use anyhow::{Context, anyhow};
-use splatline_sim::camera::Camera;
+use splatline_sim::camera::{Camera, NOTABLE_CORRECTION};
 use splatline_sim::hybrid::spacing;
 use splatline_sim::memory;
 use splatline_sim::rules::{Antialias, Rules};
@@ -22,6 +22,8 @@ pub struct View {
     pub scene: Scene,
     pub camera: Camera,
     pub rules: Rules,
+    /// What was changed on the way in; for reports and stderr.
+    pub warnings: Vec<String>,
 }
 
 impl View {
@@ -33,7 +35,7 @@ impl View {
             light,
         };
         let scene = scene::load(&options.scene, &load_options)?;
-        let camera = camera_or(options, scene.up, |size| {
+        let (camera, warnings) = camera_or(options, scene.up, |size| {
             scene.default_camera(size.width, size.height)
         })?;
         let rules = rules(options, &scene);
@@ -41,6 +43,7 @@ impl View {
             scene,
             camera,
             rules,
+            warnings,
         })
     }
 }
@@ -56,19 +59,40 @@ fn rules(options: &ViewOptions, scene: &Scene) -> Rules {
     }
 }
 
-/// The camera of the options, or the scene's own. `up` is used where the options do not say.
+/// The camera of the options, or the scene's own, and what had to be corrected. `up` is used where the options do not say.
 pub fn camera_or(
     options: &ViewOptions,
     up: [f64; 3],
     default: impl FnOnce(Size) -> Camera,
-) -> Result<Camera, Failure> {
+) -> Result<(Camera, Vec<String>), Failure> {
     if let Some(path) = &options.camera {
-        let camera = Camera::from_json_file(path)?;
-        return match options.size {
-            Some(size) => Ok(camera.resized(size.width, size.height)?),
-            None => Ok(camera),
+        let (camera, change) = Camera::corrected_from_json_file(path)?;
+        let camera = match options.size {
+            Some(size) => camera.resized(size.width, size.height)?,
+            None => camera,
         };
+        return Ok((camera, correction(path, change)));
     }
+    Ok((placed_camera(options, up, default)?, Vec::new()))
+}
+
+/// What to say about a rotation that was corrected.
+fn correction(path: &Path, change: f64) -> Vec<String> {
+    if change <= NOTABLE_CORRECTION {
+        return Vec::new();
+    }
+    let file = path.display();
+    vec![format!(
+        "camera file '{file}': 'world_to_camera' is a rotation only nearly; the nearest one is used, which changes entries by up to {change:.1e}"
+    )]
+}
+
+/// The camera of `--eye` and `--target`, or the scene's own.
+fn placed_camera(
+    options: &ViewOptions,
+    up: [f64; 3],
+    default: impl FnOnce(Size) -> Camera,
+) -> Result<Camera, Failure> {
     let size = options.size.unwrap_or(USUAL_SIZE);
     let (Some(Vector(eye)), Some(Vector(target))) = (options.eye, options.target) else {
         return sound_camera(default(size), &options.scene.display().to_string());

@@ -1,8 +1,8 @@
 //! `render` and `compare` with `--as surface`: a point cloud drawn as surface splats, in fixed point and in double precision.
 
 use super::args::{
-    CompareOptions, DrawingOptions, Engine, KernelChoice, RenderOptions, SurfaceOptions, Vector,
-    ViewOptions,
+    Backfaces, CompareOptions, DrawingOptions, Engine, KernelChoice, RenderOptions, SurfaceOptions,
+    Vector, ViewOptions,
 };
 use super::compare::{all_entries, summary as comparison_summary};
 use super::drawing::Drawing;
@@ -11,15 +11,16 @@ use super::progress::Progress;
 use super::render::{if_nothing_is_seen, summary};
 use super::setup::{COMPARED, DRAWN, camera_or, room_for_picture, write};
 use super::sweep::{Comparison, Entry, Manner, Measured, measure};
-use super::{Failure, say};
+use super::{Failure, say, warn};
 use anyhow::Context;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::traversal_name;
 use splatline_sim::metrics::compare;
 use splatline_sim::report::error_map::ErrorMap;
-use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts};
+use splatline_sim::report::facts::{CameraFacts, Counts, RulesFacts, SceneFacts};
 use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Pixels, Report, Row, ScaleFacts};
 use splatline_sim::scene::points::height_field::{self, HeightField};
+use splatline_sim::scene::points::orientation::Orientation;
 use splatline_sim::scene::points::{self, SurfaceScene};
 use splatline_sim::surface::{Buffer, Style, USUAL_EDGE};
 use splatline_sim::systems::{Use, exercised};
@@ -36,6 +37,7 @@ pub(super) struct SurfaceView {
     camera: Camera,
     pub(super) style: Style,
     textured: bool,
+    warnings: Vec<String>,
 }
 
 impl SurfaceView {
@@ -49,11 +51,14 @@ impl SurfaceView {
             true => load_height_field(view, surface)?,
             false => load_cloud(view, surface)?,
         };
-        let camera = camera_or(view, scene.up, |size| match is_height_field {
+        let (camera, warnings) = camera_or(view, scene.up, |size| match is_height_field {
             true => height_field::default_camera(&scene, size.width, size.height),
             false => scene.default_camera(size.width, size.height),
         })?;
-        let style = style(surface, view.light, &scene);
+        let style = Style {
+            cull_backfaces: culls_backfaces(surface, &scene),
+            ..style(surface, view.light, &scene)
+        };
         for note in &scene.notes {
             super::complain(&format!("{}: {note}\n", scene.name));
         }
@@ -62,7 +67,20 @@ impl SurfaceView {
             camera,
             style,
             textured: surface.texture.is_some(),
+            warnings,
         })
+    }
+}
+
+/// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
+fn culls_backfaces(options: &SurfaceOptions, scene: &SurfaceScene) -> bool {
+    match options.backfaces() {
+        Backfaces::On => true,
+        Backfaces::Off => false,
+        Backfaces::Auto => {
+            let opaque = scene.points.iter().all(|point| point.opacity >= 1.0);
+            opaque && Orientation::of(scene).is_closed_outwards()
+        }
     }
 }
 
@@ -159,6 +177,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         .write_png(&options.output, drawing.depth)?;
     write_json(drawing, &report)?;
     drop(progress);
+    warn(&report.warnings);
     super::complain(&if_nothing_is_seen(&measured.drawing.picture, &report));
     say(&summary(&report))?;
     Ok(())
@@ -185,6 +204,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
     let comparison = sweep(&view, &manner, &chosen, &entries)?;
     comparison.write(&options.output, drawing.depth)?;
     write_json(drawing, &comparison.report)?;
+    warn(&comparison.report.warnings);
     super::complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
     say(&comparison_summary(&comparison.report, &options.output))?;
     Ok(())
@@ -251,7 +271,7 @@ fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Res
         let [setup_s, raster_s] = drawing.times;
         Ok(Drawing {
             picture: drawing.picture,
-            culled: cull_counts(drawing.culled),
+            culled: with_backfaces(cull_counts(drawing.culled), style, drawing.backfaces),
             clamped: drawing.clamped as u64,
             pixels: Some(Pixels {
                 covered: drawing.coverage.covered,
@@ -272,13 +292,25 @@ fn draw_float(view: &SurfaceView, manner: &Manner) -> anyhow::Result<Measured> {
         let drawing = reference::surface::draw(&view.scene, &view.camera, &view.style);
         Ok(Drawing {
             picture: drawing.picture,
-            culled: reference_culled(&drawing.counts),
+            culled: with_backfaces(
+                reference_culled(&drawing.counts),
+                &view.style,
+                drawing.counts.backfaces,
+            ),
             clamped: 0,
             pixels: None,
             stages: HostTimes::default(),
             footprints: Vec::new(),
         })
     })
+}
+
+/// Backs among the reasons for culling, where they are left out.
+fn with_backfaces(mut culled: Counts, style: &Style, backfaces: usize) -> Counts {
+    if style.cull_backfaces {
+        culled.insert("backface".to_owned(), backfaces as u64);
+    }
+    culled
 }
 
 fn report_of_entry(
@@ -301,19 +333,21 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
         ..
     } = view;
     let skipped = (scene.skipped > 0).then(|| ("unusable".to_owned(), scene.skipped as u64));
+    let facts = SceneFacts {
+        name: scene.name.clone(),
+        splats: scene.points.len() as u64,
+        skipped: skipped.into_iter().collect(),
+        culled: measured.drawing.culled.clone(),
+        clamped: measured.drawing.clamped,
+    };
     Report {
         format: FORMAT.to_owned(),
         engine: engine.name().to_owned(),
         reference: None,
         design: serde_json::Value::Null,
         traversal: None,
-        scene: SceneFacts {
-            name: scene.name.clone(),
-            splats: scene.points.len() as u64,
-            skipped: skipped.into_iter().collect(),
-            culled: measured.drawing.culled.clone(),
-            clamped: measured.drawing.clamped,
-        },
+        warnings: facts.warnings(&view.warnings),
+        scene: facts,
         camera: CameraFacts::from(camera),
         rules: RulesFacts {
             name: "surf".to_owned(),

@@ -208,6 +208,7 @@ fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
         scene,
         camera,
         rules,
+        ..
     } = view;
     Task {
         scene,
@@ -308,17 +309,19 @@ pub fn report_of_drawing(
     engine: Engine,
     measured: &Measured,
 ) -> Report {
+    let scene = SceneFacts::new(
+        &view.scene,
+        measured.drawing.culled.clone(),
+        measured.drawing.clamped,
+    );
     Report {
         format: FORMAT.to_owned(),
         engine: engine.name().to_owned(),
         reference: None,
         design: serde_json::Value::Null,
         traversal: None,
-        scene: SceneFacts::new(
-            &view.scene,
-            measured.drawing.culled.clone(),
-            measured.drawing.clamped,
-        ),
+        warnings: scene.warnings(&view.warnings),
+        scene,
         camera: CameraFacts::from(&view.camera),
         rules: RulesFacts::from(&view.rules),
         compositing: compositing_name(manner.compositing).to_owned(),

@@ -1,9 +1,11 @@
 //! `splatline trace`: the raster phase of some splats for a trace viewer.
 
+use super::engines;
 use super::machine_args::{TraceFormat, TraceOptions};
 use super::model::{from_scene, machine};
 use super::setup::{View, check_folder_of, write};
-use super::{Failure, say};
+use super::{Failure, say, warn};
+use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::simulate_observed;
 use splatline_sim::trace::{Recorder, kanata, perfetto, vcd};
@@ -24,6 +26,8 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     }
     let config = machine(&options.machine)?;
     let view = View::from_options(&options.view)?;
+    let design = DesignChoice::load(&options.work.design.0)?;
+    warn(&engines::warnings(&view, &design));
     let workload = from_scene(&view, &options.work, &config)?;
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let mut recorder = Recorder::new(options.first, last);

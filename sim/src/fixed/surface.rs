@@ -87,6 +87,8 @@ pub struct SurfaceDrawing {
     pub weights: Vec<f64>,
     /// Points culled, by reason, in the order of [`Cull::ALL`].
     pub culled: [usize; Cull::ALL.len()],
+    /// Points left out because they show their back.
+    pub backfaces: usize,
     /// Points of which a coordinate was clamped to its format.
     pub clamped: usize,
     /// Pixels visited and covered.
@@ -140,9 +142,11 @@ pub fn draw(
     let points = QuantisedPoints::new(scene, camera);
     let results = footprints(&points, style, design);
     let mut culled = [0; Cull::ALL.len()];
+    let mut backfaces = 0;
     let mut drawn = Vec::with_capacity(results.len());
     for result in results {
         match result {
+            Ok(footprint) if style.cull_backfaces && footprint.back => backfaces += 1,
             Ok(footprint) => drawn.push(footprint),
             Err(reason) => culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1,
         }
@@ -173,6 +177,7 @@ pub fn draw(
         pixels: raster.pixels,
         weights: raster.weights,
         culled,
+        backfaces,
         clamped: points.clamped,
         coverage: raster.coverage,
         merged: raster.merged,
@@ -180,10 +185,10 @@ pub fn draw(
     }
 }
 
-/// A material in the kernel's UQ8.24.
+/// A material in the kernel's UQ5.27.
 fn material(material: &Material) -> shading::Material {
     let unit = exp2(shading::COEFFICIENT as i32);
-    let coefficient = |value: f64| (value.clamp(0.0, 100.0) * unit).round() as u32;
+    let coefficient = |value: f64| (value * unit).round().clamp(0.0, u32::MAX.into()) as u32;
     shading::Material {
         ambient: coefficient(material.ambient),
         diffuse: coefficient(material.diffuse),

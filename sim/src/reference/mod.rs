@@ -39,6 +39,8 @@ pub enum Culled {
     Degenerate,
     /// Its position, axes, weight or colour is NaN or infinite.
     NonFinite,
+    /// It shows its back, and the style leaves backs out.
+    Backface,
 }
 
 /// What became of a scene's splats in one drawing; `splats` is the sum of `drawn` and the reasons for culling.
@@ -60,6 +62,8 @@ pub struct Counts {
     pub degenerate: usize,
     /// Culled as [`Culled::NonFinite`].
     pub non_finite: usize,
+    /// Culled as [`Culled::Backface`].
+    pub backfaces: usize,
     /// Pairs of a splat and a pixel that were blended: inside the cut-off, not too faint, pixel not yet finished.
     pub covered_pixels: u64,
 }
@@ -80,6 +84,7 @@ impl Counts {
                 Err(Culled::Transparent) => &mut counts.transparent,
                 Err(Culled::Degenerate) => &mut counts.degenerate,
                 Err(Culled::NonFinite) => &mut counts.non_finite,
+                Err(Culled::Backface) => &mut counts.backfaces,
             };
             *counter += 1;
         }

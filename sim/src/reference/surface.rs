@@ -110,6 +110,10 @@ pub fn project(
     if bounds.is_empty() {
         return Err(Culled::OutsideViewport);
     }
+    let (normal, back) = facing_normal(point, position, camera);
+    if back && style.cull_backfaces {
+        return Err(Culled::Backface);
+    }
     Ok(SurfaceFootprint {
         centre,
         depth: position[2],
@@ -118,15 +122,15 @@ pub fn project(
         conic,
         peak,
         bounds,
-        normal: facing_normal(point, position, camera),
+        normal,
         colour: point.colour.map(|c| c * point.opacity),
         opacity: point.opacity,
         material: point.material,
     })
 }
 
-/// The normal in camera space, turned towards the eye: surfaces are two-sided.
-fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> Vector {
+/// The normal in camera space, turned towards the eye, and whether it had pointed away.
+fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> (Vector, bool) {
     let normal = vector::transform(&camera.rotation, point.normal);
     let ray = if camera.orthographic {
         [0.0, 0.0, 1.0]
@@ -134,7 +138,7 @@ fn facing_normal(point: &SurfacePoint, position: Vector, camera: &Camera) -> Vec
         position
     };
     let away = vector::dot(normal, ray) > 0.0;
-    vector::scale(if away { -1.0 } else { 1.0 }, normal)
+    (vector::scale(if away { -1.0 } else { 1.0 }, normal), away)
 }
 
 /// d(tangent coordinates)/d(pixel) at the splat's centre: rays through the pixel and its neighbours, cut with the tangent

@@ -40,6 +40,41 @@ impl SceneFacts {
     }
 }
 
+/// Reasons for culling that are a matter of the kernel's ranges and not of the view.
+const BEYOND_RANGE: [(&str, &str); 2] = [
+    (
+        "out_of_range",
+        "culled because they lie or reach too far off the screen",
+    ),
+    (
+        "degenerate",
+        "culled because their footprint has no area in the kernel's formats",
+    ),
+];
+
+impl SceneFacts {
+    /// What was not drawn as it was given, in one line after those that are known already: what was clamped, and what was culled for range.
+    /// Splats that the view simply does not show are no matter for a warning.
+    pub fn warnings(&self, known: &[String]) -> Vec<String> {
+        let clamped = (self.clamped, "clamped to the range of their format");
+        let culled = BEYOND_RANGE.map(|(reason, words)| {
+            let count = self.culled.get(reason).copied().unwrap_or(0);
+            (count, words)
+        });
+        let parts: Vec<String> = std::iter::once(clamped)
+            .chain(culled)
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, words)| format!("{count} {words}"))
+            .collect();
+        let mut lines = known.to_vec();
+        if !parts.is_empty() {
+            let (name, splats) = (&self.name, self.splats);
+            lines.push(format!("{name}: of {splats} splats {}", parts.join(", ")));
+        }
+        lines
+    }
+}
+
 /// The camera in the form of a camera file, so that a report's camera can be used again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CameraFacts {

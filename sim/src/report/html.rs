@@ -84,9 +84,14 @@ fn header(report: &Report) -> String {
         subject = escape(&subject(report)),
         reference = escape(report.reference.as_deref().unwrap_or("no")),
     );
+    let warnings: String = report
+        .warnings
+        .iter()
+        .map(|line| format!("<p class=\"facts\">Warning: {}</p>\n", escape(line)))
+        .collect();
     format!(
         "<header>\n<p class=\"product\">splatline: fixed point against float</p>\n<h1>{name}</h1>\n\
-         <p class=\"facts\">{facts}</p>\n{headline}</header>\n<main>\n",
+         <p class=\"facts\">{facts}</p>\n{warnings}{headline}</header>\n<main>\n",
         name = escape(&report.scene.name),
         headline = headline(report),
     )
@@ -106,11 +111,23 @@ fn headline(report: &Report) -> String {
     if let Some(error) = &report.error {
         figures.push((
             "PSNR of RGB",
-            with_unit(table::decibels(&error.rgb), error.rgb.psnr_db.map(|_| "dB")),
+            with_unit(
+                table::decibels(error.rgb.psnr_db),
+                error.rgb.psnr_db.map(|_| "dB"),
+            ),
         ));
         figures.push(("largest error", table::scientific(error.rgb.max_abs)));
         figures.push(("bias", table::signed(error.rgb.bias)));
         figures.push(("SSIM", format!("{:.5}", error.rgb.ssim)));
+        let covered = &error.rgb.covered;
+        figures.push((
+            "PSNR, covered pixels",
+            with_unit(
+                table::decibels(covered.psnr_db),
+                covered.psnr_db.map(|_| "dB"),
+            ),
+        ));
+        figures.push(("bias, covered pixels", table::signed(covered.bias)));
     }
     if let Some(pixels) = report.pixels.filter(|pixels| pixels.covered > 0) {
         figures.push((
@@ -281,7 +298,8 @@ fn sweep(report: &Report) -> Result<String, PageError> {
          work, it is not the time of a chip.</p>\n<div class=\"plot\">\n<div class=\"wide\">{wide}</div>\n\
          <div class=\"narrow\">{narrow}</div>\n</div>\n{cycles}</section>\n\
          <section>\n<h2>All designs</h2>\n<p class=\"read\">Errors are those of red, green and blue in units of 1.0 (one step of \
-         an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. Visited counts each \
+         an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. PSNR, bias and SSIM come twice, over the whole picture and \
+         (cov) over the pixels that either picture covers. Visited counts each \
          pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
          is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{machine}",
         repeat = plural(report.host.repeat, "run", "median of "),
@@ -372,7 +390,7 @@ fn systems(report: &Report) -> String {
             |error| {
                 format!(
                     "<td>{}</td><td>{}</td><td>{}</td>",
-                    table::decibels(&error.rgb),
+                    table::decibels(error.rgb.psnr_db),
                     table::scientific(error.rgb.max_abs),
                     table::signed(error.rgb.bias)
                 )
@@ -403,8 +421,8 @@ fn systems(report: &Report) -> String {
 fn error_table(error: &ErrorFacts) -> String {
     let line = |name: &str, facts: &ChannelFacts| {
         format!(
-            "<tr><td class=\"word\">{name}</td><td>{}</td><td>{}</td><td>({}, {}) {}</td><td>{}</td><td>{:.6}</td></tr>\n",
-            table::decibels(facts),
+            "<tr><td class=\"word\">{name}</td><td>{}</td><td>{}</td><td>({}, {}) {}</td><td>{}</td><td>{:.6}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.6}</td></tr>\n",
+            table::decibels(facts.psnr_db),
             table::scientific(facts.max_abs),
             facts.max_at.x,
             facts.max_at.y,
@@ -413,11 +431,15 @@ fn error_table(error: &ErrorFacts) -> String {
                 .unwrap_or(&"?"),
             table::signed(facts.bias),
             facts.ssim,
+            table::count(facts.covered.pixels as u64),
+            table::decibels(facts.covered.psnr_db),
+            table::signed(facts.covered.bias),
+            facts.covered.ssim,
         )
     };
     format!(
         "<section>\n<h2>Errors of the picture</h2>\n<div class=\"scroll\"><table class=\"short\">\n<tr><th class=\"word\">channels</th>\
-         <th>PSNR dB</th><th>max error</th><th>at pixel</th><th>bias</th><th>SSIM</th></tr>\n{}{}</table></div>\n</section>\n",
+         <th>PSNR dB</th><th>max error</th><th>at pixel</th><th>bias</th><th>SSIM</th><th>covered pixels</th><th>PSNR cov</th><th>bias cov</th><th>SSIM cov</th></tr>\n{}{}</table></div>\n</section>\n",
         line("RGB", &error.rgb),
         line("alpha", &error.alpha),
     )

@@ -39,6 +39,9 @@ pub struct Report {
     pub traversal: Option<String>,
     /// What was drawn.
     pub scene: SceneFacts,
+    /// What was not drawn as it was given: every line of warning that went to stderr.
+    #[serde(default)]
+    pub warnings: Vec<String>,
     /// From where; the form of a camera file.
     pub camera: CameraFacts,
     /// Under which rules.
@@ -85,6 +88,22 @@ pub struct ChannelFacts {
     /// Mean of fixed minus float.
     pub bias: f64,
     /// Mean structural similarity of luminance (`rgb`) or of A (`alpha`).
+    pub ssim: f64,
+    /// The same over the covered pixels alone.
+    #[serde(default)]
+    pub covered: CoveredFacts,
+}
+
+/// Errors in one channel group over the pixels that either picture covers, in units of 1.0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CoveredFacts {
+    /// How many there are.
+    pub pixels: usize,
+    /// Null if no sample differs.
+    pub psnr_db: Option<f64>,
+    /// Mean of fixed minus float.
+    pub bias: f64,
+    /// Mean structural similarity over the windows around them.
     pub ssim: f64,
 }
 
@@ -212,6 +231,12 @@ impl From<&ChannelError> for ChannelFacts {
             max_at: SampleAt { x, y, channel },
             bias: error.bias,
             ssim: error.ssim,
+            covered: CoveredFacts {
+                pixels: error.covered.pixels,
+                psnr_db: Some(error.covered.psnr_db).filter(|psnr| psnr.is_finite()),
+                bias: error.covered.bias,
+                ssim: error.covered.ssim,
+            },
         }
     }
 }

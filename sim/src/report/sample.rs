@@ -57,6 +57,12 @@ pub fn rows() -> Vec<Row> {
             },
             bias,
             ssim: 1.0 - rms * 3.0,
+            covered: CoveredFacts {
+                pixels: 118_233,
+                psnr_db: Some(psnr - 3.5),
+                bias: 2.2 * bias,
+                ssim: 1.0 - rms * 6.0,
+            },
         };
         Row {
             design: design.to_owned(),
@@ -113,6 +119,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
             culled: [("outside".to_owned(), 1204), ("transparent".to_owned(), 87)].into(),
             clamped: 3,
         },
+        warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
         camera: CameraFacts::from(&camera),
         rules: RulesFacts::from(&Rules::GAUSSIAN_3D),
         compositing: compositing_name(Compositing::FrontToBack).to_owned(),

@@ -1,15 +1,21 @@
 //! The sweep's table: one set of cells for the terminal, for Markdown and for the page.
 
-use super::{ChannelFacts, Row};
+use super::Row;
+
+/// Number of columns.
+pub const COLUMNS: usize = 16;
 
 /// Headings, in the order of [`cells`].
-pub const HEADINGS: [&str; 13] = [
+pub const HEADINGS: [&str; COLUMNS] = [
     "design",
     "traversal",
     "PSNR dB",
     "max error",
     "bias",
     "SSIM",
+    "PSNR cov",
+    "bias cov",
+    "SSIM cov",
     "visited",
     "vis/cov",
     "setup ms",
@@ -22,15 +28,18 @@ pub const HEADINGS: [&str; 13] = [
 /// How many columns at the left are words; the others are numbers and align to the right.
 pub const WORD_COLUMNS: usize = 2;
 
-/// One line as text.
-pub fn cells(row: &Row) -> [String; 13] {
+/// One line as text; `cov` is over covered pixels alone.
+pub fn cells(row: &Row) -> [String; COLUMNS] {
     [
         row.design.clone(),
         row.traversal.clone(),
-        decibels(&row.error),
+        decibels(row.error.psnr_db),
         scientific(row.error.max_abs),
         signed(row.error.bias),
         format!("{:.5}", row.error.ssim),
+        decibels(row.error.covered.psnr_db),
+        signed(row.error.covered.bias),
+        format!("{:.5}", row.error.covered.ssim),
         count(row.visited),
         row.visited_per_covered
             .map_or_else(|| "-".to_owned(), |ratio| format!("{ratio:.2}")),
@@ -47,7 +56,7 @@ pub fn cells(row: &Row) -> [String; 13] {
 
 /// Aligned plain text for a terminal.
 pub fn plain(rows: &[Row]) -> String {
-    let lines: Vec<[String; 13]> = rows.iter().map(cells).collect();
+    let lines: Vec<[String; COLUMNS]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = plain_line(&HEADINGS, &widths);
     let rule: Vec<String> = widths.iter().map(|&width| "-".repeat(width)).collect();
@@ -60,7 +69,7 @@ pub fn plain(rows: &[Row]) -> String {
 
 /// A Markdown table, aligned in the source as well.
 pub fn markdown(rows: &[Row]) -> String {
-    let lines: Vec<[String; 13]> = rows.iter().map(cells).collect();
+    let lines: Vec<[String; COLUMNS]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = markdown_line(&HEADINGS, &widths);
     let rule: Vec<String> = widths
@@ -79,8 +88,8 @@ pub fn markdown(rows: &[Row]) -> String {
 }
 
 /// `57.31`, or `identical` where the PSNR would be infinite.
-pub fn decibels(error: &ChannelFacts) -> String {
-    match error.psnr_db {
+pub fn decibels(psnr_db: Option<f64>) -> String {
+    match psnr_db {
         Some(psnr) => format!("{psnr:.2}"),
         None => "identical".to_owned(),
     }
@@ -121,7 +130,7 @@ fn milliseconds(seconds: f64) -> String {
     format!("{:.1}", seconds * 1e3)
 }
 
-fn widths(lines: &[[String; 13]]) -> Vec<usize> {
+fn widths(lines: &[[String; COLUMNS]]) -> Vec<usize> {
     let widest = |column: usize| {
         lines
             .iter()

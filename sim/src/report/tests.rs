@@ -35,6 +35,11 @@ fn json_has_the_keys_that_scripts_read() {
         "/error/rgb/max_abs",
         "/error/rgb/bias",
         "/error/rgb/ssim",
+        "/error/rgb/covered/pixels",
+        "/error/rgb/covered/psnr_db",
+        "/error/rgb/covered/bias",
+        "/error/rgb/covered/ssim",
+        "/warnings/0",
         "/error/alpha/psnr_db",
         "/error_map/limit",
         "/error_map/knee",
@@ -102,11 +107,11 @@ fn nothing_covered_gives_no_ratio() {
 #[test]
 fn the_text_table_is_aligned() {
     let expected = "\
-design    traversal  PSNR dB  max error     bias     SSIM     visited  vis/cov  setup ms  sort ms  raster ms  total ms  Mcycles
---------  ---------  -------  ---------  -------  -------  ----------  -------  --------  -------  ---------  --------  -------
-classic8  box          32.41     1.8e-1  -1.9e-2  0.92812  46 677 771     2.56      82.4     20.6      309.0     412.0   51.678
-classic8  spans        32.52     1.8e-1  -1.9e-2  0.92902  18 931 002     1.04      61.0     15.2      228.8     305.0   23.931
-lean18    box          55.13     1.3e-2  -4.1e-5  0.99474  46 677 771     2.56      86.2     21.6      323.2     431.0   51.678
+design    traversal  PSNR dB  max error     bias     SSIM  PSNR cov  bias cov  SSIM cov     visited  vis/cov  setup ms  sort ms  raster ms  total ms  Mcycles
+--------  ---------  -------  ---------  -------  -------  --------  --------  --------  ----------  -------  --------  -------  ---------  --------  -------
+classic8  box          32.41     1.8e-1  -1.9e-2  0.92812     28.91   -4.2e-2   0.85624  46 677 771     2.56      82.4     20.6      309.0     412.0   51.678
+classic8  spans        32.52     1.8e-1  -1.9e-2  0.92902     29.02   -4.2e-2   0.85804  18 931 002     1.04      61.0     15.2      228.8     305.0   23.931
+lean18    box          55.13     1.3e-2  -4.1e-5  0.99474     51.63   -9.0e-5   0.98948  46 677 771     2.56      86.2     21.6      323.2     431.0   51.678
 ";
     assert_eq!(table::plain(&sample::rows()[..3]), expected);
 }
@@ -120,7 +125,7 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
         lines[1].starts_with("| -------- | --------- | ------: |"),
         "{text}"
     );
-    assert!(lines.iter().all(|line| line.matches('|').count() == 14));
+    assert!(lines.iter().all(|line| line.matches('|').count() == 17));
 }
 
 #[test]

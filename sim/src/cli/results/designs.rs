@@ -48,6 +48,7 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
             scene,
             camera,
             rules,
+            warnings: Vec::new(),
         };
         let report = sweep::run(
             &view,

@@ -15,7 +15,11 @@ fn progression(widths: &Widths, range: u8) -> (f64, f64) {
     let first = if widths.interpolation > 0 {
         let rest_bits = (i32::from(widths.radial) + i32::from(range)) - i32::from(widths.table);
         let kept = i32::from(widths.interpolation);
-        let truncated = if kept < rest_bits { interval * 2f64.powi(-kept - 2) } else { 0.0 };
+        let truncated = if kept < rest_bits {
+            interval * 2f64.powi(-kept - 2)
+        } else {
+            0.0
+        };
         1.0 - interval * interval / 48.0 - truncated
     } else {
         (-interval / 4.0).exp()

@@ -10,6 +10,7 @@
 
 pub mod height_field;
 mod neighbours;
+pub mod orientation;
 pub mod synthetic;
 #[cfg(test)]
 mod tests;

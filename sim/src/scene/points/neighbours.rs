@@ -38,6 +38,13 @@ impl<'a> Neighbours<'a> {
         self.places.par_iter().map(radius).collect()
     }
 
+    /// The places nearest to place `index`, itself left out.
+    pub(super) fn nearest(&self, index: usize, count: usize) -> Vec<usize> {
+        let found = self.tree.nearests(&self.places[index], count + 1);
+        let others = found.iter().map(|other| *other.item);
+        others.filter(|other| *other != index).take(count).collect()
+    }
+
     /// Per place the direction in which its neighbours spread least.
     pub(super) fn normals(&self) -> Vec<Vector> {
         let normal = |place: &Vector| {

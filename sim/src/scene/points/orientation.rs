@@ -1,0 +1,129 @@
+//! Are a cloud's normals those of a closed surface, all pointing out of it?
+//!
+//! Only then may points that face away be left out: on a cloud whose normals point anyhow, half of the front would go with them, and an open
+//! sheet would vanish when seen from behind. Two figures decide, both measured on a sample:
+//!
+//! - **agreement**: of the pairs of a point and its nearest neighbours, the share whose normals point to the same side, n . n' > 0. Normals
+//!   with random signs have 1/2.
+//! - **outward**: the flux of the places through the surface, sum (p - c) . n / sum |p - c| with c the middle of the cloud. A sphere has 1, one
+//!   with normals pointing inwards -1, a flat sheet 0. By Gauss' theorem it is three volumes over the mean distance and area, so it is
+//!   positive for every closed surface with normals outwards, convex or not.
+
+use super::SurfaceScene;
+use super::neighbours::Neighbours;
+use crate::vector::{self, Vector};
+
+/// Least agreement of a cloud with consistent normals.
+const LEAST_AGREEMENT: f64 = 0.95;
+/// Least outward flux of a closed surface.
+const LEAST_OUTWARD: f64 = 0.2;
+/// Neighbours that a point is compared with.
+const NEIGHBOURS: usize = 4;
+/// Points that are looked at; their neighbours are searched among all.
+const SAMPLE: usize = 4_000;
+
+/// How a cloud's normals point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orientation {
+    /// Share of neighbouring pairs that agree.
+    pub agreement: f64,
+    /// Flux outwards, -1 to 1.
+    pub outward: f64,
+}
+
+impl Orientation {
+    /// Measures a scene.
+    pub fn of(scene: &SurfaceScene) -> Orientation {
+        let points = &scene.points;
+        let places: Vec<Vector> = points.iter().map(|point| point.centre).collect();
+        let tree = Neighbours::new(&places);
+        let every = points.len().div_ceil(SAMPLE).max(1);
+        let (mut pairs, mut agreeing) = (0usize, 0usize);
+        for index in (0..points.len()).step_by(every) {
+            for other in tree.nearest(index, NEIGHBOURS) {
+                pairs += 1;
+                let cosine = vector::dot(points[index].normal, points[other].normal);
+                agreeing += usize::from(cosine > 0.0);
+            }
+        }
+        let mut sum = [0.0; 3];
+        for place in &places {
+            sum = vector::add(sum, *place);
+        }
+        let middle = vector::scale(1.0 / places.len().max(1) as f64, sum);
+        let (mut flux, mut most) = (0.0, 0.0);
+        for point in points {
+            let from = vector::subtract(point.centre, middle);
+            // The area that the point stands for.
+            let [a, b] = point.frame;
+            let area = vector::length(vector::cross(a, b));
+            let normal = vector::length(point.normal).max(f64::MIN_POSITIVE);
+            flux += area * vector::dot(from, point.normal) / normal;
+            most += area * vector::length(from);
+        }
+        let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
+        Orientation {
+            agreement: share(agreeing as f64, pairs as f64),
+            outward: share(flux, most),
+        }
+    }
+
+    /// A closed surface with normals outwards, as far as these figures can tell.
+    pub fn is_closed_outwards(&self) -> bool {
+        self.agreement >= LEAST_AGREEMENT && self.outward >= LEAST_OUTWARD
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::synthetic::{Paint, scene, sheet, sphere};
+    use super::*;
+
+    const PAINT: Paint = Paint {
+        colour: [0.5; 3],
+        opacity: 1.0,
+        material: 0,
+    };
+
+    fn ball(turned: impl Fn(usize) -> bool) -> Orientation {
+        let mut points = sphere([5.0, -3.0, 2.0], 1.5, 3_000, PAINT);
+        for (index, point) in points.iter_mut().enumerate() {
+            // Outwards whatever the generator does, then turned.
+            let out = vector::subtract(point.centre, [5.0, -3.0, 2.0]);
+            let sign = if turned(index) { -1.0 } else { 1.0 };
+            point.normal = vector::scale(sign / vector::length(out), out);
+        }
+        Orientation::of(&scene("ball", points))
+    }
+
+    #[test]
+    fn a_ball_is_closed_outwards() {
+        let found = ball(|_| false);
+        assert!(found.agreement > 0.999 && found.outward > 0.99, "{found:?}");
+        assert!(found.is_closed_outwards());
+    }
+
+    #[test]
+    fn normals_inwards_or_anyhow_are_not() {
+        let inwards = ball(|_| true);
+        assert!(inwards.outward < -0.99 && !inwards.is_closed_outwards());
+        let anyhow = ball(|index| index.wrapping_mul(2_654_435_761) >> 13 & 1 == 0);
+        assert!((anyhow.agreement - 0.5).abs() < 0.1, "{anyhow:?}");
+        assert!(!anyhow.is_closed_outwards());
+        let some = ball(|index| index % 20 == 0);
+        assert!(!some.is_closed_outwards(), "{some:?}");
+    }
+
+    #[test]
+    fn an_open_sheet_is_not() {
+        let points = sheet(
+            [0.0; 3],
+            [[1.0, 0.0, 0.2], [0.0, 1.0, 0.1]],
+            0.05,
+            |_, _| PAINT,
+        );
+        let found = Orientation::of(&scene("sheet", points));
+        assert!(found.agreement > 0.99, "{found:?}");
+        assert!(!found.is_closed_outwards(), "{found:?}");
+    }
+}
