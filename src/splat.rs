@@ -157,18 +157,22 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig { max_global_rejects: 16, ..ProptestConfig::default() })]
+
         #[test]
         fn axes_reproduce_the_covariance(rows in proptest::array::uniform3(proptest::array::uniform3(-8.0f64..8.0))) {
             let entry = |i: usize, j: usize| rows.iter().map(|r| r[i] * r[j]).sum::<f64>();
             let exact = [entry(0, 0), entry(0, 1), entry(0, 2), entry(1, 1), entry(1, 2), entry(2, 2)];
-            if let Ok(axes) = Axis::from_covariance(exact.map(scaled)) {
-                let a = vectors(axes);
-                let back = |i: usize, j: usize| a.iter().map(|r| r[i] * r[j]).sum::<f64>();
-                let got = [back(0, 0), back(0, 1), back(0, 2), back(1, 1), back(1, 2), back(2, 2)];
-                let largest = exact[0].max(exact[3]).max(exact[5]);
-                for (g, e) in got.iter().zip(exact) {
-                    prop_assert!((g - e).abs() <= largest * 1e-7, "{got:?} {exact:?}");
-                }
+            // Next to singular, rounding may make it indefinite: those are replaced by others, and the test fails if that is more than rare.
+            let Ok(axes) = Axis::from_covariance(exact.map(scaled)) else {
+                return Err(TestCaseError::reject("indefinite"));
+            };
+            let a = vectors(axes);
+            let back = |i: usize, j: usize| a.iter().map(|r| r[i] * r[j]).sum::<f64>();
+            let got = [back(0, 0), back(0, 1), back(0, 2), back(1, 1), back(1, 2), back(2, 2)];
+            let largest = exact[0].max(exact[3]).max(exact[5]);
+            for (g, e) in got.iter().zip(exact) {
+                prop_assert!((g - e).abs() <= largest * 1e-7, "{got:?} {exact:?}");
             }
         }
     }

@@ -222,7 +222,7 @@ proptest! {
         let (view, rules) = (view(0.1, 0.2, Projection::Perspective), rules(spacing));
         let filter = PointFilter::new(&WIDTHS, &rules, scaled(0.05)).unwrap();
         let Ok(point) = setup_point(Standard24, &view, &rules, &splat, &filter) else {
-            return Ok(());
+            return Err(TestCaseError::reject("culled"));
         };
         let memory = table_entries(&rules);
         let painter = painter(&memory, &rules);

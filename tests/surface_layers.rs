@@ -3,22 +3,28 @@
 use proptest::prelude::*;
 use splatline::blend::layers::Layers;
 use splatline::blend::surface::{Accumulation, Cell, Gather, Sample, sum_fraction};
-use splatline::footprint::surface::Attributes;
+use splatline::footprint::surface::{Attributes, attribute_fraction};
 use splatline::format::{Custom, Design, Standard24};
 
 const THRESHOLD: u32 = 100;
 
-/// 1.0 in UQ1.colour.
-const ONE: u32 = 1 << Standard24::WIDTHS.colour;
+/// Fraction bits of attributes.
+const FRACTION: u8 = attribute_fraction(&Standard24::WIDTHS);
+/// 1.0 as an attribute.
+const ONE: u32 = 1 << FRACTION;
 /// Fraction bits of a result below those of the sums.
 const BELOW: u8 = Standard24::WIDTHS.accumulator - sum_fraction(&Standard24::WIDTHS);
 
 fn attributes(number: u32) -> Attributes {
     let number = number % 1_000_003;
     Attributes {
-        colour: [number * 997 % ONE, number * 331 % ONE, ONE / 2],
+        colour: [
+            number.wrapping_mul(997) % ONE,
+            number.wrapping_mul(331) % ONE,
+            ONE / 2,
+        ],
         opacity: ONE / 2,
-        normal: [0, (number * 771 % ONE) as i32, -(ONE as i32)],
+        normal: [0, (number.wrapping_mul(771) % ONE) as i32, -(ONE as i32)],
         material: (number % 5) as u8,
     }
 }
@@ -154,7 +160,8 @@ fn a_constant_attribute_survives_the_division() {
     }
     let filtered = gather().normalise(&cell.fragments()[0]);
     for (got, stored) in filtered.colour.iter().zip(attributes.colour) {
-        let expected = stored << (Standard24::WIDTHS.accumulator - Standard24::WIDTHS.colour);
+        let drop = FRACTION - Standard24::WIDTHS.accumulator;
+        let expected = (stored + (1 << (drop - 1))) >> drop;
         assert!(got.abs_diff(expected) <= 2 << BELOW, "{got} {expected}");
     }
 }

@@ -82,7 +82,7 @@ pub trait Lanes: Wide {
     fn product_from(self, a: Self::Words, b: Self::Words, drop: Drop, least: u64) -> Self::Words;
     /// The product with signed words; the shift is at most 32.
     fn signed_product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
-    /// `table[index]` where the mask holds, 0 elsewhere and beyond the table.
+    /// `table[index]` where the mask holds, the table's last entry for an unsigned index beyond it; 0 elsewhere, and of an empty table.
     fn gather(self, table: &[u32], index: Self::Words, mask: Self::Mask) -> Self::Words;
 
     /// a > b as signed words.

@@ -104,7 +104,8 @@ impl Lanes for Portable {
     #[inline(always)]
     fn gather(self, table: &[u32], index: Words, mask: Self::Mask) -> Words {
         std::array::from_fn(|k| {
-            let entry = table.get(index[k] as usize).copied().unwrap_or(0);
+            let place = (index[k] as usize).min(table.len().saturating_sub(1));
+            let entry = table.get(place).copied().unwrap_or(0);
             if mask[k] { entry } else { 0 }
         })
     }

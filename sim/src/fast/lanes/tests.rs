@@ -75,7 +75,7 @@ impl Job for &All {
                     },
                 ),
                 lanes.signed_product(lanes.sar(a, 17), lanes.sar(b, 17), drop(true)),
-                lanes.gather(&self.table, lanes.shr(a, 28), mask),
+                lanes.gather(&self.table, lanes.shr(a, by), mask),
                 truth(mask),
                 truth(first),
                 truth(lanes.both(mask, first)),
@@ -98,6 +98,29 @@ impl Job for &All {
         results[26] = vec![total];
         results[27] = vec![none];
         results
+    }
+}
+
+/// Entries of a table where an index is greater than another word.
+struct Gathered {
+    index: [u32; 16],
+    other: [u32; 16],
+    table: Vec<u32>,
+}
+
+impl Job for &Gathered {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn run<L: Floats>(self, lanes: L) -> Vec<u32> {
+        let mut gathered = vec![0; 16];
+        for start in (0..16).step_by(L::WIDTH) {
+            let index = lanes.load(&self.index[start..]);
+            let mask = lanes.greater(index, lanes.load(&self.other[start..]));
+            let entries = lanes.gather(&self.table, index, mask);
+            lanes.store(&mut gathered[start..], entries);
+        }
+        gathered
     }
 }
 
@@ -277,9 +300,25 @@ proptest! {
         prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
     }
 
+    /// Within the table, beyond it, in an empty one and where the mask does not hold, against the contract itself.
+    #[test]
+    fn gathers_keep_their_contract(index: [u32; 16], shift in 0u32..32, other: [u32; 16], table in prop::collection::vec(any::<u32>(), 0..40)) {
+        let index = index.map(|index| index >> shift);
+        let expected: Vec<u32> = (0..16)
+            .map(|k| match (table.last(), (index[k] as i32) > other[k] as i32) {
+                (Some(last), true) => *table.get(index[k] as usize).unwrap_or(last),
+                _ => 0,
+            })
+            .collect();
+        let gathered = Gathered { index, other, table: table.clone() };
+        for choice in [Choice::Portable, Choice::Eight, Choice::Best] {
+            prop_assert_eq!(dispatch(choice, &gathered), &expected[..]);
+        }
+    }
+
     #[test]
     fn every_operation_is_the_portable_one(
-        a: [u32; 16], b: [u32; 16], equal: bool, shift in 1u32..64, half: u64, count in 0usize..20, table in prop::collection::vec(any::<u32>(), 16..40),
+        a: [u32; 16], b: [u32; 16], equal: bool, shift in 1u32..64, half: u64, count in 0usize..20, table in prop::collection::vec(any::<u32>(), 0..40),
     ) {
         let b = if equal { a } else { b };
         let all = All { a, b, shift, half: half >> 2, count, table };
