@@ -15,6 +15,8 @@ pub struct Drawing {
     pub culled: Counts,
     /// Splats of which a value was clamped to the kernel's formats; they are drawn.
     pub clamped: u64,
+    /// Unit of the kernel's colours as a power of two.
+    pub colour_log2: i32,
     /// Work of the rasterizer; nothing for engines that do not count it.
     pub pixels: Option<Pixels>,
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The

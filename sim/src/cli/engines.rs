@@ -58,6 +58,7 @@ fn of_reference(reference::Drawing { picture, counts }: reference::Drawing) -> D
         picture,
         culled: reference_culled(&counts),
         clamped: 0,
+        colour_log2: 0,
         pixels: None,
         stages: HostTimes::default(),
         footprints: Vec::new(),
@@ -124,6 +125,7 @@ fn described(drawing: fixed::Drawing) -> Drawing {
         picture: drawing.picture,
         culled: cull_counts(drawing.culled),
         clamped: drawing.clamped as u64,
+        colour_log2: drawing.colour_log2,
         pixels: Some(Pixels {
             covered: drawing.coverage.covered,
             visited: drawing.coverage.visited,
@@ -191,8 +193,9 @@ pub fn warnings(view: &View, design: &DesignChoice) -> Vec<String> {
     {
         culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1;
     }
-    let clamped = fixed::QuantisedScene::new(scene, camera, rules).clamped as u64;
-    SceneFacts::new(scene, cull_counts(culled), clamped).warnings(warnings)
+    let quantised = fixed::QuantisedScene::new(scene, camera, rules);
+    let (clamped, colour_log2) = (quantised.clamped as u64, quantised.colour_log2);
+    SceneFacts::new(scene, cull_counts(culled), clamped, colour_log2).warnings(warnings)
 }
 
 /// Footprints in double precision, in splat order; nothing for culled splats.

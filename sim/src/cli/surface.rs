@@ -273,6 +273,7 @@ fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Res
             picture: drawing.picture,
             culled: with_backfaces(cull_counts(drawing.culled), style, drawing.backfaces),
             clamped: drawing.clamped as u64,
+            colour_log2: 0,
             pixels: Some(Pixels {
                 covered: drawing.coverage.covered,
                 visited: drawing.coverage.visited,
@@ -298,6 +299,7 @@ fn draw_float(view: &SurfaceView, manner: &Manner) -> anyhow::Result<Measured> {
                 drawing.counts.backfaces,
             ),
             clamped: 0,
+            colour_log2: 0,
             pixels: None,
             stages: HostTimes::default(),
             footprints: Vec::new(),
@@ -339,6 +341,7 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
         skipped: skipped.into_iter().collect(),
         culled: measured.drawing.culled.clone(),
         clamped: measured.drawing.clamped,
+        colour_log2: 0,
     };
     Report {
         format: FORMAT.to_owned(),

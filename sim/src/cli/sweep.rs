@@ -313,6 +313,7 @@ pub fn report_of_drawing(
         &view.scene,
         measured.drawing.culled.clone(),
         measured.drawing.clamped,
+        measured.drawing.colour_log2,
     );
     Report {
         format: FORMAT.to_owned(),

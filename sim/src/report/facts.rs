@@ -20,13 +20,16 @@ pub struct SceneFacts {
     pub skipped: Counts,
     /// Splats that this camera does not show, by reason.
     pub culled: Counts,
-    /// Splats of which a coordinate or colour was clamped to the kernel's formats; they are drawn.
+    /// Splats of which a coordinate or colour is not finite and counts as 0; they are drawn.
     pub clamped: u64,
+    /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture was multiplied by it.
+    #[serde(default)]
+    pub colour_log2: i32,
 }
 
 impl SceneFacts {
     /// The scene's own facts and the engine's counts.
-    pub fn new(scene: &Scene, culled: Counts, clamped: u64) -> Self {
+    pub fn new(scene: &Scene, culled: Counts, clamped: u64, colour_log2: i32) -> Self {
         let skipped = serde_json::to_value(scene.skipped)
             .and_then(serde_json::from_value)
             .unwrap_or_default();
@@ -36,6 +39,7 @@ impl SceneFacts {
             skipped,
             culled,
             clamped,
+            colour_log2,
         }
     }
 }
@@ -53,10 +57,14 @@ const BEYOND_RANGE: [(&str, &str); 2] = [
 ];
 
 impl SceneFacts {
-    /// What was not drawn as it was given, in one line after those that are known already: what was clamped, and what was culled for range.
+    /// What was not drawn as it was given, in one line after those that are known already: what was clamped, rescaled, and culled
+    /// for range.
     /// Splats that the view simply does not show are no matter for a warning.
     pub fn warnings(&self, known: &[String]) -> Vec<String> {
-        let clamped = (self.clamped, "clamped to the range of their format");
+        let clamped = (
+            self.clamped,
+            "have a number that is not finite and count as 0 there",
+        );
         let culled = BEYOND_RANGE.map(|(reason, words)| {
             let count = self.culled.get(reason).copied().unwrap_or(0);
             (count, words)
@@ -67,6 +75,12 @@ impl SceneFacts {
             .map(|(count, words)| format!("{count} {words}"))
             .collect();
         let mut lines = known.to_vec();
+        if self.colour_log2 != 0 {
+            let (name, unit) = (&self.name, f64::from(self.colour_log2).exp2());
+            lines.push(format!(
+                "{name}: colours exceed the kernel's format; they were divided by {unit} and the picture multiplied by it"
+            ));
+        }
         if !parts.is_empty() {
             let (name, splats) = (&self.name, self.splats);
             lines.push(format!("{name}: of {splats} splats {}", parts.join(", ")));

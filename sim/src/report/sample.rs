@@ -118,6 +118,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
             .into(),
             culled: [("outside".to_owned(), 1204), ("transparent".to_owned(), 87)].into(),
             clamped: 3,
+            colour_log2: 0,
         },
         warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
         camera: CameraFacts::from(&camera),

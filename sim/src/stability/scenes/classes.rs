@@ -67,7 +67,13 @@ pub fn all(size: Size, seed: u64) -> Vec<Class> {
     classes.push(offset(size, seed, "UTM", 60.0, [4.5e5, 5.8e6, 3e2]));
     classes.push(bright(size, seed));
     classes.push(faint_stack(size, seed));
-    classes.push(at_threshold(size, seed));
+    classes.push(at_threshold(size, seed, "opacities at 1/255", 0));
+    classes.push(at_threshold(
+        size,
+        seed,
+        "opacities at 1/255, a quarter centred",
+        4,
+    ));
     classes.push(deep_stack(size, seed));
     classes.push(hard::mixed(size, seed));
     classes
@@ -173,18 +179,17 @@ fn faint_stack(size: Size, seed: u64) -> Class {
     class("stack at 1 to 1.6/255", splats, front(size))
 }
 
-/// Opacities of exactly 1/255 in single precision: what is drawn is decided by the last bit. One splat in four lies on a pixel's centre.
-fn at_threshold(size: Size, seed: u64) -> Class {
+/// Opacities of exactly 1/255 in single precision: what is drawn is decided by the last bit. One splat in `centred`, if not 0, lies on a pixel's
+/// centre.
+fn at_threshold(size: Size, seed: u64, name: &str, centred: usize) -> Class {
     let mut random = Random(seed);
     let depth = 4.0;
     let half = size.pixels as f64 / 2.0;
     let splats = (0..size.of(20_000))
         .map(|index| {
             let place = random.triple(|random| random.between(0.0, 2.0 * half));
-            let pixel = |at: f64| match index % 4 {
-                0 => at.floor() + 0.5,
-                _ => at,
-            };
+            let is_centred = centred > 0 && index % centred == 0;
+            let pixel = |at: f64| if is_centred { at.floor() + 0.5 } else { at };
             let [x, y] = [place[0], place[1]].map(|at| (pixel(at) - half) / 512.0 * depth);
             Splat {
                 weight: 1.0 / 255.0,
@@ -197,7 +202,7 @@ fn at_threshold(size: Size, seed: u64) -> Class {
     (camera.fx, camera.fy) = (512.0, 512.0);
     camera.rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     camera.translation = [0.0; 3];
-    class("opacities at 1/255", splats, camera)
+    class(name, splats, camera)
 }
 
 /// 20,000 splats of opacities times 0.02.
