@@ -51,13 +51,26 @@ pub fn peak(
 ///
 /// Saturation below 16 changes no pixel of a footprint with cut-off 4: the kernel there is at least exp(-2) > 1/16, so the
 /// opacity is clamped to 1 either way.
+///
+/// Halves go to even, as those of colours do: a faint opacity of single precision has a few bits more than the format, and one in four of them
+/// lies in the middle.
 pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
-    match peak
-        .to_fixed(fraction)
-        .clamp(0, (16 << fraction.min(28)) - 1)
-    {
+    let fixed = peak.to_fixed(fraction);
+    let odd_half = fixed & 1 != 0 && is_half(peak, fraction);
+    match (fixed - i64::from(odd_half)).clamp(0, (16 << fraction.min(28)) - 1) {
         0 => None,
         fixed => Some(fixed as u32),
+    }
+}
+
+/// Does a number lie in the middle between two multiples of `2^-fraction`?
+fn is_half(number: Scaled, fraction: u32) -> bool {
+    let dropped = 0i32
+        .saturating_sub(number.exponent)
+        .saturating_sub(fraction as i32);
+    match dropped {
+        1..=31 => number.mantissa << (32 - dropped) == i32::MIN,
+        _ => false,
     }
 }
 

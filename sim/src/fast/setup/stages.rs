@@ -464,6 +464,14 @@ impl<W: Wide> Stages<'_, W> {
     fn peak_fixed(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
         let (math, fraction) = (self.math, u32::from(self.widths.peak));
         let fixed = math.to_fixed(peak, fraction);
+        // An odd result of a half was rounded up: halves go to even.
+        let dropped = math.negate(math.plus(peak.exponent, fraction.into()));
+        let above = math
+            .lanes
+            .wide_shl(peak.mantissa, math.sub(math.splat(64), dropped));
+        let half = math.lanes.wide_equal(above, math.splat(i64::MIN));
+        let odd = math.and(fixed, 1);
+        let fixed = math.sub(fixed, math.select(math.splat(0), odd, half));
         let largest = math.splat((16 << fraction.min(28)) - 1);
         let fixed = math.max(math.min(fixed, largest), math.splat(0));
         let dark = math.greater(math.splat(1), fixed);
