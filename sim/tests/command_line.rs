@@ -288,9 +288,9 @@ fn what_does_not_fit_into_memory_is_refused() {
         ][..],
         &["compare", "random:9", "--size", "8192x8192", "-o", &out],
     ] {
-        let line = format!("ulimit -v 4000000; exec \"$0\" \"$@\"");
+        let line = "ulimit -v 4000000; exec \"$0\" \"$@\"";
         let output = Command::new("sh")
-            .args(["-c", &line, env!("CARGO_BIN_EXE_splatline")])
+            .args(["-c", line, env!("CARGO_BIN_EXE_splatline")])
             .args(command)
             .output()
             .unwrap();
