@@ -55,7 +55,8 @@ module splat_primitive #(
   splatline_pkg::window_t window;
 
   assign tile_ready = state == IDLE;
-  assign finish_ready = state == DRAW && idle;
+  // A packet offered together with `finish` still belongs to this tile: `finish` waits.
+  assign finish_ready = state == DRAW && idle && !packet_valid;
 
   // Packets to runs.
   logic footprint_valid, footprint_ready, splat_valid, splat_ready, run_valid, run_ready, setup_idle, rows_idle;
@@ -107,7 +108,8 @@ module splat_primitive #(
   logic [ROW_BITS-1:0] scan_row;
   logic [COLUMN_BITS-1:0] scan_column;
   logic [ADDRESS-1:0] clear_address;
-  logic scan_last_column, scan_last_row, scan_valid, scan_moves;
+  logic scan_last_column, scan_last_row, scan_valid, scan_moves, window_has_pixels;
+  assign window_has_pixels = window.first_column < window.last_column && window.first_row < window.last_row;
   assign scan_last_column = scan_column == COLUMN_BITS'(window.last_column - 16'd1);
   assign scan_last_row = scan_row == ROW_BITS'(window.last_row - 16'd1);
   assign scan_moves = !pixel_valid || pixel_ready;
@@ -132,9 +134,9 @@ module splat_primitive #(
         DRAW: begin
           scan_row <= ROW_BITS'(window.first_row);
           scan_column <= COLUMN_BITS'(window.first_column);
-          if (finish_valid && idle) begin
+          if (finish_valid && finish_ready) begin
             state <= READ;
-            scan_valid <= 1;
+            scan_valid <= window_has_pixels;
           end
         end
         READ:

@@ -12,6 +12,8 @@ pub mod bench;
 pub mod check;
 pub mod fmax;
 pub mod golden;
+#[cfg(all(test, has_rtl))]
+mod handshakes;
 pub mod layouts;
 pub mod model;
 pub mod mutants;
