@@ -3,7 +3,8 @@
 // Only pixels inside the footprint, r < c, leave the lane; the others cost their cycle and nothing more. A lane takes its
 // next run in the cycle of the last pixel of the one before, unless a pixel of it would come to a place that it has been at less than
 // INTERVAL cycles before, whose new value is still on its way: then it waits in front of the run. Within a run all pixels differ,
-// so that nothing has to be compared but the last pixels of the runs before with the columns of the run to come.
+// so that nothing has to be compared but the last pixels of the runs before with the columns of the run to come. A run waits for
+// that comparison in the cycle after it came to the queue's front, so that runs of a single pixel take two cycles.
 module lane #(
     parameter INTERVAL = 6
 ) (
@@ -27,39 +28,44 @@ module lane #(
   logic active, final_pixel, last;
   splatline_pkg::run_t at;
 
-  // Places of the last pixels: the lowest is the one that leaves now, place i left i cycles ago.
-  localparam LEFT = INTERVAL - 2;
+  // Places of the last pixels, as they will be after this cycle: the lowest is the one that leaves then, place i will have left i cycles before.
+  localparam LEFT = INTERVAL - 3;
   logic [LEFT-1:0] left_valid;
   logic [PLACE*LEFT-1:0] left;
-  logic [LEFT:0] been_valid, meets;
-  logic [PLACE*(LEFT+1)-1:0] been;
+  logic [LEFT+1:0] been_valid, meets;
+  logic [PLACE*(LEFT+2)-1:0] been;
   logic [PLACE-1:0] first;
   assign first = {run.row[splatline_pkg::TILE_ROW_BITS-1:0], run.column[COLUMN_BITS-1:0]};
-  assign been_valid = {left_valid, active};
-  assign been = {left, address};
+  assign been_valid = {left_valid, active, active && !final_pixel};
+  assign been = {left, address, address};
   always_ff @(posedge clk) begin
     if (rst) left_valid <= 0;
-    else if (advance) left_valid <= been_valid[LEFT-1:0];
-    if (advance) left <= been[PLACE*LEFT-1:0];
+    else if (advance) left_valid <= been_valid[LEFT:1];
+    if (advance) left <= been[PLACE*(LEFT+1)-1:PLACE];
   end
   genvar i;
   generate
-    for (i = 0; i <= LEFT; i = i + 1) begin : gen_been
-      // The run comes to that column `ahead` cycles after its first pixel, which would be i + 1 cycles after the place was left.
+    for (i = 0; i <= LEFT + 1; i = i + 1) begin : gen_been
+      // The run comes to that column `ahead` cycles after its first pixel, which would be i + 1 cycles after the place was left. The pixel
+      // that leaves next is a column further than the one that leaves now.
       logic [COLUMN_BITS:0] ahead;
-      assign ahead = {1'b0, been[PLACE*i+:COLUMN_BITS]} - {1'b0, first[COLUMN_BITS-1:0]};
+      assign ahead = {1'b0, been[PLACE*i+:COLUMN_BITS]} - {1'b0, first[COLUMN_BITS-1:0]} + (COLUMN_BITS + 1)'(i == 0);
       assign meets[i] = been_valid[i] && been[PLACE*i+COLUMN_BITS+:PLACE-COLUMN_BITS] == first[PLACE-1:COLUMN_BITS]
           && ahead < (COLUMN_BITS + 1)'(INTERVAL - 1 - i) && 7'(ahead) < run.count;
     end
   endgenerate
 
+  // Whether the run may begin is known in the cycle after it came, so that the comparison and what hangs on it have a cycle each.
+  logic apart;
   assign last = !active || final_pixel;
-  assign run_ready = advance && last && meets == 0;
+  assign run_ready = advance && last && apart;
   assign idle = !active;
 
   always_ff @(posedge clk) begin
+    if (rst) apart <= 0;
+    else if (advance) apart <= run_valid && !run_ready && meets == 0;
     if (rst) active <= 0;
-    else if (advance && last) active <= run_valid && meets == 0;
+    else if (advance && last) active <= apart;
     if (advance) begin
       if (last) begin
         at <= run;

@@ -17,7 +17,7 @@
 //! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
 //! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: the run `queue` places before in the same lane, if slot i has a run
 //! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
-//! p(i) = max(m(i) + 1, p(k) + length(k), p(h) + INTERVAL + column(i) - column(h))    h: runs before that meet it in a pixel
+//! p(i) = max(m(i) + 2, p(k) + length(k), p(h) + INTERVAL + column(i) - column(h))    h: runs before that meet it in a pixel
 //! ```
 //!
 //! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit cycle by cycle.
@@ -40,6 +40,9 @@ pub const TILE: [u16; 2] = [BLOCK, 32];
 
 /// Cycles between two visits of a pixel by its lane, at least; `INTERVAL` of lane.sv.
 pub const INTERVAL: u64 = 6;
+
+/// From a run's coming to the front of its lane's queue until it may be popped: meanwhile its pixels are compared with those in flight.
+const FRONT: u64 = 2;
 
 /// Splats between packet and rows; `PLACES` of splat_setup.sv.
 const SPLATS: usize = 32;
@@ -252,7 +255,7 @@ impl PrimitiveClock {
             lane.place = 0;
         }
         let flights = &mut lane.flights;
-        let (popped, held) = flights.pop(moved + 1, run.row, run.column, run.length);
+        let (popped, held) = flights.pop(moved + FRONT, run.row, run.column, run.length);
         let free = flights.free;
         self.leave(ready, left, free, Some(popped), held)
     }
@@ -340,19 +343,19 @@ mod tests {
         clock.idle_at()
     }
 
-    /// Slots leave in cycles 58, 59, 60; the first run is popped in 60 and keeps its lane until 65, the second until 67.
+    /// Slots leave in cycles 58, 59, 60; the first run is popped in 61 and keeps its lane until 66, the second until 68.
     #[test]
     fn three_rows_of_which_one_is_empty() {
         assert_eq!(LATENCY, 58);
-        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 69);
+        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 70);
     }
 
-    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 63.
+    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 64.
     #[test]
     fn four_lanes_take_four_rows_at_once() {
         assert_eq!(
             alone(4, QUEUE, (0..4).map(|row| run(4, row, 5))),
-            63 + 5 + 2
+            64 + 5 + 2
         );
     }
 
@@ -362,9 +365,9 @@ mod tests {
         let mut clock = PrimitiveClock::new(1, 1);
         clock.packet(0);
         let left = [0, 1, 2, 3].map(|row| clock.slot(run(1, row, 10)).left);
-        assert_eq!(left, [58, 60, 62, 71]);
-        assert_eq!(clock.slot(None).left, 72);
-        assert_eq!(clock.idle_at(), 60 + 40 + 2);
+        assert_eq!(left, [58, 60, 62, 72]);
+        assert_eq!(clock.slot(None).left, 73);
+        assert_eq!(clock.idle_at(), 61 + 40 + 2);
     }
 
     #[test]
@@ -387,13 +390,13 @@ mod tests {
             }));
             (slot.popped, slot.held)
         };
-        assert_eq!(popped(0, 4, 2), (Some(60), 0));
+        assert_eq!(popped(0, 4, 2), (Some(61), 0));
         // Column 5 was visited a cycle after column 4.
-        assert_eq!(popped(0, 5, 2), (Some(67), 5));
+        assert_eq!(popped(0, 5, 2), (Some(68), 5));
         // Column 5 comes a cycle after column 4, too.
-        assert_eq!(popped(0, 4, 2), (Some(72), 3));
-        assert_eq!(popped(1, 4, 2), (Some(74), 0));
-        assert_eq!(popped(0, 6, 2), (Some(76), 0));
-        assert_eq!(popped(0, 0, 2), (Some(78), 0));
+        assert_eq!(popped(0, 4, 2), (Some(73), 3));
+        assert_eq!(popped(1, 4, 2), (Some(75), 0));
+        assert_eq!(popped(0, 6, 2), (Some(77), 0));
+        assert_eq!(popped(0, 0, 2), (Some(79), 0));
     }
 }

@@ -12,7 +12,7 @@
 //! rows, is the definition.
 
 use super::spans::Spans;
-use super::{Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SLOTS, SPLATS, TILE};
+use super::{FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SLOTS, SPLATS, TILE};
 use crate::fast::lanes::{Choice, Floats, Job, dispatch};
 use rayon::prelude::*;
 use splatline::footprint::Footprint;
@@ -308,7 +308,7 @@ impl<const LANES: usize> Unit<LANES> {
             left = left.max(moves.free());
             let moved = flights.popped.max(left + 1);
             moves.leave(moved);
-            flights.pop(moved + 1, row, column, length);
+            flights.pop(moved + FRONT, row, column, length);
         }
         self.slots.leave(left);
         self.left = left + 1;

@@ -58,13 +58,15 @@ struct Lane {
     front: Option<LaneRun>,
     at: Option<(u16, u16, u16)>,
     been: [Option<(u16, u16)>; 4],
+    /// Was the run at the front there in the cycle before?
+    compared: bool,
 }
 
 impl Lane {
     /// The run at the front, if it is popped now.
     fn popped(&self) -> Option<LaneRun> {
         let last = self.at.is_none_or(|(_, _, count)| count == 1);
-        let run = self.front.filter(|_| last)?;
+        let run = self.front.filter(|_| last && self.compared)?;
         let here = self.at.map(|(row, column, _)| (row, column));
         let places = std::iter::once(here).chain(self.been);
         // Its pixel at a place left `age` cycles ago would come at least 6 cycles after that.
@@ -86,6 +88,7 @@ impl Lane {
             (None, Some((row, column, count))) if count > 1 => Some((row, column + 1, count - 1)),
             _ => None,
         };
+        self.compared = self.front.is_some() && popped.is_none();
         if popped.is_some() {
             self.front = None;
         }
@@ -111,6 +114,7 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
         front: None,
         at: None,
         been: [None; 4],
+        compared: false,
     };
     let mut units: Vec<Lane> = (0..lanes).map(|_| lane()).collect();
     let mut seen = Handshakes {
