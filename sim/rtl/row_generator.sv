@@ -1,9 +1,12 @@
 // From splats to runs of pixels: one row of a splat a cycle (`next_row` and `next_block` of src/raster/spans.rs).
 //
-// Down the rows, xc and C dy^2 are differenced; then eleven stages compute the row's span by the root table, the lanes' seed by two
+// Down the rows, xc and C dy^2 are differenced; then 32 stages compute the row's span by the root table, the lanes' seed by two
 // multiplications, and drop what lies left of the window. The window must lie within one block of columns, so that a row
 // is one run. A row without pixels travels as a bubble, and so does a splat without rows, so that cycles depend on the number
-// of rows and on the lengths of the runs alone. All stages move together, or none.
+// of rows and on the lengths of the runs alone.
+//
+// Stages never stand still. A row is only issued if the queue behind the stages has a place for it (`slot_valid`: a row, with or without
+// a run), so that nothing is stopped half way. A name's number is the stage: 0 while the row is being issued.
 module row_generator (
     input logic clk,
     input logic rst,
@@ -11,299 +14,266 @@ module row_generator (
     output logic splat_ready,
     input splatline_pkg::start_t start,
     input splatline_pkg::shape_t shape,
-    output logic run_valid,
-    input logic run_ready,
+    output logic slot_valid,
+    input logic slot_ready,
+    output logic slot_has_run,
     output splatline_pkg::run_t run,
     output logic idle
 );
   localparam M = splatline_pkg::MANTISSA;
   localparam RADIAL = splatline_pkg::RADIAL;
   localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
-
-  logic advance;
-  assign advance = !run_valid || run_ready;
+  localparam STAGES = 32;
+  // Rows from issue to the lanes' queues: twice the stages, so that the queue never runs dry while places come back.
+  localparam PLACES = 64;
 
   // The splat whose rows are being issued.
-  logic busy;
+  logic busy, last, place, issue, none;
   splatline_pkg::start_t at;
   splatline_pkg::shape_t shape0;
-  logic issue, last;
-  logic [11:0] occupied;  // stages that hold a row or a bubble
-  assign issue = busy && at.row < at.last_row;
-  assign last = !busy || at.row + 16'd1 >= at.last_row;
-  assign splat_ready = advance && last;
-
-  // Stage 1: the row; what is left of the cut-off.
-  logic valid1;
-  splatline_pkg::shape_t shape1;
-  logic [15:0] row1;
-  logic signed [63:0] centre1, vertical1, rest1;
-
-  // Stage 2: the squared half-width, Q.28 before the exponent.
-  logic valid2;
-  splatline_pkg::shape_t shape2;
-  logic [15:0] row2;
-  logic signed [63:0] centre2, vertical2;
-  logic [M+31:0] product2;
-
-  // Stage 3: brought to [1/4, 1) by an even shift.
-  logic valid3;
-  splatline_pkg::shape_t shape3;
-  logic [15:0] row3;
-  logic signed [63:0] centre3, vertical3;
-  logic [63:0] squared2;
-  logic [6:0] zeros2;
-  logic [63:0] normal2;
-  logic [7:0] index3;
-  logic [15:0] fraction3;
-  logic [5:0] halved3;  // half of the even shift
-
-  // Stage 4: the root table's entry and the step to the next.
-  logic valid4;
-  splatline_pkg::shape_t shape4;
-  logic [15:0] row4;
-  logic signed [63:0] centre4, vertical4;
-  logic [40:0] entry4;
-  logic [15:0] fraction4;
-  logic [5:0] halved4;
-
-  // Stage 5: the root, UQ0.24, and its left shift to Q.32 pixels.
-  logic valid5;
-  splatline_pkg::shape_t shape5;
-  logic [15:0] row5;
-  logic signed [63:0] centre5, vertical5;
-  logic [32:0] step4;
-  logic [24:0] root5;
-  logic signed [15:0] power5;
-
-  // Stage 6: the half-width, Q.32, cut to 2^62: farther than any pixel.
-  logic valid6;
-  splatline_pkg::shape_t shape6;
-  logic [15:0] row6;
-  logic signed [63:0] centre6, vertical6;
-  logic signed [63:0] half5, half6;
-
-  // Stage 7: the span, as first column, end and the part of it left of the window.
-  logic valid7;
-  splatline_pkg::shape_t shape7;
-  logic [15:0] row7;
-  logic signed [63:0] centre7, vertical7;
-  logic signed [63:0] low_wide6, high_wide6;
-  logic [15:0] low6, high6, block6, x6, end6, head6;
-  logic [15:0] x7;
-  logic [6:0] length7;
-  logic [5:0] head7;
-
-  // Stage 8: dx.
-  logic valid8;
-  splatline_pkg::shape_t shape8;
-  logic [15:0] row8, x8;
-  logic [6:0] length8;
-  logic [5:0] head8;
-  logic signed [63:0] vertical8;
-  logic signed [63:0] distance7, rounded7;
-  logic signed [M+1:0] dx8;
-
-  // Stage 9: A dx.
-  logic valid9;
-  splatline_pkg::shape_t shape9;
-  logic [15:0] row9, x9;
-  logic [6:0] length9;
-  logic [5:0] head9;
-  logic [31:0] vertical9;
-  logic signed [63:0] base8;
-  logic signed [M+1:0] dx9;
-  logic signed [2*M+2:0] along9;
-  logic signed [63:0] slant9;
-
-  // Stage 10: A dx^2 and the first difference.
-  logic valid10;
-  splatline_pkg::shape_t shape10;
-  logic [15:0] row10, x10;
-  logic [6:0] length10;
-  logic [5:0] head10;
-  logic [31:0] vertical10;
-  logic signed [2*M+4:0] across10;
-  logic signed [63:0] first_wide9;
-  logic [31:0] first10;
-
-  // Stage 11: the seed.
-  logic valid11;
-  splatline_pkg::shape_t shape11;
-  logic [15:0] row11, x11;
-  logic [6:0] length11;
-  logic [5:0] head11;
-  logic signed [63:0] radial_wide10;
-  logic [31:0] radial11, first11;
-  logic [9:0] pairs11;
-
-  // `HalfWidth::of`: normalisation of the squared half-width by pairs of bits.
-  assign squared2 = {{(32 - M) {1'b0}}, product2} << shape2.spread_odd;
-  assign zeros2 = 7'd64 - splatline_math::length(squared2);
-  assign normal2 = squared2 << {zeros2[5:1], 1'b0};
-  assign step4 = entry4[40:24] * fraction4 + 33'h8000;
-  assign half5 = splatline_math::shift_signed($signed({39'd0, root5}), 16'sd0 - power5);
-
-  // `next_row`: the span by the half-width, within the box, the block and the window.
-  assign low_wide6 = (centre6 - half6 + 64'sh0_ffff_ffff) >>> 32;
-  assign high_wide6 = ((centre6 + half6) >>> 32) + 64'sd1;
-  function automatic logic [15:0] clamp(input logic signed [63:0] value, input logic [15:0] first, input logic [15:0] beyond);
-    if (value < $signed({48'd0, first})) clamp = first;
-    else if (value > $signed({48'd0, beyond})) clamp = beyond;
-    else clamp = value[15:0];
-  endfunction
-  assign low6 = clamp(low_wide6, shape6.box_first, shape6.box_last);
-  assign high6 = clamp(high_wide6, shape6.box_first, shape6.box_last);
-  assign block6 = {shape6.first_column[15:BLOCK_BITS], BLOCK_BITS'(0)};
-  assign x6 = low6 > block6 ? low6 : block6;
-  assign end6 = high6 < shape6.last_column ? high6 : shape6.last_column;
-  assign head6 = x6 < shape6.first_column ? shape6.first_column - x6 : 16'd0;
-
-  // `Seed::at`.
-  assign distance7 = $signed({16'd0, x7, 32'd0}) - centre7;
-  assign rounded7 = splatline_math::shift_round(distance7, {1'b0, shape7.drop_dx});
-  assign base8 = splatline_math::shift_round(vertical8, 7'(52 - RADIAL));
-  assign slant9 = splatline_math::shift_round(64'(along9), 7'(M));
-  assign first_wide9 = splatline_math::shift_signed(64'(along9), shape9.drop_first);
-  assign radial_wide10 = splatline_math::shift_signed(64'(across10), shape10.drop_radial);
-
+  assign issue = busy && place;
+  assign splat_ready = !busy || (issue && last);
   always_ff @(posedge clk) begin
-    if (rst) begin
-      busy <= 0;
-      occupied <= 0;
-      valid1 <= 0;
-      valid2 <= 0;
-      valid3 <= 0;
-      valid4 <= 0;
-      valid5 <= 0;
-      valid6 <= 0;
-      valid7 <= 0;
-      valid8 <= 0;
-      valid9 <= 0;
-      valid10 <= 0;
-      valid11 <= 0;
-      run_valid <= 0;
-    end else if (advance) begin
-      if (last) busy <= splat_valid;
-      occupied <= {occupied[10:0], busy};
-      valid1 <= issue;
-      valid2 <= valid1 && rest1 > 0;
-      valid3 <= valid2;
-      valid4 <= valid3;
-      valid5 <= valid4;
-      valid6 <= valid5;
-      valid7 <= valid6 && x6 < end6 && head6 < end6 - x6;
-      valid8 <= valid7;
-      valid9 <= valid8;
-      valid10 <= valid9;
-      valid11 <= valid10;
-      run_valid <= valid11;
-    end
-    if (advance) begin
-      if (last) begin
-        at <= start;
-        shape0 <= shape;
-      end else begin
-        at.row <= at.row + 16'd1;
-        at.centre <= at.centre + at.slope;
-        at.vertical <= at.vertical + at.first;
-        at.first <= at.first + at.second;
-      end
-
-      shape1 <= shape0;
-      row1 <= at.row;
-      centre1 <= at.centre;
-      vertical1 <= at.vertical;
-      rest1 <= $signed({8'd0, shape0.reach}) - at.vertical;
-
-      shape2 <= shape1;
-      row2 <= row1;
-      centre2 <= centre1;
-      vertical2 <= vertical1;
-      product2 <= shape1.spread * rest1[55:24];
-
-      shape3 <= shape2;
-      row3 <= row2;
-      centre3 <= centre2;
-      vertical3 <= vertical2;
-      index3 <= normal2[63:56];
-      fraction3 <= normal2[55:40];
-      halved3 <= zeros2[6:1];
-
-      shape4 <= shape3;
-      row4 <= row3;
-      centre4 <= centre3;
-      vertical4 <= vertical3;
-      entry4 <= splatline_pkg::root_entry(index3);
-      fraction4 <= fraction3;
-      halved4 <= halved3;
-
-      shape5 <= shape4;
-      row5 <= row4;
-      centre5 <= centre4;
-      vertical5 <= vertical4;
-      root5 <= {1'b0, entry4[23:0]} + {8'd0, step4[32:16]};
-      power5 <= 16'sd8 - $signed({10'd0, halved4}) + shape4.spread_power;
-
-      shape6 <= shape5;
-      row6 <= row5;
-      centre6 <= centre5;
-      vertical6 <= vertical5;
-      half6 <= half5[62] ? 64'sh3fff_ffff_ffff_ffff : half5;
-
-      shape7 <= shape6;
-      row7 <= row6;
-      centre7 <= centre6;
-      vertical7 <= vertical6;
-      x7 <= x6;
-      length7 <= end6[6:0] - x6[6:0];
-      head7 <= head6[5:0];
-
-      shape8 <= shape7;
-      row8 <= row7;
-      vertical8 <= vertical7;
-      x8 <= x7;
-      length8 <= length7;
-      head8 <= head7;
-      dx8 <= rounded7[M+1:0];
-
-      shape9 <= shape8;
-      row9 <= row8;
-      vertical9 <= base8[31:0] + shape8.balance;
-      x9 <= x8;
-      length9 <= length8;
-      head9 <= head8;
-      dx9 <= dx8;
-      along9 <= $signed({1'b0, shape8.curvature}) * dx8;
-
-      shape10 <= shape9;
-      row10 <= row9;
-      vertical10 <= vertical9;
-      x10 <= x9;
-      length10 <= length9;
-      head10 <= head9;
-      across10 <= $signed(slant9[M+2:0]) * dx9;
-      first10 <= first_wide9[31:0] + shape9.unit;
-
-      shape11 <= shape10;
-      row11 <= row10;
-      x11 <= x10;
-      length11 <= length10;
-      head11 <= head10;
-      radial11 <= radial_wide10[31:0] + vertical10;
-      first11 <= first10;
-      pairs11 <= ({4'd0, head10} * ({4'd0, head10} - 10'd1)) >> 1;
-
-      // `Run::skip`.
-      run.row <= row11;
-      run.column <= x11 + {10'd0, head11};
-      run.count <= length11 - {1'b0, head11};
-      run.radial <= radial11 + {26'd0, head11} * first11 + {22'd0, pairs11} * shape11.second;
-      run.first <= first11 + {26'd0, head11} * shape11.second;
-      run.second <= shape11.second;
-      run.paint <= shape11.paint;
+    if (rst) busy <= 0;
+    else if (splat_ready) busy <= splat_valid;
+    if (splat_ready) begin
+      at <= start;
+      shape0 <= shape;
+      last <= start.rows <= 16'd1;
+    end else if (issue) begin
+      at.row <= at.row + 16'd1;
+      at.rows <= at.rows - 16'd1;
+      at.centre <= at.centre + at.slope;
+      at.vertical <= at.vertical + at.first;
+      at.first <= at.first + at.second;
+      last <= at.rows == 16'd2;
     end
   end
 
-  assign idle = !busy && occupied == 0;
+  // Slots, and those of them that have a run as far as is known.
+  logic [STAGES:1] slot;
+  logic [STAGES:1] open;
+  logic positive1, order19, fits19;
+  always_ff @(posedge clk) begin
+    if (rst) begin
+      slot <= 0;
+      open <= 0;
+    end else begin
+      slot <= {slot[STAGES-1:1], issue};
+      open <= {open[STAGES-1:20], open[19] && order19 && fits19, open[18:2], open[1] && positive1, issue && at.rows != 0};
+    end
+  end
+
+  // Stage 1: the row; what is left of the cut-off, Q.52.
+  logic signed [63:0] centre1, vertical1, rest1;
+  logic [15:0] row1, row32, odd_unused;
+  logic [M-1:0] spread1;
+  splatline_pkg::paint_t paint1, paint32;
+  logic [15:0] box_first1, box_last1, first_column1, last_column1;
+  logic spread_odd1, spread_odd3;
+  logic signed [15:0] spread_power1, spread_power7;
+  logic [5:0] drop_dx1, drop_dx19;
+  logic [M-1:0] curvature1, curvature21;
+  logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial26;
+  logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
+  always_ff @(posedge clk) begin
+    row1 <= at.row;
+    centre1 <= at.centre;
+    vertical1 <= at.vertical;
+    rest1 <= $signed({8'd0, shape0.reach}) - at.vertical;
+    spread1 <= shape0.spread;
+    spread_odd1 <= shape0.spread_odd;
+    spread_power1 <= shape0.spread_power;
+    paint1 <= shape0.paint;
+    {box_first1, box_last1, first_column1, last_column1} <= {shape0.box_first, shape0.box_last, shape0.first_column, shape0.last_column};
+    drop_dx1 <= shape0.drop_dx;
+    curvature1 <= shape0.curvature;
+    drop_first1 <= shape0.drop_first;
+    drop_radial1 <= shape0.drop_radial;
+    second1 <= shape0.second;
+    unit1 <= shape0.unit;
+    balance1 <= shape0.balance;
+  end
+  assign positive1 = !rest1[63] && rest1 != 0;
+  delay #(.BITS(16 + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
+  delay #(.BITS(1), .STAGES(2)) hold_odd (.clk, .rst, .advance(1'b1), .in(spread_odd1), .out(spread_odd3));
+  delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(spread_power1), .out(spread_power7));
+
+  // Stage 3: the squared half-width, Q.28 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
+  logic [M+31:0] product3;
+  logic [63:0] squared3, squared4, normal4;
+  logic [4:0] pairs3, pairs4;
+  logic [7:0] index5;
+  logic [15:0] fraction5;
+  logic [4:0] pairs5;
+  multiply #(.LEFT(32), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(rest1[55:24]), .right(spread1), .product(product3));
+  assign squared3 = 64'(product3) << spread_odd3;
+  // Pairs of leading zeros; 31 where there is nothing.
+  always_comb begin
+    pairs3 = 5'd31;
+    for (int i = 0; i < 32; i = i + 1) if (squared3[2*i] || squared3[2*i+1]) pairs3 = 5'd31 - i[4:0];
+  end
+  assign normal4 = squared4 << {pairs4, 1'b0};
+  always_ff @(posedge clk) begin
+    squared4 <= squared3;
+    pairs4 <= pairs3;
+    index5 <= normal4[63:56];
+    fraction5 <= normal4[55:40];
+    pairs5 <= pairs4;
+  end
+
+  // Stages 6 and 7: the root table's entry and the step to the next. Stage 9: the root, UQ0.24, and its left shift to Q.32 pixels.
+  logic [40:0] entry6, entry7;
+  logic [15:0] fraction6, fraction7;
+  logic [4:0] pairs6, pairs7;
+  logic [23:0] low8;
+  logic [32:0] step8, risen8;
+  logic [24:0] root9;
+  logic signed [15:0] power8, power9;
+  assign risen8 = step8 + 33'h8000;
+  always_ff @(posedge clk) begin
+    entry6 <= splatline_pkg::root_entry(index5);
+    fraction6 <= fraction5;
+    pairs6 <= pairs5;
+    entry7 <= entry6;
+    fraction7 <= fraction6;
+    pairs7 <= pairs6;
+    low8 <= entry7[23:0];
+    step8 <= entry7[40:24] * fraction7;
+    power8 <= $signed({11'd0, pairs7}) - 16'sd8 - spread_power7;
+    root9 <= {1'b0, low8} + {8'd0, risen8[32:16]};
+    power9 <= power8;
+  end
+
+  // Stage 14: the half-width, Q.32, cut to 2^62: farther than any pixel. Stage 16: where the span begins and ends.
+  logic signed [63:0] half13, half14, centre14, low15, high15, centre18;
+  logic signed [32:0] low16, high16;
+  align #(.BITS(25)) align_half (.clk, .negative(1'b0), .magnitude(root9), .shift(power9), .result(half13));
+  delay #(.BITS(64), .STAGES(13)) hold_centre14 (.clk, .rst, .advance(1'b1), .in(centre1), .out(centre14));
+  delay #(.BITS(64), .STAGES(4)) hold_centre18 (.clk, .rst, .advance(1'b1), .in(centre14), .out(centre18));
+  always_ff @(posedge clk) begin
+    half14 <= half13[62] ? 64'sh3fff_ffff_ffff_ffff : half13;
+    low15 <= centre14 - half14;
+    high15 <= centre14 + half14;
+    low16 <= $signed({low15[63], low15[63:32]}) + $signed({32'd0, low15[31:0] != 0});
+    high16 <= $signed({high15[63], high15[63:32]}) + 33'sd1;
+  end
+
+  // Stage 17: within the box. Stage 18: within the block and the window. Stage 20: its length, and the part left of the window.
+  function automatic logic [15:0] clamp(input logic signed [32:0] value, input logic [15:0] first, input logic [15:0] beyond);
+    if (value < $signed({17'd0, first})) clamp = first;
+    else if (value > $signed({17'd0, beyond})) clamp = beyond;
+    else clamp = value[15:0];
+  endfunction
+  logic [15:0] box_first16, box_last16, first_column16, last_column16, first_column17, last_column17, first_column18;
+  logic [15:0] low17, high17, block17, x18, end18, x19, length19, head19;
+  logic [15:0] x32;
+  logic [4:0] head20, head28;
+  logic [6:0] count20;
+  delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_last1, first_column1, last_column1}), .out({box_first16, box_last16, first_column16, last_column16}));
+  assign block17 = {first_column17[15:BLOCK_BITS], BLOCK_BITS'(0)};
+  assign fits19 = head19 < length19;
+  always_ff @(posedge clk) begin
+    low17 <= clamp(low16, box_first16, box_last16);
+    high17 <= clamp(high16, box_first16, box_last16);
+    first_column17 <= first_column16;
+    last_column17 <= last_column16;
+    x18 <= low17 > block17 ? low17 : block17;
+    end18 <= high17 < last_column17 ? high17 : last_column17;
+    first_column18 <= first_column17;
+    order19 <= x18 < end18;
+    length19 <= end18 - x18;
+    head19 <= x18 < first_column18 ? first_column18 - x18 : 16'd0;
+    x19 <= x18;
+    head20 <= head19[4:0];
+    count20 <= length19[6:0] - head19[6:0];
+  end
+  logic [15:0] column20;
+  logic [6:0] count32;
+  always_ff @(posedge clk) column20 <= x19 + head19;
+  delay #(.BITS(16 + 7), .STAGES(12)) hold_column (.clk, .rst, .advance(1'b1), .in({column20, count20}), .out({x32, count32}));
+  delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
+
+  // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
+  logic signed [63:0] distance19;
+  logic [M+1:0] moved20;
+  logic negative20, negative21, negative23;
+  logic [M:0] dx21, dx24;
+  delay #(.BITS(6), .STAGES(18)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx1), .out(drop_dx19));
+  always_ff @(posedge clk) begin
+    distance19 <= $signed({16'd0, x18, 32'd0}) - centre18;
+    moved20 <= (M + 2)'($signed({distance19, 1'b0}) >>> drop_dx19);
+    negative20 <= distance19[63];
+    dx21 <= (negative20 ? ~moved20[M+1:1] : moved20[M+1:1]) + {{M{1'b0}}, moved20[0] != negative20};
+    negative21 <= negative20;
+  end
+  delay #(.BITS(M + 1), .STAGES(3)) hold_dx (.clk, .rst, .advance(1'b1), .in(dx21), .out(dx24));
+  delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative21), .out(negative23));
+  delay #(.BITS(M), .STAGES(20)) hold_curvature (.clk, .rst, .advance(1'b1), .in(curvature1), .out(curvature21));
+
+  // Stage 23: A dx. Stage 24: rounded to a mantissa. Stage 26: A dx^2, which is never negative.
+  logic [2*M:0] along23, along_rounded23;
+  logic [M:0] slant24;
+  logic [2*M+1:0] across26;
+  multiply #(.LEFT(M + 1), .RIGHT(M)) multiply_along (.clk, .advance(1'b1), .left(dx21), .right(curvature21), .product(along23));
+  multiply #(.LEFT(M + 1), .RIGHT(M + 1)) multiply_across (.clk, .advance(1'b1), .left(slant24), .right(dx24), .product(across26));
+  // Halves up, whatever the sign.
+  assign along_rounded23 = along23 + (negative23 ? (2 * M + 1)'((1 << (M - 1)) - 1) : (2 * M + 1)'(1 << (M - 1)));
+  always_ff @(posedge clk) slant24 <= along_rounded23[2*M:M];
+
+  // Stage 28: the first difference. Stage 30: the radial index without its constants.
+  logic signed [63:0] first27, radial30;
+  logic [31:0] first28;
+  delay #(.BITS(16), .STAGES(22)) hold_drop_first (.clk, .rst, .advance(1'b1), .in(drop_first1), .out(drop_first23));
+  delay #(.BITS(16), .STAGES(25)) hold_drop_radial (.clk, .rst, .advance(1'b1), .in(drop_radial1), .out(drop_radial26));
+  delay #(.BITS(32), .STAGES(26)) hold_unit (.clk, .rst, .advance(1'b1), .in(unit1), .out(unit27));
+  align #(.BITS(2 * M + 1)) align_first (.clk, .negative(negative23), .magnitude(along23), .shift(drop_first23), .result(first27));
+  align #(.BITS(2 * M + 2)) align_radial (.clk, .negative(1'b0), .magnitude(across26), .shift(drop_radial26), .result(radial30));
+  always_ff @(posedge clk) first28 <= first27[31:0] + unit27;
+
+  // C dy^2 and what balances the seed: stage 3. What is left of the window is skipped (`Run::skip`): stages 22 to 32.
+  logic [31:0] base2, base3, base23, sum24, sum30, sum31, radial32, head_second28, first29, first32, second32;
+  logic [36:0] head_second22, head_first30;
+  logic [8:0] pairs21;
+  logic [31:0] second21, head_first31;
+  logic [40:0] pairs_second23;
+  always_ff @(posedge clk) begin
+    base2 <= 32'(splatline_math::shift_round(vertical1, 7'(52 - RADIAL)));
+    balance2 <= balance1;
+    base3 <= base2 + balance2;
+    pairs21 <= 9'(({5'd0, head20} * ({5'd0, head20} - 10'd1)) >> 1);
+    second21 <= second20;
+    sum24 <= base23 + pairs_second23[31:0];
+    sum31 <= radial30[31:0] + sum30;
+    head_first31 <= head_first30[31:0];
+    radial32 <= sum31 + head_first31;
+    first29 <= first28 + head_second28;
+  end
+  delay #(.BITS(32), .STAGES(20)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base23));
+  delay #(.BITS(32), .STAGES(6)) hold_sum (.clk, .rst, .advance(1'b1), .in(sum24), .out(sum30));
+  delay #(.BITS(32), .STAGES(19)) hold_second20 (.clk, .rst, .advance(1'b1), .in(second1), .out(second20));
+  delay #(.BITS(32), .STAGES(11)) hold_second32 (.clk, .rst, .advance(1'b1), .in(second21), .out(second32));
+  delay #(.BITS(32), .STAGES(6)) hold_head_second (.clk, .rst, .advance(1'b1), .in(head_second22[31:0]), .out(head_second28));
+  delay #(.BITS(32), .STAGES(3)) hold_first (.clk, .rst, .advance(1'b1), .in(first29), .out(first32));
+  multiply #(.LEFT(32), .RIGHT(5)) multiply_head_second (.clk, .advance(1'b1), .left(second20), .right(head20), .product(head_second22));
+  multiply #(.LEFT(32), .RIGHT(9)) multiply_pairs (.clk, .advance(1'b1), .left(second21), .right(pairs21), .product(pairs_second23));
+  multiply #(.LEFT(32), .RIGHT(5)) multiply_head_first (.clk, .advance(1'b1), .left(first28), .right(head28), .product(head_first30));
+
+  // Stage 32: the run, in the order of `run_t`.
+  fifo #(
+      .BITS(1 + $bits(run)),
+      .PLACES(PLACES)
+  ) slots (
+      .clk,
+      .rst,
+      .claim(issue),
+      .free(place),
+      .none,
+      .in_valid(slot[STAGES]),
+      .in({open[STAGES], row32, x32, count32, radial32, first32, second32, paint32}),
+      .out_valid(slot_valid),
+      .out_ready(slot_ready),
+      .out({slot_has_run, run})
+  );
+  assign idle = !busy && none;
 endmodule

@@ -1,4 +1,5 @@
-// A queue of runs before a lane, so that lanes with long rows and lanes with short ones need not wait for each other.
+// A queue of runs before a lane, so that lanes with long rows and lanes with short ones need not wait for each other. The lane sees a
+// register, not the memory: a run can be taken two cycles after it came.
 module run_queue #(
     parameter DEPTH = 8
 ) (
@@ -9,28 +10,38 @@ module run_queue #(
     input splatline_pkg::run_t in_run,
     output logic out_valid,
     input logic out_ready,
-    output splatline_pkg::run_t out_run
+    output splatline_pkg::run_t out_run,
+    output logic empty
 );
   localparam BITS = $clog2(DEPTH);
 
   logic [$bits(in_run)-1:0] memory[0:DEPTH-1];
   logic [BITS-1:0] head, tail;
   logic [BITS:0] count;
+  logic put, moves;
 
   assign in_ready = count != DEPTH[BITS:0];
-  assign out_valid = count != 0;
-  assign out_run = memory[head];
+  assign put = in_valid && in_ready;
+  assign moves = count != 0 && (!out_valid || out_ready);
+  assign empty = count == 0 && !out_valid;
 
   always_ff @(posedge clk) begin
-    if (in_valid && in_ready) memory[tail] <= in_run;
+    if (put) memory[tail] <= in_run;
+    if (moves) out_run <= memory[head];
     if (rst) begin
       head <= 0;
       tail <= 0;
       count <= 0;
+      out_valid <= 0;
     end else begin
-      if (in_valid && in_ready) tail <= tail + 1'b1;
-      if (out_valid && out_ready) head <= head + 1'b1;
-      count <= count + {{BITS{1'b0}}, in_valid && in_ready} - {{BITS{1'b0}}, out_valid && out_ready};
+      if (put) tail <= tail + 1'b1;
+      if (moves) head <= head + 1'b1;
+      out_valid <= moves || (out_valid && !out_ready);
+      count <= count + {{BITS{1'b0}}, put} - {{BITS{1'b0}}, moves};
     end
   end
+
+`ifdef FORMAL
+`include "formal/run_queue_properties.svh"
+`endif
 endmodule

@@ -4,7 +4,7 @@
 //                                                    `------------- once for every lane -------------'
 //
 // Lane l owns the tile's rows y with y mod LANES = l and the bank that holds them. So a pixel only ever meets one lane, splats
-// keep their order at every pixel without any interlock, and lanes work on different rows, where short runs leave none idle.
+// keep their order at every pixel, and lanes work on different rows, where short runs leave none idle.
 //
 // A tile: `tile` (the window, within one aligned TILE_COLUMNS x TILE_ROWS block) clears the buffer; packets follow, nearest first;
 // `finish` waits for the last pixel and starts the read-out, row by row; after its last pixel the next tile may begin.
@@ -32,7 +32,7 @@ module splat_primitive #(
     input logic pixel_ready,
     output logic [splatline_pkg::TRANSMITTANCE+1:0] pixel_depth,  // finished flag, UQ1.transmittance
     output logic [3*splatline_pkg::SUM_BITS-1:0] pixel_colour,  // blue, green, red, UQ5.accumulator
-    // Lanes move only in cycles in which this is set: where the tile buffer shares its memory's ports.
+    // Lanes move only in cycles that follow one in which this is set: where the tile buffer shares its memory's ports.
     input logic lanes_enable,
     output logic raster_idle,  // every packet taken has reached its last pixel
     output logic idle,  // and that pixel is in the tile buffer
@@ -44,6 +44,33 @@ module splat_primitive #(
   localparam ADDRESS = COLUMN_BITS + ROW_BITS - LANE_BITS;
   localparam DEPTH_BITS = splatline_pkg::TRANSMITTANCE + 2;
   localparam COLOUR_BITS = 3 * splatline_pkg::SUM_BITS;
+  localparam PEAK_BITS = splatline_pkg::PEAK + 4;
+  localparam PAINT_BITS = 3 * (splatline_pkg::COLOUR + 4);
+
+  // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths by name.
+  generate
+    if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES > (1 << ROW_BITS)) begin : gen_illegal_lanes
+      $error("LANES must be 1, 2, 4, 8 or 16, and not more than a tile has rows");
+    end
+    if (QUEUE < 2 || QUEUE > 256 || (QUEUE & (QUEUE - 1)) != 0) begin : gen_illegal_queue
+      $error("QUEUE must be a power of two from 2 to 256");
+    end
+    if (COLUMN_BITS < 1 || COLUMN_BITS > splatline_pkg::BLOCK_BITS || splatline_pkg::BLOCK_BITS > 5) begin : gen_illegal_columns
+      $error("a tile must have 2 columns or more, and not more than a seed's block of at most 32");
+    end
+    if (ROW_BITS < 1 || ROW_BITS > 8 || ADDRESS < 1) begin : gen_illegal_rows
+      $error("a tile must have from 2 to 256 rows");
+    end
+    if (splatline_pkg::RADIAL > 27 || splatline_pkg::MANTISSA > 31) begin : gen_illegal_radial
+      $error("RADIAL must be at most 27 (a lane has 32 bits), MANTISSA at most 31");
+    end
+    if (splatline_pkg::INTERPOLATION < 1 || splatline_pkg::TABLE + splatline_pkg::INTERPOLATION > splatline_pkg::RADIAL + 4) begin : gen_illegal_table
+      $error("INTERPOLATION must be at least 1, and TABLE and INTERPOLATION together at most RADIAL + 4");
+    end
+    if (splatline_pkg::PEAK + splatline_pkg::WEIGHT <= splatline_pkg::ALPHA || splatline_pkg::TRANSMITTANCE + splatline_pkg::COLOUR <= splatline_pkg::ACCUMULATOR) begin : gen_illegal_products
+      $error("PEAK + WEIGHT must exceed ALPHA, and TRANSMITTANCE + COLOUR must exceed ACCUMULATOR");
+    end
+  endgenerate
 
   typedef enum logic [1:0] {
     IDLE,
@@ -55,10 +82,11 @@ module splat_primitive #(
   splatline_pkg::window_t window;
 
   assign tile_ready = state == IDLE;
-  assign finish_ready = state == DRAW && idle;
+  // A packet offered together with `finish` still belongs to this tile: `finish` waits.
+  assign finish_ready = state == DRAW && idle && !packet_valid;
 
   // Packets to runs.
-  logic footprint_valid, footprint_ready, splat_valid, splat_ready, run_valid, run_ready, setup_idle, rows_idle;
+  logic footprint_valid, footprint_ready, splat_valid, splat_ready, slot_valid, slot_ready, slot_has_run, run_ready, setup_idle, rows_idle;
   splatline_pkg::footprint_t footprint;
   splatline_pkg::start_t start;
   splatline_pkg::shape_t shape;
@@ -97,8 +125,9 @@ module splat_primitive #(
       .splat_ready,
       .start,
       .shape,
-      .run_valid,
-      .run_ready,
+      .slot_valid,
+      .slot_ready,
+      .slot_has_run,
       .run,
       .idle(rows_idle)
   );
@@ -107,7 +136,8 @@ module splat_primitive #(
   logic [ROW_BITS-1:0] scan_row;
   logic [COLUMN_BITS-1:0] scan_column;
   logic [ADDRESS-1:0] clear_address;
-  logic scan_last_column, scan_last_row, scan_valid, scan_moves;
+  logic scan_last_column, scan_last_row, scan_valid, scan_moves, window_has_pixels;
+  assign window_has_pixels = window.first_column < window.last_column && window.first_row < window.last_row;
   assign scan_last_column = scan_column == COLUMN_BITS'(window.last_column - 16'd1);
   assign scan_last_row = scan_row == ROW_BITS'(window.last_row - 16'd1);
   assign scan_moves = !pixel_valid || pixel_ready;
@@ -132,9 +162,9 @@ module splat_primitive #(
         DRAW: begin
           scan_row <= ROW_BITS'(window.first_row);
           scan_column <= COLUMN_BITS'(window.first_column);
-          if (finish_valid && idle) begin
+          if (finish_valid && finish_ready) begin
             state <= READ;
-            scan_valid <= 1;
+            scan_valid <= window_has_pixels;
           end
         end
         READ:
@@ -153,6 +183,7 @@ module splat_primitive #(
 
   // The lanes.
   logic [LANES-1:0] queue_ready, lane_idle, pixels_idle;
+  assign slot_ready = !slot_has_run || run_ready;
   logic [LANES*DEPTH_BITS-1:0] depths;
   logic [LANES*COLOUR_BITS-1:0] colours;
   logic [ROW_BITS-1:0] read_row;
@@ -171,12 +202,15 @@ module splat_primitive #(
     end
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
-      logic mine, queued, taken, inside0, inside1, inside2, lane_quiet, blend_quiet, moves;
+      logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, lane_quiet, blend_quiet;
+      // A register for each lane: none has to reach all of them.
+      logic moves;
       splatline_pkg::run_t queued_run;
       logic [splatline_pkg::RADIAL+3:0] radial;
       logic [ROW_BITS+COLUMN_BITS-1:0] place;
-      logic [ADDRESS-1:0] address0, address1, address2;
-      splatline_pkg::paint_t paint0, paint1, paint2;
+      logic [ADDRESS-1:0] address0, address4;
+      logic [PEAK_BITS-1:0] peak0, peak4;
+      logic [PAINT_BITS-1:0] colours0, colours4;
       logic [splatline_pkg::WEIGHT:0] weight;
 
       if (LANES == 1) begin : gen_all_rows
@@ -187,19 +221,23 @@ module splat_primitive #(
         assign address0 = {place[ROW_BITS+COLUMN_BITS-1:COLUMN_BITS+LANE_BITS], place[COLUMN_BITS-1:0]};
       end
 
-      assign moves = lanes_enable && state == DRAW;
+      always_ff @(posedge clk) begin
+        if (rst) moves <= 0;
+        else moves <= lanes_enable && state == DRAW;
+      end
 
       run_queue #(
           .DEPTH(QUEUE)
       ) queue (
           .clk,
           .rst,
-          .in_valid(run_valid && mine),
+          .in_valid(slot_valid && slot_has_run && mine),
           .in_ready(queue_ready[l]),
           .in_run(run),
           .out_valid(queued),
           .out_ready(taken),
-          .out_run(queued_run)
+          .out_run(queued_run),
+          .empty
       );
       lane pixels (
           .clk,
@@ -211,7 +249,8 @@ module splat_primitive #(
           .pixel_valid(inside0),
           .radial,
           .address(place),
-          .paint(paint0),
+          .peak(peak0),
+          .colour(colours0),
           .idle(lane_quiet)
       );
       footprint_table kernel (
@@ -229,17 +268,25 @@ module splat_primitive #(
         if (rst) begin
           inside1 <= 0;
           inside2 <= 0;
+          inside3 <= 0;
+          inside4 <= 0;
         end else if (moves) begin
           inside1 <= inside0;
           inside2 <= inside1;
-        end
-        if (moves) begin
-          address1 <= address0;
-          address2 <= address1;
-          paint1 <= paint0;
-          paint2 <= paint1;
+          inside3 <= inside2;
+          inside4 <= inside3;
         end
       end
+      delay #(
+          .BITS(ADDRESS + PEAK_BITS + PAINT_BITS),
+          .STAGES(4)
+      ) hold_paint (
+          .clk,
+          .rst,
+          .advance(moves),
+          .in({address0, peak0, colours0}),
+          .out({address4, peak4, colours4})
+      );
 
       logic depth_write, colour_write;
       logic [ADDRESS-1:0] depth_read_address, depth_write_address, colour_read_address, colour_write_address;
@@ -252,10 +299,11 @@ module splat_primitive #(
           .rst,
           .advance(moves),
           .rules,
-          .pixel_valid(inside2),
-          .pixel_address(address2),
+          .pixel_valid(inside4),
+          .pixel_address(address4),
           .weight,
-          .paint(paint2),
+          .peak(peak4),
+          .colour(colours4),
           .depth_read_address,
           .depth_read(depths[l*DEPTH_BITS+:DEPTH_BITS]),
           .depth_write,
@@ -303,11 +351,17 @@ module splat_primitive #(
           .read_address(state == READ ? scan_address : colour_read_address),
           .read_word(colours[l*COLOUR_BITS+:COLOUR_BITS])
       );
-      assign lane_idle[l] = !queued && lane_quiet;
-      assign pixels_idle[l] = !inside1 && !inside2 && blend_quiet;
+      assign lane_idle[l] = empty && lane_quiet;
+      assign pixels_idle[l] = !inside1 && !inside2 && !inside3 && !inside4 && blend_quiet;
     end
   endgenerate
 
-  assign raster_idle = setup_idle && rows_idle && &lane_idle;
-  assign idle = raster_idle && &pixels_idle;
+  // Registered, so that they lie on nobody's way: set in the cycle after the last of them has come to rest.
+  logic all_idle, packet_taken;
+  assign all_idle = setup_idle && rows_idle && &lane_idle;
+  assign packet_taken = footprint_valid && footprint_ready;
+  always_ff @(posedge clk) begin
+    raster_idle <= rst || (all_idle && !packet_taken);
+    idle <= rst || (all_idle && !packet_taken && &pixels_idle);
+  end
 endmodule

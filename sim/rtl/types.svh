@@ -12,7 +12,7 @@
   // The rules of blending at the design's widths (src/blend/mod.rs, `Blend`).
   typedef struct packed {
     logic [ALPHA:0] alpha_max;
-    logic [ALPHA:0] alpha_min;
+    logic [PEAK+WEIGHT:0] least;  // products of peak and weight below it are skipped, UQ1.(peak + weight)
     logic [TRANSMITTANCE:0] stop;
     logic stop_before;
     logic wide_table;  // The footprint table ends at r = 16, otherwise at r = 4.
@@ -51,7 +51,7 @@
   // Where a splat's rows begin and how they change.
   typedef struct packed {
     logic [15:0] row;
-    logic [15:0] last_row;
+    logic [15:0] rows;  // rows in the window
     logic signed [63:0] centre;  // xc - 1/2, Q.32
     logic signed [63:0] slope;
     logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences

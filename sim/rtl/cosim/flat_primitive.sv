@@ -6,7 +6,7 @@ module flat_primitive #(
     input logic clk,
     input logic rst,
     input logic [31:0] alpha_max,
-    input logic [31:0] alpha_min,
+    input logic [63:0] least,
     input logic [31:0] stop,
     input logic stop_before,
     input logic wide_table,
@@ -41,8 +41,16 @@ module flat_primitive #(
     output logic [15:0] lanes_popped,  // lanes that pop a run from their queues
     output logic [63:0] squared,  // what the row unit takes the root of
     output logic squared_valid,
-    output logic [31:0] root,  // and the root, three stages later
-    output logic root_valid
+    output logic [31:0] root,  // and the root, five stages later
+    output logic root_valid,
+    // Two units by themselves.
+    input logic unit_negative,
+    input logic [63:0] unit_magnitude,
+    input logic [15:0] unit_shift,
+    output logic [63:0] aligned,  // four cycles later
+    output logic [31:0] normal,  // three cycles later
+    output logic normal_negative,
+    output logic [15:0] normal_exponent
 );
   localparam SUM = splatline_pkg::SUM_BITS;
   splatline_pkg::rules_t rules;
@@ -50,7 +58,7 @@ module flat_primitive #(
   logic [splatline_pkg::TRANSMITTANCE+1:0] depth;
   logic [3*SUM-1:0] colour;
 
-  assign rules = {alpha_max[splatline_pkg::ALPHA:0], alpha_min[splatline_pkg::ALPHA:0], stop[splatline_pkg::TRANSMITTANCE:0], stop_before, wide_table};
+  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[splatline_pkg::TRANSMITTANCE:0], stop_before, wide_table};
   assign tile = {first_column, first_row, last_column, last_row};
   assign finished = depth[splatline_pkg::TRANSMITTANCE+1];
   assign transmittance = 32'(depth[splatline_pkg::TRANSMITTANCE:0]);
@@ -85,11 +93,33 @@ module flat_primitive #(
   );
 
   assign splat_begun = splats.splat_valid && splats.splat_ready;
-  assign run_left = splats.run_valid && splats.run_ready;
-  assign squared = splats.rows.squared2;
-  assign squared_valid = splats.rows.valid2 && splats.rows.advance;
-  assign root = 32'(splats.rows.root5);
-  assign root_valid = splats.rows.valid5 && splats.rows.advance;
+  assign run_left = splats.slot_valid && splats.slot_has_run && splats.run_ready;
+  assign squared = splats.rows.squared4;
+  assign squared_valid = splats.rows.open[4];
+  assign root = 32'(splats.rows.root9);
+  assign root_valid = splats.rows.open[9];
+  align #(
+      .BITS(40)
+  ) check_align (
+      .clk,
+      .negative(unit_negative),
+      .magnitude(unit_magnitude[39:0]),
+      .shift(unit_shift),
+      .result(aligned)
+  );
+  logic [splatline_pkg::MANTISSA-1:0] normal_mantissa;
+  normalise #(
+      .BITS(40)
+  ) check_normalise (
+      .clk,
+      .negative(unit_negative),
+      .magnitude(unit_magnitude[39:0]),
+      .exponent(16'sd0),
+      .result_negative(normal_negative),
+      .result(normal_mantissa),
+      .result_exponent(normal_exponent)
+  );
+  assign normal = 32'(normal_mantissa);
   genvar l;
   generate
     for (l = 0; l < 16; l = l + 1) begin : gen_popped

@@ -15,18 +15,22 @@ namespace {
 
 // Mirrors `Inputs` and `Outputs` of src/model.rs.
 struct Inputs {
-    uint8_t rst, table_valid, tile_valid, packet_valid, finish_valid, pixel_ready, lanes_enable, stop_before, wide_table, spare[3];
+    uint8_t rst, table_valid, tile_valid, packet_valid, finish_valid, pixel_ready, lanes_enable, stop_before, wide_table, unit_negative, spare[2];
     uint16_t first_column, first_row, last_column, last_row;
-    uint32_t alpha_max, alpha_min, stop, table_index, table_low, table_step;
-    uint32_t packet[20];
+    uint32_t alpha_max, stop, table_index, table_low, table_step;
+    uint64_t least, unit_magnitude;
+    uint16_t unit_shift, spare2;
+    uint32_t packet[21];
 };
 
 struct Outputs {
     uint8_t tile_ready, packet_ready, finish_ready, pixel_valid, raster_idle, idle, finished, splat_begun, run_left, spare;
     uint16_t lanes_popped;
     uint32_t transmittance, red, green, blue, foreign_packets, root;
-    uint8_t squared_valid, root_valid, padding[2];
-    uint64_t squared;
+    uint8_t squared_valid, root_valid, normal_negative, padding;
+    uint64_t squared, aligned;
+    uint32_t normal;
+    uint16_t normal_exponent, padding2;
 };
 
 // Mirrors `ReadOut` and `Drawn` of src/model.rs.
@@ -71,7 +75,10 @@ void drive(MODEL& m, const Inputs* in) {
     m.last_column = in->last_column;
     m.last_row = in->last_row;
     m.alpha_max = in->alpha_max;
-    m.alpha_min = in->alpha_min;
+    m.least = in->least;
+    m.unit_negative = in->unit_negative;
+    m.unit_magnitude = in->unit_magnitude;
+    m.unit_shift = in->unit_shift;
     m.stop = in->stop;
     m.table_index = in->table_index;
     m.table_low = in->table_low;
@@ -79,7 +86,7 @@ void drive(MODEL& m, const Inputs* in) {
 }
 
 void offer(MODEL& m, const uint32_t* packet) {
-    static_assert(sizeof(m.packet) <= sizeof(Inputs::packet), "a packet has at most 20 words");
+    static_assert(sizeof(m.packet) <= sizeof(Inputs::packet), "a packet has at most 21 words");
     std::memcpy(&m.packet, packet, sizeof(m.packet));
 }
 
@@ -92,7 +99,7 @@ void tick(void* simulation, const Inputs* in, Outputs* out) {
     m.eval();
     *out = Outputs{m.tile_ready, m.packet_ready, m.finish_ready, m.pixel_valid, m.raster_idle, m.idle, m.finished, m.splat_begun, m.run_left, 0,
                    m.lanes_popped, m.transmittance, m.red, m.green, m.blue, m.foreign_packets, m.root,
-                   m.squared_valid, m.root_valid, {0, 0}, m.squared};
+                   m.squared_valid, m.root_valid, m.normal_negative, 0, m.squared, m.aligned, m.normal, m.normal_exponent, 0};
     m.clk = 1;
     m.eval();
 }

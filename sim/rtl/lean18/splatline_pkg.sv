@@ -18,8 +18,8 @@ package splatline_pkg;
   localparam int GUARD = 8;  // bits below the lanes' unit from which seeds are balanced
   localparam int TILE_COLUMN_BITS = 5;  // log2 of a tile's columns
   localparam int TILE_ROW_BITS = 5;  // log2 of a tile's rows
-  localparam int PACKET_BITS = 472;  // bits of a packet
-  localparam logic [3:0] PACKET_VERSION = 4'd1;
+  localparam int PACKET_BITS = 488;  // bits of a packet
+  localparam logic [3:0] PACKET_VERSION = 4'd2;
 
   typedef struct packed {
     logic [17:0] blue;  // 14 fraction bits
@@ -45,7 +45,7 @@ package splatline_pkg;
     logic [15:0] first_column;
     logic signed [39:0] centre_v;  // 12 fraction bits
     logic signed [39:0] centre_u;  // 12 fraction bits
-    logic [31:0] depth;  // 23 fraction bits
+    logic [47:0] depth;
     logic [3:0] version;
   } footprint_t;
 
@@ -262,7 +262,7 @@ package splatline_pkg;
   // The rules of blending at the design's widths (src/blend/mod.rs, `Blend`).
   typedef struct packed {
     logic [ALPHA:0] alpha_max;
-    logic [ALPHA:0] alpha_min;
+    logic [PEAK+WEIGHT:0] least;  // products of peak and weight below it are skipped, UQ1.(peak + weight)
     logic [TRANSMITTANCE:0] stop;
     logic stop_before;
     logic wide_table;  // The footprint table ends at r = 16, otherwise at r = 4.
@@ -301,7 +301,7 @@ package splatline_pkg;
   // Where a splat's rows begin and how they change.
   typedef struct packed {
     logic [15:0] row;
-    logic [15:0] last_row;
+    logic [15:0] rows;  // rows in the window
     logic signed [63:0] centre;  // xc - 1/2, Q.32
     logic signed [63:0] slope;
     logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences

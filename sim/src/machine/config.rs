@@ -209,7 +209,9 @@ impl Config {
             lanes,
             layout: Layout::Rows,
             tile_termination: 0,
-            table_latency: 2,
+            // From a lane's pixel to the reading of its transmittance, and with its colours to the end.
+            table_latency: 9,
+            blend_latency: primitive::INTERVAL as u32,
             tile_buffers: 1,
             write_back_cycles: 2,
             // A cycle takes the tile over.

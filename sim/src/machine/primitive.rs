@@ -1,18 +1,23 @@
 //! The clock of the splat primitive in `sim/rtl`, handshake by handshake: in which cycle each packet, row and run moves on.
 //!
 //! ```text
-//! packet -> setup, 8 stages -> rows, 13 stages -> queue of each lane -> lane, one pixel a cycle
+//! packet -> setup, 19 stages -> queue -> rows, 32 stages -> queue -> queue of each lane -> lane, one pixel a cycle
 //! ```
 //!
-//! A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Its stages move all
-//! together or not at all (`Pipeline`); a slot whose run finds its lane's queue full stops them. Queues are registered: a run can be
-//! popped in the cycle after it came, and its place is free in the cycle after that. With e(i) the cycle in which slot i
-//! leaves the pipeline and p(i) the one in which its run is popped, packets never running out, this is
+//! A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is
+//! only taken, and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free in the
+//! cycle after its entry left. A lane holds a run back while a pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one
+//! did. With t(s) the cycle in which packet s is taken, b(s) the one in which its rows are begun, q(i) the one in which
+//! slot i is issued, e(i) the one in which it leaves for its lane, m(i) the one in which its run comes to the front of that lane's queue and p(i)
+//! the one in which it is popped, packets never running out, this is
 //!
 //! ```text
-//! e(0) = 21                                    cycles after its packet was taken
-//! e(i) = max(e(i-1) + 1, p(j) + 1)             j: the run `queue` places before in the same lane, if slot i has a run
-//! p(i) = max(e(i) + 1, p(k) + length(k))       k: the run before in the same lane
+//! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1)
+//! b(s) = max(t(s) + 22, q(last slot of s-1))
+//! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
+//! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: the run `queue` places before in the same lane, if slot i has a run
+//! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
+//! p(i) = max(m(i) + 2, p(k) + length(k), p(h) + INTERVAL + column(i) - column(h))    h: runs before that meet it in a pixel
 //! ```
 //!
 //! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit cycle by cycle.
@@ -26,7 +31,6 @@ pub use picture::{picture_cycles, tile_cycles};
 use splatline::footprint::Footprint;
 use splatline::format::Design;
 use splatline::raster::{BLOCK, Rows, SpanRows, Window};
-use std::collections::VecDeque;
 
 /// Runs that a lane's queue holds; `QUEUE` of splat_primitive.sv.
 pub const QUEUE: u32 = 8;
@@ -34,83 +38,56 @@ pub const QUEUE: u32 = 8;
 /// Columns and rows of the tile buffer. The columns are those between two seeds, so that a row is one run.
 pub const TILE: [u16; 2] = [BLOCK, 32];
 
-/// Stages of splat_setup.sv.
-const SETUP_STAGES: u64 = 8;
+/// Cycles between two visits of a pixel by its lane, at least; `INTERVAL` of lane.sv.
+pub const INTERVAL: u64 = 6;
 
-/// Stages of row_generator.sv, that of the row being issued among them.
-const ROW_STAGES: u64 = 13;
+/// From a run's coming to the front of its lane's queue until it may be popped: meanwhile its pixels are compared with those in flight.
+const FRONT: u64 = 2;
+
+/// Splats between packet and rows; `PLACES` of splat_setup.sv.
+const SPLATS: usize = 32;
+
+/// Slots between issue and the lanes' queues; `PLACES` of row_generator.sv.
+const SLOTS: usize = 64;
+
+/// Cycles in which an entry passes through fifo.sv.
+const FIFO_STAGES: u64 = 3;
+
+/// From a packet's handshake until its rows may begin: the stages of splat_setup.sv and its queue.
+const SETUP: u64 = 19 + FIFO_STAGES;
+
+/// From a slot's issue until it may leave: the stages of row_generator.sv and its queue.
+const ROW: u64 = 32 + FIFO_STAGES;
 
 /// Cycles from a packet's handshake until its first row reaches the queues, if nothing is in its way.
-pub const LATENCY: u64 = SETUP_STAGES + ROW_STAGES;
+pub const LATENCY: u64 = SETUP + 1 + ROW;
 
-/// A pipeline whose stages move all together, or none: it stands still while its last stage holds something that cannot leave.
-///
-/// Its *own time* counts the cycles in which it moves: what comes in at own time n can leave at n + stages. The cycle of
-/// an own time is that time plus all cycles for which the pipeline has stood until then.
+/// Cycles of the last entries of a queue: when a place is free again.
 #[derive(Clone, Debug)]
-struct Pipeline {
-    stages: u64,
-    /// Own time at which the next entry may come at the earliest.
-    next: u64,
-    /// Cycles stood up to that time, and in all.
-    stood: u64,
-    stood_in_all: u64,
-    /// Own times at which it will stand, and for how long: behind entries that are still inside at `next`.
-    stops: VecDeque<(u64, u64)>,
+struct Ring<const PLACES: usize> {
+    cycles: [u64; PLACES],
+    count: usize,
 }
 
-impl Pipeline {
-    fn new(stages: u64) -> Self {
-        Pipeline {
-            stages,
-            next: 0,
-            stood: 0,
-            stood_in_all: 0,
-            stops: VecDeque::new(),
-        }
-    }
+impl<const PLACES: usize> Ring<PLACES> {
+    const NEW: Self = Ring {
+        cycles: [0; PLACES],
+        count: 0,
+    };
 
-    /// Takes an entry in the first possible cycle from `earliest` on; gives that cycle and the own time at which it reaches its end.
-    fn enter(&mut self, earliest: u64) -> (u64, u64) {
-        let mut at = self.next;
-        loop {
-            while let Some((_, cycles)) = self.stops.pop_front_if(|(time, _)| *time <= at) {
-                self.stood += cycles;
-            }
-            if at + self.stood >= earliest {
-                break;
-            }
-            // Further on, but not beyond the next stop, which may be as long as it likes.
-            let wanted = earliest - self.stood;
-            at = self
-                .stops
-                .front()
-                .map_or(wanted, |(time, _)| wanted.min(*time));
-        }
-        self.next = at + 1;
-        (at + self.stood, at + self.stages)
-    }
-
-    /// Takes an entry as soon as it moves; gives the own time at which it reaches its end.
+    /// The first cycle in which the next entry finds a place.
     #[inline(always)]
-    fn enter_at_once(&mut self) -> u64 {
-        // `stood` catches up when a cycle is asked for.
-        self.next += 1;
-        self.next - 1 + self.stages
+    fn free(&self) -> u64 {
+        // No entry leaves in cycle 0.
+        let oldest = self.cycles[self.count % PLACES];
+        if oldest == 0 { 0 } else { oldest + 1 }
     }
 
-    /// The first cycle in which the entry that ends at this own time could leave; entries are asked for in their order.
-    fn ready(&self, end: u64) -> u64 {
-        end + self.stood_in_all
-    }
-
-    /// It leaves in a cycle, not before [`Pipeline::ready`].
-    fn leave(&mut self, end: u64, cycle: u64) {
-        let stands = cycle - self.ready(end);
-        if stands > 0 {
-            self.stops.push_back((end, stands));
-            self.stood_in_all += stands;
-        }
+    /// The next entry leaves in this cycle.
+    #[inline(always)]
+    fn leave(&mut self, cycle: u64) {
+        self.cycles[self.count % PLACES] = cycle;
+        self.count += 1;
     }
 }
 
@@ -119,6 +96,10 @@ impl Pipeline {
 pub struct LaneRun {
     /// Lane: the row modulo the number of lanes.
     pub lane: usize,
+    /// Row and first column, counted from anywhere.
+    pub row: u16,
+    /// See `row`.
+    pub column: u16,
     /// Pixels, at least one.
     pub length: u16,
 }
@@ -141,41 +122,104 @@ pub struct SlotStamp {
     pub left: u64,
     /// Its run, if it has one, is popped from the lane's queue; its pixels follow in the cycles after this one.
     pub popped: Option<u64>,
+    /// Cycles of the wait before that for which pixels in flight held it back.
+    pub held: u64,
 }
 
 /// The primitive's clock: feed it packets and their slots in order.
 #[derive(Clone, Debug)]
 pub struct PrimitiveClock {
-    setup: Pipeline,
-    rows: Pipeline,
-    /// Own time of the rows at which the first slot of the packet taken last reaches their end.
-    first_end: Option<u64>,
+    /// First cycles in which the next packet may be taken, the next splat begun, the next slot issued and the next slot leave.
+    taken: u64,
+    begun: u64,
+    issued: u64,
+    left: u64,
+    splats: Ring<SPLATS>,
+    slots: Ring<SLOTS>,
     lanes: Vec<Lane>,
     idle_at: u64,
 }
 
+/// A lane's queue and its last runs.
 #[derive(Clone, Debug)]
 struct Lane {
-    /// Cycles in which the last runs were popped, a ring of the queue's size.
-    pops: Vec<u64>,
+    /// Cycles in which the last runs came to the queue's front, a ring of the queue's size.
+    moves: Vec<u64>,
     /// The oldest of them.
     place: usize,
-    /// First cycle in which the next run may be popped.
+    flights: Flights,
+}
+
+/// The last runs of a lane, whose pixels may be in flight.
+#[derive(Clone, Debug)]
+struct Flights {
+    /// When the last run was popped, and first cycle in which the next one may be.
+    popped: u64,
     free: u64,
+    /// Latest first: each run takes a cycle at least, so that one before these has settled.
+    last: [Flight; INTERVAL as usize - 1],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Flight {
+    row: u16,
+    first: u16,
+    end: u16,
+    popped: u64,
+}
+
+impl Flights {
+    const NEW: Self = Flights {
+        popped: 0,
+        free: 0,
+        last: [Flight {
+            row: 0,
+            first: 0,
+            end: 0,
+            popped: 0,
+        }; INTERVAL as usize - 1],
+    };
+
+    /// Pops a run in the first possible cycle from `earliest` on; gives that, and for how long it was held back.
+    #[inline(always)]
+    fn pop(&mut self, earliest: u64, row: u16, column: u16, length: u16) -> (u64, u64) {
+        let offered = self.free.max(earliest);
+        let end = column + length;
+        let mut popped = offered;
+        for flight in &self.last {
+            let meets = flight.row == row && flight.first < end && column < flight.end;
+            let until = flight.popped + INTERVAL + u64::from(column);
+            let until = until.saturating_sub(flight.first.into());
+            popped = if meets { popped.max(until) } else { popped };
+        }
+        self.last.rotate_right(1);
+        self.last[0] = Flight {
+            row,
+            first: column,
+            end,
+            popped,
+        };
+        self.popped = popped;
+        self.free = popped + u64::from(length);
+        (popped, popped - offered)
+    }
 }
 
 impl PrimitiveClock {
     /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on.
     pub fn new(lanes: usize, queue: u32) -> Self {
         let lane = Lane {
-            pops: vec![0; queue.max(1) as usize],
+            moves: vec![0; queue.max(1) as usize],
             place: 0,
-            free: 0,
+            flights: Flights::NEW,
         };
         PrimitiveClock {
-            setup: Pipeline::new(SETUP_STAGES),
-            rows: Pipeline::new(ROW_STAGES),
-            first_end: None,
+            taken: 0,
+            begun: 0,
+            issued: 0,
+            left: 0,
+            splats: Ring::NEW,
+            slots: Ring::NEW,
             lanes: vec![lane; lanes.max(1)],
             idle_at: 0,
         }
@@ -183,49 +227,60 @@ impl PrimitiveClock {
 
     /// A packet that is offered from this cycle on. Its slots, at least one, must follow by [`PrimitiveClock::slot`].
     pub fn packet(&mut self, offered: u64) -> PacketStamp {
-        let (taken, setup_end) = self.setup.enter(offered);
-        let (begun, rows_end) = self.rows.enter(self.setup.ready(setup_end));
-        self.setup.leave(setup_end, begun);
-        self.first_end = Some(rows_end);
+        let taken = offered.max(self.taken).max(self.splats.free());
+        let begun = self.begun.max(taken + SETUP);
+        self.taken = taken + 1;
+        self.splats.leave(begun);
+        self.issued = self.issued.max(begun + 1);
         PacketStamp { taken, begun }
     }
 
     /// The next row of the packet's box in the tile, with the run that it has.
     #[inline]
     pub fn slot(&mut self, run: Option<LaneRun>) -> SlotStamp {
-        let end = match self.first_end.take() {
-            Some(end) => end,
-            None => self.rows.enter_at_once(),
-        };
-        let ready = self.rows.ready(end);
+        let issued = self.issued.max(self.slots.free());
+        self.issued = issued + 1;
+        self.begun = issued;
+        let ready = self.left.max(issued + ROW);
         let Some(run) = run else {
-            self.idle_at = self.idle_at.max(ready + 1);
-            return SlotStamp {
-                ready,
-                left: ready,
-                popped: None,
-            };
+            return self.leave(ready, ready, ready, None, 0);
         };
         let lane = &mut self.lanes[run.lane];
         // Before the queue has been full once this place holds 0, and no slot is ready in cycle 0.
-        let left = ready.max(lane.pops[lane.place] + 1);
-        self.rows.leave(end, left);
-        let popped = lane.free.max(left + 1);
-        lane.pops[lane.place] = popped;
+        let left = ready.max(lane.moves[lane.place] + 1);
+        let moved = lane.flights.popped.max(left + 1);
+        lane.moves[lane.place] = moved;
         lane.place += 1;
-        if lane.place == lane.pops.len() {
+        if lane.place == lane.moves.len() {
             lane.place = 0;
         }
-        lane.free = popped + u64::from(run.length);
-        self.idle_at = self.idle_at.max(lane.free + 1);
+        let flights = &mut lane.flights;
+        let (popped, held) = flights.pop(moved + FRONT, run.row, run.column, run.length);
+        let free = flights.free;
+        self.leave(ready, left, free, Some(popped), held)
+    }
+
+    #[inline(always)]
+    fn leave(
+        &mut self,
+        ready: u64,
+        left: u64,
+        last: u64,
+        popped: Option<u64>,
+        held: u64,
+    ) -> SlotStamp {
+        self.slots.leave(left);
+        self.left = left + 1;
+        self.idle_at = self.idle_at.max(last + 2);
         SlotStamp {
             ready,
             left,
-            popped: Some(popped),
+            popped,
+            held,
         }
     }
 
-    /// The first cycle in which nothing is in the unit any more, of what has been fed.
+    /// The first cycle in which the unit says that nothing is in it any more, of what has been fed.
     pub fn idle_at(&self) -> u64 {
         self.idle_at
     }
@@ -256,6 +311,8 @@ pub fn for_each_slot<D: Design>(
         row = run.y + 1;
         slot(Some(LaneRun {
             lane: usize::from(run.y) & (lanes - 1),
+            row: run.y,
+            column: run.x,
             length: run.length,
         }));
     }
@@ -266,8 +323,14 @@ pub fn for_each_slot<D: Design>(
 mod tests {
     use super::*;
 
-    fn run(lane: usize, length: u16) -> Option<LaneRun> {
-        Some(LaneRun { lane, length })
+    /// A run of a row, from the first column on.
+    fn run(lanes: usize, row: u16, length: u16) -> Option<LaneRun> {
+        Some(LaneRun {
+            lane: usize::from(row) % lanes,
+            row,
+            column: 0,
+            length,
+        })
     }
 
     /// One splat with these rows, offered in cycle 0.
@@ -280,44 +343,60 @@ mod tests {
         clock.idle_at()
     }
 
-    /// Slots leave in cycles 21, 22, 23; the first run is popped in 22 and keeps its lane until 27, the second until 29.
+    /// Slots leave in cycles 58, 59, 60; the first run is popped in 61 and keeps its lane until 66, the second until 68.
     #[test]
     fn three_rows_of_which_one_is_empty() {
-        assert_eq!(alone(1, QUEUE, [run(0, 5), None, run(0, 2)]), 30);
+        assert_eq!(LATENCY, 58);
+        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 70);
     }
 
-    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 25.
+    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 64.
     #[test]
     fn four_lanes_take_four_rows_at_once() {
-        assert_eq!(alone(4, QUEUE, (0..4).map(|lane| run(lane, 5))), 25 + 5 + 1);
+        assert_eq!(
+            alone(4, QUEUE, (0..4).map(|row| run(4, row, 5))),
+            64 + 5 + 2
+        );
     }
 
-    /// With room for one run the third waits until the second is popped, in 22 + 10, and leaves a cycle later.
+    /// One run waits for the lane at the queue's front, one behind it; the next one leaves in the cycle after these have moved up.
     #[test]
     fn a_full_queue_stops_the_rows() {
         let mut clock = PrimitiveClock::new(1, 1);
         clock.packet(0);
-        let left = [0; 3].map(|lane| clock.slot(run(lane, 10)).left);
-        assert_eq!(left, [21, 23, 33]);
-        assert_eq!(clock.slot(None).left, 34);
-        assert_eq!(clock.idle_at(), 22 + 30 + 1);
+        let left = [0, 1, 2, 3].map(|row| clock.slot(run(1, row, 10)).left);
+        assert_eq!(left, [58, 60, 62, 72]);
+        assert_eq!(clock.slot(None).left, 73);
+        assert_eq!(clock.idle_at(), 61 + 40 + 2);
     }
 
     #[test]
     fn a_splat_without_rows_takes_a_slot() {
-        assert_eq!(alone(4, QUEUE, [None]), LATENCY + 1);
+        assert_eq!(alone(4, QUEUE, [None]), LATENCY + 2);
     }
 
-    /// A packet that comes late leaves a bubble, which a stop at the end of the rows does not close.
+    /// A pixel comes again six cycles after the last time; what does not meet goes on at once.
     #[test]
-    fn bubbles_stay_where_they_are() {
-        let mut clock = PrimitiveClock::new(1, 1);
-        for (offered, stamp) in [(0, (0, 8)), (0, (1, 9)), (5, (5, 13))] {
-            let PacketStamp { taken, begun } = clock.packet(offered);
-            assert_eq!((taken, begun), stamp);
-            clock.slot(run(0, 20));
-        }
-        // The second run waits in the queue for the first, the third before the queue, until 43.
-        assert_eq!(clock.slot(None).left, 44);
+    fn runs_that_meet_keep_their_distance() {
+        let mut clock = PrimitiveClock::new(1, QUEUE);
+        clock.packet(0);
+        let mut popped = |row, column, length| {
+            let lane = 0;
+            let slot = clock.slot(Some(LaneRun {
+                lane,
+                row,
+                column,
+                length,
+            }));
+            (slot.popped, slot.held)
+        };
+        assert_eq!(popped(0, 4, 2), (Some(61), 0));
+        // Column 5 was visited a cycle after column 4.
+        assert_eq!(popped(0, 5, 2), (Some(68), 5));
+        // Column 5 comes a cycle after column 4, too.
+        assert_eq!(popped(0, 4, 2), (Some(73), 3));
+        assert_eq!(popped(1, 4, 2), (Some(75), 0));
+        assert_eq!(popped(0, 6, 2), (Some(77), 0));
+        assert_eq!(popped(0, 0, 2), (Some(79), 0));
     }
 }

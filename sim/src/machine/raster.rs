@@ -315,6 +315,8 @@ impl RasterUnit {
                 let lane = self.lane_of(band);
                 let slot = self.primitive.slot(last.then_some(LaneRun {
                     lane,
+                    row: band.y.into(),
+                    column: band.first.into(),
                     length: band.groups.into(),
                 }));
                 self.rows.wait(Cause::Memory, arrival);
@@ -330,7 +332,8 @@ impl RasterUnit {
                 lanes.wait(Cause::Memory, arrival);
                 lanes.wait(Cause::TileBuffer, buffer);
                 lanes.wait(Cause::SplatSetup, stamp.begun);
-                lanes.wait(Cause::RowGenerator, popped + 1);
+                lanes.wait(Cause::RowGenerator, popped + 1 - slot.held);
+                lanes.wait(Cause::Hazard, popped + 1);
                 lanes.work(band.groups.into());
                 let end = lanes.at();
                 at.lanes(lane, band, popped + 1, end, &self.costs);

@@ -3,7 +3,7 @@
 use anyhow::{Result, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, fmax, layouts, mutants, package, speed};
+use splatline_rtl::{area, fmax, formal, layouts, mutants, package, speed};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
@@ -19,10 +19,12 @@ const USAGE: &str = "usage: rtl COMMAND
   area DESIGN   one design's lines of it
   area page     docs/area.md again without synthesis
   area fmax     Fmax by nextpnr, where it is there and the device is large enough (an hour), into docs/area.md
+  area fmax WORDS  circuits whose name contains WORDS on the ECP5 alone, as `lean18 splat_primitive 1`
   speed         how many times as fast as the verilated circuits the model is
   estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
+  formal        the queues' promises by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   mutants PART  those whose name contains PART
 ";
 
@@ -37,12 +39,14 @@ fn main() -> ExitCode {
         ["area"] => area::report(),
         ["area", "page"] => area::page(),
         ["area", "fmax"] => fmax::report(),
+        ["area", "fmax", words] => fmax::part(words),
         ["layouts"] => {
             layouts::report().and_then(|text| write_whole(layouts::REPORT.as_ref(), &text))
         }
         ["estimate", design, lanes] => print_estimate(design, lanes),
         ["area", design] => area::design(design).map(|text| print!("{text}")),
         ["speed"] => speed::report(&mut |line| println!("{line}")),
+        ["formal"] => formal::report(),
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
         _ => {
@@ -85,7 +89,7 @@ fn print_estimate(design: &str, lanes: &str) -> Result<()> {
 fn write_package(design: &str, folder: &Path) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     std::fs::create_dir_all(folder)?;
-    let text = package::text(choice.name.as_str(), &choice.widths);
+    let text = package::text(choice.name.as_str(), &choice.widths)?;
     write_whole(&folder.join("splatline_pkg.sv"), &text)
 }
 

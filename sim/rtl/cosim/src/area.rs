@@ -57,7 +57,7 @@ pub fn rtl() -> PathBuf {
 pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
     let units = fs::read_to_string(rtl().join("files.txt"))?;
     let package = folder.join("splatline_pkg.sv");
-    fs::write(&package, package::text(name, widths))?;
+    fs::write(&package, package::text(name, widths)?)?;
     let units: Vec<&str> = units.lines().collect();
     Ok(format!(
         "read_verilog -sv {} {}",

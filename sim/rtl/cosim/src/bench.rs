@@ -5,11 +5,10 @@ use crate::package::table;
 use crate::roots::Roots;
 use crate::stamps::Stamps;
 use crate::workload::Tile;
-use splatline::blend::{FINISHED, Pixel};
+use splatline::blend::{Blend, FINISHED, Pixel};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
-use splatline::format::{Rounding, Widths};
-use splatline::math::shift_unsigned;
+use splatline::format::Widths;
 use splatline::rules::Rules;
 
 /// Cycles within which a handshake must answer; beyond it the circuit hangs.
@@ -35,6 +34,8 @@ pub struct Outcome {
     pub stamps: Stamps,
     /// The row unit's roots.
     pub roots: Roots,
+    /// A rule of the interfaces that the circuit broke, in words.
+    pub broken: Option<String>,
 }
 
 /// A circuit with its rules and footprint table loaded.
@@ -45,6 +46,9 @@ pub struct Bench {
     random: u64,
     stamps: Stamps,
     roots: Roots,
+    /// Were the lanes allowed to move in the cycle before?
+    enabled: bool,
+    broken: Option<String>,
 }
 
 impl Bench {
@@ -69,6 +73,8 @@ impl Bench {
             random: u64::from(seed) + 1,
             stamps: Stamps::default(),
             roots: Roots::default(),
+            enabled: true,
+            broken: None,
         };
         for (index, entry) in table(widths, rules).iter().enumerate() {
             let inputs = Inputs {
@@ -159,6 +165,7 @@ impl Bench {
             pixels,
             stamps,
             roots,
+            broken: self.broken.take(),
         })
     }
 
@@ -237,6 +244,11 @@ impl Bench {
         let out = self.model.tick(inputs);
         self.stamps.note(now, &out);
         self.roots.note(&out);
+        if !self.enabled && out.lanes_popped != 0 {
+            let broken = format!("a lane took a run in cycle {now}, while lanes were held");
+            self.broken.get_or_insert(broken);
+        }
+        self.enabled = inputs.lanes_enable == 1;
         out
     }
 
@@ -249,16 +261,14 @@ impl Bench {
     }
 }
 
-/// The rules at the design's widths, as `Blend::new` brings them there.
+/// The rules at the design's widths, by the kernel's own constants.
 fn rule_inputs(widths: &Widths, rules: &Rules) -> Inputs {
-    let round = |value: u32, bits: u8| {
-        shift_unsigned(value.into(), 31 - i32::from(bits), Rounding::Nearest) as u32
-    };
+    let constants = Blend::new(widths, rules).constants();
     Inputs {
-        alpha_max: round(rules.alpha_max, widths.alpha),
-        alpha_min: round(rules.alpha_min, widths.alpha),
-        stop: round(rules.stop, widths.transmittance),
-        stop_before: rules.stop_before.into(),
+        alpha_max: constants.alpha_max,
+        least: constants.opacity_min,
+        stop: constants.stop,
+        stop_before: constants.stop_before.into(),
         wide_table: (rules.table_range == 4).into(),
         lanes_enable: 1,
         ..Inputs::default()

@@ -2,6 +2,7 @@
 
 use crate::bench::{Bench, Pauses};
 use crate::golden::Golden;
+use crate::units;
 use crate::workload::{Tile, Workload};
 use splatline::blend::Pixel;
 use splatline::format::Design;
@@ -69,6 +70,10 @@ pub fn compare<D: Design>(
 ) -> Findings {
     let mut findings = Findings::default();
     let golden = Golden::new(design, rules);
+    findings.first_difference = units::first_difference(bench, design.widths().mantissa);
+    if findings.first_difference.is_some() {
+        return findings;
+    }
     for index in tiles {
         let tile = &workload.tiles[index];
         let (expected, coverage) = golden.draw(tile, &workload.footprints);
@@ -94,6 +99,7 @@ pub fn compare<D: Design>(
             .count() as u64;
         let mut difference = difference(tile, &got.pixels, &expected);
         difference = difference.or(got.roots.first_difference);
+        difference = difference.or(got.broken);
         findings.roots += got.roots.compared;
         if pauses.lanes == 0 {
             let timed = got.stamps.compare(design, lanes, tile, workload);

@@ -28,8 +28,10 @@ pub struct Inputs {
     pub stop_before: u8,
     /// The footprint table ends at r = 16.
     pub wide_table: u8,
+    /// Sign of what the units are fed with.
+    pub unit_negative: u8,
     /// Padding.
-    pub spare: [u8; 3],
+    pub spare: [u8; 2],
     /// The tile's window.
     pub first_column: u16,
     /// The tile's window.
@@ -40,8 +42,6 @@ pub struct Inputs {
     pub last_row: u16,
     /// UQ1.alpha.
     pub alpha_max: u32,
-    /// UQ1.alpha.
-    pub alpha_min: u32,
     /// UQ1.transmittance.
     pub stop: u32,
     /// Entry of the footprint table.
@@ -50,6 +50,14 @@ pub struct Inputs {
     pub table_low: u32,
     /// UQ1.weight.
     pub table_step: u32,
+    /// Products of peak and weight below it are skipped, UQ1.(peak + weight).
+    pub least: u64,
+    /// Magnitude of what the units are fed with, 40 bits.
+    pub unit_magnitude: u64,
+    /// What it is aligned by.
+    pub unit_shift: u16,
+    /// Padding.
+    pub spare2: u16,
     /// The packet's words.
     pub packet: Packet,
 }
@@ -96,10 +104,20 @@ pub struct Outputs {
     pub squared_valid: u8,
     /// `root` holds something that moves on.
     pub root_valid: u8,
+    /// Sign of the mantissa that the units made three cycles later.
+    pub normal_negative: u8,
     /// Padding.
-    pub padding: [u8; 2],
+    pub padding: u8,
     /// What the row unit takes a root of.
     pub squared: u64,
+    /// What the units aligned, four cycles later.
+    pub aligned: u64,
+    /// That mantissa's magnitude.
+    pub normal: u32,
+    /// And its exponent.
+    pub normal_exponent: u16,
+    /// Padding.
+    pub padding2: u16,
 }
 
 /// A pixel of the read-out; `ReadOut` of shim.cpp.
@@ -129,7 +147,7 @@ pub struct Drawn {
 }
 
 /// Words of a packet's place in [`Inputs`].
-pub type Packet = [u32; 20];
+pub type Packet = [u32; splatline::footprint::packet::WORDS];
 
 /// Why there is no circuit to simulate.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -36,43 +36,68 @@ const fn mutant(
     }
 }
 
-/// The mistakes. The truncated root changes no pixel, since the spans' slack hides it: only the row unit's own roots show it.
-pub const MUTANTS: [Mutant; 19] = [
+/// The mistakes. The truncated root changes no pixel, since the spans' slack hides it: only the row unit's own roots show it; and what no legal
+/// packet asks of the alignments only their own words do ([`crate::units`]).
+pub const MUTANTS: [Mutant; 32] = [
     mutant(
         "share of the transmittance truncated",
         "blend.sv",
-        "product2 + SHARE_HALF",
-        "product2",
+        ".ADD  (SHARE_HALF)",
+        ".ADD  (0)",
     ),
     mutant(
         "colour truncated",
         "blend.sv",
-        "product + COLOUR_HALF",
-        "product",
+        ".ADD  (COLOUR_HALF)",
+        ".ADD  (0)",
     ),
     mutant(
         "opacity truncated",
         "blend.sv",
-        "product0 + OPACITY_HALF",
-        "product0",
+        "product6 + OPACITY_HALF",
+        "product6",
     ),
     mutant(
-        "transmittance not forwarded",
+        "opacities below the rules' are drawn",
         "blend.sv",
-        "depth2 = kept_depth_valid &&",
-        "depth2 = 1'b0 &&",
-    ),
-    mutant(
-        "colour not forwarded",
-        "blend.sv",
-        "colour4 = kept_colour_valid &&",
-        "colour4 = 1'b0 &&",
+        "valid8 <= valid7 && !skipped7",
+        "valid8 <= valid7",
     ),
     mutant(
         "finished pixels keep taking splats",
         "blend.sv",
-        "advance && valid2 && !depth2[T+1]",
-        "advance && valid2",
+        "valid11 <= valid10 && !depth10[T+1];",
+        "valid11 <= valid10;",
+    ),
+    mutant(
+        "stops a unit late",
+        "blend.sv",
+        "beyond10 <= $signed",
+        "beyond10 < $signed",
+    ),
+    mutant(
+        "pixels in flight meet",
+        "lane.sv",
+        "meets[i] = been_valid[i] &&",
+        "meets[i] = 1'b0 && been_valid[i] &&",
+    ),
+    mutant(
+        "pixels a cycle too near to each other",
+        "lane.sv",
+        "(INTERVAL - 1 - i)",
+        "(INTERVAL - 2 - i)",
+    ),
+    mutant(
+        "runs held by pixels beyond their end",
+        "lane.sv",
+        " && 7'(ahead) < run.count",
+        "",
+    ),
+    mutant(
+        "enable of the lanes ignored",
+        "splat_primitive.sv",
+        "moves <= lanes_enable && state == DRAW",
+        "moves <= state == DRAW",
     ),
     mutant(
         "interpolation's halves the wrong way",
@@ -101,56 +126,110 @@ pub const MUTANTS: [Mutant; 19] = [
     mutant(
         "last row off by one",
         "row_generator.sv",
-        "at.row + 16'd1 >= at.last_row",
-        "at.row + 16'd2 >= at.last_row",
+        "last <= at.rows == 16'd2",
+        "last <= at.rows == 16'd3",
     ),
     mutant(
         "first row off by one",
         "splat_setup.sv",
-        "start.row <= row7;",
-        "start.row <= row7 + 16'd1;",
+        "row19 <= row18;",
+        "row19 <= row18 + 16'd1;",
     ),
     mutant(
         "last column off by one",
         "row_generator.sv",
-        "((centre6 + half6) >>> 32) + 64'sd1",
-        "(centre6 + half6) >>> 32",
+        "high15[63:32]}) + 33'sd1",
+        "high15[63:32]})",
+    ),
+    mutant(
+        "rows that end before they begin",
+        "row_generator.sv",
+        "order19 && fits19",
+        "fits19",
+    ),
+    mutant(
+        "rows that end left of the window",
+        "row_generator.sv",
+        "order19 && fits19",
+        "order19",
     ),
     mutant(
         "root not interpolated",
         "row_generator.sv",
-        "entry4[40:24] * fraction4 + 33'h8000",
+        "step8 + 33'h8000",
         "33'h8000",
-    ),
-    mutant(
-        "jump over hidden rows one difference short",
-        "splat_setup.sv",
-        "first6 + jump_unit6 - unit6",
-        "first6 + jump_unit6",
-    ),
-    mutant(
-        "head of a run off by one",
-        "row_generator.sv",
-        "{4'd0, head10} - 10'd1",
-        "{4'd0, head10}",
-    ),
-    mutant(
-        "seed's product truncated",
-        "row_generator.sv",
-        "splatline_math::shift_round(64'(along9), 7'(M))",
-        "64'(along9) >>> M",
     ),
     mutant(
         "root truncated",
         "row_generator.sv",
-        "fraction4 + 33'h8000",
-        "fraction4",
+        "step8 + 33'h8000",
+        "step8",
+    ),
+    mutant(
+        "half-width not cut",
+        "row_generator.sv",
+        "half13[62] ? 64'sh3fff_ffff_ffff_ffff : half13",
+        "half13",
+    ),
+    mutant(
+        "jump over hidden rows one difference long",
+        "splat_setup.sv",
+        "mean16 <= double15 + jump_unit15",
+        "mean16 <= double15 + unit15 + jump_unit15",
+    ),
+    mutant(
+        "head of a run off by one",
+        "row_generator.sv",
+        "({5'd0, head20} - 10'd1)",
+        "{5'd0, head20}",
+    ),
+    mutant(
+        "seed's product truncated",
+        "row_generator.sv",
+        "slant24 <= along_rounded23[2*M:M]",
+        "slant24 <= along23[2*M:M]",
     ),
     mutant(
         "slack of the spans forgotten",
         "splat_setup.sv",
         "56'd1 << 42",
         "56'd0",
+    ),
+    mutant(
+        "no saturation",
+        "align.sv",
+        "if (overflow3) result",
+        "if (1'b0) result",
+    ),
+    mutant(
+        "shifts of 64 and more wrap",
+        "align.sv",
+        "shift1 > 16'sd64 ? 7'd127 : ",
+        "",
+    ),
+    mutant(
+        "alignment truncated",
+        "align.sv",
+        " + $signed({63'd0, moved3[0]})",
+        "",
+    ),
+    mutant(
+        "carry of a normalisation lost",
+        "normalise.sv",
+        "{whole2[M] | whole2[M-1], whole2[M-2:0]}",
+        "whole2[M-1:0]",
+    ),
+    mutant(
+        "halves of negative mantissas the wrong way",
+        "normalise.sv",
+        "moved2[0] != negative2",
+        "moved2[0] || negative2",
+    ),
+    mutant(
+        "rows issued without a place",
+        "fifo.sv",
+        "free <= claimed_next != PLACES[INDEX:0]",
+        "free <= 1'b1",
     ),
 ];
 

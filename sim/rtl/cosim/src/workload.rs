@@ -276,7 +276,7 @@ impl Random {
         ]
         .map(|part| part * long.sqrt() * radius);
         let mut footprint = Footprint {
-            depth: self.bits(32),
+            depth: u64::from(self.bits(32)) << 16,
             centre: [0; 2],
             first: [0; 2],
             last: [0; 2],

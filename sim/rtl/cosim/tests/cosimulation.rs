@@ -13,7 +13,7 @@ fn committed_packages_are_the_generators() {
         let stale =
             "run `cargo run -p splatline-rtl --example rtl -- package` and commit the result";
         assert!(
-            committed == text(design, &widths),
+            committed == text(design, &widths).unwrap(),
             "{design}: splatline_pkg.sv is stale; {stale}"
         );
     }
@@ -21,6 +21,7 @@ fn committed_packages_are_the_generators() {
 
 #[cfg(has_rtl)]
 mod with_verilator {
+    use splatline::footprint::packet::VERSION;
     use splatline::format::Lean18;
     use splatline::rules::Rules as KernelRules;
     use splatline_rtl::bench::{Bench, Pauses};
@@ -117,7 +118,7 @@ mod with_verilator {
             lanes_enable: 1,
             ..Inputs::default()
         };
-        packet.packet[0] = 2;
+        packet.packet[0] = VERSION + 1;
         while model.tick(&packet).packet_ready == 0 {}
         let out = model.tick(&Inputs::default());
         assert_eq!((out.foreign_packets, out.raster_idle), (1, 1));
@@ -138,6 +139,49 @@ mod with_verilator {
         assert!(got.pixels.iter().all(|pixel| *pixel == clear));
     }
 
+    /// What Verilator says of the primitive with these parameters, all warnings but those that lint.vlt gives a reason for.
+    fn lint(design: &str, lanes: u32, queue: u32) -> (bool, String) {
+        let rtl = super::path(design).parent().unwrap().join("..");
+        let units = std::fs::read_to_string(rtl.join("files.txt")).unwrap();
+        let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
+        let output = std::process::Command::new(verilator)
+            .current_dir(rtl)
+            .args(["--lint-only", "-Wall", "--top-module", "splat_primitive"])
+            .args([format!("-GLANES={lanes}"), format!("-GQUEUE={queue}")])
+            .args(["lint.vlt", &format!("{design}/splatline_pkg.sv")])
+            .args(units.lines())
+            .output()
+            .unwrap();
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.success(), words)
+    }
+
+    #[test]
+    fn every_legal_circuit_elaborates_without_a_warning() {
+        for design in ["lean18", "standard24"] {
+            for (lanes, queue) in [(1, 8), (2, 2), (4, 8), (8, 16), (16, 256)] {
+                let (accepted, words) = lint(design, lanes, queue);
+                assert!(accepted && words.is_empty(), "{lanes}, {queue}: {words}");
+            }
+        }
+    }
+
+    #[test]
+    fn illegal_circuits_do_not_elaborate() {
+        for (lanes, queue, words) in [
+            (3, 8, "LANES must be 1, 2, 4, 8 or 16"),
+            (32, 8, "LANES must be 1, 2, 4, 8 or 16"),
+            (4, 6, "QUEUE must be a power of two"),
+            (4, 1, "QUEUE must be a power of two"),
+        ] {
+            let (accepted, said) = lint("lean18", lanes, queue);
+            assert!(
+                !accepted && said.contains(words),
+                "{lanes}, {queue}: {said}"
+            );
+        }
+    }
+
     #[test]
     fn there_is_no_circuit_with_three_lanes() {
         let error = Model::new("lean18", 3, 1).err();
@@ -145,7 +189,7 @@ mod with_verilator {
     }
 
     #[test]
-    #[ignore = "verilates and compiles 19 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
+    #[ignore = "verilates and compiles 32 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
     fn every_mutant_is_noticed() {
         let judge = splatline_rtl::mutants::Judge::new().unwrap();
         // SPLATLINE_MUTANTS=N tries N of them, spread over the list.

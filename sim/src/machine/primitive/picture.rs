@@ -4,17 +4,15 @@
 //! footprint, nearest first -> spans of its rows, once -> pixels of every row in every tile that its box touches -> that tile's unit
 //! ```
 //!
-//! While packets are always on offer the pipelines of [`PrimitiveClock`](super::PrimitiveClock) have no bubbles, and of its state the recurrence
-//! alone is left: the cycle in which the last row left, and of each lane the cycles of the last runs popped and of the end of the last one. A
-//! splat is taken when the one eight before it is begun, and begun when the slot thirteen before its first one leaves. Rows without pixels take
-//! the same instructions as others, because a branch that no processor foresees costs more than they do.
+//! While packets are always on offer, of the state of [`PrimitiveClock`](super::PrimitiveClock) the recurrence alone is left, with queues of constant
+//! length. Rows without pixels are a branch, since the pixels' places are compared with those in flight.
 //!
 //! The order of tiles does not matter, so that the footprints are gone through once: rows are computed once for all tiles of a row, no lists and
 //! no rows are stored, and the units of a picture stay in the second-level cache. [`PrimitiveClock`](super::PrimitiveClock), fed by the kernel's
 //! rows, is the definition.
 
 use super::spans::Spans;
-use super::{LATENCY, PacketStamp, QUEUE, ROW_STAGES, SETUP_STAGES, TILE};
+use super::{FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SLOTS, SPLATS, TILE};
 use crate::fast::lanes::{Choice, Floats, Job, dispatch};
 use rayon::prelude::*;
 use splatline::footprint::Footprint;
@@ -24,10 +22,7 @@ use splatline::raster::{SpanRows, Window};
 /// Rows of a tile.
 const ROWS: usize = TILE[1] as usize;
 
-/// Slots whose cycles a unit remembers: a power of two from the stages of the rows on.
-const REMEMBERED: usize = 16;
-
-const _: () = assert!(ROW_STAGES as usize <= REMEMBERED && ROWS == 32);
+const _: () = assert!(ROWS == 32);
 
 /// Parts of a picture for every thread, so that none waits long for another.
 const PARTS: usize = 4;
@@ -181,7 +176,7 @@ where
             let visible = bounds.intersect(&window);
             if visible.is_empty() {
                 if let Some(unit) = units.first_mut() {
-                    observe(unit.splat(0, &[0; ROWS], 1));
+                    observe(unit.splat(0, &[0; ROWS], &[0; ROWS], 1));
                 }
                 continue;
             }
@@ -192,10 +187,11 @@ where
                     return;
                 };
                 let count = usize::from(part.last[1] - part.first[1]);
-                let lengths = lengths(first, end, &part, count);
+                let columns = columns_from(first, &part);
+                let lengths = lengths(&columns, end, &part, count);
                 let [x, y] = [0, 1].map(|axis| usize::from(tile[axis]) - blocks.first[axis]);
                 if let Some(unit) = units.get_mut(y * blocks.columns + x) {
-                    observe(unit.splat(part.first[1].into(), &lengths, count));
+                    observe(unit.splat(part.first[1], &columns, &lengths, count));
                 }
             });
         }
@@ -232,12 +228,17 @@ fn for_each_tile(window: &Window, mut each: impl FnMut([u16; 2], Window)) {
     }
 }
 
+/// First columns of a tile's rows.
+#[inline(always)]
+fn columns_from(first: &[u16; ROWS], part: &Window) -> [u16; ROWS] {
+    first.map(|first| first.max(part.first[0]))
+}
+
 /// Pixels of a tile's rows, of which the splat has `count`.
 #[inline(always)]
 fn lengths(first: &[u16; ROWS], end: &[u16; ROWS], part: &Window, count: usize) -> [u16; ROWS] {
     std::array::from_fn(|row| {
-        let (first, end) = (first[row].max(part.first[0]), end[row].min(part.last[0]));
-        let length = end.saturating_sub(first);
+        let length = end[row].min(part.last[0]).saturating_sub(first[row]);
         if row < count { length } else { 0 }
     })
 }
@@ -245,77 +246,78 @@ fn lengths(first: &[u16; ROWS], end: &[u16; ROWS], part: &Window, count: usize) 
 /// A primitive that draws one tile and whose packets never run out.
 #[derive(Clone, Debug)]
 struct Unit<const LANES: usize> {
-    /// Slots so far, and cycles in which the last of them left, a ring.
-    slots: usize,
-    left: [u64; REMEMBERED],
-    /// The last of these.
+    /// As in [`super::PrimitiveClock`].
+    taken: u64,
+    begun: u64,
+    issued: u64,
+    left: u64,
     last: u64,
-    /// Runs of each lane, cycles in which the last of them were popped, a ring, and when the next one may be popped.
-    runs: [usize; LANES],
-    pops: [[u64; QUEUE as usize]; LANES],
-    free: [u64; LANES],
-    /// Splats so far, and when the last of them were begun, a ring.
-    splats: usize,
-    begun: [u64; SETUP_STAGES as usize],
+    splats: Ring<SPLATS>,
+    slots: Ring<SLOTS>,
+    moves: [Ring<{ QUEUE as usize }>; LANES],
+    flights: [Flights; LANES],
 }
 
 impl<const LANES: usize> Unit<LANES> {
     fn new() -> Self {
-        // As if slots had left and splats had been begun, one in every cycle, until the first packet was taken.
-        let left = std::array::from_fn(|slot| LATENCY + slot as u64 - REMEMBERED as u64);
         Unit {
-            slots: 0,
-            left,
-            last: LATENCY - 1,
-            runs: [0; LANES],
-            pops: [[0; QUEUE as usize]; LANES],
-            free: [0; LANES],
-            splats: 0,
-            begun: std::array::from_fn(|splat| splat as u64),
+            taken: 0,
+            begun: 0,
+            issued: 0,
+            left: 0,
+            last: 0,
+            splats: Ring::NEW,
+            slots: Ring::NEW,
+            moves: [const { Ring::NEW }; LANES],
+            flights: [const { Flights::NEW }; LANES],
         }
     }
 
     /// A splat whose first slot is `row`, and as many slots as it has rows in the tile, at least one; a row without pixels has length 0.
     #[inline(always)]
-    fn splat(&mut self, row: usize, lengths: &[u16; ROWS], count: usize) -> PacketStamp {
-        let begun = self.left[self.slots.wrapping_sub(ROW_STAGES as usize) % REMEMBERED];
-        let oldest = &mut self.begun[self.splats % SETUP_STAGES as usize];
-        let taken = std::mem::replace(oldest, begun);
-        self.splats += 1;
-        let mut last = self.last;
-        for (slot, length) in lengths.iter().take(count).enumerate() {
-            let lane = (row + slot) % LANES;
-            last = self.slot(last, lane, *length);
-            self.left[(self.slots + slot) % REMEMBERED] = last;
+    fn splat(
+        &mut self,
+        row: u16,
+        columns: &[u16; ROWS],
+        lengths: &[u16; ROWS],
+        count: usize,
+    ) -> PacketStamp {
+        let taken = self.taken.max(self.splats.free());
+        let begun = self.begun.max(taken + SETUP);
+        self.taken = taken + 1;
+        self.splats.leave(begun);
+        self.issued = self.issued.max(begun + 1);
+        let rows = (row..).zip(columns.iter().zip(lengths));
+        for (row, (column, length)) in rows.take(count) {
+            self.slot(row, *column, *length);
         }
-        self.last = last;
-        self.slots += count;
         PacketStamp { taken, begun }
     }
 
-    /// The next slot after one that left in cycle `last`; gives the cycle in which this one leaves.
+    /// The next slot.
     #[inline(always)]
-    fn slot(&mut self, last: u64, lane: usize, length: u16) -> u64 {
-        let has_run = length > 0;
-        let pop = &mut self.pops[lane][self.runs[lane] % QUEUE as usize];
-        let left = (last + 1).max(if has_run { *pop + 1 } else { 0 });
-        let popped = self.free[lane].max(left + 1);
-        *pop = if has_run { popped } else { *pop };
-        self.runs[lane] += usize::from(has_run);
-        self.free[lane] = if has_run {
-            popped + u64::from(length)
-        } else {
-            self.free[lane]
-        };
-        left
+    fn slot(&mut self, row: u16, column: u16, length: u16) {
+        let issued = self.issued.max(self.slots.free());
+        self.issued = issued + 1;
+        self.begun = issued;
+        let mut left = self.left.max(issued + ROW);
+        self.last = self.last.max(left);
+        if length > 0 {
+            let lane = usize::from(row) % LANES;
+            let (moves, flights) = (&mut self.moves[lane], &mut self.flights[lane]);
+            left = left.max(moves.free());
+            let moved = flights.popped.max(left + 1);
+            moves.leave(moved);
+            flights.pop(moved + FRONT, row, column, length);
+        }
+        self.slots.leave(left);
+        self.left = left + 1;
     }
 
     /// The first cycle in which nothing is in it any more; 0 if nothing ever was.
     fn cycles(&self) -> u64 {
-        let busy = self
-            .free
-            .iter()
-            .fold(self.last, |last, free| last.max(*free));
-        if self.splats == 0 { 0 } else { busy + 1 }
+        let ends = self.flights.iter().map(|flights| flights.free);
+        let busy = ends.fold(self.last, u64::max);
+        if self.splats.count == 0 { 0 } else { busy + 2 }
     }
 }

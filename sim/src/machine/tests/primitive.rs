@@ -20,82 +20,149 @@ struct Handshakes {
     idle_at: u64,
 }
 
-/// The registers: setup's stages, the splat whose rows are issued, the rows' stages, queues, and pixels to come in each lane.
-struct Registers {
-    setup: [Option<usize>; 8],
-    issued: Option<(usize, usize)>,
-    rows: [Option<Option<LaneRun>>; 12],
-    queues: Vec<VecDeque<LaneRun>>,
-    pixels: Vec<u16>,
+/// A queue behind a pipeline: memory, the word read, the register, and the places that are taken.
+struct Buffer<T> {
+    memory: VecDeque<T>,
+    word: Option<T>,
+    out: Option<T>,
+    taken: usize,
 }
 
-impl Registers {
+impl<T> Buffer<T> {
+    const NEW: Self = Buffer {
+        memory: VecDeque::new(),
+        word: None,
+        out: None,
+        taken: 0,
+    };
+
+    /// The clock's edge: a place is claimed, an entry comes in, the one at the end leaves.
+    fn edge(&mut self, claim: bool, entry: Option<T>, leaves: bool) {
+        self.taken = self.taken + usize::from(claim) - usize::from(leaves);
+        if leaves {
+            self.out = None;
+        }
+        if self.out.is_none() {
+            self.out = self.word.take();
+        }
+        if self.word.is_none() {
+            self.word = self.memory.pop_front();
+        }
+        self.memory.extend(entry);
+    }
+}
+
+/// A lane: its queue, the run at the queue's front, pixels to come of the run that it draws (row, column, count), and where it has been.
+struct Lane {
+    queue: VecDeque<LaneRun>,
+    front: Option<LaneRun>,
+    at: Option<(u16, u16, u16)>,
+    been: [Option<(u16, u16)>; 4],
+    /// Was the run at the front there in the cycle before?
+    compared: bool,
+}
+
+impl Lane {
+    /// The run at the front, if it is popped now.
+    fn popped(&self) -> Option<LaneRun> {
+        let last = self.at.is_none_or(|(_, _, count)| count == 1);
+        let run = self.front.filter(|_| last && self.compared)?;
+        let here = self.at.map(|(row, column, _)| (row, column));
+        let places = std::iter::once(here).chain(self.been);
+        // Its pixel at a place left `age` cycles ago would come at least 6 cycles after that.
+        let meets = (1..).zip(places).any(|(age, place)| {
+            place.is_some_and(|(row, column)| {
+                let ahead = column.wrapping_sub(run.column);
+                row == run.row && ahead < run.length && ahead + age < 6
+            })
+        });
+        (!meets).then_some(run)
+    }
+
+    fn edge(&mut self, entry: Option<LaneRun>) {
+        let popped = self.popped();
+        self.been.rotate_right(1);
+        self.been[0] = self.at.map(|(row, column, _)| (row, column));
+        self.at = match (popped, self.at) {
+            (Some(run), _) => Some((run.row, run.column, run.length)),
+            (None, Some((row, column, count))) if count > 1 => Some((row, column + 1, count - 1)),
+            _ => None,
+        };
+        self.compared = self.front.is_some() && popped.is_none();
+        if popped.is_some() {
+            self.front = None;
+        }
+        if self.front.is_none() {
+            self.front = self.queue.pop_front();
+        }
+        self.queue.extend(entry);
+    }
+
     fn idle(&self) -> bool {
-        let pipelines = self.setup.iter().all(Option::is_none)
-            && self.issued.is_none()
-            && self.rows.iter().all(Option::is_none);
-        pipelines
-            && self.queues.iter().all(VecDeque::is_empty)
-            && self.pixels.iter().all(|left| *left == 0)
+        self.queue.is_empty() && self.front.is_none() && self.at.is_none()
     }
 }
 
 fn clocked(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
-    let mut at = Registers {
-        setup: [None; 8],
-        issued: None,
-        rows: [None; 12],
-        queues: vec![VecDeque::new(); lanes],
-        pixels: vec![0; lanes],
+    let mut setup: [Option<usize>; 19] = [None; 19];
+    let mut splats = Buffer::NEW;
+    let mut issued: Option<(usize, usize)> = None;
+    let mut rows: [Option<Option<LaneRun>>; 32] = [None; 32];
+    let mut slots = Buffer::NEW;
+    let lane = || Lane {
+        queue: VecDeque::new(),
+        front: None,
+        at: None,
+        been: [None; 4],
+        compared: false,
     };
+    let mut units: Vec<Lane> = (0..lanes).map(|_| lane()).collect();
     let mut seen = Handshakes {
         popped: vec![Vec::new(); lanes],
         ..Handshakes::default()
     };
+    let mut says_idle = false;
     for now in 0.. {
-        if seen.taken.len() == packets.len() && at.idle() {
+        if seen.taken.len() == packets.len() && says_idle {
             seen.idle_at = now;
             return seen;
         }
         // What the wires say in this cycle.
-        let leaving = at.rows[11].flatten();
-        let rows_move = leaving.is_none_or(|run| at.queues[run.lane].len() < queue);
-        let last_row = at
-            .issued
-            .is_none_or(|(splat, row)| row + 1 == packets[splat].1.len());
-        let takes_splat = rows_move && last_row;
-        let setup_moves = at.setup[7].is_none() || takes_splat;
-        let packet = Some(seen.taken.len())
-            .filter(|next| setup_moves && packets.get(*next).is_some_and(|(from, _)| *from <= now));
+        let leaving: Option<Option<LaneRun>> = slots.out;
+        let leaves =
+            leaving.is_some_and(|run| run.is_none_or(|run| units[run.lane].queue.len() < queue));
+        let issues = issued.filter(|_| slots.taken < 64);
+        let last = issues.is_some_and(|(splat, row)| row + 1 == packets[splat].1.len());
+        let takes_splat = issued.is_none() || last;
+        let begins: Option<usize> = splats.out.filter(|_| takes_splat);
+        let packet = Some(seen.taken.len()).filter(|next| {
+            splats.taken < 32 && packets.get(*next).is_some_and(|(from, _)| *from <= now)
+        });
+        says_idle = splats.taken == 0
+            && issued.is_none()
+            && slots.taken == 0
+            && units.iter().all(Lane::idle)
+            && packet.is_none();
         // The clock's edge.
-        for lane in 0..lanes {
-            if at.pixels[lane] <= 1
-                && let Some(run) = at.queues[lane].pop_front()
-            {
-                at.pixels[lane] = run.length;
-                seen.popped[lane].push(now);
-            } else {
-                at.pixels[lane] = at.pixels[lane].saturating_sub(1);
-            }
+        for (number, unit) in units.iter_mut().enumerate() {
+            seen.popped[number].extend(unit.popped().map(|_| now));
+            let entry = leaving.flatten().filter(|run| leaves && run.lane == number);
+            seen.left.extend(entry.map(|_| now));
+            unit.edge(entry);
         }
-        if rows_move {
-            if let Some(run) = leaving {
-                at.queues[run.lane].push_back(run);
-                seen.left.push(now);
-            }
-            at.rows.rotate_right(1);
-            at.rows[0] = at.issued.map(|(splat, row)| packets[splat].1[row]);
-            at.issued = at.issued.map(|(splat, row)| (splat, row + 1));
-        }
-        if takes_splat {
-            at.issued = at.setup[7].map(|splat| (splat, 0));
-            seen.begun.extend(at.setup[7].map(|_| now));
-        }
-        if setup_moves {
-            at.setup.rotate_right(1);
-            at.setup[0] = packet;
-            seen.taken.extend(packet.map(|_| now));
-        }
+        slots.edge(issues.is_some(), rows[31], leaves);
+        rows.rotate_right(1);
+        rows[0] = issues.map(|(splat, row)| packets[splat].1[row]);
+        splats.edge(packet.is_some(), setup[18], begins.is_some());
+        setup.rotate_right(1);
+        setup[0] = packet;
+        issued = if takes_splat {
+            begins.map(|splat| (splat, 0))
+        } else {
+            issues.map(|(splat, row)| (splat, row + 1)).or(issued)
+        };
+        seen.begun.extend(begins.map(|_| now));
+        seen.taken.extend(packet.map(|_| now));
     }
     seen
 }
@@ -122,24 +189,29 @@ fn recurrence(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
     seen
 }
 
-/// Packets with gaps between them; rows of neighbouring lanes, some of them empty.
+/// Packets with gaps between them; rows of neighbouring lanes, some of them empty, that often meet those before them.
 fn packets() -> impl Strategy<Value = (Vec<Packet>, usize, usize)> {
     let packet = (
         0u64..40,
-        0usize..4,
-        proptest::collection::vec(0u16..12, 1..7),
+        0u16..4,
+        proptest::collection::vec((0u16..12, 0u16..8), 1..7),
     );
-    let packets = proptest::collection::vec(packet, 1..40);
+    let packets = proptest::collection::vec(packet, 1..80);
     (packets, 0u32..3, 1usize..5, any::<bool>()).prop_map(|(packets, lanes, queue, gaps)| {
         let lanes = 1 << lanes;
         let mut offered = 0;
-        let mut packet = |(gap, first, lengths): (u64, usize, Vec<u16>)| {
+        let mut packet = |(gap, first, rows): (u64, u16, Vec<(u16, u16)>)| {
             offered += if gaps { gap } else { 0 };
-            let run = |(row, length): (usize, u16)| {
-                let lane = (first + row) % lanes;
-                (length > 0).then_some(LaneRun { lane, length })
+            let run = |(row, (length, column)): (u16, (u16, u16))| {
+                let lane = usize::from(row) % lanes;
+                (length > 0).then_some(LaneRun {
+                    lane,
+                    row,
+                    column,
+                    length,
+                })
             };
-            (offered, lengths.into_iter().enumerate().map(run).collect())
+            (offered, (first..).zip(rows).map(run).collect())
         };
         let packets = packets.into_iter().map(&mut packet).collect();
         (packets, lanes, queue)

@@ -1,0 +1,50 @@
+// BITS bits, STAGES cycles later: what a value has to wait for while its pipeline computes something else from it.
+//
+// A few stages are registers. Longer ones are a ring in block RAM (a read, then a register), since registers for every stage of
+// every field would outnumber the arithmetic.
+module delay #(
+    parameter BITS = 8,
+    parameter STAGES = 1
+) (
+    input logic clk,
+    input logic rst,
+    input logic advance,
+    input logic [BITS-1:0] in,
+    output logic [BITS-1:0] out
+);
+  // From so many bits and stages on a ring pays.
+  localparam RING = STAGES >= 5 && BITS >= 16;
+
+  generate
+    if (STAGES == 0) begin : gen_wire
+      logic unused;
+      assign unused = &{1'b0, clk, rst, advance};
+      assign out = in;
+    end else if (RING) begin : gen_ring
+      localparam PLACE = $clog2(STAGES);
+      (* ram_style = "block" *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];
+      logic [PLACE-1:0] place;
+      logic [BITS-1:0] word;
+      // What came in STAGES - 2 cycles ago: a cycle passes in `word`, another one in `out`.
+      always_ff @(posedge clk) begin
+        if (rst) place <= 0;
+        else if (advance) place <= place + 1'b1;
+        if (advance) begin
+          memory[place] <= in;
+          word <= memory[place-PLACE'(STAGES-2)];
+          out <= word;
+        end
+      end
+    end else begin : gen_registers
+      logic [BITS*STAGES-1:0] stages;
+      logic unused;
+      assign unused = &{1'b0, rst};
+      assign out = stages[BITS*STAGES-1-:BITS];
+      if (STAGES == 1) begin : gen_one
+        always_ff @(posedge clk) if (advance) stages <= in;
+      end else begin : gen_more
+        always_ff @(posedge clk) if (advance) stages <= {stages[BITS*(STAGES-1)-1:0], in};
+      end
+    end
+  endgenerate
+endmodule

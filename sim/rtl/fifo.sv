@@ -1,0 +1,59 @@
+// A queue in block RAM behind a pipeline that never stands still: whoever feeds it counts its places (`free`) and lets
+// no more in than there are, so that nothing has to be stopped half way.
+//
+// An entry comes out three cycles after it went in at the earliest: written, read, registered. A place is taken by `claim`, when something
+// enters the pipeline before the queue, and given back when the entry leaves the queue.
+module fifo #(
+    parameter BITS = 8,
+    parameter PLACES = 32
+) (
+    input logic clk,
+    input logic rst,
+    input logic claim,
+    output logic free,
+    output logic none,  // nothing in the queue or on its way to it
+    input logic in_valid,
+    input logic [BITS-1:0] in,
+    output logic out_valid,
+    input logic out_ready,
+    output logic [BITS-1:0] out
+);
+  localparam INDEX = $clog2(PLACES);
+
+  (* ram_style = "block" *) logic [BITS-1:0] memory[0:PLACES-1];
+  logic [INDEX:0] head, tail, claimed, claimed_next;
+  logic [BITS-1:0] word;
+  logic word_valid, word_moves, out_moves;
+
+  assign out_moves = !out_valid || out_ready;
+  assign word_moves = !word_valid || out_moves;
+  assign claimed_next = claimed + {{INDEX{1'b0}}, claim} - {{INDEX{1'b0}}, out_valid && out_ready};
+  assign none = claimed == 0;
+
+  always_ff @(posedge clk) begin
+    if (in_valid) memory[tail[INDEX-1:0]] <= in;
+    if (word_moves) word <= memory[head[INDEX-1:0]];
+    if (out_moves) out <= word;
+    if (rst) begin
+      head <= 0;
+      tail <= 0;
+      claimed <= 0;
+      free <= 1;
+      word_valid <= 0;
+      out_valid <= 0;
+    end else begin
+      if (in_valid) tail <= tail + 1'b1;
+      if (word_moves) begin
+        word_valid <= head != tail;
+        if (head != tail) head <= head + 1'b1;
+      end
+      if (out_moves) out_valid <= word_valid;
+      claimed <= claimed_next;
+      free <= claimed_next != PLACES[INDEX:0];
+    end
+  end
+
+`ifdef FORMAL
+`include "formal/fifo_properties.svh"
+`endif
+endmodule
