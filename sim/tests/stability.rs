@@ -119,29 +119,11 @@ fn world_coordinates_are_too_much_for_single_precision() {
     }
 }
 
-/// Classes that today's grid of positions and range of colours cannot do.
-const NOT_YET: [&str; 11] = [
-    "dome at 3e3",
-    "dome at 1e4",
-    "detail at 0.05, world of 1e3",
-    "detail at 0.05, world of 1e5",
-    "detail at 0.05, strays of 1e3",
-    "detail at 0.05, strays of 1e5",
-    "telephoto, 1e5 away",
-    "world offset 1e5",
-    "world offset 1e6",
-    "world offset UTM",
-    "colours up to 60",
-];
-
 /// In a small picture one flip weighs too much to be measured: the bars are held where nothing flips, and no splat is clamped or lost.
 #[test]
 fn scenes_meet_their_bars() {
     let lines = scene_lines();
     for class in scenes::table::classes(lines) {
-        if NOT_YET.contains(&class) {
-            continue;
-        }
         let Some(verdict) = scenes::table::verdict(lines, class) else {
             panic!("{class}: an engine is missing");
         };
@@ -152,7 +134,6 @@ fn scenes_meet_their_bars() {
         assert_eq!(verdict.clamped, 0, "{class}");
     }
     for line in lines.iter().filter(|line| line.engine == "standard24") {
-        let not_yet = NOT_YET.contains(&line.class.as_str());
-        assert!(not_yet || line.lost == 0, "{}: {}", line.class, line.lost);
+        assert!(line.lost == 0, "{}: {}", line.class, line.lost);
     }
 }
