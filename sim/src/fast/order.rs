@@ -4,8 +4,9 @@
 //! but every list fits the cache and all of it runs on all cores. A list's entry is (depth, index), so no two are equal, and order is
 //! by depth, ties by index, whatever sorts it.
 //!
-//! A footprint's sort key has 48 bits, an entry's depth 32: the leading ones of the difference to the nearest splat. Where the dropped bits
-//! decide, which is rare, the entries of equal depth are sorted once more by the whole key.
+//! A footprint's sort key has 48 bits. An entry holds its difference to the nearest splat's key above the index, in as many bits as the indices
+//! leave, which is all of it but for scenes of extreme depth and count. The radix sort looks at the 32 leading ones; the few entries that are
+//! equal there and out of order are sorted once more.
 
 use rayon::prelude::*;
 use splatline::raster::Window;
@@ -96,39 +97,57 @@ impl Grid {
     }
 }
 
-/// The range of a picture's sort keys.
+/// How a picture's sort keys and indices share the bits of an entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct DepthRange {
+struct Packing {
     nearest: u64,
-    /// Bits of the difference to the nearest that an entry has no room for.
+    /// Bits of an index.
+    index: u32,
+    /// Bits of a difference to the nearest key for which an entry has no room.
     dropped: u32,
+    /// First of the bits, at most 32, that the radix sort looks at.
+    first: u32,
 }
 
-impl DepthRange {
+impl Packing {
     fn new(parts: &[Vec<Key>]) -> Self {
-        let depths = || parts.iter().flatten().map(|key| key.depth);
-        let nearest = depths().min().unwrap_or(0);
-        let extent = depths().max().unwrap_or(0) - nearest;
-        DepthRange {
+        let keys = || parts.iter().flatten();
+        let bits = |largest: u64| u64::BITS - largest.leading_zeros();
+        let nearest = keys().map(|key| key.depth).min().unwrap_or(0);
+        let farthest = keys().map(|key| key.depth).max().unwrap_or(0);
+        let index = bits(keys().map(|key| key.index).max().unwrap_or(0).into());
+        let depth = bits(farthest - nearest);
+        let dropped = depth.saturating_sub(u64::BITS - index);
+        Packing {
             nearest,
-            dropped: (u64::BITS - extent.leading_zeros()).saturating_sub(u32::BITS),
+            index,
+            dropped,
+            first: index + (depth - dropped).saturating_sub(u32::BITS),
         }
     }
 
-    /// A key's leading 32 bits above the nearest.
     #[inline(always)]
-    fn leading(&self, depth: u64) -> u64 {
-        (depth - self.nearest) >> self.dropped
+    fn entry(&self, key: &Key) -> u64 {
+        (key.depth - self.nearest) >> self.dropped << self.index | u64::from(key.index)
     }
 
-    /// Puts entries of equal leading bits in the order of their whole keys.
+    #[inline(always)]
+    fn index(&self, entry: u64) -> u32 {
+        (entry & ((1 << self.index) - 1)) as u32
+    }
+
+    /// Puts entries that are equal to the radix sort in their order.
     fn settle(&self, entries: &mut [u64], parts: &[Vec<Key>]) {
-        if self.dropped == 0 {
-            return;
-        }
-        for equal in entries.chunk_by_mut(|a, b| a >> 32 == b >> 32) {
-            if equal.len() > 1 {
-                equal.sort_by_key(|entry| (whole_key(parts, *entry as u32), *entry));
+        let by_whole_key = |a: &u64, b: &u64| {
+            let key = |entry: u64| (whole_key(parts, self.index(entry)), entry);
+            key(*a).cmp(&key(*b))
+        };
+        for equal in entries.chunk_by_mut(|a, b| a >> self.first == b >> self.first) {
+            if !equal.is_sorted() {
+                equal.sort_unstable();
+            }
+            if self.dropped > 0 && equal.len() > 1 {
+                equal.sort_by(by_whole_key);
             }
         }
     }
@@ -155,7 +174,7 @@ struct Bins {
 
 impl Bins {
     /// Two passes: counting, then placing.
-    fn new(grid: &Grid, keys: &[Key], range: DepthRange) -> Self {
+    fn new(grid: &Grid, keys: &[Key], packing: Packing) -> Self {
         let mut ends = vec![0u32; grid.len()];
         for key in keys {
             grid.touched(&key.bounds, |tile| ends[tile] += 1);
@@ -166,7 +185,7 @@ impl Bins {
         }
         let mut entries = vec![0; next as usize];
         for key in keys {
-            let entry = range.leading(key.depth) << 32 | u64::from(key.index);
+            let entry = packing.entry(key);
             grid.touched(&key.bounds, |tile| {
                 entries[ends[tile] as usize] = entry;
                 ends[tile] += 1;
@@ -183,10 +202,10 @@ impl Bins {
 
 /// For every tile the splats that touch it, nearest first. The parts of `keys` are binned side by side.
 pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
-    let range = DepthRange::new(parts);
+    let packing = Packing::new(parts);
     let bins: Vec<Bins> = parts
         .par_iter()
-        .map(|part| Bins::new(grid, part, range))
+        .map(|part| Bins::new(grid, part, packing))
         .collect();
     (0..grid.len())
         .into_par_iter()
@@ -196,9 +215,9 @@ pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
             for bins in &bins {
                 entries.extend_from_slice(bins.of(tile));
             }
-            sort_by_depth(&mut entries, spare);
-            range.settle(&mut entries, parts);
-            entries.iter().map(|entry| *entry as u32).collect()
+            sort_by_depth(&mut entries, spare, packing.first);
+            packing.settle(&mut entries, parts);
+            entries.iter().map(|entry| packing.index(*entry)).collect()
         })
         .collect()
 }
@@ -206,21 +225,22 @@ pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
 /// Lists shorter than this are sorted by comparison.
 const SHORT: usize = 96;
 
-/// Sorts (depth, index) entries whose indices ascend: radix sort on the depth's bytes, which keeps equal depths in order.
-fn sort_by_depth(entries: &mut Vec<u64>, spare: &mut Vec<u64>) {
+/// Sorts entries whose indices ascend by the 32 bits from `first` on: radix sort on bytes, which keeps equal ones in order.
+fn sort_by_depth(entries: &mut Vec<u64>, spare: &mut Vec<u64>, first: u32) {
     if entries.len() < SHORT {
         entries.sort_unstable();
         return;
     }
+    let byte = |entry: u64, number: usize| usize::from((entry >> first >> (8 * number)) as u8);
     let mut counts = [[0u32; 256]; 4];
     for entry in entries.iter() {
-        for (byte, counts) in (4..8).zip(&mut counts) {
-            counts[usize::from((entry >> (8 * byte)) as u8)] += 1;
+        for (number, counts) in counts.iter_mut().enumerate() {
+            counts[byte(*entry, number)] += 1;
         }
     }
     spare.clear();
     spare.resize(entries.len(), 0);
-    for (byte, starts) in (4..8).zip(&mut counts) {
+    for (number, starts) in counts.iter_mut().enumerate() {
         if starts.contains(&(entries.len() as u32)) {
             continue;
         }
@@ -229,7 +249,7 @@ fn sort_by_depth(entries: &mut Vec<u64>, spare: &mut Vec<u64>) {
             next += std::mem::replace(start, next);
         }
         for entry in entries.iter() {
-            let start = &mut starts[usize::from((entry >> (8 * byte)) as u8)];
+            let start = &mut starts[byte(*entry, number)];
             spare[*start as usize] = *entry;
             *start += 1;
         }

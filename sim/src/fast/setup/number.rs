@@ -319,6 +319,13 @@ impl<W: Wide> Arithmetic<W> {
         )
     }
 
+    /// 1/n - d times the rest of the series.
+    #[inline(always)]
+    fn bent(self, d: Word<W>, series: Word<W>, n: i64) -> Word<W> {
+        let lost = self.round(self.mul(d, series), REST);
+        self.sub(self.splat(fraction(n).into()), lost)
+    }
+
     /// `ln` of positive numbers.
     #[inline(always)]
     pub fn ln(self, value: Number<W>) -> Word<W> {
@@ -327,11 +334,9 @@ impl<W: Wide> Arithmetic<W> {
         let [inverse, offset] = self.lanes.wide_gather(&LOGARITHMS, index);
         let rest = self.plus(self.mul(x, inverse), -(1 << 46));
         let rest = self.round(rest, 46 - REST);
-        let bent = |factor: Word<W>, n: i64| {
-            let lost = self.round(self.mul(rest, factor), REST);
-            self.sub(self.splat(fraction(n).into()), lost)
-        };
-        let inner = bent(bent(bent(self.splat(fraction(5).into()), 4), 3), 2);
+        let inner = self.bent(rest, self.splat(fraction(5).into()), 4);
+        let inner = self.bent(rest, inner, 3);
+        let inner = self.bent(rest, inner, 2);
         let curve = self.round(self.mul(rest, inner), 30);
         let curve = self.round(self.mul(rest, curve), 2 * REST - 40);
         let below = self.sub(self.shl(rest, i64::from(40 - REST)), curve);

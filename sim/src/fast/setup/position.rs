@@ -74,10 +74,14 @@ impl<W: Wide> Arithmetic<W> {
         }
         let zeros = self.lanes.wide_leading_zeros(largest);
         let drop = self.sub(self.splat(64 - i64::from(bits)), zeros);
-        (
-            difference.map(|coordinate| self.align(coordinate, drop)),
-            self.add(unit, drop),
-        )
+        // Not by `map`: a closure is not compiled for the vectors' instructions.
+        let [x, y, z] = difference;
+        let difference = [
+            self.align(x, drop),
+            self.align(y, drop),
+            self.align(z, drop),
+        ];
+        (difference, self.add(unit, drop))
     }
 
     /// `Eye::to_camera`.

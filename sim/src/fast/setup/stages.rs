@@ -142,6 +142,13 @@ impl<W: Wide> Stages<'_, W> {
         sum
     }
 
+    /// A coordinate in camera space, rounded to the view's mantissa.
+    #[inline(always)]
+    fn coordinate(&self, mantissa: Word<W>, exponent: Word<W>) -> Number<W> {
+        self.math
+            .normalise(Number { mantissa, exponent }, self.widths.view.into())
+    }
+
     /// Culls where a magnitude has more than so many bits.
     #[inline(always)]
     fn beyond(&self, value: Word<W>, bits: i64, culled: &mut Word<W>) {
@@ -155,7 +162,9 @@ impl<W: Wide> Stages<'_, W> {
         let (math, bits) = (self.math, u32::from(self.widths.view));
         let CameraPoint { value, exponent } =
             math.to_camera(self.view, &self.widths, &splats.centre);
-        let [x, y, z] = value.map(|mantissa| math.normalise(Number { mantissa, exponent }, bits));
+        let x = self.coordinate(value[0], exponent);
+        let y = self.coordinate(value[1], exponent);
+        let z = self.coordinate(value[2], exponent);
         let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
         self.cull_unless(culled, Cull::Near, behind_near);
         self.cull_unless(culled, Cull::Far, before_far);
