@@ -8,10 +8,12 @@
 pub mod atomic;
 pub mod baseline;
 pub mod camera;
+pub mod cameras;
 pub mod design;
 pub mod explore;
 pub mod fast;
 pub mod fixed;
+pub mod framing;
 pub mod gallery;
 pub mod hybrid;
 pub mod machine;

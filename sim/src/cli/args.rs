@@ -1,12 +1,14 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
 use super::machine_args;
+use super::output;
 use super::study_args;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
+use splatline_sim::framing::Orbit;
 use splatline_sim::hybrid::Points;
-use splatline_sim::picture::Depth;
+use splatline_sim::picture::{Backdrop, Depth};
 use splatline_sim::rules::{Compositing, Kernel, Rules};
 use splatline_sim::surface::LAYERS;
 use splatline_sim::texture::coefficients::Method;
@@ -15,8 +17,6 @@ use std::str::FromStr;
 
 /// Largest width and height of a picture.
 pub const LARGEST_SIDE: usize = 16_384;
-/// Vertical field of view where none is given, degrees.
-pub const USUAL_FOV: f64 = 45.0;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -55,7 +55,7 @@ Examples:
   splatline footprints guitar.ply -o footprints.csv
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
-Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
+Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff; empty fields if the splat is culled.";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -69,7 +69,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draw a scene into a PNG file.
+    /// Draw a scene into a picture.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderOptions),
     /// Draw a scene in fixed point and in floating point and report speed against error.
@@ -121,8 +121,8 @@ pub struct RenderOptions {
     pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
-    /// PNG file to write
-    #[arg(short, long, value_name = "x.png")]
+    /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
+    #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,
 }
 
@@ -137,7 +137,7 @@ pub struct CompareOptions {
     #[command(flatten)]
     pub machine: machine_args::MachineOptions,
     /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
-    #[arg(short, long, value_name = "dir")]
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: PathBuf,
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
@@ -154,24 +154,33 @@ pub struct FootprintsOptions {
     /// Widths: classic8, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
     pub design: DesignName,
-    /// CSV file to write
-    #[arg(short, long, value_name = "f.csv")]
+    /// CSV file to write; - is stdout
+    #[arg(short, long, value_name = "f.csv", help_heading = "Output")]
     pub output: PathBuf,
 }
 
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
+    /// Scene: 3D Gaussians, a volume or one of demo, random:COUNT[:SEED], deep-stack; - reads stdin. docs/formats.md lists the formats
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Camera file (JSON); without it and without --eye the whole scene is shown
-    #[arg(long, value_name = "c.json", conflicts_with_all = ["eye", "target", "up", "fov"])]
+    /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
+    #[arg(long, value_name = "FILE", help_heading = "Camera", conflicts_with_all = ["eye", "target", "up", "fov", "orbit"])]
     pub camera: Option<PathBuf>,
+    /// Which camera of a file that holds several, by its picture's name
+    #[arg(
+        long,
+        value_name = "NAME",
+        help_heading = "Camera",
+        requires = "camera"
+    )]
+    pub image: Option<String>,
     /// Position of the camera
     #[arg(
         long,
         value_name = "x,y,z",
+        help_heading = "Camera",
         allow_hyphen_values = true,
         requires = "target"
     )]
@@ -180,6 +189,7 @@ pub struct ViewOptions {
     #[arg(
         long,
         value_name = "x,y,z",
+        help_heading = "Camera",
         allow_hyphen_values = true,
         requires = "eye"
     )]
@@ -188,35 +198,52 @@ pub struct ViewOptions {
     #[arg(
         long,
         value_name = "x,y,z",
-        allow_hyphen_values = true,
-        requires = "eye"
+        help_heading = "Camera",
+        allow_hyphen_values = true
     )]
     pub up: Option<Vector>,
     /// Vertical field of view in degrees [default: 45]
-    #[arg(long, value_name = "deg", value_parser = field_of_view, requires = "eye")]
+    #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view)]
     pub fov: Option<f64>,
+    /// Turn around up (counter-clockwise seen from above) and rise over the horizon, degrees
+    #[arg(
+        long,
+        value_name = "az,el",
+        help_heading = "Camera",
+        allow_hyphen_values = true
+    )]
+    pub orbit: Option<OrbitChoice>,
+    /// Enlarge the picture about its middle
+    #[arg(long, value_name = "Z", help_heading = "Camera", value_parser = positive)]
+    pub zoom: Option<f64>,
     /// Size of the picture [default: the camera file's, or 512x512]
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", help_heading = "Camera")]
     pub size: Option<Size>,
     /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
-    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
+    #[arg(long, value_name = "ewa|3dgs", help_heading = "Splats", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,
     /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
-    #[arg(long, value_enum)]
+    #[arg(long, help_heading = "Splats", value_enum)]
     pub antialias: Option<AntialiasChoice>,
     /// Shape of footprints
-    #[arg(long, value_enum, default_value = "gaussian")]
+    #[arg(long, help_heading = "Splats", value_enum, default_value = "gaussian")]
     pub kernel: KernelChoice,
     /// Transfer function of a volume (TOML)
-    #[arg(long, value_name = "file.toml")]
+    #[arg(long, value_name = "file.toml", help_heading = "Splats")]
     pub transfer: Option<PathBuf>,
     /// Direction towards the light that shades a volume
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "x,y,z",
+        help_heading = "Splats",
+        allow_hyphen_values = true
+    )]
     pub light: Option<Vector>,
 }
 
 /// How a point cloud is drawn as a surface.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Surfaces")]
 pub struct SurfaceOptions {
     /// What the scene's points are: `surface` draws a .ply or .xyz cloud or a height field (.csv) as surface splats
     #[arg(long = "as", value_name = "surface", value_enum)]
@@ -250,6 +277,7 @@ pub enum SceneKind {
 
 /// By what and how often it is drawn.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Drawing")]
 pub struct DrawingOptions {
     /// fixed: the kernel; float: EWA in double precision; exact: the ray integral. `compare` always draws fixed, and
     /// against float unless this says exact
@@ -271,17 +299,55 @@ pub struct DrawingOptions {
     #[arg(long, value_enum, default_value = "front-to-back")]
     pub compositing: CompositingChoice,
     /// Bits per channel of the PNG files
-    #[arg(long, value_name = "8|16", default_value = "8", value_parser = depth)]
+    #[arg(long, value_name = "8|16", help_heading = "Output", default_value = "8", value_parser = depth)]
     pub depth: Depth,
+    /// Colour behind the picture in PNG files: black, white, #rrggbb or three numbers from 0 to 1 [default: black]
+    #[arg(long, value_name = "COLOUR", help_heading = "Output", value_parser = colour)]
+    pub background: Option<Colour>,
+    /// PNG files with straight alpha instead of a background
+    #[arg(long, help_heading = "Output", conflicts_with = "background")]
+    pub alpha: bool,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
     /// Draw N times and report median times
     #[arg(long, value_name = "N", default_value = "1", value_parser = at_least_one)]
     pub repeat: usize,
-    /// Also write the report as JSON to this file
-    #[arg(long, value_name = "r.json")]
+    /// Also write the report as JSON to this file; - is stdout
+    #[arg(long, value_name = "r.json", help_heading = "Output")]
     pub json: Option<PathBuf>,
+}
+
+impl ViewOptions {
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = output::files([self.camera.as_ref(), self.transfer.as_ref()]);
+        inputs.push(self.scene.clone());
+        inputs
+    }
+}
+
+impl SurfaceOptions {
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        output::files([self.texture.as_ref()])
+    }
+}
+
+impl DrawingOptions {
+    /// What PNG files show behind the picture.
+    pub fn backdrop(&self) -> Backdrop {
+        match (self.alpha, self.background) {
+            (true, _) => Backdrop::Transparent,
+            (false, Some(Colour(colour))) => Backdrop::Colour(colour),
+            (false, None) => Backdrop::default(),
+        }
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> Option<PathBuf> {
+        output::design_file(&self.design)
+    }
 }
 
 /// Who draws.
@@ -439,6 +505,56 @@ impl FromStr for Vector {
         let three = <[f64; 3]>::try_from(parts)
             .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
         Ok(Vector(three))
+    }
+}
+
+/// Azimuth and elevation in degrees, parted by a comma.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitChoice(pub Orbit);
+
+impl FromStr for OrbitChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (azimuth, elevation) = text
+            .split_once(',')
+            .ok_or("expected az,el in degrees, for example 30,15")?;
+        let elevation = number(elevation.trim())?;
+        if elevation.abs() > 89.0 {
+            return Err("the elevation must lie between -89 and 89 degrees".to_owned());
+        }
+        Ok(OrbitChoice(Orbit {
+            azimuth: number(azimuth.trim())?,
+            elevation,
+        }))
+    }
+}
+
+/// Red, green and blue, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour(pub [f64; 3]);
+
+fn colour(text: &str) -> Result<Colour, String> {
+    let expected =
+        "expected black, white, #rrggbb or three numbers from 0 to 1, for example 1,0.5,0";
+    if let Some(digits) = text.strip_prefix('#') {
+        let value = u32::from_str_radix(digits, 16)
+            .ok()
+            .filter(|_| digits.len() == 6);
+        let value = value.ok_or(expected)?;
+        return Ok(Colour(
+            [16, 8, 0].map(|shift| f64::from((value >> shift) & 255) / 255.0),
+        ));
+    }
+    match text {
+        "black" => Ok(Colour([0.0; 3])),
+        "white" => Ok(Colour([1.0; 3])),
+        _ => match text.parse() {
+            Ok(Vector(parts)) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => {
+                Ok(Colour(parts))
+            }
+            _ => Err(expected.to_owned()),
+        },
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::args::{CompareOptions, Engine};
 use super::model::machine;
-use super::setup::{View, check_folder_of, write};
+use super::output::{self, write};
+use super::setup::View;
 use super::sweep::{self, Entry, Manner};
 use super::{Failure, say};
 use anyhow::Context;
@@ -14,8 +15,14 @@ use std::path::Path;
 
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
+    let inputs = [options.view.inputs(), options.surface.inputs()].concat();
+    let own = [drawing.inputs(), options.machine.machine.clone()];
+    let inputs = [inputs, output::files(own.iter().map(Option::as_ref))].concat();
+    output::check_folder(&options.output, &sweep::FILES, &inputs)?;
+    if let Some(json) = &drawing.json {
+        output::check(json, &["json"], &inputs)?;
+    }
     create_folder(&options.output)?;
-    drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
     if options.surface.kind.is_some() {
         return super::surface::compare_with_float(options);
     }
@@ -38,7 +45,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         all_entries(&chosen.design)
     };
     let comparison = sweep::run(&view, &manner, reference, &chosen, &others)?;
-    comparison.write(&options.output, drawing.depth)?;
+    comparison.write(&options.output, drawing)?;
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }

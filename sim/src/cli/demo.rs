@@ -8,7 +8,7 @@ use super::{Failure, say};
 use anyhow::Context;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
-use splatline_sim::picture::Depth;
+use splatline_sim::picture::{Backdrop, Depth};
 use splatline_sim::report::table;
 use splatline_sim::rules::Compositing;
 use splatline_sim::scene;
@@ -56,7 +56,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         &chosen,
         &all_entries(&chosen.design),
     )?;
-    comparison.write(folder, Depth::Eight)?;
+    comparison.write_as(folder, Depth::Eight, Backdrop::default())?;
     let report = &comparison.report;
     say(&format!(
         "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\n",

@@ -178,6 +178,7 @@ pub fn float_footprints(task: Task) -> Vec<Option<FootprintLine>> {
             depth: footprint.depth,
             conic: footprint.conic,
             bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
+            cutoff: footprint.cutoff,
         }
     };
     footprints
@@ -200,6 +201,7 @@ fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
             .mantissa
             .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
         bounds: [x0, y0, x1, y1].map(usize::from),
+        cutoff: f64::from(footprint.cutoff) * power_of_two(-28),
     }
 }
 

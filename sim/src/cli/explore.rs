@@ -3,8 +3,9 @@
 use super::compare::create_folder;
 use super::machine_args::{AreaOptions, ExploreOptions, MergeOptions, WorkOptions};
 use super::model::machine;
+use super::output::write;
 use super::progress::Progress;
-use super::setup::{View, write};
+use super::setup::View;
 use super::{Failure, say};
 use anyhow::{Context, anyhow};
 use splatline_sim::design::DesignChoice;

@@ -2,8 +2,9 @@
 
 use super::explore::reference;
 use super::machine_args::{FitOptions, MetricChoice, WorkOptions};
+use super::output::{self, write};
 use super::progress::Progress;
-use super::setup::{View, check_folder_of, write};
+use super::setup::View;
 use super::{Failure, say};
 use anyhow::anyhow;
 use splatline::format::{Traversal, WIDTH_RANGES};
@@ -12,7 +13,11 @@ use splatline_sim::explore::fit::{Fit, Metric, Task, design_toml, fit};
 use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
-    options.output.as_deref().map_or(Ok(()), check_folder_of)?;
+    if let Some(path) = &options.output {
+        let mut inputs = options.view.inputs();
+        inputs.extend(output::design_file(&options.work.design));
+        output::check(path, &["toml"], &inputs)?;
+    }
     let view = View::from_options(&options.view)?;
     let metric = match options.metric {
         MetricChoice::Largest => Metric::Largest,

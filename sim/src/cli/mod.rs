@@ -15,6 +15,7 @@ mod gallery;
 mod machine_args;
 mod model;
 mod needs;
+mod output;
 mod progress;
 mod render;
 mod results;
@@ -32,6 +33,10 @@ use args::{Cli, Command};
 use clap::Parser;
 use std::io::Write;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Stdout holds a file (`-o -`): what is said goes to stderr.
+static DIVERTED: AtomicBool = AtomicBool::new(false);
 
 /// Why a command failed, which decides the exit code.
 #[derive(Debug)]
@@ -101,8 +106,16 @@ fn explain(error: &anyhow::Error) -> String {
         })
 }
 
+/// From now on stdout is for a file alone.
+fn divert() {
+    DIVERTED.store(true, Ordering::Relaxed);
+}
+
 /// Prints a result. A reader that has gone away (`splatline ... | head`) is no error.
 fn say(text: &str) {
+    if DIVERTED.load(Ordering::Relaxed) {
+        return complain(text);
+    }
     let _ = std::io::stdout().write_all(text.as_bytes());
 }
 

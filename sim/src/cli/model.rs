@@ -3,9 +3,10 @@
 use super::compare::create_folder;
 use super::explore::calibration;
 use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
-use super::setup::{View, write};
+use super::output::{self, write};
+use super::setup::View;
 use super::{Failure, say};
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
@@ -22,6 +23,16 @@ use std::time::Instant;
 
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if let Some(folder) = &options.output {
+        let files = [&options.machine.machine, &options.footprints];
+        let mut inputs = output::files(files.map(Option::as_ref));
+        inputs.extend(
+            options
+                .view
+                .as_ref()
+                .map(|view| view.inputs())
+                .unwrap_or_default(),
+        );
+        output::check_folder(folder, &["timing.json", "machine.toml"], &inputs)?;
         create_folder(folder)?;
     }
     let config = machine(&options.machine)?;
@@ -129,7 +140,7 @@ pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Wo
 
 fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path).with_context(|| format!("cannot read '{shown}'"))?;
+    let text = output::read_text(path)?;
     let design = DesignChoice::load(&options.work.design.0)?;
     let traversal = options
         .work

@@ -4,7 +4,8 @@ use super::args::TraversalChoice;
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::model::{from_scene, machine};
-use super::setup::{View, check_folder_of, write};
+use super::output::{self, write};
+use super::setup::View;
 use super::surface::SurfaceView;
 use super::{Failure, say};
 use serde_json::json;
@@ -19,7 +20,12 @@ use splatline_sim::systems::{Use, Verdict, exercised};
 use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
-    options.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    if let Some(path) = &options.json {
+        let mut inputs = [options.view.inputs(), options.surface.inputs()].concat();
+        inputs.extend(output::design_file(&options.work.design));
+        inputs.extend(options.machine.machine.clone());
+        output::check(path, &["json"], &inputs)?;
+    }
     if options.surface.kind.is_some() {
         return run_surface(options);
     }

@@ -25,6 +25,16 @@ impl Progress {
         Progress(bar)
     }
 
+    /// A task of unknown length: something turns, with the seconds beside it.
+    pub fn spinner(what: impl Into<String>) -> Progress {
+        let progress = Progress::new(1);
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {elapsed} {msg}") {
+            progress.0.set_style(style);
+        }
+        progress.doing(what);
+        progress
+    }
+
     /// Says what is being done now.
     pub fn doing(&self, what: impl Into<String>) {
         self.0.set_message(what.into());

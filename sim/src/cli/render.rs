@@ -1,17 +1,25 @@
 //! `splatline render`: one picture.
 
 use super::args::{Engine, RenderOptions};
+use super::output::{self, write};
 use super::progress::Progress;
-use super::setup::{View, check_folder_of, write};
+use super::setup::View;
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
 use super::{Failure, say};
+use splatline_sim::picture::{EXTENSIONS, Format, Picture};
 use splatline_sim::report::Report;
 use splatline_sim::report::facts::Counts;
+use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    check_folder_of(&options.output)?;
-    drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    let inputs = [options.view.inputs(), options.surface.inputs()].concat();
+    let inputs = [inputs, output::files([drawing.inputs().as_ref()])].concat();
+    output::check(&options.output, &EXTENSIONS, &inputs)?;
+    if let Some(json) = &drawing.json {
+        output::check(json, &["json"], &inputs)?;
+        refuse_one_name(&options.output, json)?;
+    }
     if drawing.engine != Engine::Fixed && drawing.traversal.is_some() {
         let engine = drawing.engine.name();
         return Err(Failure::Usage(format!(
@@ -38,16 +46,31 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             (measured, report)
         }
     };
-    measured
-        .drawing
-        .picture
-        .write_png(&options.output, drawing.depth)?;
+    write_picture(&measured.drawing.picture, options)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
     }
     drop(progress);
     say(&summary(&report));
     Ok(())
+}
+
+/// Writes the picture in the format that the output's extension names; a stream gets a PNG.
+pub fn write_picture(picture: &Picture, options: &RenderOptions) -> Result<(), Failure> {
+    let format = Format::of(&options.output).unwrap_or(Format::Png);
+    let drawing = &options.drawing;
+    let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
+    write(&options.output, &bytes)
+}
+
+fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {
+    match picture == json {
+        true => Err(Failure::Usage(format!(
+            "picture and report cannot both be written to '{}'",
+            json.display()
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// What was drawn, what was left out and how long it took.

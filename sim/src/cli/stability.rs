@@ -1,6 +1,6 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
-use super::setup::write;
+use super::output::write;
 use super::study_args::{StabilityOptions, StabilitySection};
 use super::{Failure, say};
 use splatline_sim::design::DesignChoice;

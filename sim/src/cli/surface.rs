@@ -7,14 +7,16 @@ use super::args::{
 use super::compare::{all_entries, summary as comparison_summary};
 use super::drawing::Drawing;
 use super::engines::{cull_counts, reference_culled};
+use super::output::write;
 use super::progress::Progress;
-use super::render::summary;
-use super::setup::{camera_or, write};
+use super::render::{summary, write_picture};
+use super::setup::camera;
 use super::sweep::{Comparison, Entry, Manner, Measured, measure};
 use super::{Failure, say};
 use anyhow::Context;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::traversal_name;
+use splatline_sim::framing::Frame;
 use splatline_sim::metrics::compare;
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts};
@@ -49,9 +51,8 @@ impl SurfaceView {
             true => load_height_field(view, surface)?,
             false => load_cloud(view, surface)?,
         };
-        let camera = camera_or(view, scene.up, |size| match is_height_field {
-            true => height_field::default_camera(&scene, size.width, size.height),
-            false => scene.default_camera(size.width, size.height),
+        let camera = camera(view, scene.up, || {
+            Frame::of_surface(&scene, is_height_field, view.up.map(|Vector(up)| up))
         })?;
         let style = style(surface, view.light, &scene);
         for note in &scene.notes {
@@ -148,10 +149,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
             (measured, report)
         }
     };
-    measured
-        .drawing
-        .picture
-        .write_png(&options.output, drawing.depth)?;
+    write_picture(&measured.drawing.picture, options)?;
     write_json(drawing, &report)?;
     drop(progress);
     say(&summary(&report));
@@ -176,7 +174,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
         entries.push(chosen.clone());
     }
     let comparison = sweep(&view, &manner, &chosen, &entries)?;
-    comparison.write(&options.output, drawing.depth)?;
+    comparison.write(&options.output, drawing)?;
     write_json(drawing, &comparison.report)?;
     say(&comparison_summary(&comparison.report, &options.output));
     Ok(())

@@ -4,15 +4,16 @@ use super::Failure;
 use super::args::{DrawingOptions, Engine, TraversalChoice};
 use super::drawing::Drawing;
 use super::engines::{self, Task};
+use super::output::write;
 use super::progress::Progress;
-use super::setup::{View, threads, write};
+use super::setup::{View, threads};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::hybrid::{Hybrid, Points, spacing};
 use splatline_sim::machine::{Config, Timing};
 use splatline_sim::metrics::{Errors, compare};
-use splatline_sim::picture::{Depth, Picture};
+use splatline_sim::picture::{Backdrop, Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
 use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
@@ -337,11 +338,28 @@ pub fn report_of_drawing(
     }
 }
 
+/// What a comparison writes into its folder.
+pub const FILES: [&str; 5] = [
+    "fixed.png",
+    "float.png",
+    "error.png",
+    "report.json",
+    "report.html",
+];
+
 impl Comparison {
     /// Writes fixed.png, float.png, error.png, report.json and report.html.
-    pub fn write(&self, folder: &Path, depth: Depth) -> Result<(), Failure> {
-        self.fixed.write_png(&folder.join("fixed.png"), depth)?;
-        self.float.write_png(&folder.join("float.png"), depth)?;
+    pub fn write(&self, folder: &Path, drawing: &DrawingOptions) -> Result<(), Failure> {
+        self.write_as(folder, drawing.depth, drawing.backdrop())
+    }
+
+    /// The same with the pictures' depth and backdrop.
+    pub fn write_as(&self, folder: &Path, depth: Depth, backdrop: Backdrop) -> Result<(), Failure> {
+        let picture = |picture: &Picture, name: &str| {
+            picture.write_png_on(&folder.join(name), depth, backdrop)
+        };
+        picture(&self.fixed, "fixed.png")?;
+        picture(&self.float, "float.png")?;
         write(&folder.join("error.png"), &self.map.to_rgb().to_png()?)?;
         write(
             &folder.join("report.json"),
