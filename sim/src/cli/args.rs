@@ -1,7 +1,9 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::info;
 use super::machine_args;
 use super::output;
+use super::shell;
 use super::study_args;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
@@ -78,6 +80,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Kind, count, bounds, directions and ranges of a scene, and what was dropped.
+    #[command(after_help = info::EXAMPLES)]
+    Info(info::InfoOptions),
     /// Draw the exhibits that show each system, with their numbers beside the pictures.
     #[command(after_help = study_args::GALLERY_EXAMPLES)]
     Gallery(study_args::GalleryOptions),
@@ -105,6 +110,12 @@ pub enum Command {
     /// Measure every stage on hard cases, against exact arithmetic and single precision.
     #[command(after_help = study_args::STABILITY_EXAMPLES)]
     Stability(study_args::StabilityOptions),
+    /// Print a script by which a shell completes commands and options.
+    #[command(after_help = shell::COMPLETIONS_EXAMPLES)]
+    Completions(shell::CompletionsOptions),
+    /// Write manual pages.
+    #[command(after_help = shell::MAN_EXAMPLES)]
+    Man(shell::ManOptions),
     /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
     #[command(after_help = study_args::VECTORS_EXAMPLES)]
     Vectors {

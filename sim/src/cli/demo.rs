@@ -36,6 +36,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         scene,
         camera,
         rules,
+        prepare_s: 0.0,
     };
     let manner = Manner {
         compositing: Compositing::FrontToBack,

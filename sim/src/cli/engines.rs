@@ -13,6 +13,7 @@ use splatline_sim::fixed;
 use splatline_sim::hybrid::Hybrid;
 use splatline_sim::machine::workload::extract_from;
 use splatline_sim::machine::{Config, Timing, simulate_alone};
+use splatline_sim::reference::compositor::Progress as Rows;
 use splatline_sim::reference::{self, exact, float};
 use splatline_sim::report::facts::Counts;
 use splatline_sim::report::{HostTimes, Pixels};
@@ -37,7 +38,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 }
 
 /// Draws by one of the double-precision engines.
-pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
+pub fn draw_reference(engine: Engine, task: Task, rows: Rows) -> Result<Drawing> {
     let Task {
         scene,
         camera,
@@ -45,8 +46,8 @@ pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
         compositing,
     } = task;
     Ok(of_reference(match engine {
-        Engine::Float => float::draw(scene, camera, rules, compositing),
-        Engine::Exact => exact::draw(scene, camera, rules, compositing),
+        Engine::Float => float::draw_with_progress(scene, camera, rules, compositing, rows),
+        Engine::Exact => exact::draw_with_progress(scene, camera, rules, compositing, rows),
         Engine::Fixed => bail!("engine 'fixed' is not a reference"),
     }))
 }

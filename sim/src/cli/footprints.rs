@@ -28,6 +28,7 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
         scene,
         camera,
         rules,
+        ..
     } = View::from_options(&options.view)?;
     // Footprints do not depend on the order of blending.
     let compositing = Compositing::FrontToBack;

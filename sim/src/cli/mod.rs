@@ -12,6 +12,7 @@ mod explore;
 mod fit;
 mod footprints;
 mod gallery;
+mod info;
 mod machine_args;
 mod model;
 mod needs;
@@ -20,6 +21,7 @@ mod progress;
 mod render;
 mod results;
 mod setup;
+mod shell;
 mod stability;
 mod study_args;
 mod surface;
@@ -77,6 +79,9 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Info(options)) => info::run(&options),
+        Some(Command::Completions(options)) => shell::completions(&options),
+        Some(Command::Man(options)) => shell::man(&options),
         Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
         Some(Command::Stability(options)) => stability::run(&options),

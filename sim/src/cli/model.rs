@@ -4,6 +4,7 @@ use super::compare::create_folder;
 use super::explore::calibration;
 use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
 use super::output::{self, write};
+use super::progress::Progress;
 use super::setup::View;
 use super::{Failure, say};
 use anyhow::anyhow;
@@ -43,7 +44,9 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         ),
         (Some(view), None) => {
             let view_of = View::from_options(view)?;
+            let progress = Progress::spinner("walking the rows of every tile");
             let workload = from_scene(&view_of, &options.work, &config)?;
+            drop(progress);
             (view_of.scene.name, workload)
         }
         (None, None) => {
@@ -146,6 +149,9 @@ fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Wo
         .work
         .traversal
         .map_or(design.traversal, Traversal::from);
+    if options.screen.is_none() {
+        say("screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n");
+    }
     let size = options
         .screen
         .map_or([0, 0], |size| [size.width as u16, size.height as u16]);

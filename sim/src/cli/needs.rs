@@ -5,6 +5,7 @@ use super::fit;
 use super::machine_args::NeedsOptions;
 use super::model::{from_scene, machine};
 use super::output::{self, write};
+use super::progress::Progress;
 use super::setup::View;
 use super::surface::SurfaceView;
 use super::{Failure, say};
@@ -42,12 +43,16 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
         design: &design,
         traversal,
     };
+    let progress = Progress::spinner("setting up every splat");
     let footprints: Vec<_> = fixed::footprints(&view.scene, &view.camera, &drawing)
         .into_iter()
         .filter_map(Result::ok)
         .collect();
+    progress.doing("walking the rows of every tile");
     let workload = from_scene(&view, &options.work, &config)?;
+    progress.doing("trying the depths of every FIFO");
     let found = needs(&workload, &footprints, design.widths.peak, &config);
+    drop(progress);
     let systems = systems_of_volume(&view, options);
     say(&text(&view.scene.name, &found));
     say(&systems_text(&systems));

@@ -36,12 +36,12 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let (measured, report) = match drawing.engine {
         Engine::Fixed => {
             let entry = Entry::from_options(drawing)?;
-            let measured = draw_entry(&view, &manner, &entry)?;
+            let measured = draw_entry(&view, &manner, &entry, &progress)?;
             let report = report_of_entry(&view, &manner, &entry, &measured)?;
             (measured, report)
         }
         engine => {
-            let measured = draw_reference(&view, &manner, engine)?;
+            let measured = draw_reference(&view, &manner, engine, &progress)?;
             let report = report_of_drawing(&view, &manner, engine, &measured);
             (measured, report)
         }
@@ -100,16 +100,24 @@ fn times(report: &Report) -> String {
         String::new()
     };
     let total = format!("{:.1} ms{runs}", host.total_s * 1e3);
+    let before = match host.prepare_s > 0.0 {
+        true => format!(
+            ", after {:.1} ms of loading and preparing",
+            host.prepare_s * 1e3
+        ),
+        false => String::new(),
+    };
     if report.traversal.is_none() {
-        return total;
+        return total + &before;
     }
     let stages = [
         ("setup", host.setup_s),
         ("sort", host.sort_s),
         ("raster", host.raster_s),
+        ("convert", host.convert_s),
     ];
     let stages = stages.map(|(name, seconds)| format!("{name} {:.1}", seconds * 1e3));
-    format!("{total} ({})", stages.join(", "))
+    format!("{total} ({}){before}", stages.join(", "))
 }
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.

@@ -12,6 +12,7 @@ use splatline_sim::rules::{Antialias, Rules};
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::num::NonZero;
 use std::path::Path;
+use std::time::Instant;
 
 /// Where neither a camera file nor `--size` says otherwise.
 const USUAL_SIZE: Size = Size {
@@ -24,11 +25,14 @@ pub struct View {
     pub scene: Scene,
     pub camera: Camera,
     pub rules: Rules,
+    /// Seconds that loading and classifying took.
+    pub prepare_s: f64,
 }
 
 impl View {
     /// Loads the scene and places the camera.
     pub fn from_options(options: &ViewOptions) -> Result<View, Failure> {
+        let started = Instant::now();
         let progress = Progress::spinner(format!("loading {}", options.scene.display()));
         let light = options.light.map(|Vector(direction)| direction);
         let load_options = LoadOptions {
@@ -48,6 +52,7 @@ impl View {
             scene,
             camera,
             rules,
+            prepare_s: started.elapsed().as_secs_f64(),
         })
     }
 }

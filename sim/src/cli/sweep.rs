@@ -135,6 +135,7 @@ pub struct Comparison {
 /// Runs `draw` as often as asked and keeps the last drawing.
 pub fn measure(
     manner: &Manner,
+    progress: &Progress,
     mut draw: impl FnMut() -> Result<Drawing> + Send,
 ) -> Result<Measured> {
     let mut runs = Vec::with_capacity(manner.repeat);
@@ -148,6 +149,7 @@ pub fn measure(
                 threads: manner.threads,
                 ..drawing.stages
             });
+            progress.part(runs.len(), manner.repeat);
             if runs.len() >= manner.repeat {
                 return Ok(Measured {
                     drawing,
@@ -159,19 +161,29 @@ pub fn measure(
 }
 
 /// Draws by one of the double-precision engines.
-pub fn draw_reference(view: &View, manner: &Manner, engine: Engine) -> Result<Measured> {
-    measure(manner, || {
+pub fn draw_reference(
+    view: &View,
+    manner: &Manner,
+    engine: Engine,
+    progress: &Progress,
+) -> Result<Measured> {
+    measure(manner, progress, || {
         let task = task(view, manner);
         match &manner.hybrid {
             Some(hybrid) => engines::draw_hybrid_reference(engine, task, hybrid),
-            None => engines::draw_reference(engine, task),
+            None => engines::draw_reference(engine, task, &|done, of| progress.part(done, of)),
         }
     })
 }
 
 /// Draws one entry through the kernel.
-pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measured> {
-    measure(manner, || {
+pub fn draw_entry(
+    view: &View,
+    manner: &Manner,
+    entry: &Entry,
+    progress: &Progress,
+) -> Result<Measured> {
+    measure(manner, progress, || {
         let task = task(view, manner);
         match &manner.hybrid {
             Some(hybrid) => engines::draw_hybrid(task, &entry.design, hybrid),
@@ -209,6 +221,7 @@ fn task<'a>(view: &'a View, manner: &Manner) -> Task<'a> {
         scene,
         camera,
         rules,
+        ..
     } = view;
     Task {
         scene,
@@ -234,14 +247,16 @@ pub fn run(
         repeat: 1,
         ..*manner
     };
-    let float = draw_reference(view, &once, reference)?.drawing.picture;
+    let float = draw_reference(view, &once, reference, &progress)?
+        .drawing
+        .picture;
     progress.advance();
 
     let mut table = Vec::with_capacity(entries.len());
     let mut kept = None;
     for entry in &entries {
         progress.doing(entry.title());
-        let measured = draw_entry(view, manner, entry)?;
+        let measured = draw_entry(view, manner, entry, &progress)?;
         let (errors, cycles) = judge(view, manner, entry, &measured.drawing, &float)?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = manner.traversal_name(entry);
@@ -333,7 +348,10 @@ pub fn report_of_drawing(
         error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,
-        host: measured.host,
+        host: HostTimes {
+            prepare_s: view.prepare_s,
+            ..measured.host
+        },
         table: Vec::new(),
     }
 }

@@ -17,7 +17,7 @@ fn webp(width: u32, pixels: &[[u8; 4]]) -> Vec<u8> {
 }
 
 fn meta(count: usize) -> String {
-    let book = |first: f64| (0..256).map(|k| format!("{}", first + f64::from(k) / 64.0));
+    let book = |first: f64| (0..256).map(move |k| format!("{}", first + f64::from(k) / 64.0));
     let list = |first: f64| book(first).collect::<Vec<_>>().join(",");
     format!(
         r#"{{"version":2,"count":{count},

@@ -49,6 +49,7 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
             scene,
             camera,
             rules,
+            prepare_s: 0.0,
         };
         let report = sweep::run(
             &view,

@@ -107,6 +107,7 @@ fn compare_all(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<(
         scene: subject.scene,
         camera: subject.camera,
         rules: subject.rules,
+        prepare_s: 0.0,
     };
     let comparison = sweep::run(&view, &manner, Engine::Float, &chosen, &others)?;
     let folder = std::env::temp_dir().join(format!("splatline-speed-{}", std::process::id()));
