@@ -171,7 +171,7 @@ fn each_message_names_the_field_and_the_fix() {
         ),
         (
             section(0, 4, u32::MAX),
-            "ksplat section 0, splats: 188978561040 bytes are needed",
+            "ksplat section 0, splats: 188978560980 bytes are needed",
         ),
         (
             section(1, 32, 7),

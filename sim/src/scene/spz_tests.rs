@@ -263,7 +263,7 @@ fn messages_about_streams_name_the_array() {
     let cases = [
         (
             at(8, &u32::MAX.to_le_bytes()),
-            "Gaussians of 124554051586 bytes cannot be in a file of",
+            "Gaussians of 124554051571 bytes cannot be in a file of",
         ),
         (at(15, &[4]), "spz streams: there are 4; 6 to 6 are read"),
         (
