@@ -30,6 +30,7 @@ mod sweep;
 mod tests;
 mod trace;
 mod vectors;
+mod view_args;
 
 use args::{Cli, Command};
 use clap::Parser;

@@ -1,7 +1,6 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
 use super::output::write;
-use super::output::write;
 use super::progress::Progress;
 use super::study_args::{StabilityOptions, StabilitySection};
 use super::{Failure, say};
