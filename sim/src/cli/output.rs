@@ -80,7 +80,8 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
         true => "it has no extension".to_owned(),
         false => format!("'.{extension}' is not written"),
     };
-    let expected = extensions.iter().map(|name| format!(".{name}"));
+    let named = extensions.iter().filter(|name| !name.is_empty());
+    let expected = named.map(|name| format!(".{name}"));
     Err(Failure::Usage(format!(
         "cannot write '{}': {found}; end the name in {}, or write to - (stdout)",
         output.display(),

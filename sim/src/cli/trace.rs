@@ -12,12 +12,12 @@ use splatline_sim::trace::{Recorder, kanata, perfetto, vcd};
 /// Splats recorded unless the options say otherwise.
 const USUAL_COUNT: u32 = 256;
 
-/// Names that the viewers know the formats by.
+/// Names that the viewers know the formats by; a name without extension is as good, since --format says what it holds.
 fn extensions(format: TraceFormat) -> &'static [&'static str] {
     match format {
-        TraceFormat::Kanata => &["kanata", "log", "txt"],
-        TraceFormat::Vcd => &["vcd"],
-        TraceFormat::Perfetto => &["json"],
+        TraceFormat::Kanata => &["kanata", "log", "txt", ""],
+        TraceFormat::Vcd => &["vcd", ""],
+        TraceFormat::Perfetto => &["json", ""],
     }
 }
 
