@@ -371,3 +371,74 @@ fn an_empty_picture_says_why() {
     let seen = splatline(&["render", "random:9", "--size", "16x16", "-o", &picture]);
     assert_eq!(stderr(&seen), "");
 }
+
+#[test]
+fn info_tells_what_is_in_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let cloud = folder.path().join("cloud.xyz");
+    std::fs::write(
+        &cloud,
+        "0 0 0 0 0 1\n1 0 0 0 0 1\n0 2 0 0 0 1\n1 2 0 0 0 1\nnan 0 0 0 0 1\n",
+    )
+    .unwrap();
+    let output = splatline(&["info", cloud.to_str().unwrap()]);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for expected in [
+        "points of a surface",
+        "count      4",
+        "unusable 1",
+        "up         +z",
+        "radius ",
+    ] {
+        assert!(told.contains(expected), "{expected}: {told}");
+    }
+    let output = splatline(&["info", "random:100", "--json", "-"]);
+    let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (
+            &info["kind"],
+            &info["count"],
+            &info["dropped"]["non_finite"]
+        ),
+        (&"3D Gaussians".into(), &100.into(), &0.into())
+    );
+    assert_eq!(splatline(&["info", "nothing.ply"]).status.code(), Some(1));
+}
+
+/// A picture on stdout is a picture and nothing else.
+#[test]
+fn a_stream_holds_the_result_alone() {
+    let output = splatline(&["render", "random:50", "--size", "16x16", "-o", "-"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(output.stdout.starts_with(b"\x89PNG\r\n"));
+    assert!(stderr(&output).contains("random:50"));
+    let output = splatline(&["footprints", "random:5", "--size", "16x16", "-o", "-"]);
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(
+        (table.lines().count(), table.starts_with("index,u,v")),
+        (6, true)
+    );
+}
+
+#[test]
+fn shells_and_man_are_served() {
+    let script = splatline(&["completions", "bash"]).stdout;
+    assert!(
+        String::from_utf8_lossy(&script).contains("splatline__subcmd__render")
+            || String::from_utf8_lossy(&script).contains("splatline__render")
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("man1");
+    assert_eq!(
+        splatline(&["man", "-o", out.to_str().unwrap()])
+            .status
+            .code(),
+        Some(0)
+    );
+    let page = std::fs::read_to_string(out.join("splatline-render.1")).unwrap();
+    assert!(
+        page.contains("\\-\\-background") && page.contains(".TH"),
+        "{page}"
+    );
+}
