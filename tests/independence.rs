@@ -337,10 +337,10 @@ fn camera_space_is_relative_to_the_eye(source: &mut Source, design: Custom) {
     let largest: BigInt = operands.map(|n| magnitude(&n)).max().unwrap();
     for row in 0..3 {
         let mut exact = big(0);
-        for axis in 0..3 {
-            let entry = i64::from(view.rotation[row][axis].to_bits()) << 30;
-            let entry = entry + i64::from(view.pose.rotation_rest[row][axis]);
-            exact += big(entry) * &difference[axis];
+        let entries = view.rotation[row].iter().zip(view.pose.rotation_rest[row]);
+        for ((entry, rest), part) in entries.zip(&difference) {
+            let entry = (i64::from(entry.to_bits()) << 30) + i64::from(rest);
+            exact += big(entry) * part;
         }
         let got: BigInt = at_400(&big(point.value[row]), point.exponent.max(-399)) << 60u32;
         let allowed: BigInt = (&distance << (62 - u32::from(widths.position)))

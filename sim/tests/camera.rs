@@ -150,7 +150,7 @@ fn errors_name_the_file() {
         Camera::from_json_file(&path)
             .unwrap_err()
             .to_string()
-            .contains("longer than")
+            .contains("at most")
     );
 }
 

@@ -110,13 +110,16 @@ fn the_kernel_is_near_the_reference() {
     println!("{table}");
 }
 
-/// Covered pixels that are brighter and darker than the reference, and the mean of the differences over them.
-fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f64) {
+/// Covered samples that are brighter and darker than the reference, the mean of the differences over them, and the mean's standard error.
+///
+/// Where a pixel's weights sum to little, at the silhouette, a sample is off by many units: single pixels move the mean.
+fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f64, f64) {
     let camera = camera(128);
     let choice = DesignChoice::named(design).unwrap();
     let float = draw(scene, &camera, style).picture;
     let drawn = fixed::surface::draw(scene, &camera, style, &choice, Traversal::Spans).picture;
-    let (mut bright, mut dark, mut sum, mut samples) = (0, 0, 0.0, 0);
+    let (mut bright, mut dark, mut samples) = (0, 0, 0);
+    let (mut sum, mut squares) = (0.0, 0.0);
     for (a, b) in drawn.pixels.iter().zip(&float.pixels) {
         for channel in 0..3 {
             let difference = a[channel] - b[channel];
@@ -124,11 +127,15 @@ fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f6
                 bright += usize::from(difference > 0.0);
                 dark += usize::from(difference < 0.0);
                 sum += difference;
+                squares += difference * difference;
                 samples += 1;
             }
         }
     }
-    (bright, dark, sum / f64::from(samples))
+    let count = f64::from(samples);
+    // A grey's three channels are one sample.
+    let error = (3.0 * squares).sqrt() / count;
+    (bright, dark, sum / count, error)
 }
 
 /// A surface of one colour: what its rounding does to all pixels alike shows as a map of one hue. With a colour's own 24 bits the mean
@@ -136,6 +143,7 @@ fn sides(scene: &SurfaceScene, style: &Style, design: &str) -> (usize, usize, f6
 #[test]
 fn errors_of_a_surface_have_no_side() {
     let paints = [128.0, 179.0, 77.0, 25.0].map(|grey| [grey / 255.0; 3]);
+    let mut one_sided = false;
     for colour in [paints[0], paints[1], paints[2], paints[3], [0.9, 0.4, 0.2]] {
         let scene = scene("ball", sphere([0.0; 3], 1.0, 8_000, Paint::opaque(colour)));
         for light in [Some([0.5, -1.0, 0.8]), None] {
@@ -144,17 +152,21 @@ fn errors_of_a_surface_have_no_side() {
                 ..Style::opaque(scene.usual_threshold())
             };
             for design in ["standard24", "deep32"] {
-                let (bright, dark, mean) = sides(&scene, &style, design);
+                let (bright, dark, mean, error) = sides(&scene, &style, design);
                 let line = format!(
-                    "{colour:?}, lit {}, {design}: {bright} bright, {dark} dark, {mean:+.1e}",
+                    "{colour:?}, lit {}, {design}: {bright} bright, {dark} dark, {mean:+.1e} +- {error:.0e}",
                     light.is_some()
                 );
                 println!("{line}");
-                assert!(mean.abs() <= 4e-9, "{line}");
-                assert!(bright < 2 * dark && dark < 2 * bright, "{line}");
+                one_sided |=
+                    mean.abs() > 4.0 * error || 2 * bright > 3 * dark || 2 * dark > 3 * bright;
             }
         }
     }
+    assert!(
+        !one_sided,
+        "a line above is beyond four standard errors, or three to two"
+    );
 }
 
 /// A ball's back is left out by both engines alike, and its silhouette loses the fringe that the back's turned splats made.

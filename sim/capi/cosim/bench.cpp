@@ -42,7 +42,7 @@ static void start(Vflat_primitive &circuit, const Bench &bench) {
     circuit.rst = 0;
     circuit.lanes_enable = 1;
     circuit.alpha_max = bench.rules.alpha_max;
-    circuit.alpha_min = bench.rules.alpha_min;
+    circuit.least = bench.rules.least;
     circuit.stop = bench.rules.stop;
     circuit.stop_before = bench.rules.stop_before;
     circuit.wide_table = bench.rules.wide_table;

@@ -2,10 +2,10 @@
 // Your own rasterizer takes the primitive's place.
 module dpi_bench;
     import "DPI-C" function int model_begin();
-    import "DPI-C" function void model_rules(output int alpha_max, output int alpha_min, output int stop, output int stop_before, output int wide_table);
+    import "DPI-C" function void model_rules(output int alpha_max, output longint least, output int stop, output int stop_before, output int wide_table);
     import "DPI-C" function void model_table(input int index, output int low, output int step);
     import "DPI-C" function int model_tile(input int tile, output int first_column, output int first_row, output int last_column, output int last_row);
-    import "DPI-C" function int model_packet(input int i, output bit [639:0] packet);
+    import "DPI-C" function int model_packet(input int i, output bit [671:0] packet);
     import "DPI-C" function int model_pixel_is(input int x, input int y, input int flag, input int transmittance, input int red, input int green, input int blue);
 
     localparam T = splatline_pkg::TRANSMITTANCE;
@@ -17,14 +17,15 @@ module dpi_bench;
     logic tile_ready, packet_ready, finish_ready, pixel_valid;
     logic [T+1:0] depth;
     logic [3*SUM-1:0] colour;
-    int alpha_max, alpha_min, stop, stop_before, wide_table, index, low, step;
+    longint least;
+    int alpha_max, stop, stop_before, wide_table, index, low, step;
     int first_column, first_row, last_column, last_row, packets;
     int pixels = 0;
-    bit [639:0] words;
+    bit [671:0] words;
     splatline_pkg::rules_t rules;
     splatline_pkg::window_t tile;
 
-    assign rules = {alpha_max[splatline_pkg::ALPHA:0], alpha_min[splatline_pkg::ALPHA:0], stop[T:0], stop_before[0], wide_table[0]};
+    assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[T:0], stop_before[0], wide_table[0]};
     assign tile = {first_column[15:0], first_row[15:0], last_column[15:0], last_row[15:0]};
 
     splat_primitive #(.LANES(4)) splats (
@@ -60,7 +61,7 @@ module dpi_bench;
     initial begin
         packets = model_begin();
         if (packets <= 0) $fatal(1, "the model does not start");
-        model_rules(alpha_max, alpha_min, stop, stop_before, wide_table);
+        model_rules(alpha_max, least, stop, stop_before, wide_table);
         repeat (4) clock();
         rst = 0;
         table_valid = 1;

@@ -11,9 +11,9 @@ int model_begin(void) {
 }
 
 // The rules at the design's widths.
-void model_rules(int *alpha_max, int *alpha_min, int *stop, int *stop_before, int *wide_table) {
+void model_rules(int *alpha_max, long long *least, int *stop, int *stop_before, int *wide_table) {
     *alpha_max = (int)bench.rules.alpha_max;
-    *alpha_min = (int)bench.rules.alpha_min;
+    *least = (long long)bench.rules.least;
     *stop = (int)bench.rules.stop;
     *stop_before = (int)bench.rules.stop_before;
     *wide_table = (int)bench.rules.wide_table;

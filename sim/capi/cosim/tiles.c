@@ -2,23 +2,23 @@
 #include "tiles.h"
 #include <string.h>
 
-// From UQ1.31 to fewer fraction bits, to nearest.
-static uint32_t rounded(uint32_t value, uint32_t bits) {
-    return bits >= 31 ? value : (uint32_t)(((uint64_t)value + ((uint64_t)1 << (30 - bits))) >> (31 - bits));
-}
-
 int32_t bench_prepare(Bench *bench, uint32_t design) {
     int32_t status = draw_picture(&bench->memory, design, SPLATLINE_TRAVERSAL_SPANS, WHOLE_FOOTPRINTS, bench->expected, COLUMNS);
     if (status >= 0) {
         status = prepare_picture(&bench->memory, design, SPLATLINE_TRAVERSAL_SPANS, &bench->painter, &bench->visible);
     }
     const SplatlineRules *rules = &bench->painter.rules;
-    const SplatlineWidths *widths = &bench->painter.widths;
-    bench->rules.alpha_max = rounded(rules->alpha_max, widths->alpha);
-    bench->rules.alpha_min = rounded(rules->alpha_min, widths->alpha);
-    bench->rules.stop = rounded(rules->stop, widths->transmittance);
-    bench->rules.stop_before = rules->stop_before;
-    bench->rules.wide_table = rules->table_range == 4;
+    SplatlineBlendConstants constants;
+    if (status >= 0) {
+        status = splatline_blend_constants(&bench->painter.widths, rules, &constants);
+    }
+    if (status >= 0) {
+        bench->rules.alpha_max = constants.alpha_max;
+        bench->rules.least = constants.opacity_min;
+        bench->rules.stop = constants.stop;
+        bench->rules.stop_before = constants.stop_before;
+        bench->rules.wide_table = rules->table_range == 4;
+    }
     return status;
 }
 

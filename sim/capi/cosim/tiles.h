@@ -13,8 +13,9 @@ enum { TILE_COLUMNS = 32, TILE_ROWS = 32, TILES_ACROSS = (COLUMNS + TILE_COLUMNS
 
 // The rules of blending at the design's widths: the circuit's `rules_t`.
 typedef struct {
-    uint32_t alpha_max, alpha_min; // UQ1.alpha
-    uint32_t stop;                 // UQ1.transmittance
+    uint64_t least;     // UQ4.(peak + weight): smaller products are skipped
+    uint32_t alpha_max; // UQ1.alpha
+    uint32_t stop;      // UQ1.transmittance
     uint32_t stop_before, wide_table;
 } CircuitRules;
 

@@ -30,7 +30,7 @@ impl Word {
         let [bits, kind, far] = [0; 3].map(|_: u32| split_mix(state));
         let magnitude = match kind % 4 {
             // Ones that a rounding carries through, powers of two, and anything.
-            0 => (1 << (kind >> 8) % u64::from(BITS)) - 1,
+            0 => (1 << ((kind >> 8) % u64::from(BITS))) - 1,
             1 => 1 << ((kind >> 8) % u64::from(BITS)),
             _ => bits >> (64 - BITS) >> ((kind >> 8) % u64::from(BITS)),
         };

@@ -107,7 +107,13 @@ mod tests {
     fn normals_inwards_or_anyhow_are_not() {
         let inwards = ball(|_| true);
         assert!(inwards.outward < -0.99 && !inwards.is_closed_outwards());
-        let anyhow = ball(|index| index.wrapping_mul(2_654_435_761) >> 13 & 1 == 0);
+        // A ratio near the golden one would follow the spiral on which the points lie.
+        let coin = |index: usize| {
+            let mixed = (index as u64 + 1).wrapping_mul(0xff51_afd7_ed55_8ccd);
+            let mixed = (mixed ^ mixed >> 33).wrapping_mul(0xc4ce_b9fe_1a85_ec53);
+            mixed >> 40 & 1 == 0
+        };
+        let anyhow = ball(coin);
         assert!((anyhow.agreement - 0.5).abs() < 0.1, "{anyhow:?}");
         assert!(!anyhow.is_closed_outwards());
         let some = ball(|index| index % 20 == 0);
