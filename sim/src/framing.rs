@@ -183,6 +183,18 @@ impl Frame {
         });
         let towards = turned(self.front, self.up, orbit);
         let eye = vector::add(self.ball.centre, vector::scale(distance, towards));
+        let squares = [
+            distance * distance,
+            vector::dot(eye, eye),
+            vector::dot(self.ball.centre, self.ball.centre),
+        ];
+        if !squares.iter().all(|square| square.is_finite()) {
+            return Err(CameraError {
+                file: None,
+                field: None,
+                problem: "the scene's coordinates overflow when they are squared".to_owned(),
+            });
+        }
         let camera = Camera::look_at(eye, self.ball.centre, self.up, fov, width, height)?;
         // The usual near plane would swallow a tiny scene.
         let free = distance - self.ball.radius;

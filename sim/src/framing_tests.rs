@@ -129,6 +129,32 @@ fn orbits_keep_the_distance_and_turn_the_right_way() {
     assert!((vector::length(pole) - 5.0).abs() < 1e-12 && pole[2] < 5.0);
 }
 
+/// Beyond 1e154 squares overflow: no distance can be measured there, and a picture from there would be empty.
+#[test]
+fn no_camera_is_placed_where_squares_overflow() {
+    let frame = |centre, radius| Frame {
+        ball: Ball {
+            centre,
+            radius,
+            strays: 0,
+        },
+        up: [0.0, 0.0, 1.0],
+        front: [0.0, -1.0, 0.0],
+        elevation: 30.0,
+        reason: "",
+    };
+    let placed = |centre, radius| {
+        frame(centre, radius)
+            .camera(None, USUAL_FOV, 64, 48)
+            .is_ok()
+    };
+    assert!(placed([0.0; 3], 1.0) && placed([1e6, 0.0, 0.0], 1e6));
+    for huge in [1e154, 1e160, 1e308, f64::INFINITY] {
+        assert!(!placed([0.0; 3], huge), "radius {huge}");
+        assert!(!placed([2.0 * huge, 0.0, 0.0], 1.0), "centre {huge}");
+    }
+}
+
 /// The scenes of the issue, which the older views cut.
 #[test]
 #[cfg_attr(

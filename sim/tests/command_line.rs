@@ -82,11 +82,15 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 13] = [
+const PRINTING: [&[&str]; 17] = [
     &["--help"],
     &["--version"],
     &["model", "--help"],
     &["render", "random:9", "--size", "8x8", "-o", "OUT/a.png"],
+    &["render", "random:9", "--size", "8x8", "-o", "-"],
+    &["info", "random:9"],
+    &["completions", "bash"],
+    &["man", "-o", "OUT/man"],
     &[
         "compare",
         "random:9",
@@ -321,15 +325,15 @@ fn pipes_and_devices_are_no_settings() {
     std::fs::create_dir(path("folder.toml")).unwrap();
     for input in ["pipe.toml", "zero.toml", "folder.toml"].map(path) {
         for options in [
-            &["render", "random:9", "-o", "OUT", "--camera"][..],
-            &["render", "demo", "-o", "OUT", "--transfer"],
-            &["render", "random:9", "-o", "OUT", "--design"],
+            &["render", "random:9", "-o", "OUT.png", "--camera"][..],
+            &["render", "demo", "-o", "OUT.png", "--transfer"],
+            &["render", "random:9", "-o", "OUT.png", "--design"],
             &["model", "random:9", "--machine"],
             &["model", "random:9", "--calibration"],
             &["model", "--footprints"],
             &["explore", "random:9", "-o", "OUT.d", "--space"],
-            &["render", "--as", "surface", "-o", "OUT"],
-            &["render", "-o", "OUT"],
+            &["render", "--as", "surface", "-o", "OUT.png"],
+            &["render", "-o", "OUT.png"],
         ] {
             let out = path("out");
             let options = options.iter().map(|option| option.replace("OUT", &out));
