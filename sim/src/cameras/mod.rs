@@ -55,7 +55,7 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<Pose>, CameraEr
         return colmap::load(&folder).map_err(wrong);
     }
     if path.is_dir() {
-        let problem = "is a folder without cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
+        let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
         return Err(wrong(problem.to_string()));
     }
     match kind(path) {
