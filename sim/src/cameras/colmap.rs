@@ -261,7 +261,7 @@ fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
         let name = bytes.name()?;
         // Points of the picture: two doubles and a number each.
         let points = bytes.long()?;
-        bytes.skip(points.checked_mul(24).unwrap_or(u64::MAX))?;
+        bytes.skip(points.saturating_mul(24))?;
         let wrong = |what: String| format!("images.bin, image {id}: {what}");
         poses.push(posed(name, pose, camera, lenses).map_err(wrong)?);
     }

@@ -74,7 +74,7 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
     let is_device = std::fs::metadata(output).is_ok_and(|found| !found.is_file());
     let extension = output.extension().unwrap_or_default().to_string_lossy();
     let known = |known: &&str| known.eq_ignore_ascii_case(&extension);
-    if is_device || extensions.iter().any(|name| known(&name)) {
+    if is_device || extensions.iter().any(known) {
         return Ok(());
     }
     let found = match extension.is_empty() {
