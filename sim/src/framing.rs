@@ -1,6 +1,6 @@
 //! The camera where nobody names one: far enough away that a ball around the scene fits the picture.
 //!
-//! The rule, for every kind of scene: the ball holds every centre but strays (farther from the middle than [`STRAY_DISTANCE`] times
+//! The rule, for every kind of scene: the ball holds every centre but strays (farther from the middle than `STRAY_DISTANCE` times
 //! the distance that holds 95 % of the centres; captures have a few such splats kilometres away, and framing them would show
 //! nothing else). The eye lies on the scene's front, at the distance where the ball touches the narrower side of the picture.
 //! Up and front are conventions of the kind of scene ([`Frame`]); neither can be read off a file, so both are printed.

@@ -3,9 +3,9 @@
 //! | what | recognised by | convention |
 //! |---|---|---|
 //! | our camera file, or a report.json | JSON with `world_to_camera` or `camera` | [`Camera`] |
-//! | COLMAP, text and binary | a folder with `cameras` and `images`, or one of these files | [`colmap`] |
-//! | nerfstudio, Blender | JSON with `frames` | [`transforms`] |
-//! | the 3D Gaussian trainer | JSON that is a list | [`trainer`] |
+//! | COLMAP, text and binary | a folder with `cameras` and `images`, or one of these files | `colmap` |
+//! | nerfstudio, Blender | JSON with `frames` | `transforms` |
+//! | the 3D Gaussian trainer | JSON that is a list | `trainer` |
 //!
 //! All but the first come from photographs, whose lenses may bend straight lines. A camera here is a pinhole: distortion is never
 //! left out in silence, but told with the pixels by which it moves the picture's corners ([`Pose::notes`]); fisheyes are refused.
