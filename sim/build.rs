@@ -24,6 +24,10 @@ fn main() {
     // No trigger for data that come later: Cargo would rebuild everything each time while they are missing.
     println!("cargo::rerun-if-env-changed=SPLATLINE_LOOK_AGAIN");
     build_tools::cfg("has_data", Path::new("../../shared/data").is_dir());
+    build_tools::cfg(
+        "has_formats",
+        Path::new("../../shared/data/formats").is_dir(),
+    );
     build_tools::cfg("has_iverilog", build_tools::has_tool("iverilog"));
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     let mut digest = digest::Digest::default();

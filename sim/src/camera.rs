@@ -119,18 +119,32 @@ struct CameraFile {
     world_to_camera: Vec<f64>,
     #[serde(default = "default_near")]
     near: f64,
+    /// Null, as a report writes it, is no limit.
     #[serde(default = "default_far")]
-    far: f64,
+    far: Option<f64>,
     #[serde(default)]
     orthographic: bool,
+}
+
+/// What tells a report from a camera file.
+#[derive(Deserialize)]
+struct HasCamera {
+    #[serde(rename = "camera")]
+    _camera: serde::de::IgnoredAny,
+}
+
+/// What a camera is taken from in a report.json.
+#[derive(Deserialize)]
+struct ReportFile {
+    camera: CameraFile,
 }
 
 fn default_near() -> f64 {
     DEFAULT_NEAR
 }
 
-fn default_far() -> f64 {
-    DEFAULT_FAR
+fn default_far() -> Option<f64> {
+    Some(DEFAULT_FAR)
 }
 
 impl Camera {
@@ -191,18 +205,27 @@ impl Camera {
         .checked()
     }
 
-    /// Reads a camera from the text of a camera file.
+    /// Reads a camera from the text of a camera file, or of a report, which holds one.
     pub fn from_json_str(text: &str) -> Result<Camera, CameraError> {
         Ok(Camera::corrected_from_json_str(text)?.0)
     }
 
-    /// Reads a camera from the text of a camera file and tells by how much an entry of its rotation was corrected.
+    /// Reads a camera from such a text and tells by how much an entry of its rotation was corrected.
     ///
     /// Files round rotations to a few digits. The engines take W for a rotation, one by its rows and another by its inverse, so that one that
     /// is a rotation only nearly would make them draw different views. What they get is the nearest rotation, seen from the same eye.
     pub fn corrected_from_json_str(text: &str) -> Result<(Camera, f64), CameraError> {
-        let file: CameraFile = serde_json::from_str(text)
-            .map_err(|error| CameraError::whole(format!("not a camera in JSON: {error}")))?;
+        let wrong =
+            |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
+        let is_report = serde_json::from_str::<HasCamera>(text).is_ok();
+        let file: CameraFile = match is_report {
+            true => {
+                serde_json::from_str::<ReportFile>(text)
+                    .map_err(wrong)?
+                    .camera
+            }
+            false => serde_json::from_str(text).map_err(wrong)?,
+        };
         let matrix: [f64; 16] = file
             .world_to_camera
             .try_into()
@@ -231,8 +254,34 @@ impl Camera {
             rotation: [row(0), row(1), row(2)],
             translation: [matrix[3], matrix[7], matrix[11]],
             near: file.near,
-            far: file.far,
+            far: file.far.unwrap_or(f64::INFINITY),
             orthographic: file.orthographic,
+        }
+        .checked()?
+        .corrected();
+        Ok(corrected)
+    }
+
+    /// A camera from what photographs' cameras state, rows of `world_to_camera`, and by how much an entry of its rotation was corrected.
+    pub(crate) fn from_matrix(
+        [width, height]: [u64; 2],
+        [fx, fy]: [f64; 2],
+        [cx, cy]: [f64; 2],
+        world_to_camera: &[[f64; 4]; 4],
+    ) -> Result<(Camera, f64), CameraError> {
+        let row = |i: usize| [0, 1, 2].map(|k| world_to_camera[i][k]);
+        let corrected = Camera {
+            width: usize::try_from(width).unwrap_or(usize::MAX),
+            height: usize::try_from(height).unwrap_or(usize::MAX),
+            fx,
+            fy,
+            cx,
+            cy,
+            rotation: [row(0), row(1), row(2)],
+            translation: [0, 1, 2].map(|i| world_to_camera[i][3]),
+            near: DEFAULT_NEAR,
+            far: DEFAULT_FAR,
+            orthographic: false,
         }
         .checked()?
         .corrected();
@@ -293,7 +342,7 @@ impl Camera {
             cy: self.cy,
             world_to_camera: rows.concat(),
             near: self.near,
-            far: self.far,
+            far: self.far.is_finite().then_some(self.far),
             orthographic: self.orthographic,
         };
         // Numbers, a list and a flag always have a JSON form, so the error case does not arise.
@@ -348,6 +397,16 @@ impl Camera {
         sound.checked().is_ok()
     }
 
+    /// The same view enlarged about the picture's principal point.
+    pub fn zoomed(&self, factor: f64) -> Result<Camera, CameraError> {
+        Camera {
+            fx: self.fx * factor,
+            fy: self.fy * factor,
+            ..self.clone()
+        }
+        .checked()
+    }
+
     /// The camera itself, or what is wrong with it.
     fn checked(self) -> Result<Camera, CameraError> {
         check_size("width", self.width)?;
@@ -359,7 +418,12 @@ impl Camera {
         check_rotation(&self.rotation)?;
         check_finite("world_to_camera", &self.translation)?;
         check_finite("near", &[self.near])?;
-        check_finite("far", &[self.far])?;
+        if self.far.is_nan() {
+            return Err(CameraError::new(
+                "far",
+                "is no number, but must be one, or null for no limit".to_string(),
+            ));
+        }
         if !self.orthographic && self.near <= 0.0 {
             let problem = format!(
                 "is {}, but must be positive for a perspective camera",

@@ -14,6 +14,27 @@ pub const TABLE: u64 = 1 << 30;
 
 /// The text of a regular file of at most `most` bytes.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {
+    in_utf8(bytes(path, most)?)
+}
+
+/// The text of a stream that its caller promises will end, of at most `most` bytes.
+pub fn text_of(stream: impl Read, most: u64) -> io::Result<String> {
+    let mut bytes = Vec::new();
+    // One more tells a stream of just so many bytes from a longer one.
+    stream
+        .take(most.saturating_add(1))
+        .read_to_end(&mut bytes)?;
+    match bytes.len() as u64 > most {
+        true => Err(io::Error::new(
+            io::ErrorKind::FileTooLarge,
+            format!("longer than {most} bytes: is it the right one?"),
+        )),
+        false => in_utf8(bytes),
+    }
+}
+
+/// The bytes of a regular file of at most `most` bytes.
+pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let refuse = |kind, message: String| Err(io::Error::new(kind, message));
     // Before it is opened: opening a pipe waits for its writer.
     let metadata = fs::metadata(path)?;
@@ -31,10 +52,14 @@ pub fn text(path: &Path, most: u64) -> io::Result<String> {
     let mut bytes = Vec::new();
     // It may have grown since.
     File::open(path)?.take(most).read_to_end(&mut bytes)?;
-    String::from_utf8(bytes).or_else(|error| {
+    Ok(bytes)
+}
+
+fn in_utf8(bytes: Vec<u8>) -> io::Result<String> {
+    String::from_utf8(bytes).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
         let message = format!("not a text in UTF-8: byte {place} begins no character");
-        refuse(io::ErrorKind::InvalidData, message)
+        io::Error::new(io::ErrorKind::InvalidData, message)
     })
 }
 
@@ -51,6 +76,9 @@ mod tests {
         let message = |path: &Path, most| text(path, most).unwrap_err().to_string();
         assert!(message(&path, 9).contains("10 bytes long, at most 9"));
         assert!(message(folder.path(), 9).contains("not a regular file"));
+        assert_eq!(text_of(&b"ten bytes\n"[..], 10).unwrap(), "ten bytes\n");
+        let endless = text_of(io::repeat(b'a'), 9).unwrap_err().to_string();
+        assert!(endless.contains("longer than 9 bytes"));
         fs::write(&path, b"ab\xff").unwrap();
         assert!(message(&path, 10).contains("byte 2"));
     }

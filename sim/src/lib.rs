@@ -8,12 +8,14 @@
 pub mod atomic;
 pub mod baseline;
 pub mod camera;
+pub mod cameras;
 pub mod design;
 pub mod difference;
 pub mod digest;
 pub mod explore;
 pub mod fast;
 pub mod fixed;
+pub mod framing;
 pub mod gallery;
 pub mod hybrid;
 pub mod input;

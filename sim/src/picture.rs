@@ -1,7 +1,9 @@
 //! A picture in double precision: RGBA, premultiplied on black, linear as stored.
 //!
-//! PNG files hold the same numbers, clamped to 0..1 and rounded to the nearest of 255 or 65535 steps. No gamma is
-//! applied and the colour stays premultiplied, so that a stored picture can be compared with a computed one.
+//! Files: PNG with values clamped to 0..1 and rounded to the nearest of 255 or 65535 steps, without gamma, either opaque on a
+//! [`Backdrop`] or with straight (not premultiplied) alpha, as PNG demands; `.npy` and `.exr` for measuring, see `floats`.
+
+mod floats;
 
 use std::io::Cursor;
 use std::path::Path;
@@ -9,6 +11,49 @@ use std::path::Path;
 use image::{DynamicImage, ImageBuffer, ImageFormat, ImageReader};
 
 use crate::atomic;
+
+/// What a PNG file shows behind the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Backdrop {
+    /// This colour; the file has no alpha.
+    Colour([f64; 3]),
+    /// Nothing: the file has straight alpha. Colours brighter than their alpha are cut to it.
+    Transparent,
+}
+
+impl Default for Backdrop {
+    /// Black, on which the picture is what was composited.
+    fn default() -> Self {
+        Backdrop::Colour([0.0; 3])
+    }
+}
+
+/// Formats of picture files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// 8 or 16 bits per channel.
+    Png,
+    /// NumPy: height x width x 4 doubles, premultiplied.
+    Npy,
+    /// OpenEXR: single precision, premultiplied.
+    Exr,
+}
+
+/// Extensions of the formats.
+pub const EXTENSIONS: [&str; 3] = ["png", "npy", "exr"];
+
+impl Format {
+    /// The format that a file's extension names.
+    pub fn of(path: &Path) -> Option<Format> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        match extension.as_str() {
+            "png" => Some(Format::Png),
+            "npy" => Some(Format::Npy),
+            "exr" => Some(Format::Exr),
+            _ => None,
+        }
+    }
+}
 
 /// Row-major RGBA picture, premultiplied on black; A = 1 - transmittance.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,32 +117,62 @@ impl Picture {
         }
     }
 
-    /// The picture as the bytes of a PNG file.
+    /// The picture as the bytes of a PNG file, opaque on black.
     pub fn to_png(&self, depth: Depth) -> Result<Vec<u8>, PictureError> {
-        let size_error = || PictureError::Size {
-            width: self.width,
-            height: self.height,
-            pixels: self.pixels.len(),
-        };
-        let width = u32::try_from(self.width).map_err(|_| size_error())?;
-        let height = u32::try_from(self.height).map_err(|_| size_error())?;
+        self.encode(Format::Png, depth, Backdrop::default())
+    }
+
+    /// The picture as the bytes of a file; `depth` and `backdrop` are PNG's.
+    pub fn encode(
+        &self,
+        format: Format,
+        depth: Depth,
+        backdrop: Backdrop,
+    ) -> Result<Vec<u8>, PictureError> {
         if self.width.checked_mul(self.height) != Some(self.pixels.len()) {
-            return Err(size_error());
+            return Err(self.size_error());
         }
-        let channels = self.pixels.iter().flatten();
-        let image = match depth {
-            Depth::Eight => {
-                let data = channels
-                    .map(|&value| quantise(value, 255.0) as u8)
-                    .collect();
-                ImageBuffer::from_raw(width, height, data).map(DynamicImage::ImageRgba8)
+        match format {
+            Format::Png => self.encode_png(depth, backdrop),
+            Format::Npy => Ok(floats::npy(self)),
+            Format::Exr => Ok(floats::exr(self)),
+        }
+    }
+
+    fn encode_png(&self, depth: Depth, backdrop: Backdrop) -> Result<Vec<u8>, PictureError> {
+        let width = u32::try_from(self.width).map_err(|_| self.size_error())?;
+        let height = u32::try_from(self.height).map_err(|_| self.size_error())?;
+        let steps = match depth {
+            Depth::Eight => 255.0,
+            Depth::Sixteen => 65535.0,
+        };
+        let step = |value: f64| quantise(value, steps);
+        let values: Vec<u16> = match backdrop {
+            Backdrop::Colour(colour) => {
+                let opaque = |pixel: &[f64; 4]| over(pixel, colour).map(step);
+                self.pixels.iter().flat_map(opaque).collect()
             }
-            Depth::Sixteen => {
-                let data = channels.map(|&value| quantise(value, 65535.0)).collect();
-                ImageBuffer::from_raw(width, height, data).map(DynamicImage::ImageRgba16)
+            Backdrop::Transparent => {
+                let straight = |pixel: &[f64; 4]| straight(pixel).map(step);
+                self.pixels.iter().flat_map(straight).collect()
+            }
+        };
+        let bytes = || values.iter().map(|value| *value as u8).collect();
+        let image = match (depth, backdrop) {
+            (Depth::Eight, Backdrop::Colour(_)) => {
+                ImageBuffer::from_raw(width, height, bytes()).map(DynamicImage::ImageRgb8)
+            }
+            (Depth::Eight, Backdrop::Transparent) => {
+                ImageBuffer::from_raw(width, height, bytes()).map(DynamicImage::ImageRgba8)
+            }
+            (Depth::Sixteen, Backdrop::Colour(_)) => {
+                ImageBuffer::from_raw(width, height, values).map(DynamicImage::ImageRgb16)
+            }
+            (Depth::Sixteen, Backdrop::Transparent) => {
+                ImageBuffer::from_raw(width, height, values).map(DynamicImage::ImageRgba16)
             }
         }
-        .ok_or_else(size_error)?;
+        .ok_or_else(|| self.size_error())?;
         let mut bytes = Cursor::new(Vec::new());
         image
             .write_to(&mut bytes, ImageFormat::Png)
@@ -108,16 +183,34 @@ impl Picture {
         Ok(bytes.into_inner())
     }
 
-    /// Writes a PNG file; a failure or an interruption leaves the old file or none, never a part.
+    fn size_error(&self) -> PictureError {
+        PictureError::Size {
+            width: self.width,
+            height: self.height,
+            pixels: self.pixels.len(),
+        }
+    }
+
+    /// Writes a PNG file, opaque on black; a failure or an interruption leaves the old file or none, never a part.
     pub fn write_png(&self, path: &Path, depth: Depth) -> Result<(), PictureError> {
-        let bytes = self.to_png(depth)?;
+        self.write_png_on(path, depth, Backdrop::default())
+    }
+
+    /// The same on another backdrop.
+    pub fn write_png_on(
+        &self,
+        path: &Path,
+        depth: Depth,
+        backdrop: Backdrop,
+    ) -> Result<(), PictureError> {
+        let bytes = self.encode(Format::Png, depth, backdrop)?;
         atomic::write(path, &bytes).map_err(|source| PictureError::Io {
             file: path.display().to_string(),
             source,
         })
     }
 
-    /// Reads a PNG file of 8 or 16 bits; without an alpha channel every pixel is opaque.
+    /// Reads a PNG file of 8 or 16 bits; colours are premultiplied, and without an alpha channel every pixel is opaque.
     pub fn read_png(path: &Path) -> Result<Picture, PictureError> {
         let file = || path.display().to_string();
         let bytes = std::fs::read(path).map_err(|source| PictureError::Io {
@@ -137,10 +230,32 @@ impl Picture {
             height: image.height() as usize,
             pixels: image
                 .pixels()
-                .map(|pixel| pixel.0.map(|value| f64::from(value) / 65535.0))
+                .map(|pixel| premultiplied(pixel.0.map(|value| f64::from(value) / 65535.0)))
                 .collect(),
         })
     }
+}
+
+/// A premultiplied pixel on an opaque colour.
+fn over([r, g, b, a]: &[f64; 4], behind: [f64; 3]) -> [f64; 3] {
+    let free = 1.0 - a.clamp(0.0, 1.0);
+    [
+        r + free * behind[0],
+        g + free * behind[1],
+        b + free * behind[2],
+    ]
+}
+
+/// Colours divided by alpha.
+fn straight(&[r, g, b, a]: &[f64; 4]) -> [f64; 4] {
+    match a > 0.0 {
+        true => [r / a, g / a, b / a, a],
+        false => [0.0; 4],
+    }
+}
+
+fn premultiplied([r, g, b, a]: [f64; 4]) -> [f64; 4] {
+    [r * a, g * a, b * a, a]
 }
 
 /// The nearest step of `0..=steps`; NaN becomes 0.
@@ -153,9 +268,10 @@ mod tests {
     use super::*;
 
     fn ramp() -> Picture {
+        // No colour is brighter than its alpha, as a composited picture's are.
         let pixels = (0..35)
             .map(|i| f64::from(i) / 34.0)
-            .map(|x| [x, 1.0 - x, x * x, 0.5 * x])
+            .map(|x| [0.5 * x, 0.5 * x * (1.0 - x), 0.5 * x * x, 0.5 * x])
             .collect();
         Picture {
             width: 7,
@@ -164,25 +280,67 @@ mod tests {
         }
     }
 
+    /// What a viewer shows on a background is what was composited, not darkened a second time.
     #[test]
-    fn png_keeps_every_channel_to_half_a_step() {
+    fn straight_alpha_over_a_background_is_the_picture_over_it() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("ramp.png");
         for (depth, steps) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
-            ramp().write_png(&path, depth).unwrap();
+            ramp()
+                .write_png_on(&path, depth, Backdrop::Transparent)
+                .unwrap();
             let read = Picture::read_png(&path).unwrap();
             assert_eq!((read.width, read.height), (7, 5));
-            for (stored, original) in read
-                .pixels
-                .iter()
-                .flatten()
-                .zip(ramp().pixels.iter().flatten())
-            {
-                assert!(
-                    (stored - original).abs() <= 0.500001 / steps,
-                    "{depth:?}: {stored} for {original}"
-                );
+            for (stored, original) in read.pixels.iter().zip(&ramp().pixels) {
+                for channel in 0..4 {
+                    // Colour and alpha are each half a step off.
+                    let error = (stored[channel] - original[channel]).abs();
+                    assert!(
+                        error <= 1.01 / steps,
+                        "{depth:?}: {stored:?} for {original:?}"
+                    );
+                }
             }
+            let raw = image::open(&path).unwrap().into_rgba16();
+            let [r, .., a] = raw.get_pixel(3, 2).0.map(f64::from);
+            let [colour, .., alpha] = ramp().pixels[2 * 7 + 3];
+            assert!(
+                (r / 65535.0 - colour / alpha).abs() < 3.0 / steps,
+                "{r} {a}"
+            );
+        }
+    }
+
+    #[test]
+    fn opaque_pictures_stand_on_their_background() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("ramp.png");
+        for (depth, steps) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
+            for colour in [[0.0; 3], [1.0, 0.5, 0.0]] {
+                ramp()
+                    .write_png_on(&path, depth, Backdrop::Colour(colour))
+                    .unwrap();
+                assert!(!image::open(&path).unwrap().color().has_alpha());
+                let read = Picture::read_png(&path).unwrap();
+                for (stored, original) in read.pixels.iter().zip(&ramp().pixels) {
+                    for channel in 0..3 {
+                        let expected = original[channel] + (1.0 - original[3]) * colour[channel];
+                        let error = (stored[channel] - expected.min(1.0)).abs();
+                        assert!(error <= 0.500001 / steps, "{stored:?} for {original:?}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_extension_names_the_format() {
+        let of = |name: &str| Format::of(Path::new(name));
+        assert_eq!(of("a.PNG"), Some(Format::Png));
+        assert_eq!(of("b/a.npy"), Some(Format::Npy));
+        assert_eq!(of("a.exr"), Some(Format::Exr));
+        for other in ["a.jpg", "a", "png", "a.ply"] {
+            assert_eq!(of(other), None, "{other}");
         }
     }
 

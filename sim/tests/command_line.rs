@@ -82,11 +82,15 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 13] = [
+const PRINTING: [&[&str]; 17] = [
     &["--help"],
     &["--version"],
     &["model", "--help"],
     &["render", "random:9", "--size", "8x8", "-o", "OUT/a.png"],
+    &["render", "random:9", "--size", "8x8", "-o", "-"],
+    &["info", "random:9"],
+    &["completions", "bash"],
+    &["man", "-o", "OUT/man"],
     &[
         "compare",
         "random:9",
@@ -321,15 +325,15 @@ fn pipes_and_devices_are_no_settings() {
     std::fs::create_dir(path("folder.toml")).unwrap();
     for input in ["pipe.toml", "zero.toml", "folder.toml"].map(path) {
         for options in [
-            &["render", "random:9", "-o", "OUT", "--camera"][..],
-            &["render", "demo", "-o", "OUT", "--transfer"],
-            &["render", "random:9", "-o", "OUT", "--design"],
+            &["render", "random:9", "-o", "OUT.png", "--camera"][..],
+            &["render", "demo", "-o", "OUT.png", "--transfer"],
+            &["render", "random:9", "-o", "OUT.png", "--design"],
             &["model", "random:9", "--machine"],
             &["model", "random:9", "--calibration"],
             &["model", "--footprints"],
             &["explore", "random:9", "-o", "OUT.d", "--space"],
-            &["render", "--as", "surface", "-o", "OUT"],
-            &["render", "-o", "OUT"],
+            &["render", "--as", "surface", "-o", "OUT.png"],
+            &["render", "-o", "OUT.png"],
         ] {
             let out = path("out");
             let options = options.iter().map(|option| option.replace("OUT", &out));
@@ -370,4 +374,75 @@ fn an_empty_picture_says_why() {
     }
     let seen = splatline(&["render", "random:9", "--size", "16x16", "-o", &picture]);
     assert_eq!(stderr(&seen), "");
+}
+
+#[test]
+fn info_tells_what_is_in_a_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let cloud = folder.path().join("cloud.xyz");
+    std::fs::write(
+        &cloud,
+        "0 0 0 0 0 1\n1 0 0 0 0 1\n0 2 0 0 0 1\n1 2 0 0 0 1\nnan 0 0 0 0 1\n",
+    )
+    .unwrap();
+    let output = splatline(&["info", cloud.to_str().unwrap()]);
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    for expected in [
+        "points of a surface",
+        "count      4",
+        "unusable 1",
+        "up         +z",
+        "radius ",
+    ] {
+        assert!(told.contains(expected), "{expected}: {told}");
+    }
+    let output = splatline(&["info", "random:100", "--json", "-"]);
+    let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(
+        (
+            &info["kind"],
+            &info["count"],
+            &info["dropped"]["non_finite"]
+        ),
+        (&"3D Gaussians".into(), &100.into(), &0.into())
+    );
+    assert_eq!(splatline(&["info", "nothing.ply"]).status.code(), Some(1));
+}
+
+/// A picture on stdout is a picture and nothing else.
+#[test]
+fn a_stream_holds_the_result_alone() {
+    let output = splatline(&["render", "random:50", "--size", "16x16", "-o", "-"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(output.stdout.starts_with(b"\x89PNG\r\n"));
+    assert!(stderr(&output).contains("random:50"));
+    let output = splatline(&["footprints", "random:5", "--size", "16x16", "-o", "-"]);
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(
+        (table.lines().count(), table.starts_with("index,u,v")),
+        (6, true)
+    );
+}
+
+#[test]
+fn shells_and_man_are_served() {
+    let script = splatline(&["completions", "bash"]).stdout;
+    assert!(
+        String::from_utf8_lossy(&script).contains("splatline__subcmd__render")
+            || String::from_utf8_lossy(&script).contains("splatline__render")
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("man1");
+    assert_eq!(
+        splatline(&["man", "-o", out.to_str().unwrap()])
+            .status
+            .code(),
+        Some(0)
+    );
+    let page = std::fs::read_to_string(out.join("splatline-render.1")).unwrap();
+    assert!(
+        page.contains("\\-\\-background") && page.contains(".TH"),
+        "{page}"
+    );
 }

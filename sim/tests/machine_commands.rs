@@ -86,18 +86,36 @@ fn a_table_of_footprints_is_timed_like_the_scene_it_came_from() {
     let folder = tempfile::tempdir().unwrap();
     let table = folder.path().join("f.csv");
     succeed(&with("footprints", &["-o", text(&table)]));
-    let printed = succeed(&[
-        "model",
-        "--footprints",
-        text(&table),
-        "--screen",
-        "48x32",
-        "--cutoff",
-        "4",
-    ]);
+    let from_table = ["model", "--footprints", text(&table), "--screen", "48x32"];
+    let printed = succeed(&from_table);
     assert!(
         printed.contains("cycles = geometry") && printed.contains("0 left out"),
         "{printed}"
+    );
+    // A table has no opacities, so nothing finishes in it; nor does anything in an X-ray.
+    let cycles = |printed: &str| {
+        let line = printed
+            .lines()
+            .find(|line| line.contains(" cycles = "))
+            .unwrap();
+        let words: Vec<&str> = line.split_whitespace().collect();
+        words[1].parse::<f64>().unwrap()
+    };
+    let scene = cycles(&succeed(&with("model", &["--compositing", "x-ray"])));
+    assert!(
+        (cycles(&printed) / scene - 1.0).abs() < 0.002,
+        "{printed} {scene}"
+    );
+    let whole = std::fs::read_to_string(&table).unwrap();
+    let without: String = whole
+        .lines()
+        .map(|line| line.rsplit_once(',').unwrap().0.to_owned() + "\n")
+        .collect();
+    std::fs::write(&table, without).unwrap();
+    let refused = fail(1, &from_table);
+    assert!(
+        refused.contains("no cut-off") && refused.contains("--cutoff"),
+        "{refused}"
     );
     let empty = folder.path().join("empty.csv");
     std::fs::write(&empty, "").unwrap();

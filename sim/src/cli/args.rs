@@ -1,22 +1,21 @@
 //! The options of every command. Names are stable: scripts and notebooks depend on them.
 
+use super::info;
 use super::machine_args;
+use super::output;
+use super::shell;
 use super::study_args;
+pub use super::view_args::*;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
 use splatline_sim::design;
 use splatline_sim::hybrid::Points;
-use splatline_sim::picture::Depth;
-use splatline_sim::rules::{Compositing, Kernel, Rules};
+use splatline_sim::picture::{Backdrop, Depth};
+use splatline_sim::rules::Compositing;
 use splatline_sim::surface::LAYERS;
 use splatline_sim::texture::coefficients::Method;
 use std::path::PathBuf;
 use std::str::FromStr;
-
-/// Largest width and height of a picture.
-pub const LARGEST_SIDE: usize = 16_384;
-/// Vertical field of view where none is given, degrees.
-pub const USUAL_FOV: f64 = 45.0;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -55,7 +54,7 @@ Examples:
   splatline footprints guitar.ply -o footprints.csv
   splatline footprints guitar.ply --engine float --camera camera.json -o reference.csv
 
-Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1; empty fields if the splat is culled.";
+Columns: index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff; empty fields if the splat is culled.";
 
 /// Fixed-point splatting against a float reference.
 ///
@@ -69,7 +68,7 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Draw a scene into a PNG file.
+    /// Draw a scene into a picture.
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderOptions),
     /// Draw a scene in fixed point and in floating point and report speed against error.
@@ -78,6 +77,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Kind, count, bounds, directions and ranges of a scene, and what was dropped.
+    #[command(after_help = info::EXAMPLES)]
+    Info(info::InfoOptions),
     /// Draw the exhibits that show each system, with their numbers beside the pictures.
     #[command(after_help = study_args::GALLERY_EXAMPLES)]
     Gallery(study_args::GalleryOptions),
@@ -105,6 +107,12 @@ pub enum Command {
     /// Measure every stage on hard cases, against exact arithmetic and single precision.
     #[command(after_help = study_args::STABILITY_EXAMPLES)]
     Stability(study_args::StabilityOptions),
+    /// Print a script by which a shell completes commands and options.
+    #[command(after_help = shell::COMPLETIONS_EXAMPLES)]
+    Completions(shell::CompletionsOptions),
+    /// Write manual pages.
+    #[command(after_help = shell::MAN_EXAMPLES)]
+    Man(shell::ManOptions),
     /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
     #[command(after_help = study_args::VECTORS_EXAMPLES)]
     Vectors {
@@ -121,8 +129,8 @@ pub struct RenderOptions {
     pub surface: SurfaceOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
-    /// PNG file to write
-    #[arg(short, long, value_name = "x.png")]
+    /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
+    #[arg(short, long, value_name = "x.png", help_heading = "Output")]
     pub output: PathBuf,
 }
 
@@ -137,7 +145,7 @@ pub struct CompareOptions {
     #[command(flatten)]
     pub machine: machine_args::MachineOptions,
     /// Folder to write fixed.png, float.png, error.png, report.json and report.html into
-    #[arg(short, long, value_name = "dir")]
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: PathBuf,
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
@@ -154,69 +162,14 @@ pub struct FootprintsOptions {
     /// Widths: classic8, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
     pub design: DesignName,
-    /// CSV file to write
-    #[arg(short, long, value_name = "f.csv")]
+    /// CSV file to write; - is stdout
+    #[arg(short, long, value_name = "f.csv", help_heading = "Output")]
     pub output: PathBuf,
-}
-
-/// What is looked at and from where.
-#[derive(Debug, Args)]
-pub struct ViewOptions {
-    /// Scene: 3D Gaussian .ply, .splat, .spz, a volume as .nrrd or .nhdr; or demo, random:COUNT[:SEED], deep-stack
-    #[arg(value_name = "SCENE")]
-    pub scene: PathBuf,
-    /// Camera file (JSON); without it and without --eye the whole scene is shown
-    #[arg(long, value_name = "c.json", conflicts_with_all = ["eye", "target", "up", "fov"])]
-    pub camera: Option<PathBuf>,
-    /// Position of the camera
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        allow_hyphen_values = true,
-        requires = "target"
-    )]
-    pub eye: Option<Vector>,
-    /// Point in the middle of the picture
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        allow_hyphen_values = true,
-        requires = "eye"
-    )]
-    pub target: Option<Vector>,
-    /// Direction that is up in the picture [default: the scene's]
-    #[arg(
-        long,
-        value_name = "x,y,z",
-        allow_hyphen_values = true,
-        requires = "eye"
-    )]
-    pub up: Option<Vector>,
-    /// Vertical field of view in degrees [default: 45]
-    #[arg(long, value_name = "deg", value_parser = field_of_view, requires = "eye")]
-    pub fov: Option<f64>,
-    /// Size of the picture [default: the camera file's, or 512x512]
-    #[arg(long, value_name = "WxH")]
-    pub size: Option<Size>,
-    /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
-    #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
-    pub rules: Option<Rules>,
-    /// Protection against samples closer together than pixels [default: the rules' low-pass filter]
-    #[arg(long, value_enum)]
-    pub antialias: Option<AntialiasChoice>,
-    /// Shape of footprints
-    #[arg(long, value_enum, default_value = "gaussian")]
-    pub kernel: KernelChoice,
-    /// Transfer function of a volume (TOML)
-    #[arg(long, value_name = "file.toml")]
-    pub transfer: Option<PathBuf>,
-    /// Direction towards the light that shades a volume
-    #[arg(long, value_name = "x,y,z", allow_hyphen_values = true)]
-    pub light: Option<Vector>,
 }
 
 /// How a point cloud is drawn as a surface.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Surfaces")]
 pub struct SurfaceOptions {
     /// What the scene's points are: `surface` draws a .ply or .xyz cloud or a height field (.csv) as surface splats
     #[arg(long = "as", value_name = "surface", value_enum)]
@@ -277,6 +230,7 @@ pub enum SceneKind {
 
 /// By what and how often it is drawn.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Drawing")]
 pub struct DrawingOptions {
     /// fixed: the kernel; float: EWA in double precision; exact: the ray integral. `compare` always draws fixed, and
     /// against float unless this says exact
@@ -298,17 +252,46 @@ pub struct DrawingOptions {
     #[arg(long, value_enum, default_value = "front-to-back")]
     pub compositing: CompositingChoice,
     /// Bits per channel of the PNG files
-    #[arg(long, value_name = "8|16", default_value = "8", value_parser = depth)]
+    #[arg(long, value_name = "8|16", help_heading = "Output", default_value = "8", value_parser = depth)]
     pub depth: Depth,
+    /// Colour behind the picture in PNG files: black, white, #rrggbb or three numbers from 0 to 1 [default: black]
+    #[arg(long, value_name = "COLOUR", help_heading = "Output", value_parser = colour)]
+    pub background: Option<Colour>,
+    /// PNG files with straight alpha instead of a background
+    #[arg(long, help_heading = "Output", conflicts_with = "background")]
+    pub alpha: bool,
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
     /// Draw N times and report median times
     #[arg(long, value_name = "N", default_value = "1", value_parser = at_least_one)]
     pub repeat: usize,
-    /// Also write the report as JSON to this file
-    #[arg(long, value_name = "r.json")]
+    /// Also write the report as JSON to this file; - is stdout
+    #[arg(long, value_name = "r.json", help_heading = "Output")]
     pub json: Option<PathBuf>,
+}
+
+impl SurfaceOptions {
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        output::files([self.texture.as_ref()])
+    }
+}
+
+impl DrawingOptions {
+    /// What PNG files show behind the picture.
+    pub fn backdrop(&self) -> Backdrop {
+        match (self.alpha, self.background) {
+            (true, _) => Backdrop::Transparent,
+            (false, Some(Colour(colour))) => Backdrop::Colour(colour),
+            (false, None) => Backdrop::default(),
+        }
+    }
+
+    /// The files that are read.
+    pub fn inputs(&self) -> Option<PathBuf> {
+        output::design_file(&self.design)
+    }
 }
 
 /// Who draws.
@@ -342,41 +325,6 @@ pub enum TraversalChoice {
     Spans,
     /// Samples closer together than pixels by copying a precomputed footprint, others by spans; needs --antialias swan
     Stamp,
-}
-
-/// Protection against aliasing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum AntialiasChoice {
-    /// No low-pass filter
-    None,
-    /// The low-pass filter of the rules
-    Ewa,
-    /// Distance scaling by the volume's sample spacing, without a low-pass filter
-    Swan,
-}
-
-/// Shape of footprints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum KernelChoice {
-    /// exp(-r/2)
-    Gaussian,
-    /// Footprint of the cubic spline of Crawfis and Max
-    Cubic,
-    /// 1 - r/6 (Epanechnikov)
-    Quadratic,
-    /// Constant
-    Disc,
-}
-
-impl From<KernelChoice> for Kernel {
-    fn from(choice: KernelChoice) -> Self {
-        match choice {
-            KernelChoice::Gaussian => Kernel::Gaussian,
-            KernelChoice::Cubic => Kernel::Cubic,
-            KernelChoice::Quadratic => Kernel::Quadratic,
-            KernelChoice::Disc => Kernel::Disc,
-        }
-    }
 }
 
 /// Which samples become points.
@@ -450,68 +398,38 @@ impl FromStr for DesignName {
     }
 }
 
-/// Three finite numbers parted by commas.
+/// Red, green and blue, 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vector(pub [f64; 3]);
+pub struct Colour(pub [f64; 3]);
 
-impl FromStr for Vector {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parts: Vec<f64> = text
-            .split(',')
-            .map(|part| number(part.trim()))
-            .collect::<Result<_, _>>()?;
-        let count = parts.len();
-        let three = <[f64; 3]>::try_from(parts)
-            .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
-        Ok(Vector(three))
+fn colour(text: &str) -> Result<Colour, String> {
+    let expected =
+        "expected black, white, #rrggbb or three numbers from 0 to 1, for example 1,0.5,0";
+    if let Some(digits) = text.strip_prefix('#') {
+        let value = u32::from_str_radix(digits, 16)
+            .ok()
+            .filter(|_| digits.len() == 6);
+        let value = value.ok_or(expected)?;
+        return Ok(Colour(
+            [16, 8, 0].map(|shift| f64::from((value >> shift) & 255) / 255.0),
+        ));
+    }
+    match text {
+        "black" => Ok(Colour([0.0; 3])),
+        "white" => Ok(Colour([1.0; 3])),
+        _ => match text.parse() {
+            Ok(Vector(parts)) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => {
+                Ok(Colour(parts))
+            }
+            _ => Err(expected.to_owned()),
+        },
     }
 }
 
-/// Columns and rows, 1 to [`LARGEST_SIDE`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-}
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (width, height) = text
-            .split_once(['x', 'X'])
-            .ok_or("expected WxH, for example 640x480")?;
-        Ok(Size {
-            width: side(width)?,
-            height: side(height)?,
-        })
-    }
-}
-
-fn side(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
-        _ => Err(format!(
-            "width and height must be whole numbers from 1 to {LARGEST_SIDE}, not '{text}'"
-        )),
-    }
-}
-
-fn number(text: &str) -> Result<f64, String> {
+pub fn number(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if f64::is_finite(value) => Ok(value),
         _ => Err(format!("'{text}' is not a finite number")),
-    }
-}
-
-fn field_of_view(text: &str) -> Result<f64, String> {
-    match number(text)? {
-        degrees if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
-        _ => Err("the field of view must lie between 0 and 180 degrees".to_owned()),
     }
 }
 
@@ -525,7 +443,7 @@ fn layers(text: &str) -> Result<usize, String> {
     }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     match number(text)? {
         value if value > 0.0 => Ok(value),
         _ => Err("must be larger than 0".to_owned()),

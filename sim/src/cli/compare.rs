@@ -2,8 +2,9 @@
 
 use super::args::{CompareOptions, Engine};
 use super::model::machine;
+use super::output::{self, write};
 use super::render::if_nothing_is_seen;
-use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
+use super::setup::{COMPARED, View, room_for_picture};
 use super::sweep::{self, Entry, Manner};
 use super::{Failure, complain, say, warn};
 use anyhow::Context;
@@ -15,8 +16,14 @@ use std::path::Path;
 
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
+    let inputs = [options.view.inputs(), options.surface.inputs()].concat();
+    let own = [drawing.inputs(), options.machine.machine.clone()];
+    let inputs = [inputs, output::files(own.iter().map(Option::as_ref))].concat();
+    output::check_folder(&options.output, &sweep::FILES, &inputs)?;
+    if let Some(json) = &drawing.json {
+        output::check(json, &["json"], &inputs)?;
+    }
     create_folder(&options.output)?;
-    drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
     if options.surface.kind.is_some() {
         return super::surface::compare_with_float(options);
     }
@@ -40,7 +47,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         all_entries(&chosen.design)
     };
     let comparison = sweep::run(&view, &manner, reference, &chosen, &others)?;
-    comparison.write(&options.output, drawing.depth)?;
+    comparison.write(&options.output, drawing)?;
     if let Some(path) = &drawing.json {
         write(path, comparison.report.to_json()?.as_bytes())?;
     }

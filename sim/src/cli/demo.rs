@@ -8,7 +8,7 @@ use super::{Failure, say, warn};
 use anyhow::Context;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
-use splatline_sim::picture::Depth;
+use splatline_sim::picture::{Backdrop, Depth};
 use splatline_sim::report::table;
 use splatline_sim::rules::Compositing;
 use splatline_sim::scene;
@@ -37,6 +37,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         camera,
         rules,
         warnings: Vec::new(),
+        prepare_s: 0.0,
     };
     let manner = Manner {
         compositing: Compositing::FrontToBack,
@@ -57,7 +58,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         &chosen,
         &all_entries(&chosen.design),
     )?;
-    comparison.write(folder, Depth::Eight)?;
+    comparison.write_as(folder, Depth::Eight, Backdrop::default())?;
     let report = &comparison.report;
     warn(&report.warnings);
     say(&format!(

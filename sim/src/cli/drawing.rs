@@ -37,4 +37,6 @@ pub struct FootprintLine {
     pub conic: [f64; 3],
     /// x0, y0, x1, y1: first pixel inside, first pixel beyond.
     pub bounds: [usize; 4],
+    /// Radial index at which the footprint ends.
+    pub cutoff: f64,
 }

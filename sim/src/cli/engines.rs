@@ -14,6 +14,7 @@ use splatline_sim::fixed;
 use splatline_sim::hybrid::Hybrid;
 use splatline_sim::machine::workload::{extract_from, room_for};
 use splatline_sim::machine::{Config, Timing, simulate_alone};
+use splatline_sim::reference::compositor::Progress as Rows;
 use splatline_sim::reference::{self, exact, float};
 use splatline_sim::report::facts::{Counts, SceneFacts};
 use splatline_sim::report::{HostTimes, Pixels};
@@ -38,7 +39,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 }
 
 /// Draws by one of the double-precision engines.
-pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
+pub fn draw_reference(engine: Engine, task: Task, rows: Rows) -> Result<Drawing> {
     let Task {
         scene,
         camera,
@@ -46,8 +47,8 @@ pub fn draw_reference(engine: Engine, task: Task) -> Result<Drawing> {
         compositing,
     } = task;
     Ok(of_reference(match engine {
-        Engine::Float => float::draw(scene, camera, rules, compositing),
-        Engine::Exact => exact::draw(scene, camera, rules, compositing),
+        Engine::Float => float::draw_with_progress(scene, camera, rules, compositing, rows),
+        Engine::Exact => exact::draw_with_progress(scene, camera, rules, compositing, rows),
         Engine::Fixed => bail!("engine 'fixed' is not a reference"),
     }))
 }
@@ -179,6 +180,7 @@ pub fn warnings(view: &View, design: &DesignChoice) -> Vec<String> {
         camera,
         rules,
         warnings,
+        ..
     } = view;
     let options = fixed::Options {
         rules,
@@ -208,6 +210,7 @@ pub fn float_footprints(task: Task) -> Vec<Option<FootprintLine>> {
             depth: footprint.depth,
             conic: footprint.conic,
             bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
+            cutoff: footprint.cutoff,
         }
     };
     footprints
@@ -230,6 +233,7 @@ fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
             .mantissa
             .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
         bounds: [x0, y0, x1, y1].map(usize::from),
+        cutoff: f64::from(footprint.cutoff) * power_of_two(-28),
     }
 }
 

@@ -3,8 +3,9 @@
 use super::engines;
 use super::explore::reference;
 use super::machine_args::{FitOptions, MetricChoice, WorkOptions};
+use super::output::{self, write};
 use super::progress::Progress;
-use super::setup::{COMPARED, View, check_folder_of, room_for_picture, write};
+use super::setup::{COMPARED, View, room_for_picture};
 use super::{Failure, say, warn};
 use anyhow::anyhow;
 use splatline::format::{Traversal, WIDTH_RANGES};
@@ -13,7 +14,11 @@ use splatline_sim::explore::fit::{Fit, Metric, Task, design_toml, fit};
 use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
-    options.output.as_deref().map_or(Ok(()), check_folder_of)?;
+    if let Some(path) = &options.output {
+        let mut inputs = options.view.inputs();
+        inputs.extend(output::design_file(&options.work.design));
+        output::check(path, &["toml"], &inputs)?;
+    }
     let view = View::from_options(&options.view)?;
     let metric = match options.metric {
         MetricChoice::Largest => Metric::Largest,

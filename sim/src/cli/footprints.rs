@@ -6,16 +6,19 @@
 use super::args::{Engine, FootprintsOptions};
 use super::drawing::FootprintLine;
 use super::engines::{self, Task};
-use super::setup::{View, check_folder_of, write};
+use super::output::{self, write};
+use super::setup::View;
 use super::{Failure, say, warn};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 
-const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n";
+const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n";
 
 pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
-    check_folder_of(&options.output)?;
+    let mut inputs = options.view.inputs();
+    inputs.extend(output::design_file(&options.design));
+    output::check(&options.output, &["csv"], &inputs)?;
     if options.engine == Engine::Exact {
         let message =
             "--engine exact integrates along rays and has no footprints; use fixed or float";
@@ -62,16 +65,17 @@ fn csv(lines: &[Option<FootprintLine>]) -> String {
     for (index, line) in lines.iter().enumerate() {
         // Writing to a String cannot fail.
         let _ = match line {
-            None => writeln!(text, "{index},,,,,,,,,,"),
+            None => writeln!(text, "{index},,,,,,,,,,,"),
             Some(FootprintLine {
                 centre: [u, v],
                 depth,
                 conic: [a, b, c],
                 bounds: [x0, y0, x1, y1],
+                cutoff,
             }) => {
                 writeln!(
                     text,
-                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1}"
+                    "{index},{u},{v},{depth},{a:e},{b:e},{c:e},{x0},{y0},{x1},{y1},{cutoff}"
                 )
             }
         };

@@ -1,8 +1,8 @@
 //! `splatline gallery`: exhibits of the papers' systems as pictures and numbers, one page per collection.
 
 use super::compare::create_folder;
+use super::output::write;
 use super::progress::Progress;
-use super::setup::write;
 use super::study_args::{Collection, GalleryOptions};
 use super::{Failure, say};
 use splatline_sim::gallery::{Exhibit, deep, kernels, page, surface, texture};

@@ -13,13 +13,14 @@ Examples:
   splatline model guitar.ply
   splatline model guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
   splatline model guitar.ply --machine primitive-4      the raster unit of sim/rtl, with four lanes
-  splatline model --footprints f.csv --screen 512x512 --cutoff 4
-      the workload of another rasterizer; columns as `splatline footprints` writes them, optionally cutoff and tiles
+  splatline model --footprints f.csv --screen 512x512
+      the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
 
 With -o: timing.json and machine.toml, the resolved configuration.";
 
 /// Which machine.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Machine")]
 pub struct MachineOptions {
     /// Machine: primitive-1 to primitive-16 (the circuit of sim/rtl), or a TOML file; what that leaves out keeps its default
     #[arg(long, value_name = "NAME|file.toml")]
@@ -31,6 +32,7 @@ pub struct MachineOptions {
 
 /// Which pixels, in which order.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Drawing")]
 pub struct WorkOptions {
     /// Widths: classic8, lean18, standard24, deep32 or a TOML file
     #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
@@ -45,6 +47,7 @@ pub struct WorkOptions {
 
 /// What area is counted in.
 #[derive(Debug, Args)]
+#[command(next_help_heading = "Area")]
 pub struct AreaOptions {
     /// FPGA whose resources the area estimate counts
     #[arg(long, value_enum, default_value = "xilinx7")]
@@ -85,9 +88,9 @@ pub struct ModelOptions {
     /// With --footprints: size of the screen [default: up to the largest x1 and y1]
     #[arg(long, value_name = "WxH", requires = "footprints")]
     pub screen: Option<Size>,
-    /// With --footprints: radial index at which a footprint without a cut-off of its own ends
-    #[arg(long, value_name = "r", default_value_t = 4.0, value_parser = positive)]
-    pub cutoff: f64,
+    /// With --footprints: radial index at which footprints end that have no cut-off in the table
+    #[arg(long, value_name = "r", requires = "footprints", value_parser = positive)]
+    pub cutoff: Option<f64>,
     #[command(flatten)]
     pub work: WorkOptions,
     #[command(flatten)]
@@ -98,7 +101,7 @@ pub struct ModelOptions {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
     /// Folder to write timing.json and machine.toml into
-    #[arg(short, long, value_name = "dir")]
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
 
@@ -140,7 +143,7 @@ pub struct ExploreOptions {
     #[arg(long)]
     pub no_error: bool,
     /// Folder for the results
-    #[arg(short, long, value_name = "dir")]
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: PathBuf,
 }
 
@@ -153,7 +156,7 @@ pub struct MergeOptions {
     #[arg(long)]
     pub partial: bool,
     /// Folder for points.csv, front.csv and front.html
-    #[arg(short, long, value_name = "dir")]
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: PathBuf,
 }
 
@@ -175,7 +178,7 @@ pub struct FitOptions {
     #[arg(long, value_enum, default_value = "largest")]
     pub metric: MetricChoice,
     /// Design file to write
-    #[arg(short, long, value_name = "file.toml")]
+    #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
 
@@ -230,7 +233,7 @@ pub struct TraceOptions {
     #[arg(long, value_name = "N")]
     pub last: Option<u32>,
     /// File to write
-    #[arg(short, long, value_name = "file")]
+    #[arg(short, long, value_name = "file", help_heading = "Output")]
     pub output: PathBuf,
 }
 

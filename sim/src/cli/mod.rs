@@ -12,13 +12,16 @@ mod explore;
 mod fit;
 mod footprints;
 mod gallery;
+mod info;
 mod machine_args;
 mod model;
 mod needs;
+mod output;
 mod progress;
 mod render;
 mod results;
 mod setup;
+mod shell;
 mod stability;
 mod study_args;
 mod surface;
@@ -27,11 +30,16 @@ mod sweep;
 mod tests;
 mod trace;
 mod vectors;
+mod view_args;
 
 use args::{Cli, Command};
 use clap::Parser;
 use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Stdout holds a file (`-o -`): what is said goes to stderr.
+static DIVERTED: AtomicBool = AtomicBool::new(false);
 
 /// Why a command failed, which decides the exit code.
 #[derive(Debug)]
@@ -77,6 +85,9 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Info(options)) => info::run(&options),
+        Some(Command::Completions(options)) => shell::completions(&options),
+        Some(Command::Man(options)) => shell::man(&options),
         Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
         Some(Command::Stability(options)) => stability::run(&options),
@@ -106,8 +117,17 @@ fn explain(error: &anyhow::Error) -> String {
         })
 }
 
+/// From now on stdout is for a file alone.
+fn divert() {
+    DIVERTED.store(true, Ordering::Relaxed);
+}
+
 /// Prints a result.
 fn say(text: &str) -> Result<(), Failure> {
+    if DIVERTED.load(Ordering::Relaxed) {
+        complain(text);
+        return Ok(());
+    }
     printed(std::io::stdout().write_all(text.as_bytes()))
 }
 

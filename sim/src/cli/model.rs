@@ -4,14 +4,15 @@ use super::compare::create_folder;
 use super::engines;
 use super::explore::calibration;
 use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
-use super::setup::{View, write};
+use super::output::{self, write};
+use super::progress::Progress;
+use super::setup::View;
 use super::{Failure, say, warn};
-use anyhow::{Context, anyhow};
+use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
-use splatline_sim::input;
 use splatline_sim::machine::area::{self, synthesis};
 use splatline_sim::machine::config::{self, Config};
 use splatline_sim::machine::histogram::Histograms;
@@ -24,6 +25,16 @@ use std::time::Instant;
 
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if let Some(folder) = &options.output {
+        let files = [&options.machine.machine, &options.footprints];
+        let mut inputs = output::files(files.map(Option::as_ref));
+        inputs.extend(
+            options
+                .view
+                .as_ref()
+                .map(|view| view.inputs())
+                .unwrap_or_default(),
+        );
+        output::check_folder(folder, &["timing.json", "machine.toml"], &inputs)?;
         create_folder(folder)?;
     }
     let config = machine(&options.machine)?;
@@ -36,7 +47,9 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
             let view_of = View::from_options(view)?;
             let design = DesignChoice::load(&options.work.design.0)?;
             warn(&engines::warnings(&view_of, &design));
+            let progress = Progress::spinner("walking the rows of every tile");
             let workload = from_scene(&view_of, &options.work, &config)?;
+            drop(progress);
             (view_of.scene.name, workload)
         }
         (None, None) => {
@@ -133,12 +146,15 @@ pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Wo
 
 fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
     let shown = path.display();
-    let text = input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
+    let text = output::read_text(path)?;
     let design = DesignChoice::load(&options.work.design.0)?;
     let traversal = options
         .work
         .traversal
         .map_or(design.traversal, Traversal::from);
+    if options.screen.is_none() {
+        say("screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n")?;
+    }
     let size = options
         .screen
         .map_or([0, 0], |size| [size.width as u16, size.height as u16]);

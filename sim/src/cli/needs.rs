@@ -5,7 +5,9 @@ use super::engines;
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::model::{from_scene, machine};
-use super::setup::{View, check_folder_of, write};
+use super::output::{self, write};
+use super::progress::Progress;
+use super::setup::View;
 use super::surface::SurfaceView;
 use super::{Failure, say, warn};
 use serde_json::json;
@@ -20,7 +22,12 @@ use splatline_sim::systems::{Use, Verdict, exercised};
 use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
-    options.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    if let Some(path) = &options.json {
+        let mut inputs = [options.view.inputs(), options.surface.inputs()].concat();
+        inputs.extend(output::design_file(&options.work.design));
+        inputs.extend(options.machine.machine.clone());
+        output::check(path, &["json"], &inputs)?;
+    }
     if options.surface.kind.is_some() {
         return run_surface(options);
     }
@@ -38,12 +45,16 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
         design: &design,
         traversal,
     };
+    let progress = Progress::spinner("setting up every splat");
     let footprints: Vec<_> = fixed::footprints(&view.scene, &view.camera, &drawing)
         .into_iter()
         .filter_map(Result::ok)
         .collect();
+    progress.doing("walking the rows of every tile");
     let workload = from_scene(&view, &options.work, &config)?;
+    progress.doing("trying the depths of every FIFO");
     let found = needs(&workload, &footprints, design.widths.peak, &config);
+    drop(progress);
     let systems = systems_of_volume(&view, options);
     say(&text(&view.scene.name, &found))?;
     say(&systems_text(&systems))?;

@@ -9,16 +9,33 @@ use std::time::Duration;
 /// Steps of a long task. The bar goes away when this is dropped.
 pub struct Progress(ProgressBar);
 
+/// Positions of the bar per step, so that it can move within one.
+const FINENESS: u64 = 1000;
+
 impl Progress {
     /// A bar over so many steps; hidden unless stderr is a terminal.
     pub fn new(steps: usize) -> Progress {
+        Progress::with_style(
+            steps,
+            "{spinner} {bar:24} {percent:>3} % {elapsed} {wide_msg}",
+        )
+    }
+
+    /// A task of unknown length: something turns, with the seconds beside it.
+    pub fn spinner(what: impl Into<String>) -> Progress {
+        let progress = Progress::with_style(1, "{spinner} {elapsed} {wide_msg}");
+        progress.doing(what);
+        progress
+    }
+
+    fn with_style(steps: usize, template: &str) -> Progress {
         let target = if std::io::stderr().is_terminal() {
             ProgressDrawTarget::stderr()
         } else {
             ProgressDrawTarget::hidden()
         };
-        let bar = ProgressBar::with_draw_target(Some(steps as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {bar:24} {pos}/{len} {msg}") {
+        let bar = ProgressBar::with_draw_target(Some(steps as u64 * FINENESS), target);
+        if let Ok(style) = ProgressStyle::with_template(template) {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(120));
@@ -32,7 +49,19 @@ impl Progress {
 
     /// One step is done.
     pub fn advance(&self) {
-        self.0.inc(1);
+        self.0
+            .set_position((self.0.position() / FINENESS + 1) * FINENESS);
+    }
+
+    /// So much of the present step is done; from any thread, in any order.
+    pub fn part(&self, done: usize, of: usize) {
+        let before = self.0.position() / FINENESS * FINENESS;
+        let within = FINENESS * done as u64 / of.max(1) as u64;
+        // A whole step is left to `advance`, which would otherwise count it twice.
+        let position = before + within.min(FINENESS - 1);
+        if position > self.0.position() {
+            self.0.set_position(position);
+        }
     }
 }
 

@@ -1,18 +1,25 @@
 //! `splatline render`: one picture.
 
 use super::args::{Engine, RenderOptions};
+use super::output::{self, write};
 use super::progress::Progress;
-use super::setup::{DRAWN, View, check_folder_of, room_for_picture, write};
+use super::setup::{DRAWN, View, room_for_picture};
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
 use super::{Failure, complain, say, warn};
-use splatline_sim::picture::Picture;
+use splatline_sim::picture::{EXTENSIONS, Format, Picture};
 use splatline_sim::report::Report;
 use splatline_sim::report::facts::Counts;
+use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    check_folder_of(&options.output)?;
-    drawing.json.as_deref().map_or(Ok(()), check_folder_of)?;
+    let inputs = [options.view.inputs(), options.surface.inputs()].concat();
+    let inputs = [inputs, output::files([drawing.inputs().as_ref()])].concat();
+    output::check(&options.output, &EXTENSIONS, &inputs)?;
+    if let Some(json) = &drawing.json {
+        output::check(json, &["json"], &inputs)?;
+        refuse_one_name(&options.output, json)?;
+    }
     if drawing.engine != Engine::Fixed && drawing.traversal.is_some() {
         let engine = drawing.engine.name();
         return Err(Failure::Usage(format!(
@@ -30,20 +37,17 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let (measured, report) = match drawing.engine {
         Engine::Fixed => {
             let entry = Entry::from_options(drawing)?;
-            let measured = draw_entry(&view, &manner, &entry)?;
+            let measured = draw_entry(&view, &manner, &entry, &progress)?;
             let report = report_of_entry(&view, &manner, &entry, &measured)?;
             (measured, report)
         }
         engine => {
-            let measured = draw_reference(&view, &manner, engine)?;
+            let measured = draw_reference(&view, &manner, engine, &progress)?;
             let report = report_of_drawing(&view, &manner, engine, &measured);
             (measured, report)
         }
     };
-    measured
-        .drawing
-        .picture
-        .write_png(&options.output, drawing.depth)?;
+    write_picture(&measured.drawing.picture, options)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
     }
@@ -74,6 +78,24 @@ pub fn if_nothing_is_seen(picture: &Picture, report: &Report) -> String {
     format!("{}: the picture is empty: {why}\n", scene.name)
 }
 
+/// Writes the picture in the format that the output's extension names; a stream gets a PNG.
+pub fn write_picture(picture: &Picture, options: &RenderOptions) -> Result<(), Failure> {
+    let format = Format::of(&options.output).unwrap_or(Format::Png);
+    let drawing = &options.drawing;
+    let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
+    write(&options.output, &bytes)
+}
+
+fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {
+    match picture == json {
+        true => Err(Failure::Usage(format!(
+            "picture and report cannot both be written to '{}'",
+            json.display()
+        ))),
+        false => Ok(()),
+    }
+}
+
 /// What was drawn, what was left out and how long it took.
 pub fn summary(report: &Report) -> String {
     let scene = &report.scene;
@@ -101,16 +123,24 @@ fn times(report: &Report) -> String {
         String::new()
     };
     let total = format!("{:.1} ms{runs}", host.total_s * 1e3);
+    let before = match host.prepare_s > 0.0 {
+        true => format!(
+            ", after {:.1} ms of loading and preparing",
+            host.prepare_s * 1e3
+        ),
+        false => String::new(),
+    };
     if report.traversal.is_none() {
-        return total;
+        return total + &before;
     }
     let stages = [
         ("setup", host.setup_s),
         ("sort", host.sort_s),
         ("raster", host.raster_s),
+        ("convert", host.convert_s),
     ];
     let stages = stages.map(|(name, seconds)| format!("{name} {:.1}", seconds * 1e3));
-    format!("{total} ({})", stages.join(", "))
+    format!("{total} ({}){before}", stages.join(", "))
 }
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.

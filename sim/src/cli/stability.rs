@@ -1,6 +1,7 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
-use super::setup::write;
+use super::output::write;
+use super::progress::Progress;
 use super::study_args::{StabilityOptions, StabilitySection};
 use super::{Failure, say};
 use splatline_sim::design::DesignChoice;
@@ -34,6 +35,7 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
         cases: Vec::new(),
         scenes: Vec::new(),
     };
+    let progress = Progress::spinner("stability");
     let (mut page, mut summary) = (String::new(), String::new());
     if wants(StabilitySection::Scenes) {
         let size = if options.quick {
@@ -41,6 +43,7 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
         } else {
             Size::FULL
         };
+        progress.doing("drawing scenes as people have them");
         measured.scenes = scenes::measure(size, options.seed);
         page += &format!("{SCENES}{}\n", scenes::table::markdown(&measured.scenes));
         summary += &format!("{}\n", scenes::table::verdicts(&measured.scenes));
@@ -51,12 +54,14 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
         } else {
             Extent::FULL
         };
+        progress.doing("measuring hard cases against exact arithmetic");
         measured.cases = measure(&DesignChoice::all(), extent);
         let lines = &measured.cases;
         let studies = format!("{}\n{}", table::bounds(lines), steps::markdown(extent));
         page += &format!("{CASES}{}\n{studies}", table::markdown(lines));
         summary += &format!("{}\n{studies}", table::summary(lines));
     }
+    drop(progress);
     if let Some(path) = &options.json {
         write(path, serde_json::to_string_pretty(&measured)?.as_bytes())?;
     }

@@ -7,14 +7,16 @@ use super::args::{
 use super::compare::{all_entries, summary as comparison_summary};
 use super::drawing::Drawing;
 use super::engines::{cull_counts, reference_culled};
+use super::output::write;
 use super::progress::Progress;
-use super::render::{if_nothing_is_seen, summary};
-use super::setup::{COMPARED, DRAWN, camera_or, room_for_picture, write};
+use super::render::{if_nothing_is_seen, summary, write_picture};
+use super::setup::{COMPARED, DRAWN, camera, room_for_picture};
 use super::sweep::{Comparison, Entry, Manner, Measured, measure};
 use super::{Failure, say, warn};
 use anyhow::Context;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::traversal_name;
+use splatline_sim::framing::Frame;
 use splatline_sim::metrics::compare;
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, Counts, RulesFacts, SceneFacts};
@@ -27,6 +29,7 @@ use splatline_sim::systems::{Use, exercised};
 use splatline_sim::texture::Texture;
 use splatline_sim::texture::drape::drape;
 use splatline_sim::{fixed, reference};
+use std::time::Instant;
 
 /// Light of a cloud that has no colours of its own, from above the default camera's left shoulder.
 const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
@@ -38,6 +41,7 @@ pub(super) struct SurfaceView {
     pub(super) style: Style,
     textured: bool,
     warnings: Vec<String>,
+    prepare_s: f64,
 }
 
 impl SurfaceView {
@@ -46,15 +50,17 @@ impl SurfaceView {
         surface: &SurfaceOptions,
     ) -> Result<SurfaceView, Failure> {
         refuse_volume_options(view)?;
+        let started = Instant::now();
+        let progress = Progress::spinner(format!("loading {}", view.scene.display()));
         let is_height_field = height_field::is_height_field(&view.scene);
         let scene = match is_height_field {
-            true => load_height_field(view, surface)?,
+            true => load_height_field(view, surface, &progress)?,
             false => load_cloud(view, surface)?,
         };
-        let (camera, warnings) = camera_or(view, scene.up, |size| match is_height_field {
-            true => height_field::default_camera(&scene, size.width, size.height),
-            false => scene.default_camera(size.width, size.height),
+        let (camera, warnings) = camera(view, scene.up, || {
+            Frame::of_surface(&scene, is_height_field, view.up.map(|Vector(up)| up))
         })?;
+        drop(progress);
         let style = Style {
             cull_backfaces: culls_backfaces(surface, &scene),
             ..style(surface, view.light, &scene)
@@ -68,6 +74,7 @@ impl SurfaceView {
             style,
             textured: surface.texture.is_some(),
             warnings,
+            prepare_s: started.elapsed().as_secs_f64(),
         })
     }
 }
@@ -101,6 +108,7 @@ fn load_cloud(view: &ViewOptions, surface: &SurfaceOptions) -> Result<SurfaceSce
 fn load_height_field(
     view: &ViewOptions,
     surface: &SurfaceOptions,
+    progress: &Progress,
 ) -> Result<SurfaceScene, Failure> {
     let spacing = surface.spacing.unwrap_or(height_field::USUAL_SPACING);
     let field = HeightField::load(&view.scene, spacing)?;
@@ -109,6 +117,8 @@ fn load_height_field(
         return Ok(field.scene(&name));
     };
     let texture = Texture::load(photograph)?;
+    let method = surface.coefficients.name();
+    progress.doing(format!("{method} colours from {}", photograph.display()));
     let cutoff = Style::opaque(0.0).cutoff;
     let draped = drape(&field, &name, &texture, surface.coefficients, cutoff)
         .with_context(|| photograph.display().to_string())?;
@@ -161,20 +171,17 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     let (measured, report) = match drawing.engine {
         Engine::Fixed => {
             let entry = Entry::from_options(drawing)?;
-            let measured = draw_fixed(&view, &manner, &entry)?;
+            let measured = draw_fixed(&view, &manner, &entry, &progress)?;
             let report = report_of_entry(&view, &entry, &measured)?;
             (measured, report)
         }
         Engine::Float | Engine::Exact => {
-            let measured = draw_float(&view, &manner)?;
+            let measured = draw_float(&view, &manner, &progress)?;
             let report = report(&view, Engine::Float, &measured);
             (measured, report)
         }
     };
-    measured
-        .drawing
-        .picture
-        .write_png(&options.output, drawing.depth)?;
+    write_picture(&measured.drawing.picture, options)?;
     write_json(drawing, &report)?;
     drop(progress);
     warn(&report.warnings);
@@ -202,7 +209,7 @@ pub fn compare_with_float(options: &CompareOptions) -> Result<(), Failure> {
         entries.push(chosen.clone());
     }
     let comparison = sweep(&view, &manner, &chosen, &entries)?;
-    comparison.write(&options.output, drawing.depth)?;
+    comparison.write(&options.output, drawing)?;
     write_json(drawing, &comparison.report)?;
     warn(&comparison.report.warnings);
     super::complain(&if_nothing_is_seen(&comparison.fixed, &comparison.report));
@@ -219,14 +226,14 @@ fn sweep(
 ) -> Result<Comparison, Failure> {
     let progress = Progress::new(entries.len() + 1);
     progress.doing("float reference".to_owned());
-    let float = draw_float(view, manner)?.drawing.picture;
+    let float = draw_float(view, manner, &progress)?.drawing.picture;
     progress.advance();
     let mut table = Vec::new();
     let mut kept = None;
     for entry in entries {
         let (design, traversal) = (&entry.design.name, traversal_name(entry.traversal));
         progress.doing(format!("{design} by {traversal}"));
-        let measured = draw_fixed(view, manner, entry)?;
+        let measured = draw_fixed(view, manner, entry, &progress)?;
         let errors = compare(&measured.drawing.picture, &float)
             .with_context(|| format!("design {design} by {traversal} cannot be compared"))?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
@@ -253,14 +260,19 @@ fn sweep(
     })
 }
 
-fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Result<Measured> {
+fn draw_fixed(
+    view: &SurfaceView,
+    manner: &Manner,
+    entry: &Entry,
+    progress: &Progress,
+) -> anyhow::Result<Measured> {
     let SurfaceView {
         scene,
         camera,
         style,
         ..
     } = view;
-    measure(manner, || {
+    measure(manner, progress, || {
         let drawing = fixed::surface::draw(scene, camera, style, &entry.design, entry.traversal);
         if drawing.merged > 0 {
             let count = drawing.merged;
@@ -288,8 +300,12 @@ fn draw_fixed(view: &SurfaceView, manner: &Manner, entry: &Entry) -> anyhow::Res
     })
 }
 
-fn draw_float(view: &SurfaceView, manner: &Manner) -> anyhow::Result<Measured> {
-    measure(manner, || {
+fn draw_float(
+    view: &SurfaceView,
+    manner: &Manner,
+    progress: &Progress,
+) -> anyhow::Result<Measured> {
+    measure(manner, progress, || {
         let drawing = reference::surface::draw(&view.scene, &view.camera, &view.style);
         Ok(Drawing {
             picture: drawing.picture,
@@ -377,7 +393,10 @@ fn report(view: &SurfaceView, engine: Engine, measured: &Measured) -> Report {
         error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,
-        host: measured.host,
+        host: HostTimes {
+            prepare_s: view.prepare_s,
+            ..measured.host
+        },
         table: Vec::new(),
     }
 }

@@ -4,15 +4,16 @@ use super::Failure;
 use super::args::{DrawingOptions, Engine, TraversalChoice};
 use super::drawing::Drawing;
 use super::engines::{self, Task};
+use super::output::write;
 use super::progress::Progress;
-use super::setup::{View, threads, write};
+use super::setup::{View, threads};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::hybrid::{Hybrid, Points, spacing};
 use splatline_sim::machine::{Config, Timing};
 use splatline_sim::metrics::{Errors, compare};
-use splatline_sim::picture::{Depth, Picture};
+use splatline_sim::picture::{Backdrop, Depth, Picture};
 use splatline_sim::report::error_map::ErrorMap;
 use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
 use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
@@ -134,6 +135,7 @@ pub struct Comparison {
 /// Runs `draw` as often as asked and keeps the last drawing.
 pub fn measure(
     manner: &Manner,
+    progress: &Progress,
     mut draw: impl FnMut() -> Result<Drawing> + Send,
 ) -> Result<Measured> {
     let mut runs = Vec::with_capacity(manner.repeat);
@@ -147,6 +149,7 @@ pub fn measure(
                 threads: manner.threads,
                 ..drawing.stages
             });
+            progress.part(runs.len(), manner.repeat);
             if runs.len() >= manner.repeat {
                 return Ok(Measured {
                     drawing,
@@ -158,19 +161,29 @@ pub fn measure(
 }
 
 /// Draws by one of the double-precision engines.
-pub fn draw_reference(view: &View, manner: &Manner, engine: Engine) -> Result<Measured> {
-    measure(manner, || {
+pub fn draw_reference(
+    view: &View,
+    manner: &Manner,
+    engine: Engine,
+    progress: &Progress,
+) -> Result<Measured> {
+    measure(manner, progress, || {
         let task = task(view, manner);
         match &manner.hybrid {
             Some(hybrid) => engines::draw_hybrid_reference(engine, task, hybrid),
-            None => engines::draw_reference(engine, task),
+            None => engines::draw_reference(engine, task, &|done, of| progress.part(done, of)),
         }
     })
 }
 
 /// Draws one entry through the kernel.
-pub fn draw_entry(view: &View, manner: &Manner, entry: &Entry) -> Result<Measured> {
-    measure(manner, || {
+pub fn draw_entry(
+    view: &View,
+    manner: &Manner,
+    entry: &Entry,
+    progress: &Progress,
+) -> Result<Measured> {
+    measure(manner, progress, || {
         let task = task(view, manner);
         match &manner.hybrid {
             Some(hybrid) => engines::draw_hybrid(task, &entry.design, hybrid),
@@ -234,14 +247,16 @@ pub fn run(
         repeat: 1,
         ..*manner
     };
-    let float = draw_reference(view, &once, reference)?.drawing.picture;
+    let float = draw_reference(view, &once, reference, &progress)?
+        .drawing
+        .picture;
     progress.advance();
 
     let mut table = Vec::with_capacity(entries.len());
     let mut kept = None;
     for entry in &entries {
         progress.doing(entry.title());
-        let measured = draw_entry(view, manner, entry)?;
+        let measured = draw_entry(view, manner, entry, &progress)?;
         let (errors, cycles) = judge(view, manner, entry, &measured.drawing, &float)?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = manner.traversal_name(entry);
@@ -336,16 +351,36 @@ pub fn report_of_drawing(
         error_map: None,
         cycles: None,
         pixels: measured.drawing.pixels,
-        host: measured.host,
+        host: HostTimes {
+            prepare_s: view.prepare_s,
+            ..measured.host
+        },
         table: Vec::new(),
     }
 }
 
+/// What a comparison writes into its folder.
+pub const FILES: [&str; 5] = [
+    "fixed.png",
+    "float.png",
+    "error.png",
+    "report.json",
+    "report.html",
+];
+
 impl Comparison {
     /// Writes fixed.png, float.png, error.png, report.json and report.html.
-    pub fn write(&self, folder: &Path, depth: Depth) -> Result<(), Failure> {
-        self.fixed.write_png(&folder.join("fixed.png"), depth)?;
-        self.float.write_png(&folder.join("float.png"), depth)?;
+    pub fn write(&self, folder: &Path, drawing: &DrawingOptions) -> Result<(), Failure> {
+        self.write_as(folder, drawing.depth, drawing.backdrop())
+    }
+
+    /// The same with the pictures' depth and backdrop.
+    pub fn write_as(&self, folder: &Path, depth: Depth, backdrop: Backdrop) -> Result<(), Failure> {
+        let picture = |picture: &Picture, name: &str| {
+            picture.write_png_on(&folder.join(name), depth, backdrop)
+        };
+        picture(&self.fixed, "fixed.png")?;
+        picture(&self.float, "float.png")?;
         write(&folder.join("error.png"), &self.map.to_rgb().to_png()?)?;
         write(
             &folder.join("report.json"),

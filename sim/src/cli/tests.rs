@@ -117,12 +117,17 @@ fn values_that_make_no_sense_are_refused() {
         "--eye a,b,c --target 0,0,0",
         "--eye 1,2,3",
         "--target 1,2,3",
-        "--fov 40",
-        "--up 0,1,0",
+        "--orbit 30",
+        "--orbit 30,90",
+        "--zoom 0",
+        "--background grey",
+        "--background 1,1,2",
+        "--alpha --background white",
         "--fov 0 --eye 1,2,3 --target 0,0,0",
         "--fov 180 --eye 1,2,3 --target 0,0,0",
         "--camera c.json --eye 1,2,3 --target 0,0,0",
         "--camera c.json --fov 40",
+        "--camera c.json --orbit 30,0",
         "--rules gl",
         "--engine gpu",
         "--design fancy",
@@ -261,6 +266,79 @@ fn render_writes_the_picture_and_a_report_without_errors() {
     }
 }
 
+/// Without alpha a viewer shows black where nothing was drawn, or the colour asked for.
+#[test]
+fn pictures_have_a_background_and_floats_have_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let render = |options: &str, name: &str| {
+        let line = format!("random:50 --size 24x16 --zoom 0.2 {options}");
+        run_line(&format!("render {line} -o {}", path(name).display())).unwrap();
+    };
+    for (options, corner) in [
+        ("", [0.0, 0.0, 0.0, 1.0]),
+        ("--background #ff3300", [1.0, 0.2, 0.0, 1.0]),
+        ("--alpha", [0.0; 4]),
+    ] {
+        render(options, "x.png");
+        let pixels = Picture::read_png(&path("x.png")).unwrap().pixels;
+        assert_eq!(pixels[0], corner, "{options}");
+        assert!(pixels.iter().any(|pixel| *pixel != corner), "{options}");
+    }
+    render("", "x.npy");
+    render("", "x.exr");
+    let size = |name: &str| path(name).metadata().unwrap().len();
+    assert_eq!(size("x.npy"), 128 + 24 * 16 * 4 * 8);
+    assert!(size("x.exr") > 24 * 16 * 4 * 4);
+}
+
+/// What was read is still there afterwards, and a name never lies about its format.
+#[test]
+fn inputs_are_never_overwritten_and_names_do_not_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("cloud.xyz");
+    write_cloud(&scene);
+    let before = std::fs::read(&scene).unwrap();
+    let (scene, out) = (scene.display(), folder.path().display());
+    for line in [
+        format!("render {scene} -o {scene}"),
+        format!("footprints {scene} -o {scene}"),
+        format!("render {scene} -o {out}/x.png --json {scene}"),
+        format!("render {scene} -o {out}/x.jpg"),
+        format!("render {scene} -o {out}/x"),
+        format!("footprints random:9 -o {out}/x.png"),
+        format!("fit random:9 --max-error 1 -o {out}/x.json"),
+        format!("trace random:9 --format vcd -o {out}/x.json"),
+        format!("render random:9 -o {out}/x.png --json {out}/x.png"),
+    ] {
+        assert!(matches!(run_line(&line), Err(Failure::Usage(_))), "{line}");
+    }
+    assert_eq!(
+        std::fs::read(folder.path().join("cloud.xyz")).unwrap(),
+        before
+    );
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// The camera of a report draws the same picture again, from the report itself as well.
+#[test]
+fn a_reports_camera_can_be_used_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (json, first, again) = (path("r.json"), path("a.npy"), path("b.npy"));
+    run_line(&format!(
+        "render random:200 --orbit 40,20 --size 40x30 -o {first} --json {json}"
+    ))
+    .unwrap();
+    run_line(&format!("render random:200 --camera {json} -o {again}")).unwrap();
+    assert!(std::fs::read(&first).unwrap() == std::fs::read(&again).unwrap());
+    run_line(&format!(
+        "render random:200 --camera {json} --zoom 2 -o {again}"
+    ))
+    .unwrap();
+    assert!(std::fs::read(&first).unwrap() != std::fs::read(&again).unwrap());
+}
+
 #[test]
 fn footprints_are_csv_with_empty_fields_for_culled_splats() {
     let folder = tempfile::tempdir().unwrap();
@@ -273,7 +351,7 @@ fn footprints_are_csv_with_empty_fields_for_culled_splats() {
         ))
         .unwrap();
         let text = std::fs::read_to_string(path).unwrap();
-        assert!(text.starts_with("index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n"));
+        assert!(text.starts_with("index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n"));
         text.lines()
             .skip(1)
             .map(|line| line.split(',').map(str::to_owned).collect())
@@ -285,7 +363,7 @@ fn footprints_are_csv_with_empty_fields_for_culled_splats() {
     for (index, (a, b)) in fixed.iter().zip(&float).enumerate() {
         assert_eq!(
             (a.len(), b.len(), a[0].parse(), b[0].parse()),
-            (11, 11, Ok(index), Ok(index))
+            (12, 12, Ok(index), Ok(index))
         );
         let culled = |fields: &[String]| fields[1..].iter().all(String::is_empty);
         if culled(a) || culled(b) {
@@ -412,7 +490,7 @@ fn a_cloud_is_drawn_as_a_surface() {
         "--z-threshold 0.5",
     ] {
         run_line(&format!(
-            "render {scene} {options} -o {}",
+            "render {scene} {options} --alpha -o {}",
             picture.display()
         ))
         .unwrap();

@@ -3,7 +3,8 @@
 use super::engines;
 use super::machine_args::{TraceFormat, TraceOptions};
 use super::model::{from_scene, machine};
-use super::setup::{View, check_folder_of, write};
+use super::output::{self, write};
+use super::setup::View;
 use super::{Failure, say, warn};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
@@ -13,8 +14,20 @@ use splatline_sim::trace::{Recorder, kanata, perfetto, vcd};
 /// Splats recorded unless the options say otherwise.
 const USUAL_COUNT: u32 = 256;
 
+/// Names that the viewers know the formats by; a name without extension is as good, since --format says what it holds.
+fn extensions(format: TraceFormat) -> &'static [&'static str] {
+    match format {
+        TraceFormat::Kanata => &["kanata", "log", "txt", ""],
+        TraceFormat::Vcd => &["vcd", ""],
+        TraceFormat::Perfetto => &["json", ""],
+    }
+}
+
 pub fn run(options: &TraceOptions) -> Result<(), Failure> {
-    check_folder_of(&options.output)?;
+    let mut inputs = options.view.inputs();
+    inputs.extend(output::design_file(&options.work.design));
+    inputs.extend(options.machine.machine.clone());
+    output::check(&options.output, extensions(options.format), &inputs)?;
     let last = options
         .last
         .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));

@@ -14,7 +14,7 @@
 //! layout = ["run", "rows"]
 //! ```
 
-use crate::machine::config::{field, line_of};
+use crate::machine::config::{field, known, line_of};
 use splatline::format::WIDTH_RANGES;
 use thiserror::Error;
 use toml::Value;
@@ -155,7 +155,8 @@ fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axi
         Part::Design
     } else {
         let Some(field) = field(key) else {
-            return Err(source.wrong(section, key, "no such field of a machine"));
+            let problem = format!("no such field of a machine: {}", known(""));
+            return Err(source.wrong(section, key, problem));
         };
         if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {
             return Err(source.wrong(
@@ -195,7 +196,12 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
         "base" => &crate::design::NAMES,
         "rounding" => &["nearest", "truncate"],
         "traversal" => &["box", "spans"],
-        _ => return Err("no such field of a design".to_owned()),
+        _ => {
+            let widths = WIDTH_RANGES.map(|(name, ..)| name).join(", ");
+            return Err(format!(
+                "no such field of a design: there are base, rounding, traversal, {widths}"
+            ));
+        }
     };
     match values
         .iter()

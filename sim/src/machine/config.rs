@@ -9,7 +9,7 @@ mod parse;
 use super::primitive;
 
 pub use fields::{FIELDS, Field, Range, field};
-pub use parse::{ConfigError, from_file, from_toml, line_of, to_toml};
+pub use parse::{ConfigError, from_file, from_toml, known, line_of, to_toml};
 
 /// How the lanes lie on the screen; see `docs/hardware-model.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

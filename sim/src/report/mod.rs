@@ -139,8 +139,8 @@ pub struct Pixels {
     pub visited: u64,
 }
 
-/// Seconds on this machine, medians over `repeat` runs. The medians are taken field by field, so the stages need not
-/// add up to the total exactly.
+/// Seconds on this machine, medians over `repeat` runs, taken field by field; `convert_s` is what the total has beyond the other
+/// stages, so that they add up to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct HostTimes {
     /// Projection and footprint set-up.
@@ -149,7 +149,14 @@ pub struct HostTimes {
     pub sort_s: f64,
     /// Rasterizing and blending.
     pub raster_s: f64,
-    /// All of it by the wall clock, also bringing the scene into the kernel's formats and the pixels into a picture.
+    /// Bringing the scene into the kernel's formats and the pixels into a picture; all of it for an engine that does not tell its
+    /// stages apart.
+    #[serde(default)]
+    pub convert_s: f64,
+    /// Loading, classifying and texturing the scene before it was drawn; done once, and no part of the total.
+    #[serde(default)]
+    pub prepare_s: f64,
+    /// All of the drawing by the wall clock.
     pub total_s: f64,
     /// How many runs the medians are over.
     pub repeat: usize,
@@ -245,11 +252,16 @@ impl HostTimes {
     /// Medians, field by field, of one entry per run.
     pub fn median_of(runs: &[HostTimes]) -> HostTimes {
         let of = |field: fn(&HostTimes) -> f64| median(runs.iter().map(field).collect());
+        let stages = [of(|t| t.setup_s), of(|t| t.sort_s), of(|t| t.raster_s)];
+        let total_s = of(|t| t.total_s);
+        let [setup_s, sort_s, raster_s] = stages;
         HostTimes {
-            setup_s: of(|t| t.setup_s),
-            sort_s: of(|t| t.sort_s),
-            raster_s: of(|t| t.raster_s),
-            total_s: of(|t| t.total_s),
+            setup_s,
+            sort_s,
+            raster_s,
+            convert_s: (total_s - stages.iter().sum::<f64>()).max(0.0),
+            prepare_s: 0.0,
+            total_s,
             repeat: runs.len(),
             threads: runs.first().map_or(0, |t| t.threads),
         }

@@ -35,6 +35,8 @@ pub fn times(total_s: f64) -> HostTimes {
         setup_s: total_s * 0.2,
         sort_s: total_s * 0.05,
         raster_s: total_s * 0.75,
+        convert_s: 0.0,
+        prepare_s: 0.0,
         total_s,
         repeat: 5,
         threads: 2,

@@ -4,9 +4,11 @@
 //! bytes at hand ([`MAX_DEFLATE_RATIO`]), and unpacking stops one byte past the claim. Memory is therefore bounded by
 //! the file's size.
 
+use std::cmp::Ordering;
 use std::io::Read;
 
 use flate2::read::MultiGzDecoder;
+use ruzstd::decoding::StreamingDecoder;
 
 use super::error::Problem;
 
@@ -123,6 +125,43 @@ pub(super) fn gunzip_at_most(packed: &[u8], limit: u64, field: &str) -> Result<V
             reason: error.to_string(),
         })?;
     Ok(unpacked)
+}
+
+/// Largest window of a zstd stream: what the decoder sets aside before a byte has been unpacked.
+const MAX_ZSTD_WINDOW: u64 = 1 << 26;
+
+/// Unpacks a zstd stream that must hold exactly `expected` bytes; the caller has bounded that by the file's size.
+pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+    let damaged = |reason: String| Problem::Zstd {
+        field: field.to_string(),
+        reason,
+    };
+    let mut packed = packed;
+    let mut unpacked = Vec::new();
+    if expected == 0 && packed.is_empty() {
+        return Ok(unpacked);
+    }
+    let mut decoder = StreamingDecoder::new_with_max_window_size(
+        &mut packed,
+        MAX_ZSTD_WINDOW.min(expected.max(1 << 20)),
+    )
+    .map_err(|error| damaged(error.to_string()))?;
+    // One byte more than expected makes the decoder read to the end of its frame.
+    (&mut decoder)
+        .take(expected + 1)
+        .read_to_end(&mut unpacked)
+        .map_err(|error| damaged(error.to_string()))?;
+    drop(decoder);
+    match (unpacked.len() as u64).cmp(&expected) {
+        Ordering::Equal if packed.is_empty() => Ok(unpacked),
+        Ordering::Equal => Err(damaged(format!("{} bytes follow its end", packed.len()))),
+        Ordering::Less => Err(truncated(field, expected, unpacked.len())),
+        Ordering::Greater => Err(Problem::malformed(
+            field,
+            format!("more than the {expected} bytes that the header justifies"),
+            "correct the header",
+        )),
+    }
 }
 
 /// Byte order of multi-byte numbers.

@@ -24,7 +24,7 @@ pub enum Problem {
     NotAFile,
     /// Neither the extension nor the first bytes are known.
     #[error(
-        "is of no known format; expected .ply, .splat, .spz, .nrrd or .nhdr, a point cloud or a height field (.csv) with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
+        "is of no known format; expected .ply, .splat, .spz, .sog (or a folder with its meta.json), .ksplat, .glb, .gltf, .nrrd or .nhdr, a point cloud or a height field (.csv) with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
     )]
     UnknownFormat,
     /// A field needs more bytes than there are.
@@ -42,6 +42,14 @@ pub enum Problem {
     /// A compressed part that does not unpack.
     #[error("{field}: the gzip stream is damaged or truncated ({reason}); fetch the file again")]
     Gzip {
+        /// The compressed part.
+        field: String,
+        /// What the decompressor said.
+        reason: String,
+    },
+    /// A part packed by zstd that does not unpack.
+    #[error("{field}: the zstd stream is damaged or truncated ({reason}); fetch the file again")]
+    Zstd {
         /// The compressed part.
         field: String,
         /// What the decompressor said.

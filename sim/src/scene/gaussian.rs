@@ -8,6 +8,7 @@
 use super::error::Problem;
 use super::{Harmonics, Scene, Skipped, Splat, Weight};
 use crate::rules::Rules;
+use crate::vector;
 
 /// The constant harmonic, 1 / (2 sqrt(pi)).
 pub(super) const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
@@ -63,6 +64,21 @@ impl GaussianScene {
             coefficients: Vec::new(),
             bases: Vec::new(),
             skipped,
+        }
+    }
+
+    /// The same after an affine map, which takes Gaussians to Gaussians; the harmonics are the caller's matter.
+    pub(super) fn push_transformed(
+        &mut self,
+        gaussian: &Gaussian,
+        linear: &[[f64; 3]; 3],
+        offset: [f64; 3],
+    ) {
+        let before = self.splats.len();
+        self.push(gaussian);
+        for splat in &mut self.splats[before..] {
+            splat.centre = vector::add(vector::transform(linear, splat.centre), offset);
+            splat.axes = splat.axes.map(|axis| vector::transform(linear, axis));
         }
     }
 
@@ -137,7 +153,7 @@ fn is_finite(gaussian: &Gaussian) -> bool {
 }
 
 /// Rotation matrix of a quaternion of any length, none if the length is zero.
-pub(super) fn rotation_matrix(quaternion: [f64; 4]) -> Option<[[f64; 3]; 3]> {
+pub(crate) fn rotation_matrix(quaternion: [f64; 4]) -> Option<[[f64; 3]; 3]> {
     let length = quaternion
         .iter()
         .map(|part| part * part)
@@ -172,9 +188,21 @@ pub(super) fn coefficient_count(degree: u8) -> usize {
     side * side - 1
 }
 
-/// The 15 real harmonics of degrees 1 to 3 in a unit direction, in the trainers' order and signs.
-pub(super) fn harmonic_basis([x, y, z]: [f64; 3]) -> [f64; 15] {
+/// Highest degree of harmonics that any format stores.
+pub(super) const MAX_DEGREE: u8 = 4;
+/// Harmonics of degrees 1 to [`MAX_DEGREE`].
+pub(super) const HARMONICS: usize = 24;
+
+/// The degree that has so many RGB coefficients beyond the constant one.
+pub(super) fn degree_of(coefficients: usize) -> Option<u8> {
+    (0..=MAX_DEGREE).find(|degree| coefficient_count(*degree) == coefficients)
+}
+
+/// The 24 real harmonics of degrees 1 to 4 in a unit direction, in the trainers' order and signs (those of the Condon-Shortley
+/// phase). Each is homogeneous, so that a direction of zero leaves the constant colour alone.
+pub(super) fn harmonic_basis([x, y, z]: [f64; 3]) -> [f64; HARMONICS] {
     let (xx, yy, zz) = (x * x, y * y, z * z);
+    let rr = xx + yy + zz;
     [
         -0.488_602_511_902_919_9 * y,
         0.488_602_511_902_919_9 * z,
@@ -191,6 +219,15 @@ pub(super) fn harmonic_basis([x, y, z]: [f64; 3]) -> [f64; 15] {
         -0.457_045_799_464_465_7 * x * (4.0 * zz - xx - yy),
         1.445_305_721_320_277 * z * (xx - yy),
         -0.590_043_589_926_643_5 * x * (xx - 3.0 * yy),
+        2.503_342_941_796_704_6 * x * y * (xx - yy),
+        -1.770_130_769_779_930_4 * y * z * (3.0 * xx - yy),
+        0.946_174_695_757_560_1 * x * y * (7.0 * zz - rr),
+        -0.669_046_543_557_289_2 * y * z * (7.0 * zz - 3.0 * rr),
+        0.105_785_546_915_204_31 * (35.0 * zz * zz - 30.0 * zz * rr + 3.0 * rr * rr),
+        -0.669_046_543_557_289_2 * x * z * (7.0 * zz - 3.0 * rr),
+        0.473_087_347_878_780_04 * (xx - yy) * (7.0 * zz - rr),
+        -1.770_130_769_779_930_4 * x * z * (xx - 3.0 * yy),
+        0.625_835_735_449_176_1 * (xx * (xx - 3.0 * yy) - yy * (3.0 * xx - yy)),
     ]
 }
 

@@ -106,7 +106,7 @@ fn quaternions_of_any_length_turn_the_axes() {
 #[test]
 fn harmonics_are_orthonormal() {
     let steps = 200;
-    let mut products = [[0.0; 15]; 15];
+    let mut products = [[0.0; HARMONICS]; HARMONICS];
     for i in 0..steps {
         let z = (i as f64 + 0.5) / steps as f64 * 2.0 - 1.0;
         for j in 0..steps {

@@ -2,11 +2,13 @@
 //!
 //! Besides files, `demo`, `random:COUNT[:SEED]` and `deep-stack` are scenes; `./demo` is a file of that name.
 
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use super::error::{LoadError, Problem};
-use super::{Scene, nrrd, ply, shade, splat_file, spz, synthetic, transfer::Transfer};
+use super::{
+    Scene, gltf, ksplat, nrrd, ply, shade, sog, splat_file, spz, synthetic, transfer::Transfer,
+};
 use crate::input;
 
 /// The embedded volume, see `sim/assets/README.md`.
@@ -22,31 +24,63 @@ pub struct LoadOptions {
     pub light: Option<[f64; 3]>,
 }
 
+/// A scene, and what its file says that is drawn otherwise here.
+pub type Loaded = (Scene, Vec<String>);
+
 /// Loads a scene file or one of the named scenes.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene, LoadError> {
+    load_with_notes(path, options).map(|(scene, _)| scene)
+}
+
+/// The same with notes for the user.
+pub fn load_with_notes(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     let shown = path.display().to_string();
     if shown == "demo" {
         return demo_with(options);
     }
     let scene = if synthetic::is_synthetic(&shown) {
-        refuse_volume_options(options).and_then(|()| load_synthetic(&shown))
+        refuse_volume_options(options)
+            .and_then(|()| load_synthetic(&shown))
+            .map(without_notes)
+    } else if let Some(folder) = sog_folder(path) {
+        let name = folder.file_name().unwrap_or_default().to_string_lossy();
+        refuse_volume_options(options)
+            .and_then(|()| sog::load_folder(folder, &name))
+            .map(without_notes)
     } else {
         read_file(path).and_then(|bytes| dispatch(&bytes, path, options))
     };
     scene.map_err(|problem| problem.of(shown))
 }
 
-/// The embedded demo volume, exactly as its file would load.
-pub fn demo() -> Result<Scene, LoadError> {
-    demo_with(&LoadOptions::default())
+fn without_notes(scene: Scene) -> Loaded {
+    (scene, Vec::new())
 }
 
-fn demo_with(options: &LoadOptions) -> Result<Scene, LoadError> {
+/// The folder of an unpacked SOG scene, which may be named itself or by its meta.json.
+fn sog_folder(path: &Path) -> Option<&Path> {
+    if path.is_dir() {
+        return path.join(sog::META).is_file().then_some(path);
+    }
+    path.parent().filter(|_| path.ends_with(sog::META))
+}
+
+/// The embedded demo volume, exactly as its file would load.
+pub fn demo() -> Result<Scene, LoadError> {
+    demo_with(&LoadOptions::default()).map(|(scene, _)| scene)
+}
+
+fn demo_with(options: &LoadOptions) -> Result<Loaded, LoadError> {
     dispatch(DEMO, Path::new(DEMO_NAME), options).map_err(|problem| problem.of("demo"))
 }
 
-/// A regular file's bytes. Pipes and devices are refused: they may never end.
+/// A regular file's bytes, or all of stdin for `-`. Other pipes and devices are refused: they may never end.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
+    if path == Path::new("-") {
+        let mut bytes = Vec::new();
+        io::Read::read_to_end(&mut io::stdin().lock(), &mut bytes)?;
+        return Ok(bytes);
+    }
     if !fs::metadata(path)?.is_file() {
         return Err(Problem::NotAFile);
     }
@@ -58,6 +92,9 @@ enum Format {
     Ply,
     Splat,
     Spz,
+    Sog,
+    Ksplat,
+    Gltf,
     Nrrd,
 }
 
@@ -71,26 +108,35 @@ fn recognise(bytes: &[u8], path: &Path) -> Result<Format, Problem> {
         Some("ply") => Ok(Format::Ply),
         Some("splat") => Ok(Format::Splat),
         Some("spz") => Ok(Format::Spz),
+        Some("sog") => Ok(Format::Sog),
+        Some("ksplat") => Ok(Format::Ksplat),
+        Some("glb" | "gltf") => Ok(Format::Gltf),
         Some("nrrd" | "nhdr") => Ok(Format::Nrrd),
         _ if bytes.starts_with(b"ply") => Ok(Format::Ply),
         _ if bytes.starts_with(b"NRRD") => Ok(Format::Nrrd),
-        _ if bytes.starts_with(&[0x1f, 0x8b]) => Ok(Format::Spz),
+        _ if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"NGSP") => Ok(Format::Spz),
+        _ if bytes.starts_with(b"PK\x03\x04") => Ok(Format::Sog),
+        _ if bytes.starts_with(b"glTF") => Ok(Format::Gltf),
         _ => Err(Problem::UnknownFormat),
     }
 }
 
-fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Scene, Problem> {
+fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, Problem> {
     let format = recognise(bytes, path)?;
     if format != Format::Nrrd {
         refuse_volume_options(options)?;
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    match format {
+    let scene = match format {
+        Format::Gltf => return gltf::load(bytes, path.parent(), &name),
         Format::Ply => ply::load(bytes, &name),
         Format::Splat => splat_file::load(bytes, &name),
         Format::Spz => spz::load(bytes, &name),
+        Format::Sog => sog::load_bundle(bytes, &name),
+        Format::Ksplat => ksplat::load(bytes, &name),
         Format::Nrrd => load_volume(bytes, path, &name, options),
-    }
+    };
+    scene.map(without_notes)
 }
 
 fn load_volume(

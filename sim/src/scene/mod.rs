@@ -2,18 +2,23 @@
 //!
 //! | file | loader |
 //! |---|---|
-//! | `.ply`, `.splat`, `.spz` | 3D Gaussians, through one builder that checks and counts |
+//! | `.ply` (plain and compressed), `.splat`, `.spz`, `.sog`, `.ksplat`, `.glb`, `.gltf` | 3D Gaussians, through one builder that checks and counts |
 //! | `.nrrd`, `.nhdr` | volumes, classified by a [`transfer`] function and shaded per voxel by [`shade`] |
 //! | `demo`, `random:COUNT[:SEED]`, `deep-stack` | no file: the embedded volume and [`synthetic`] scenes |
 
 mod bytes;
 mod error;
 mod gaussian;
+mod gltf;
+mod ksplat;
+mod half;
 mod load;
 mod nrrd;
 mod ply;
 pub mod points;
+mod quaternion;
 pub mod shade;
+mod sog;
 mod splat_file;
 mod spz;
 pub mod synthetic;
@@ -22,15 +27,20 @@ mod view;
 mod weights;
 
 #[cfg(test)]
+mod damage;
+#[cfg(test)]
+mod format_tests;
+#[cfg(test)]
 mod tests;
 
 pub use error::{LoadError, Problem};
-pub use load::{LoadOptions, demo, load};
+pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
 pub use transfer::Transfer;
 pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
+pub(crate) use gaussian::rotation_matrix;
 pub(crate) use load::read_file;
 
 /// What a splat's weight means.
@@ -58,7 +68,7 @@ pub struct Splat {
 /// View-dependent colour: coefficients of degree 1 and up, per splat.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Harmonics {
-    /// 1 to 3.
+    /// 1 to 4.
     pub degree: u8,
     /// Per splat `(degree + 1)^2 - 1` RGB coefficients in the trainers' order.
     pub coefficients: Vec<[f32; 3]>,

@@ -1,25 +1,28 @@
-//! `.spz`, versions 2 and 3: a gzip stream of a 16-byte header and one array per attribute.
+//! `.spz`, versions 1 to 4: a short header and one array per attribute.
 //!
 //! | array | bytes per Gaussian | decoding |
 //! |---|---|---|
-//! | position | 3 x 3 | signed 24-bit fixed point with the header's number of fractional bits |
+//! | position | 3 x 3 | signed 24-bit fixed point with the header's number of fractional bits; in version 1 three half floats |
 //! | opacity | 1 | / 255 |
 //! | colour | 3 | `f_dc = (byte / 255 - 0.5) / 0.15` |
 //! | scale | 3 | logarithm = `byte / 16 - 10` |
-//! | rotation, version 2 | 3 | x, y, z = `byte / 127.5 - 1`, w >= 0 makes the length 1 |
-//! | rotation, version 3 | 4 | "smallest three": top 2 bits name the largest of x, y, z, w; the others follow, sign and 9-bit magnitude of sqrt(1/2) |
+//! | rotation, versions 1 and 2 | 3 | x, y, z = `byte / 127.5 - 1`, w >= 0 makes the length 1 |
+//! | rotation, versions 3 and 4 | 4 | "smallest three": top 2 bits name the largest of x, y, z, w; the others follow, sign and 9-bit magnitude of sqrt(1/2) |
 //! | harmonics | 3 per coefficient | `(byte - 128) / 128`, colour channel fastest |
+//!
+//! Up to version 3 all of it is one gzip stream; version 4 has a plain header, a table of sizes and one zstd stream per array.
 //!
 //! The format's axes are right, up, back, while the trainers' are right, down, front: y and z are negated here, in
 //! positions, in quaternions and in the harmonics that are odd in them.
 
 use super::Scene;
-use super::bytes::{Reader, gunzip_at_most, gunzip_exact};
+use super::bytes::{Reader, gunzip_at_most, gunzip_exact, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
-    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, harmonic_basis,
-    scale_from_log,
+    Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, base_from_coefficient, coefficient_count,
+    harmonic_basis, scale_from_log,
 };
+use super::half;
 
 const MAGIC: &[u8; 4] = b"NGSP";
 const HEADER_BYTES: usize = 16;
@@ -29,32 +32,130 @@ const FLAG_EXTENSIONS: u8 = 2;
 /// What turns right-up-back into right-down-front.
 const FLIP: [f64; 3] = [1.0, -1.0, -1.0];
 
+/// Bytes of version 4's header, of which the last twelve are reserved.
+const HEADER_BYTES_4: usize = 32;
+/// What each array is called in messages, in the file's order.
+const ARRAYS: [&str; 6] = [
+    "spz positions",
+    "spz opacities",
+    "spz colours",
+    "spz scales",
+    "spz rotations",
+    "spz harmonics",
+];
+/// Largest size of the unpacked arrays in sizes of the file, for version 4: zstd itself knows no bound. Real scenes, even of one
+/// colour and rotation throughout, stay below 20; the format's own library refuses more than this as well.
+const MAX_RATIO: u64 = 1024;
+
 /// Loads a `.spz` file.
 pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     if bytes.starts_with(MAGIC) {
-        return Err(unsupported_version("4 or later (not gzip-packed)"));
+        return load_streams(bytes, name);
     }
     let header = Header::parse(&gunzip_at_most(bytes, HEADER_BYTES as u64, "spz header")?)?;
+    if header.version > 3 {
+        return Err(unsupported_version(&header.version.to_string()));
+    }
     let unpacked = gunzip_exact(bytes, header.file_bytes(), "spz data")?;
     let mut reader = Reader::new(&unpacked);
     reader.take(HEADER_BYTES, "spz header")?;
-    let arrays = Arrays::split(&mut reader, &header)?;
+    let mut arrays = [&[][..]; 6];
+    for ((array, size), field) in arrays.iter_mut().zip(header.record_bytes()).zip(ARRAYS) {
+        *array = reader.records(u64::from(header.count), size, field)?;
+    }
+    decode(&header, arrays, name)
+}
+
+/// Version 4: header, table of packed and unpacked sizes, streams.
+fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
+    let header = Header::parse(bytes)?;
+    if header.version != 4 {
+        return Err(unsupported_version(&format!(
+            "{} without gzip",
+            header.version
+        )));
+    }
+    let mut reader = Reader::new(bytes);
+    reader.take(HEADER_BYTES, "spz header")?;
+    let table_at = u32::from_le_bytes(reader.array("spz table offset")?) as usize;
+    let mut table = Reader::new(bytes);
+    table.take(table_at.max(HEADER_BYTES_4), "spz table")?;
+    let streams = usize::from(header.reserved);
+    let needed = if header.degree == 0 { 5 } else { 6 };
+    if !(needed..=6).contains(&streams) {
+        return Err(Problem::malformed(
+            "spz streams",
+            format!("there are {streams}"),
+            format!(
+                "{needed} to 6 are read: positions, opacities, colours, scales, rotations, harmonics"
+            ),
+        ));
+    }
+    let claimed = header.file_bytes();
+    if claimed > (bytes.len() as u64).saturating_mul(MAX_RATIO) {
+        return Err(Problem::malformed(
+            "spz count",
+            format!(
+                "{} Gaussians of {claimed} bytes cannot be in a file of {}",
+                header.count,
+                bytes.len()
+            ),
+            "correct the count in the header or fetch the file again",
+        ));
+    }
+    let sizes = table.records(streams as u64, 16, "spz table")?;
+    let mut unpacked: [Vec<u8>; 6] = Default::default();
+    for (index, entry) in sizes.as_chunks::<16>().0.iter().enumerate() {
+        let expected = u64::from(header.count) * header.record_bytes()[index] as u64;
+        let [packed, plain] = [0, 8].map(|at| size_at(entry, at));
+        if plain != expected {
+            return Err(Problem::malformed(
+                ARRAYS[index],
+                format!("the table says {plain} bytes"),
+                format!(
+                    "{} Gaussians need {expected}; export the scene again",
+                    header.count
+                ),
+            ));
+        }
+        let packed = table.records(packed, 1, ARRAYS[index])?;
+        unpacked[index] = unzstd_exact(packed, expected, ARRAYS[index])?;
+    }
+    match table.remaining() {
+        0 => decode(&header, unpacked.each_ref().map(Vec::as_slice), name),
+        left => Err(Problem::malformed(
+            "spz streams",
+            format!("{left} bytes are left over after the last one"),
+            "correct the sizes in the table or export the scene again",
+        )),
+    }
+}
+
+fn size_at(entry: &[u8; 16], at: usize) -> u64 {
+    entry[at..]
+        .first_chunk()
+        .map_or(0, |bytes| u64::from_le_bytes(*bytes))
+}
+
+fn decode(header: &Header, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
+    let arrays = Arrays::new(arrays);
     let mut scene = GaussianScene::new(header.degree);
     let parities = harmonic_parities();
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(header.degree)];
     for index in 0..header.count as usize {
         arrays.read_harmonics(index, &parities, &mut harmonics);
-        scene.push(&arrays.gaussian(index, &header, &harmonics));
+        scene.push(&arrays.gaussian(index, header, &harmonics));
     }
     scene.finish(name)
 }
 
 struct Header {
-    /// Bytes of a rotation: 3 in version 2, 4 in version 3.
-    rotation_bytes: usize,
+    version: u32,
     count: u32,
     degree: u8,
     fraction_bits: u8,
+    /// The number of streams in version 4, nothing before.
+    reserved: u8,
 }
 
 impl Header {
@@ -68,25 +169,33 @@ impl Header {
                 "check that this is a .spz file",
             ));
         }
-        let rotation_bytes = match u32::from_le_bytes(reader.array("spz version")?) {
-            2 => 3,
-            3 => 4,
-            other => return Err(unsupported_version(&other.to_string())),
-        };
+        let version = u32::from_le_bytes(reader.array("spz version")?);
+        if !(1..=4).contains(&version) {
+            return Err(unsupported_version(&version.to_string()));
+        }
         let count = u32::from_le_bytes(reader.array("spz count")?);
-        let [degree, fraction_bits, flags, _] = reader.array("spz header")?;
+        let [degree, fraction_bits, flags, reserved] = reader.array("spz header")?;
         check_header(count, degree, fraction_bits, flags)?;
         Ok(Header {
-            rotation_bytes,
+            version,
             count,
             degree,
             fraction_bits,
+            reserved,
         })
+    }
+
+    /// Bytes per Gaussian of each array.
+    fn record_bytes(&self) -> [usize; 6] {
+        let position = if self.version == 1 { 6 } else { 9 };
+        let rotation = if self.version < 3 { 3 } else { 4 };
+        let harmonics = 3 * coefficient_count(self.degree);
+        [position, 1, 3, 3, rotation, harmonics]
     }
 
     /// Size of the unpacked file: the largest count times the largest record fits easily.
     fn file_bytes(&self) -> u64 {
-        let record = 9 + 1 + 3 + 3 + self.rotation_bytes + 3 * coefficient_count(self.degree);
+        let record: usize = self.record_bytes().iter().sum();
         HEADER_BYTES as u64 + u64::from(self.count) * record as u64
     }
 }
@@ -99,11 +208,11 @@ fn check_header(count: u32, degree: u8, fraction_bits: u8, flags: u8) -> Result<
             "export a scene with splats in it",
         ));
     }
-    if degree > 3 {
+    if degree > MAX_DEGREE {
         return Err(Problem::malformed(
             "spz harmonics degree",
             format!("it is {degree}"),
-            "degrees 0 to 3 are read; export with one of these",
+            "degrees 0 to 4 are read; export with one of these",
         ));
     }
     if fraction_bits > 23 {
@@ -127,13 +236,13 @@ fn unsupported_version(version: &str) -> Problem {
     Problem::malformed(
         "spz version",
         format!("it is {version}"),
-        "versions 2 and 3 are read; convert to one of these",
+        "versions 1 to 4 are read; convert to one of these",
     )
 }
 
 /// The attribute arrays, each sliced per Gaussian.
 struct Arrays<'a> {
-    positions: &'a [[u8; 9]],
+    positions: &'a [u8],
     opacities: &'a [u8],
     colours: &'a [[u8; 3]],
     scales: &'a [[u8; 3]],
@@ -142,19 +251,15 @@ struct Arrays<'a> {
 }
 
 impl<'a> Arrays<'a> {
-    fn split(reader: &mut Reader<'a>, header: &Header) -> Result<Self, Problem> {
-        let count = u64::from(header.count);
-        Ok(Arrays {
-            positions: reader.records(count, 9, "spz positions")?.as_chunks().0,
-            opacities: reader.records(count, 1, "spz opacities")?,
-            colours: reader.records(count, 3, "spz colours")?.as_chunks().0,
-            scales: reader.records(count, 3, "spz scales")?.as_chunks().0,
-            rotations: reader.records(count, header.rotation_bytes, "spz rotations")?,
-            harmonics: reader
-                .records(count, 3 * coefficient_count(header.degree), "spz harmonics")?
-                .as_chunks()
-                .0,
-        })
+    fn new([positions, opacities, colours, scales, rotations, harmonics]: [&'a [u8]; 6]) -> Self {
+        Arrays {
+            positions,
+            opacities,
+            colours: colours.as_chunks().0,
+            scales: scales.as_chunks().0,
+            rotations,
+            harmonics: harmonics.as_chunks().0,
+        }
     }
 
     fn gaussian<'h>(
@@ -163,7 +268,7 @@ impl<'a> Arrays<'a> {
         header: &Header,
         harmonics: &'h [[f32; 3]],
     ) -> Gaussian<'h> {
-        let size = header.rotation_bytes;
+        let [position_bytes, .., size, _] = header.record_bytes();
         let rotation = match self.rotations[index * size..(index + 1) * size] {
             [x, y, z] => rotation_first_three([x, y, z]),
             [b0, b1, b2, b3] => rotation_smallest_three(u32::from_le_bytes([b0, b1, b2, b3])),
@@ -173,7 +278,10 @@ impl<'a> Arrays<'a> {
         let constant =
             self.colours[index].map(|byte| (f64::from(byte) / 255.0 - 0.5) / COLOUR_SCALE);
         Gaussian {
-            centre: position(self.positions[index], header.fraction_bits),
+            centre: position(
+                &self.positions[index * position_bytes..(index + 1) * position_bytes],
+                header.fraction_bits,
+            ),
             scales: self.scales[index].map(|byte| scale_from_log(f64::from(byte) / 16.0 - 10.0)),
             rotation: [w, x * FLIP[0], y * FLIP[1], z * FLIP[2]],
             opacity: f64::from(self.opacities[index]) / 255.0,
@@ -182,7 +290,12 @@ impl<'a> Arrays<'a> {
         }
     }
 
-    fn read_harmonics(&self, index: usize, parities: &[f32; 15], harmonics: &mut [[f32; 3]]) {
+    fn read_harmonics(
+        &self,
+        index: usize,
+        parities: &[f32; HARMONICS],
+        harmonics: &mut [[f32; 3]],
+    ) {
         let first = index * harmonics.len();
         let stored = &self.harmonics[first..first + harmonics.len()];
         for ((coefficient, bytes), parity) in harmonics.iter_mut().zip(stored).zip(parities) {
@@ -191,27 +304,26 @@ impl<'a> Arrays<'a> {
     }
 }
 
-fn position(stored: [u8; 9], fraction_bits: u8) -> [f64; 3] {
+/// Three half floats, or three 24-bit integers.
+fn position(stored: &[u8], fraction_bits: u8) -> [f64; 3] {
     let unit = f64::from(1u32 << fraction_bits);
-    [0, 1, 2].map(|axis| {
-        let bytes = [
-            0,
-            stored[3 * axis],
-            stored[3 * axis + 1],
-            stored[3 * axis + 2],
-        ];
+    let size = stored.len() / 3;
+    let place = |axis: usize| match stored[axis * size..(axis + 1) * size] {
+        [low, high] => half::from_bits(u16::from_le_bytes([low, high])),
         // In the top three bytes the sign is in place; the shift back is arithmetic.
-        FLIP[axis] * f64::from(i32::from_le_bytes(bytes) >> 8) / unit
-    })
+        [low, middle, high] => f64::from(i32::from_le_bytes([0, low, middle, high]) >> 8) / unit,
+        _ => f64::NAN,
+    };
+    [0, 1, 2].map(|axis| FLIP[axis] * place(axis))
 }
 
-/// Version 2: x, y, z, w.
+/// Versions 1 and 2: x, y, z, w.
 fn rotation_first_three(stored: [u8; 3]) -> [f64; 4] {
     let [x, y, z] = stored.map(|byte| f64::from(byte) / 127.5 - 1.0);
     [x, y, z, (1.0 - x * x - y * y - z * z).max(0.0).sqrt()]
 }
 
-/// Version 3: x, y, z, w.
+/// Versions 3 and 4: x, y, z, w.
 fn rotation_smallest_three(stored: u32) -> [f64; 4] {
     let largest = (stored >> 30) as usize;
     let mut rotation = [0.0; 4];
@@ -232,7 +344,7 @@ fn rotation_smallest_three(stored: u32) -> [f64; 4] {
 }
 
 /// Sign that each harmonic takes when y and z are negated: each is even or odd, so one direction tells.
-fn harmonic_parities() -> [f32; 15] {
+fn harmonic_parities() -> [f32; HARMONICS] {
     let direction = [0.8, 0.5, 0.33];
     let flipped = [0, 1, 2].map(|axis| direction[axis] * FLIP[axis]);
     let (before, after) = (harmonic_basis(direction), harmonic_basis(flipped));

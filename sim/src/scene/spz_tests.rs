@@ -90,7 +90,8 @@ fn harmonics_change_sign_with_the_axes() {
     assert_eq!(
         harmonic_parities(),
         [
-            -1., -1., 1., -1., 1., 1., -1., 1., -1., 1., -1., -1., 1., -1., 1.
+            -1., -1., 1., -1., 1., 1., -1., 1., -1., 1., -1., -1., 1., -1., 1., -1., 1., -1., 1.,
+            1., -1., 1., -1., 1.
         ],
         "odd powers of y and z together"
     );
@@ -144,8 +145,8 @@ fn no_flipped_byte_panics() {
 fn each_message_names_the_field_and_the_fix() {
     let cases = [
         (
-            b"NGSP....".to_vec(),
-            "spz version: it is 4 or later (not gzip-packed); versions 2 and 3 are read",
+            b"NGSP\x03\0\0\0\x01\0\0\0\0\0\0\0".to_vec(),
+            "spz version: it is 3 without gzip; versions 1 to 4 are read",
         ),
         (
             b"plain".to_vec(),
@@ -157,16 +158,16 @@ fn each_message_names_the_field_and_the_fix() {
             "spz magic: it is not 'NGSP'; check that this is a .spz file",
         ),
         (
-            pack(&header(1, 1, 0, 12, 0)),
-            "spz version: it is 1; versions 2 and 3 are read; convert to one of these",
+            pack(&header(5, 1, 0, 12, 0)),
+            "spz version: it is 5; versions 1 to 4 are read; convert to one of these",
         ),
         (
             pack(&header(3, 0, 0, 12, 0)),
             "spz count: it is 0; export a scene with splats in it",
         ),
         (
-            pack(&header(3, 1, 4, 12, 0)),
-            "spz harmonics degree: it is 4; degrees 0 to 3 are read",
+            pack(&header(3, 1, 5, 12, 0)),
+            "spz harmonics degree: it is 5; degrees 0 to 4 are read",
         ),
         (
             pack(&header(3, 1, 0, 24, 0)),
@@ -196,4 +197,112 @@ fn each_message_names_the_field_and_the_fix() {
             "found    {found}\nexpected {expected}"
         );
     }
+}
+
+/// The same Gaussian as [`one`], in version 4: a plain header, a table and a zstd stream per array.
+fn streams(degree: u8, change: impl Fn(&mut Vec<Vec<u8>>)) -> Vec<u8> {
+    let whole = one(3, degree, &[0x12, 0x34, 0x56, 0x78]);
+    let mut rest = &whole[HEADER_BYTES..];
+    let sizes = [9, 1, 3, 3, 4, 3 * coefficient_count(degree)];
+    let mut arrays: Vec<Vec<u8>> = sizes
+        .iter()
+        .map(|size| {
+            let (array, after) = rest.split_at(*size);
+            rest = after;
+            array.to_vec()
+        })
+        .collect();
+    change(&mut arrays);
+    let pack = |array: &Vec<u8>| {
+        ruzstd::encoding::compress_to_vec(&array[..], ruzstd::encoding::CompressionLevel::Fastest)
+    };
+    let packed: Vec<Vec<u8>> = arrays.iter().map(pack).collect();
+    let mut file = header(4, 1, degree, 12, 0);
+    file[15] = arrays.len() as u8;
+    file.extend(32u32.to_le_bytes());
+    file.extend([0; 12]);
+    for (packed, plain) in packed.iter().zip(&arrays) {
+        file.extend((packed.len() as u64).to_le_bytes());
+        file.extend((plain.len() as u64).to_le_bytes());
+    }
+    [file, packed.concat()].concat()
+}
+
+#[test]
+fn streams_hold_what_one_stream_holds() {
+    for degree in 0..=4 {
+        let expected = load_one(3, degree, &[0x12, 0x34, 0x56, 0x78]);
+        assert_eq!(load(&streams(degree, |_| ()), "x").unwrap(), expected);
+    }
+    let five = streams(0, |arrays| arrays.truncate(5));
+    assert!(load(&five, "x").is_ok(), "no stream without harmonics");
+}
+
+#[test]
+fn damaged_streams_are_refused() {
+    super::super::damage::survives(&streams(1, |_| ()), &|bytes| load(bytes, "x"));
+}
+
+#[test]
+fn version_1_has_half_floats_for_places() {
+    let mut bytes = header(1, 1, 0, 0, 0);
+    bytes.extend([0x3c00u16, 0x4000, 0xb800].map(u16::to_le_bytes).concat());
+    bytes.extend([51, 255, 0, 127, 160, 144, 128, 128, 128, 128]);
+    let scene = load(&pack(&bytes), "x").unwrap();
+    assert_eq!(scene.splats[0].centre, [1.0, -2.0, 0.5]);
+}
+
+#[test]
+fn messages_about_streams_name_the_array() {
+    let sound = streams(1, |_| ());
+    let at = |place: usize, bytes: &[u8]| {
+        let mut file = sound.clone();
+        file[place..place + bytes.len()].copy_from_slice(bytes);
+        file
+    };
+    let cases = [
+        (
+            at(8, &u32::MAX.to_le_bytes()),
+            "Gaussians of 124554051571 bytes cannot be in a file of",
+        ),
+        (at(15, &[4]), "spz streams: there are 4; 6 to 6 are read"),
+        (
+            at(40, &[7]),
+            "spz positions: the table says 7 bytes; 1 Gaussians need 9",
+        ),
+        (
+            at(48, &u64::MAX.to_le_bytes()),
+            "spz opacities: 18446744073709551615 bytes are needed",
+        ),
+        (
+            at(128, &[0; 4]),
+            "spz positions: the zstd stream is damaged or truncated",
+        ),
+        (
+            [sound.clone(), vec![0]].concat(),
+            "1 bytes are left over after the last one",
+        ),
+        (
+            streams(1, |arrays| arrays[1].push(0)),
+            "spz opacities: the table says 2 bytes",
+        ),
+    ];
+    for (bytes, expected) in cases {
+        let found = load(&bytes, "x").unwrap_err().to_string();
+        assert!(
+            found.contains(expected),
+            "found    {found}\nexpected {expected}"
+        );
+    }
+}
+
+/// A kilobyte that unpacks to megabytes stops where the header does.
+#[test]
+fn a_zstd_bomb_stops_at_the_size_the_header_justifies() {
+    let bomb = ruzstd::encoding::compress_to_vec(
+        &vec![0u8; 4_000_000][..],
+        ruzstd::encoding::CompressionLevel::Fastest,
+    );
+    let message = unzstd_exact(&bomb, 1000, "data").unwrap_err().to_string();
+    assert!(message.contains("data: "), "{message}");
 }

@@ -26,7 +26,7 @@ fn events(first: u32, last: u32, words: &[&str]) -> Vec<Event> {
         viewport: [24, 16],
         tile: [config.tile_width, config.tile_height],
         traversal: splatline::format::Traversal::Spans,
-        cutoff: 4.0,
+        cutoff: Some(4.0),
         packet_bytes: 48,
     };
     let workload = read_table(&table, &options).unwrap();

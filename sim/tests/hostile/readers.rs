@@ -168,7 +168,7 @@ fn time(config: &Config, table: &str) -> Result<(), String> {
         viewport: [0, 0],
         tile: [config.tile_width, config.tile_height],
         traversal: splatline::format::Traversal::Spans,
-        cutoff: 4.0,
+        cutoff: Some(4.0),
         packet_bytes: 40,
     };
     let workload = read_table(table, &options).map_err(told)?;

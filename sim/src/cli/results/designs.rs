@@ -2,7 +2,8 @@
 
 use super::super::args::Engine;
 use super::super::compare::all_entries;
-use super::super::setup::{View, threads, write};
+use super::super::output::write;
+use super::super::setup::{View, threads};
 use super::super::sweep::{self, Entry, Manner};
 use super::super::{Failure, say};
 use super::{COMMAND, Subject};
@@ -49,6 +50,7 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
             camera,
             rules,
             warnings: Vec::new(),
+            prepare_s: 0.0,
         };
         let report = sweep::run(
             &view,

@@ -2,8 +2,8 @@
 //!
 //! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
 
+use super::super::output::write;
 use super::super::progress::Progress;
-use super::super::setup::write;
 use super::super::{Failure, say};
 use super::{designs, layouts, throughput};
 use anyhow::Result;

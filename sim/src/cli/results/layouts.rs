@@ -1,7 +1,7 @@
 //! Which lane layout is best: a sweep by `explore` over layouts, lanes and the row generator, per scene.
 
 use super::super::Failure;
-use super::super::setup::write;
+use super::super::output::write;
 use super::{COMMAND, Subject};
 use anyhow::Context;
 use splatline_sim::design::DesignChoice;

@@ -8,8 +8,8 @@ mod speed;
 mod throughput;
 
 use super::compare::create_folder;
+use super::output::write;
 use super::progress::Progress;
-use super::setup::write;
 use super::study_args::{ResultsOptions, ResultsPage};
 use super::{Failure, say};
 use clap::ValueEnum;

@@ -16,7 +16,7 @@ use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::explore::space::Space;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::{Config, simulate};
-use splatline_sim::picture::Depth;
+use splatline_sim::picture::{Backdrop, Depth};
 use splatline_sim::reference::float;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
@@ -108,12 +108,13 @@ fn compare_all(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<(
         camera: subject.camera,
         rules: subject.rules,
         warnings: Vec::new(),
+        prepare_s: 0.0,
     };
     let comparison = sweep::run(&view, &manner, Engine::Float, &chosen, &others)?;
     let folder = std::env::temp_dir().join(format!("splatline-speed-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
         .map_err(|error| anyhow::anyhow!("cannot create '{}': {error}", folder.display()))?;
-    let written = comparison.write(&folder, Depth::Eight);
+    let written = comparison.write_as(&folder, Depth::Eight, Backdrop::default());
     std::fs::remove_dir_all(&folder)
         .map_err(|error| anyhow::anyhow!("cannot remove '{}': {error}", folder.display()))?;
     written

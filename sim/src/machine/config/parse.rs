@@ -282,6 +282,22 @@ pub fn to_toml(config: &Config) -> String {
     text
 }
 
+/// The keys of the section that an unknown key stands in, or the sections.
+pub fn known(key: &str) -> String {
+    let section = key.split_once('.').map_or("", |(section, _)| section);
+    let in_section = FIELDS.iter().filter(|field| field.section == section);
+    let keys: Vec<&str> = in_section.map(|field| field.key).collect();
+    if !keys.is_empty() {
+        return format!("[{section}] has {}", keys.join(", "));
+    }
+    let mut sections: Vec<&str> = FIELDS.iter().map(|field| field.section).collect();
+    sections.dedup();
+    format!(
+        "the sections are {}; docs/files.md lists their keys",
+        sections.join(", ")
+    )
+}
+
 fn unknown(place: &str, key: &str) -> ConfigError {
     let name = key.rsplit('.').next().unwrap_or(key);
     let hint = match field(name) {
@@ -290,10 +306,9 @@ fn unknown(place: &str, key: &str) -> ConfigError {
             let start: String = name.chars().take(3).collect();
             let near = FIELDS.iter().filter(|field| field.key.starts_with(&start));
             let keys: Vec<&str> = near.map(|field| field.key).collect();
-            if keys.is_empty() {
-                String::new()
-            } else {
-                format!(": did you mean {}?", keys.join(" or "))
+            match keys.is_empty() {
+                true => format!(": {}", known(key)),
+                false => format!(": did you mean {}?", keys.join(" or ")),
             }
         }
     };
@@ -411,6 +426,15 @@ mod tests {
         );
         assert!(message("x = \n").contains("line 1"));
         assert!(message("tile.tile_width = 9").contains("m.toml:1"));
-        assert!(message("colour = 9").contains("m.toml:1: unknown key 'colour'"));
+        let told = message("colour = 9");
+        assert!(
+            told.contains("m.toml:1: unknown key 'colour': the sections are tile, memory"),
+            "{told}"
+        );
+        let told = message("[buffer]\nhue = 3\n");
+        assert!(
+            told.contains("[buffer] has tile_buffers, buffer_banks"),
+            "{told}"
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! A workload from a table of footprints: other people's rasterizers timed on this machine.
 //!
 //! CSV with a heading. Columns are found by name: `u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1` as `splatline footprints` writes
-//! them, and optionally `cutoff` (radial index at which the footprint ends; else the option's) and `tiles` (numbers of the tiles, row by
+//! them, with `cutoff` (radial index at which the footprint ends; where it is missing or empty the option's), and optionally `tiles` (numbers of the tiles, row by
 //! row, separated by spaces, that list the footprint; else those that its box meets). A line with empty fields is a culled
 //! splat. Rows are computed in double precision from r = a dx^2 + 2 b dx dy + c dy^2 < cutoff. A table has no opacities, so
 //! nothing ever finishes.
@@ -19,8 +19,8 @@ pub struct TableOptions {
     pub tile: [u16; 2],
     /// Which pixels are visited.
     pub traversal: Traversal,
-    /// Radial index at which a footprint without a cut-off of its own ends.
-    pub cutoff: f64,
+    /// Radial index at which a footprint without a cut-off of its own ends; none makes such a footprint an error.
+    pub cutoff: Option<f64>,
     /// Bytes of a packet.
     pub packet_bytes: u32,
 }
@@ -33,6 +33,15 @@ pub enum TableError {
         "line 1: no column '{0}': expected at least u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1"
     )]
     NoColumn(&'static str),
+    /// A footprint has no end: any guess would give cycles of another picture.
+    #[error(
+        "line {line}: no cut-off: the table has no column 'cutoff' (or an empty field in it); add it as `splatline footprints` \
+         writes it, or give --cutoff r (4 in ewa; 11.1 at most in 3dgs)"
+    )]
+    NoCutoff {
+        /// Line, counted from 1.
+        line: usize,
+    },
     /// A field cannot be read.
     #[error("line {line}: {column} = '{value}': {expected}")]
     Field {
@@ -226,7 +235,9 @@ impl Reader<'_> {
     fn cutoff(&self, options: &TableOptions) -> Result<f64, TableError> {
         let text = self.optional[0].map_or("", |place| self.text(place));
         match text.parse::<f64>() {
-            _ if text.is_empty() => Ok(options.cutoff),
+            _ if text.is_empty() => options
+                .cutoff
+                .ok_or(TableError::NoCutoff { line: self.line }),
             Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
             _ => Err(self.wrong(
                 "cutoff",
@@ -364,7 +375,7 @@ mod tests {
         viewport: [16, 8],
         tile: [8, 8],
         traversal: Traversal::Spans,
-        cutoff: 4.0,
+        cutoff: Some(4.0),
         packet_bytes: 40,
     };
     const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1";
@@ -420,6 +431,21 @@ mod tests {
         );
         let listed = format!("{HEADING},tiles\n0,8,4,1,1,0,1,6,2,10,6,1\n");
         assert_eq!(read_table(&listed, &OPTIONS).unwrap().splats[0].tiles, 1);
+    }
+
+    #[test]
+    fn a_footprint_without_an_end_is_an_error() {
+        let options = TableOptions {
+            cutoff: None,
+            ..OPTIONS
+        };
+        let disc = "0,8,4,1,1,0,1,6,2,10,6";
+        let message = |text: &str| read_table(text, &options).unwrap_err().to_string();
+        assert!(message(&format!("{HEADING}\n{disc}\n")).starts_with("line 2: no cut-off"));
+        assert!(message(&format!("{HEADING},cutoff\n{disc},4\n{disc},\n")).starts_with("line 3"));
+        let own = read_table(&format!("{HEADING},cutoff\n{disc},4\n"), &options).unwrap();
+        let given = read_table(&format!("{HEADING}\n{disc}\n"), &OPTIONS).unwrap();
+        assert_eq!(picture(&own), picture(&given));
     }
 
     #[test]

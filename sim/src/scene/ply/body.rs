@@ -15,6 +15,19 @@ pub(super) fn for_each_record(
     wanted: &str,
     visit: &mut dyn FnMut(&[f64]),
 ) -> Result<(), Problem> {
+    walk(header, body, &mut |element, record| {
+        if element.name == wanted {
+            visit(record);
+        }
+    })
+}
+
+/// Calls `visit` with each record of every element that has properties.
+pub(super) fn walk(
+    header: &Header,
+    body: &[u8],
+    visit: &mut dyn FnMut(&Element, &[f64]),
+) -> Result<(), Problem> {
     let mut source = match header.format {
         Format::Ascii => Source::Ascii {
             rest: body,
@@ -35,9 +48,7 @@ pub(super) fn for_each_record(
         for index in 0..element.count {
             values.clear();
             source.read_record(element, index, &mut values)?;
-            if element.name == wanted {
-                visit(&values);
-            }
+            visit(element, &values);
         }
     }
     source.finish()

@@ -1,10 +1,11 @@
 //! 3D Gaussians in the trainers' PLY layout.
 //!
 //! One `vertex` per Gaussian: `x y z`, `scale_0..2` (logarithms), `rot_0..3` (w, x, y, z), `opacity` (logit),
-//! `f_dc_0..2` and optionally `f_rest_*` (9, 24 or 45 numbers for degree 1, 2 or 3: all of red, then green, then
-//! blue). Properties may come in any order; others are ignored.
+//! `f_dc_0..2` and optionally `f_rest_*` (9, 24, 45 or 72 numbers for degree 1 to 4: all of red, then green, then
+//! blue). Properties may come in any order; others are ignored. Compressed files are the matter of [`compressed`].
 
 mod body;
+mod compressed;
 mod header;
 pub(super) mod points;
 #[cfg(test)]
@@ -13,8 +14,8 @@ mod tests;
 use super::Scene;
 use super::error::Problem;
 use super::gaussian::{
-    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, opacity_from_logit,
-    scale_from_log,
+    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, degree_of,
+    opacity_from_logit, scale_from_log,
 };
 use header::Element;
 
@@ -22,6 +23,9 @@ use header::Element;
 pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let (header, body) = header::parse(bytes)?;
     let vertex = vertex_element(&header.elements)?;
+    if vertex.column("packed_position").is_some() {
+        return compressed::load(&header, body, name);
+    }
     let columns = Columns::find(vertex)?;
     let degree = columns.degree();
     let mut scene = GaussianScene::new(degree);
@@ -100,12 +104,7 @@ impl Columns {
     }
 
     fn degree(&self) -> u8 {
-        match self.rest.len() {
-            0 => 0,
-            9 => 1,
-            24 => 2,
-            _ => 3,
-        }
+        degree_of(self.rest.len() / 3).unwrap_or(0)
     }
 
     fn read_harmonics(&self, record: &[f64], harmonics: &mut [[f32; 3]]) {
@@ -139,13 +138,6 @@ fn number(record: &[f64], column: usize) -> f64 {
 
 /// Files that are sound but hold something other than trained Gaussians.
 fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
-    if vertex.column("packed_position").is_some() {
-        return Err(Problem::malformed(
-            "property packed_position",
-            "this is a compressed PLY, which is not read",
-            "convert it to an uncompressed 3D Gaussian PLY or to .spz",
-        ));
-    }
     let gaussian_fields = ["scale_0", "rot_0", "opacity", "f_dc_0"];
     if gaussian_fields
         .iter()
@@ -154,7 +146,7 @@ fn refuse_other_kinds(vertex: &Element) -> Result<(), Problem> {
         return Err(Problem::malformed(
             "element vertex",
             "it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud",
-            "add --as surface, or give a 3D Gaussian PLY",
+            "render, compare, needs and info draw it with --as surface; other commands need a 3D Gaussian PLY",
         ));
     }
     Ok(())
@@ -176,14 +168,18 @@ fn find_rest(vertex: &Element) -> Result<Vec<usize>, Problem> {
         .iter()
         .filter(|property| property.name.starts_with("f_rest_"))
         .count();
-    if ![0, 9, 24, 45].contains(&count) {
-        return Err(Problem::malformed(
-            "properties f_rest_*",
-            format!("there are {count}"),
-            "degrees 0 to 3 have 0, 9, 24 or 45; export the scene with one of these",
-        ));
+    if count % 3 != 0 || degree_of(count / 3).is_none() {
+        return Err(bad_harmonics(count));
     }
     (0..count)
         .map(|k| required(vertex, &format!("f_rest_{k}")))
         .collect()
+}
+
+fn bad_harmonics(count: usize) -> Problem {
+    Problem::malformed(
+        "properties f_rest_*",
+        format!("there are {count}"),
+        "degrees 0 to 4 have 0, 9, 24, 45 or 72; export the scene with one of these",
+    )
 }

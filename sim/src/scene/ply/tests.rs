@@ -244,7 +244,7 @@ fn a_point_cloud_is_told_that_surface_splats_come_later() {
     assert_eq!(
         message(bytes.as_bytes()),
         "element vertex: it has none of scale_0, rot_0, opacity and f_dc_0, so this is a point cloud; \
-         add --as surface, or give a 3D Gaussian PLY"
+         render, compare, needs and info draw it with --as surface; other commands need a 3D Gaussian PLY"
     );
     let path = super::super::tests::shared_data("points/lion_takanawa.ply");
     let error = super::super::load(&path, &super::super::LoadOptions::default())
@@ -315,11 +315,11 @@ fn each_message_names_the_field_and_the_fix() {
         ),
         (
             header("ascii", "1", &with("property float f_rest_0\n")),
-            "properties f_rest_*: there are 1; degrees 0 to 3",
+            "properties f_rest_*: there are 1; degrees 0 to 4",
         ),
         (
             header("ascii", "1", &with("property uint packed_position\n")),
-            "this is a compressed PLY, which is not read",
+            "there is packed_position but no element 'chunk'",
         ),
         (
             header("ascii", "1", &full) + &"1 ".repeat(20) + "\n",

@@ -175,6 +175,6 @@ fn syntax_error(text: &str, error: &toml::de::Error) -> Problem {
     Problem::malformed(
         format!("transfer line {line}, '{shown}'"),
         error.message().replace('\n', " "),
-        "correct the line; see the documentation of Transfer for the keys",
+        "correct the line; docs/files.md lists the keys",
     )
 }

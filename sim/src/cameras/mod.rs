@@ -1,0 +1,203 @@
+//! Cameras that others wrote: one or many per file, each with a name to choose it by.
+//!
+//! | what | recognised by | convention |
+//! |---|---|---|
+//! | our camera file, or a report.json | JSON with `world_to_camera` or `camera` | [`Camera`] |
+//! | COLMAP, text and binary | a folder with `cameras` and `images`, or one of these files | `colmap` |
+//! | nerfstudio, Blender | JSON with `frames` | `transforms` |
+//! | the 3D Gaussian trainer | JSON that is a list | `trainer` |
+//!
+//! All but the first come from photographs, whose lenses may bend straight lines. A camera here is a pinhole: distortion is never
+//! left out in silence, but told with the pixels by which it moves the picture's corners ([`Pose::notes`]); fisheyes are refused.
+
+mod colmap;
+mod lens;
+mod trainer;
+mod transforms;
+
+#[cfg(test)]
+mod tests;
+
+use crate::camera::{Camera, CameraError};
+use crate::input;
+use crate::vector::{self, Vector};
+use std::path::Path;
+
+/// A camera and what it is called in its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// The picture's name.
+    pub name: String,
+    /// From where.
+    pub camera: Camera,
+    /// By how much an entry of its rotation was corrected.
+    pub correction: f64,
+    /// What the file calls that rotation.
+    pub rotation_field: &'static str,
+    /// What the file says that is not drawn.
+    pub notes: Vec<String>,
+}
+
+/// What a reader gives: problems are plain sentences, [`load`] puts the file before them.
+type Read = Result<Vec<Pose>, String>;
+
+/// Names listed where one has to be chosen.
+const LISTED: usize = 5;
+
+/// All cameras of a file or folder. `size` is used where a file has none.
+pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<Pose>, CameraError> {
+    let wrong = |problem: String| CameraError {
+        file: Some(path.display().to_string()),
+        field: None,
+        problem,
+    };
+    if let Some(folder) = colmap::folder(path) {
+        return colmap::load(&folder).map_err(wrong);
+    }
+    if path.is_dir() {
+        let problem = "is a folder and not a regular file, and holds no cameras and images (.txt or .bin) of COLMAP, also in sparse/0: name a file";
+        return Err(wrong(problem.to_string()));
+    }
+    match kind(path) {
+        Kind::Frames(text) => transforms::parse(&text, size).map_err(wrong),
+        Kind::List(text) => trainer::parse(&text).map_err(wrong),
+        Kind::Own => Ok(vec![own(path)?]),
+    }
+}
+
+fn own(path: &Path) -> Result<Pose, CameraError> {
+    let (camera, correction) = Camera::corrected_from_json_file(path)?;
+    let name = path.file_name().unwrap_or_default();
+    Ok(Pose {
+        name: name.to_string_lossy().into_owned(),
+        camera,
+        correction,
+        rotation_field: "world_to_camera",
+        notes: Vec::new(),
+    })
+}
+
+enum Kind {
+    Frames(String),
+    List(String),
+    Own,
+}
+
+/// What tells nerfstudio's files.
+#[derive(serde::Deserialize)]
+struct HasFrames {
+    #[serde(rename = "frames")]
+    _frames: serde::de::IgnoredAny,
+}
+
+/// What cannot be read is left to our own reader, whose messages name the fields.
+fn kind(path: &Path) -> Kind {
+    let Ok(text) = input::text(path, input::TABLE) else {
+        return Kind::Own;
+    };
+    if text.trim_start().starts_with('[') {
+        return Kind::List(text);
+    }
+    match serde_json::from_str::<HasFrames>(&text) {
+        Ok(_) => Kind::Frames(text),
+        Err(_) => Kind::Own,
+    }
+}
+
+/// The one pose there is, or the one of that name: the whole name, the file's name without folders, or without its extension.
+pub fn choose(poses: Vec<Pose>, name: Option<&str>) -> Result<Pose, String> {
+    let names: Vec<&str> = poses
+        .iter()
+        .map(|pose| pose.name.as_str())
+        .take(LISTED)
+        .collect();
+    let listed = names.join(", ");
+    let more = if poses.len() > LISTED { ", ..." } else { "" };
+    let Some(wanted) = name else {
+        let count = poses.len();
+        let mut poses = poses.into_iter();
+        return match (poses.next(), poses.next()) {
+            (Some(only), None) => Ok(only),
+            _ => Err(format!(
+                "holds {count} cameras: choose one by --image NAME ({listed}{more})"
+            )),
+        };
+    };
+    let tail = |pose: &Pose| -> [String; 3] {
+        let path = Path::new(&pose.name);
+        let part = |part: Option<&std::ffi::OsStr>| {
+            part.unwrap_or_default().to_string_lossy().into_owned()
+        };
+        [
+            pose.name.clone(),
+            part(path.file_name()),
+            part(path.file_stem()),
+        ]
+    };
+    for level in 0..3 {
+        let matching: Vec<&Pose> = poses
+            .iter()
+            .filter(|pose| tail(pose)[level] == wanted)
+            .collect();
+        match matching[..] {
+            [one] => return Ok(one.clone()),
+            [] => {}
+            _ => {
+                let count = matching.len();
+                return Err(format!(
+                    "holds {count} cameras called '{wanted}': give the name in full"
+                ));
+            }
+        }
+    }
+    Err(format!(
+        "holds no camera called '{wanted}': it has {listed}{more}"
+    ))
+}
+
+/// A camera of a photograph; `rotation` and `translation` take the world to the camera.
+struct Photograph {
+    width: u64,
+    height: u64,
+    focal: [f64; 2],
+    principal: [f64; 2],
+    rotation: [Vector; 3],
+    translation: Vector,
+}
+
+impl Photograph {
+    /// The camera, checked and corrected as every camera is, and by how much.
+    fn camera(&self) -> Result<(Camera, f64), String> {
+        let [right, down, forward] = self.rotation;
+        let row = |axis: Vector, offset: f64| [axis[0], axis[1], axis[2], offset];
+        let rows = [
+            row(right, self.translation[0]),
+            row(down, self.translation[1]),
+            row(forward, self.translation[2]),
+            [0.0, 0.0, 0.0, 1.0],
+        ];
+        Camera::from_matrix([self.width, self.height], self.focal, self.principal, &rows).map_err(
+            |error| match error.field {
+                Some(field) => format!("{field} {}", error.problem),
+                None => error.problem,
+            },
+        )
+    }
+}
+
+/// From a camera's axes and place in the world to what takes the world to the camera; `axes` are its columns.
+fn inverted(axes: [Vector; 3], place: Vector) -> ([Vector; 3], Vector) {
+    let translation = vector::scale(-1.0, vector::transform(&axes, place));
+    (axes, translation)
+}
+
+/// The same rows at length 1: files write them with six digits.
+fn unit_rows(rows: [Vector; 3]) -> [Vector; 3] {
+    rows.map(|row| {
+        let length = vector::length(row);
+        match length > 0.0 && (length - 1.0).abs() < 1e-3 {
+            true => vector::scale(1.0 / length, row),
+            false => row,
+        }
+    })
+}

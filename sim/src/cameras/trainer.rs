@@ -1,0 +1,54 @@
+//! `cameras.json` as the 3D Gaussian trainer leaves it beside its scenes: `rotation` and `position` take the camera (right, down,
+//! forward) to the world; the pictures are undistorted and centred.
+
+use super::{Photograph, Pose, Read, inverted, unit_rows};
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct Entry {
+    #[serde(default)]
+    img_name: String,
+    id: Option<i64>,
+    width: u64,
+    height: u64,
+    position: [f64; 3],
+    rotation: [[f64; 3]; 3],
+    fx: f64,
+    fy: f64,
+}
+
+/// All cameras of a file.
+pub(super) fn parse(text: &str) -> Read {
+    let entries: Vec<Entry> =
+        serde_json::from_str(text).map_err(|error| format!("is no cameras.json: {error}"))?;
+    let posed = |(index, entry): (usize, &Entry)| {
+        pose(entry).map_err(|what| format!("camera {index}: {what}"))
+    };
+    entries.iter().enumerate().map(posed).collect()
+}
+
+fn pose(entry: &Entry) -> Result<Pose, String> {
+    let column = |k: usize| entry.rotation.map(|row| row[k]);
+    let (rotation, translation) =
+        inverted(unit_rows([column(0), column(1), column(2)]), entry.position);
+    let photograph = Photograph {
+        width: entry.width,
+        height: entry.height,
+        focal: [entry.fx, entry.fy],
+        principal: [entry.width as f64 / 2.0, entry.height as f64 / 2.0],
+        rotation,
+        translation,
+    };
+    let name = match entry.img_name.is_empty() {
+        true => entry.id.unwrap_or_default().to_string(),
+        false => entry.img_name.clone(),
+    };
+    let (camera, correction) = photograph.camera()?;
+    Ok(Pose {
+        name,
+        camera,
+        correction,
+        rotation_field: "rotation",
+        notes: Vec::new(),
+    })
+}

@@ -1,0 +1,152 @@
+//! `transforms.json` of nerfstudio, instant-ngp and Blender's scenes: `transform_matrix` takes the camera to the world, the camera's
+//! axes being right, up, back. Lenses are stated once or per frame, as focal lengths or as a field of view.
+//!
+//! Poses are taken as they stand. Nerfstudio trains in a space of its own (dataparser_transforms.json), so a scene exported from
+//! there has to be exported with its poses.
+
+use super::lens::Distortion;
+use super::{Photograph, Pose, Read, inverted, unit_rows};
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+struct File {
+    camera_model: Option<String>,
+    #[serde(flatten)]
+    lens: Lens,
+    frames: Vec<Frame>,
+}
+
+#[derive(Deserialize)]
+struct Frame {
+    #[serde(default)]
+    file_path: String,
+    transform_matrix: Vec<[f64; 4]>,
+    #[serde(flatten)]
+    lens: Lens,
+}
+
+#[derive(Clone, Deserialize)]
+struct Lens {
+    w: Option<f64>,
+    h: Option<f64>,
+    fl_x: Option<f64>,
+    fl_y: Option<f64>,
+    cx: Option<f64>,
+    cy: Option<f64>,
+    camera_angle_x: Option<f64>,
+    camera_angle_y: Option<f64>,
+    k1: Option<f64>,
+    k2: Option<f64>,
+    k3: Option<f64>,
+    k4: Option<f64>,
+    p1: Option<f64>,
+    p2: Option<f64>,
+}
+
+/// All frames of a file; `size` is the picture's where the file has none.
+pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
+    let file: File =
+        serde_json::from_str(text).map_err(|error| format!("is no transforms.json: {error}"))?;
+    if let Some(model) = &file.camera_model {
+        let known = [
+            "OPENCV",
+            "PINHOLE",
+            "SIMPLE_PINHOLE",
+            "PERSPECTIVE",
+            "SIMPLE_RADIAL",
+            "RADIAL",
+        ];
+        if !known.contains(&model.to_ascii_uppercase().as_str()) {
+            let shown: String = model.chars().filter(|c| !c.is_control()).take(40).collect();
+            return Err(format!(
+                "camera_model '{shown}' is no pinhole: undistort the pictures and export again"
+            ));
+        }
+    }
+    let posed = |(index, frame): (usize, &Frame)| {
+        pose(frame, &frame.lens.or(&file.lens), size)
+            .map_err(|what| format!("frame {index}: {what}"))
+    };
+    file.frames.iter().enumerate().map(posed).collect()
+}
+
+impl Lens {
+    /// The frame's own fields, else the file's.
+    fn or(&self, file: &Lens) -> Lens {
+        Lens {
+            w: self.w.or(file.w),
+            h: self.h.or(file.h),
+            fl_x: self.fl_x.or(file.fl_x),
+            fl_y: self.fl_y.or(file.fl_y),
+            cx: self.cx.or(file.cx),
+            cy: self.cy.or(file.cy),
+            camera_angle_x: self.camera_angle_x.or(file.camera_angle_x),
+            camera_angle_y: self.camera_angle_y.or(file.camera_angle_y),
+            k1: self.k1.or(file.k1),
+            k2: self.k2.or(file.k2),
+            k3: self.k3.or(file.k3),
+            k4: self.k4.or(file.k4),
+            p1: self.p1.or(file.p1),
+            p2: self.p2.or(file.p2),
+        }
+    }
+}
+
+fn pose(frame: &Frame, lens: &Lens, size: Option<[usize; 2]>) -> Result<Pose, String> {
+    let [width, height] = match (lens.w, lens.h, size) {
+        (Some(w), Some(h), _) if w >= 1.0 && h >= 1.0 => [w as u64, h as u64],
+        (None, None, Some(size)) => size.map(|side| side as u64),
+        _ => return Err("w and h are not there: give --size WxH".to_owned()),
+    };
+    let of_angle =
+        |angle: Option<f64>, side: u64| angle.map(|angle| 0.5 * side as f64 / (0.5 * angle).tan());
+    let across = lens.fl_x.or(of_angle(lens.camera_angle_x, width));
+    let down = lens.fl_y.or(of_angle(lens.camera_angle_y, height));
+    // Pixels are square unless the file says otherwise.
+    let focal = match (across.or(down), down.or(across)) {
+        (Some(across), Some(down)) => [across, down],
+        _ => return Err("there is neither fl_x nor camera_angle_x".to_owned()),
+    };
+    let principal = [
+        lens.cx.unwrap_or(width as f64 / 2.0),
+        lens.cy.unwrap_or(height as f64 / 2.0),
+    ];
+    let [first, second, third, ..] = frame.transform_matrix[..] else {
+        return Err(format!(
+            "transform_matrix has {} rows, but must have 4",
+            frame.transform_matrix.len()
+        ));
+    };
+    let column = |k: usize| [first[k], second[k], third[k]];
+    // Right, up, back in the file; right, down, forward here.
+    let flipped = |k: usize| column(k).map(|part| -part);
+    let (rotation, translation) =
+        inverted(unit_rows([column(0), flipped(1), flipped(2)]), column(3));
+    let photograph = Photograph {
+        width,
+        height,
+        focal,
+        principal,
+        rotation,
+        translation,
+    };
+    let at = |value: Option<f64>| value.unwrap_or(0.0);
+    let distortion = Distortion {
+        radial: [at(lens.k1), at(lens.k2), at(lens.k3), 0.0, 0.0, 0.0],
+        tangential: [at(lens.p1), at(lens.p2)],
+    };
+    if at(lens.k4) != 0.0 {
+        return Err("k4 belongs to a fisheye: undistort the pictures and export again".to_owned());
+    }
+    let (camera, correction) = photograph.camera()?;
+    Ok(Pose {
+        name: frame.file_path.trim_start_matches("./").to_owned(),
+        camera,
+        correction,
+        rotation_field: "transform_matrix",
+        notes: distortion
+            .note([width, height], focal, principal)
+            .into_iter()
+            .collect(),
+    })
+}

@@ -1,0 +1,289 @@
+//! `splatline info`: what is in a scene, before anything is drawn.
+
+use super::output;
+use super::{Failure, say};
+use clap::Args;
+use serde::Serialize;
+use splatline_sim::framing::{Ball, Frame, direction};
+use splatline_sim::report::facts::Counts;
+use splatline_sim::scene::points::height_field::{self, HeightField};
+use splatline_sim::scene::points::{self, SurfaceScene};
+use splatline_sim::scene::{self, Bounds, LoadError, LoadOptions, Scene, Weight};
+use splatline_sim::vector::{self, Vector};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+pub const EXAMPLES: &str = "\
+Examples:
+  splatline info guitar.ply
+  splatline info scene.sog --json -
+  splatline info lion.ply      a point cloud";
+
+#[derive(Debug, Args)]
+pub struct InfoOptions {
+    /// Scene, volume, point cloud or height field; - reads stdin
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Transfer function of a volume (TOML)
+    #[arg(long, value_name = "file.toml")]
+    pub transfer: Option<PathBuf>,
+    /// Write the answer as JSON instead; - is stdout
+    #[arg(long, value_name = "i.json", help_heading = "Output")]
+    pub json: Option<PathBuf>,
+}
+
+/// What is told.
+#[derive(Serialize)]
+struct Info {
+    format: &'static str,
+    scene: String,
+    kind: &'static str,
+    count: usize,
+    /// Of the centres.
+    bounds: Option<[Vector; 2]>,
+    ball: BallInfo,
+    up: Vector,
+    front: Vector,
+    /// Smallest, median and largest of each.
+    ranges: Vec<Range>,
+    harmonics_degree: u8,
+    rules: &'static str,
+    /// Records left out, by reason.
+    dropped: Counts,
+    notes: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct BallInfo {
+    centre: Vector,
+    radius: f64,
+    strays: usize,
+}
+
+#[derive(Serialize)]
+struct Range {
+    of: &'static str,
+    least: f64,
+    median: f64,
+    greatest: f64,
+}
+
+pub fn run(options: &InfoOptions) -> Result<(), Failure> {
+    let inputs = [
+        output::files([options.transfer.as_ref()]),
+        vec![options.scene.clone()],
+    ]
+    .concat();
+    if let Some(path) = &options.json {
+        output::check(path, &["json"], &inputs)?;
+    }
+    let info = examine(&options.scene, options.transfer.clone())?;
+    match &options.json {
+        Some(path) => {
+            let text = serde_json::to_string_pretty(&info)? + "\n";
+            output::write(path, text.as_bytes())
+        }
+        None => say(&info.text()),
+    }
+}
+
+/// A height field by its name, else a scene, else points of a surface; the message of the scene's reader if it is neither.
+fn examine(path: &Path, transfer: Option<PathBuf>) -> Result<Info, LoadError> {
+    if height_field::is_height_field(path) {
+        let field = HeightField::load(path, height_field::USUAL_SPACING)?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        return Ok(Info::of_surface(&field.scene(&name), true));
+    }
+    let options = LoadOptions {
+        transfer,
+        light: None,
+    };
+    match scene::load_with_notes(path, &options) {
+        Ok((scene, notes)) => Ok(Info::of_scene(&scene, notes)),
+        Err(error) => match points::load(path) {
+            Ok(cloud) => Ok(Info::of_surface(&cloud, false)),
+            Err(_) => Err(error),
+        },
+    }
+}
+
+impl Info {
+    fn of_scene(scene: &Scene, notes: Vec<String>) -> Info {
+        let frame = Frame::of_scene(scene, None);
+        let longest = |axes: &[Vector; 3]| axes.map(vector::length).into_iter().fold(0.0, f64::max);
+        let shortest = |axes: &[Vector; 3]| {
+            axes.map(vector::length)
+                .into_iter()
+                .fold(f64::INFINITY, f64::min)
+        };
+        let splats = || scene.splats.iter();
+        let weight = match scene.weight {
+            Weight::Opacity => "opacity",
+            Weight::Mass => "mass (extinction times volume)",
+        };
+        let ranges = [
+            Range::new("longest axis", splats().map(|splat| longest(&splat.axes))),
+            Range::new("shortest axis", splats().map(|splat| shortest(&splat.axes))),
+            Range::new(weight, splats().map(|splat| splat.weight)),
+            Range::new(
+                "colour without harmonics",
+                splats().flat_map(|splat| splat.colour),
+            ),
+        ];
+        let dropped = [
+            ("non_finite", scene.skipped.non_finite),
+            ("zero_rotation", scene.skipped.zero_rotation),
+        ];
+        Info {
+            kind: match scene.weight {
+                Weight::Opacity => "3D Gaussians",
+                Weight::Mass => "volume, a splat per voxel that the transfer function shows",
+            },
+            count: scene.splats.len(),
+            bounds: scene.bounds().map(corners),
+            ranges: ranges.into_iter().flatten().collect(),
+            harmonics_degree: scene
+                .harmonics
+                .as_ref()
+                .map_or(0, |harmonics| harmonics.degree),
+            rules: scene.natural_rules.name,
+            dropped: counts(&dropped),
+            notes,
+            ..Info::framed(&scene.name, &frame)
+        }
+    }
+
+    fn of_surface(cloud: &SurfaceScene, is_height_field: bool) -> Info {
+        let frame = Frame::of_surface(cloud, is_height_field, None);
+        let points = || cloud.points.iter();
+        let ranges = [
+            Range::new(
+                "radius",
+                points().map(|point| vector::length(point.frame[0])),
+            ),
+            Range::new("opacity", points().map(|point| point.opacity)),
+            Range::new("colour", points().flat_map(|point| point.colour)),
+        ];
+        Info {
+            kind: match is_height_field {
+                true => "height field (drawn with --as surface)",
+                false => "points of a surface (drawn with --as surface)",
+            },
+            count: cloud.points.len(),
+            bounds: (!cloud.points.is_empty()).then(|| corners(cloud.bounds())),
+            ranges: ranges.into_iter().flatten().collect(),
+            rules: "surf",
+            dropped: counts(&[("unusable", cloud.skipped)]),
+            notes: cloud.notes.clone(),
+            ..Info::framed(&cloud.name, &frame)
+        }
+    }
+
+    fn framed(name: &str, frame: &Frame) -> Info {
+        let Ball {
+            centre,
+            radius,
+            strays,
+        } = frame.ball;
+        Info {
+            format: "splatline-info/1",
+            scene: name.to_owned(),
+            kind: "",
+            count: 0,
+            bounds: None,
+            ball: BallInfo {
+                centre,
+                radius,
+                strays,
+            },
+            up: frame.up,
+            front: frame.front,
+            ranges: Vec::new(),
+            harmonics_degree: 0,
+            rules: "",
+            dropped: Counts::new(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let place = |v: &Vector| format!("{:.6},{:.6},{:.6}", v[0], v[1], v[2]);
+        let mut text = format!("{}: {}\n", self.scene, self.kind);
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "count      {}", self.count);
+        let dropped = self.dropped.iter().filter(|(_, count)| **count > 0);
+        let dropped: Vec<String> = dropped
+            .map(|(reason, count)| format!("{reason} {count}"))
+            .collect();
+        let dropped = if dropped.is_empty() {
+            "nothing".to_owned()
+        } else {
+            dropped.join(", ")
+        };
+        let _ = writeln!(text, "dropped    {dropped}");
+        if let Some([least, greatest]) = &self.bounds {
+            let _ = writeln!(text, "bounds     {} to {}", place(least), place(greatest));
+        }
+        let _ = writeln!(
+            text,
+            "framed     ball of radius {:.6} around {}, {} strays outside",
+            self.ball.radius,
+            place(&self.ball.centre),
+            self.ball.strays
+        );
+        let _ = writeln!(
+            text,
+            "up         {}, seen from {}",
+            direction(self.up),
+            direction(self.front)
+        );
+        let _ = writeln!(text, "rules      {}", self.rules);
+        let _ = writeln!(text, "harmonics  degree {}", self.harmonics_degree);
+        for Range {
+            of,
+            least,
+            median,
+            greatest,
+        } in &self.ranges
+        {
+            let _ = writeln!(
+                text,
+                "{of:<31} {least:.4e} to {greatest:.4e}, median {median:.4e}"
+            );
+        }
+        for note in &self.notes {
+            let _ = writeln!(text, "note       {note}");
+        }
+        text
+    }
+}
+
+impl Range {
+    fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<Range> {
+        let mut values: Vec<f64> = values.collect();
+        let middle = values.len() / 2;
+        if values.is_empty() {
+            return None;
+        }
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
+        Some(Range {
+            of,
+            least,
+            median,
+            greatest,
+        })
+    }
+}
+
+fn corners(bounds: Bounds) -> [Vector; 2] {
+    [bounds.least, bounds.greatest]
+}
+
+fn counts(reasons: &[(&str, usize)]) -> Counts {
+    reasons
+        .iter()
+        .map(|(reason, count)| ((*reason).to_owned(), *count as u64))
+        .collect()
+}

@@ -1,0 +1,61 @@
+//! `splatline completions` and `splatline man`: made from the options themselves, so that they cannot fall behind.
+
+use super::args::Cli;
+use super::output;
+use super::{Failure, compare::create_folder};
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+use clap_mangen::Man;
+use std::path::PathBuf;
+
+pub const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  splatline completions bash      put into ~/.local/share/bash-completion/completions/splatline
+  splatline completions zsh       put into a folder of fpath, as _splatline
+  splatline completions fish      put into ~/.config/fish/completions/splatline.fish";
+
+pub const MAN_EXAMPLES: &str = "\
+Examples:
+  splatline man -o man1      splatline.1 and a page per command; MANPATH and man find them in a folder man1";
+
+#[derive(Debug, Args)]
+pub struct CompletionsOptions {
+    /// Whose language: bash, zsh, fish, elvish or powershell
+    #[arg(value_name = "SHELL", value_enum)]
+    pub shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManOptions {
+    /// Folder to write the pages into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// Prints the script that a shell completes by.
+pub fn completions(options: &CompletionsOptions) -> Result<(), Failure> {
+    let mut script = Vec::new();
+    clap_complete::generate(options.shell, &mut Cli::command(), "splatline", &mut script);
+    super::say(&String::from_utf8_lossy(&script))
+}
+
+/// Writes a page for the program and one for each command.
+pub fn man(options: &ManOptions) -> Result<(), Failure> {
+    create_folder(&options.output)?;
+    let mut command = Cli::command();
+    command.build();
+    let pages = std::iter::once(command.clone()).chain(command.get_subcommands().cloned());
+    for page in pages.filter(|page| !page.is_hide_set()) {
+        let name = match page.get_name() {
+            "splatline" => "splatline".to_owned(),
+            command => format!("splatline-{command}"),
+        };
+        let mut text = Vec::new();
+        Man::new(page).title(name.clone()).render(&mut text)?;
+        output::write(&options.output.join(format!("{name}.1")), &text)?;
+    }
+    super::say(&format!(
+        "{}\n",
+        options.output.join("splatline.1").display()
+    ))
+}

@@ -1,0 +1,26 @@
+//! What every reader of bytes from strangers is tested with.
+
+use super::Scene;
+use super::error::Problem;
+
+/// Cut at every byte the file is refused; with any byte changed there is an answer and no panic.
+pub(super) fn survives(whole: &[u8], load: &dyn Fn(&[u8]) -> Result<Scene, Problem>) {
+    assert!(load(whole).is_ok(), "sound as a whole");
+    for length in 0..whole.len() {
+        let cut = load(&whole[..length]);
+        let message = cut
+            .err()
+            .unwrap_or_else(|| panic!("cut at {length} was read"));
+        assert!(
+            message.to_string().contains("; "),
+            "cut at {length}: {message} names no fix"
+        );
+    }
+    for place in 0..whole.len() {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bytes = whole.to_vec();
+            bytes[place] ^= flip;
+            let _ = load(&bytes);
+        }
+    }
+}

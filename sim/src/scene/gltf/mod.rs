@@ -1,0 +1,404 @@
+//! glTF 2.0 (`.gltf`, `.glb`) with Gaussians by the extension KHR_gaussian_splatting.
+//!
+//! Attributes of a primitive of points: `POSITION`, and behind `KHR_gaussian_splatting:` `ROTATION` (x, y, z, w), `SCALE` (linear),
+//! `OPACITY` (0 to 1), `SH_DEGREE_l_COEF_n` (RGB, l = 0 to 4). Floats, or integers with `normalized`. All primitives of the scene are
+//! gathered, each through its nodes' transforms; harmonics turn with them. y is up in glTF.
+//!
+//! The structures are read with serde: the crate `gltf` knows no extension of this kind and would not save much. What the
+//! extension states beyond that (its kernel, colour space and order of drawing) is checked or told in [`Notes`].
+
+mod buffers;
+mod transform;
+
+use self::buffers::{Buffers, Numbers};
+use self::transform::Transform;
+use super::Scene;
+use super::error::Problem;
+use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+const EXTENSION: &str = "KHR_gaussian_splatting";
+/// y is up in glTF.
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
+/// Deepest nesting of nodes; also ends circles.
+const MAX_DEPTH: usize = 64;
+/// Most nodes visited: a node may be the child of several, so that a short file could ask for billions.
+const MAX_VISITS: usize = 1 << 16;
+
+/// What a file says that is drawn otherwise here.
+pub(super) type Notes = Vec<String>;
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Document {
+    scene: Option<usize>,
+    #[serde(default)]
+    scenes: Vec<Root>,
+    #[serde(default)]
+    nodes: Vec<Node>,
+    #[serde(default)]
+    meshes: Vec<Mesh>,
+    #[serde(default)]
+    accessors: Vec<buffers::Accessor>,
+    #[serde(default)]
+    buffer_views: Vec<buffers::View>,
+    #[serde(default)]
+    buffers: Vec<buffers::Buffer>,
+    #[serde(default)]
+    extensions_required: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Root {
+    #[serde(default)]
+    nodes: Vec<usize>,
+}
+
+#[derive(Deserialize)]
+struct Node {
+    mesh: Option<usize>,
+    #[serde(default)]
+    children: Vec<usize>,
+    #[serde(flatten)]
+    transform: transform::Stated,
+}
+
+#[derive(Deserialize)]
+struct Mesh {
+    primitives: Vec<Primitive>,
+}
+
+#[derive(Deserialize)]
+struct Primitive {
+    #[serde(default)]
+    attributes: BTreeMap<String, usize>,
+    #[serde(default)]
+    extensions: BTreeMap<String, serde_json::Value>,
+}
+
+/// What the extension says of a primitive.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Splatting {
+    #[serde(default)]
+    kernel: Option<String>,
+    #[serde(default)]
+    color_space: Option<String>,
+    #[serde(default)]
+    sorting_method: Option<String>,
+    #[serde(default)]
+    projection: Option<String>,
+    #[serde(default)]
+    extensions: BTreeMap<String, serde_json::Value>,
+}
+
+/// Loads a `.gltf` or `.glb` file; other buffers are looked for in `folder`.
+pub(super) fn load(
+    bytes: &[u8],
+    folder: Option<&Path>,
+    name: &str,
+) -> Result<(Scene, Notes), Problem> {
+    let (json, binary) = buffers::split(bytes)?;
+    let document: Document = serde_json::from_slice(json).map_err(|error| {
+        Problem::malformed(
+            "glTF JSON",
+            format!("it is not understood: {error}"),
+            "export the scene again",
+        )
+    })?;
+    let unknown = |name: &&String| *name != EXTENSION;
+    if let Some(required) = document.extensions_required.iter().find(unknown) {
+        return Err(Problem::malformed(
+            "extensionsRequired",
+            format!("'{}' is not read", shorten(required)),
+            format!("export the scene with {EXTENSION} alone, without compression"),
+        ));
+    }
+    let placed = placed_meshes(&document)?;
+    let buffers = Buffers::load(&document, binary, folder)?;
+    gather(&document, &buffers, &placed, name)
+}
+
+/// The meshes of the scene, each with its transform.
+fn placed_meshes(document: &Document) -> Result<Vec<(usize, Transform)>, Problem> {
+    let root = document.scene.unwrap_or(0);
+    let mut waiting: Vec<(usize, Transform, usize)> = match document.scenes.get(root) {
+        Some(scene) => &scene.nodes[..],
+        None => {
+            return Err(missing("scene", root));
+        }
+    }
+    .iter()
+    .map(|node| (*node, Transform::IDENTITY, 0))
+    .collect();
+    let mut placed = Vec::new();
+    let mut visits = 0;
+    while let Some((index, above, depth)) = waiting.pop() {
+        let node = document
+            .nodes
+            .get(index)
+            .ok_or_else(|| missing("node", index))?;
+        visits += 1;
+        if depth > MAX_DEPTH || visits > MAX_VISITS {
+            return Err(Problem::malformed(
+                format!("node {index}"),
+                "nodes are nested too deeply or in a circle",
+                "export the scene again with a tree of nodes",
+            ));
+        }
+        let transform = above.then(&node.transform.matrix());
+        placed.extend(node.mesh.map(|mesh| (mesh, transform)));
+        waiting.extend(
+            node.children
+                .iter()
+                .map(|child| (*child, transform, depth + 1)),
+        );
+    }
+    placed.reverse();
+    Ok(placed)
+}
+
+fn missing(kind: &str, index: usize) -> Problem {
+    Problem::malformed(
+        format!("{kind} {index}"),
+        "it is used but not there",
+        "export the scene again",
+    )
+}
+
+/// A primitive's numbers.
+struct Attributes<'a> {
+    centres: Numbers<'a>,
+    rotations: Numbers<'a>,
+    scales: Numbers<'a>,
+    opacities: Numbers<'a>,
+    constant: Numbers<'a>,
+    rest: Vec<Numbers<'a>>,
+    transform: Transform,
+}
+
+fn gather(
+    document: &Document,
+    buffers: &Buffers,
+    placed: &[(usize, Transform)],
+    name: &str,
+) -> Result<(Scene, Notes), Problem> {
+    let mut parts = Vec::new();
+    let mut notes = Notes::new();
+    for (index, transform) in placed {
+        let mesh = document
+            .meshes
+            .get(*index)
+            .ok_or_else(|| missing("mesh", *index))?;
+        for primitive in &mesh.primitives {
+            match primitive.extensions.get(EXTENSION) {
+                Some(stated) => {
+                    check(stated, &mut notes)?;
+                    parts.push(attributes(primitive, document, buffers, *transform)?);
+                }
+                None => note(&mut notes, "primitives without Gaussians are left out"),
+            }
+        }
+    }
+    if parts.is_empty() {
+        return Err(Problem::malformed(
+            "meshes",
+            format!("no primitive of the scene has the extension {EXTENSION}"),
+            "export Gaussians with it, or give another scene",
+        ));
+    }
+    // Parts may differ in degree; coefficients that one lacks are 0.
+    let degree_of = |part: &Attributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
+    let degree = parts.iter().map(degree_of).max().unwrap_or(0);
+    let mut scene = GaussianScene::new(degree);
+    for part in &parts {
+        part.push_all(degree, &mut scene)?;
+    }
+    let scene = scene.finish(name)?;
+    Ok((Scene { up: UP, ..scene }, notes))
+}
+
+fn check(stated: &serde_json::Value, notes: &mut Notes) -> Result<(), Problem> {
+    let stated: Splatting = Deserialize::deserialize(stated).map_err(|error| {
+        Problem::malformed(
+            EXTENSION,
+            format!("it is not understood: {error}"),
+            "export the scene again",
+        )
+    })?;
+    let refused = |field: &str, found: &str, fix: &str| {
+        Problem::malformed(
+            format!("{EXTENSION}.{field}"),
+            format!("'{}' is not read", shorten(found)),
+            fix,
+        )
+    };
+    if let Some(compression) = stated.extensions.keys().next() {
+        return Err(refused(
+            "extensions",
+            compression,
+            "export the scene without compression",
+        ));
+    }
+    match stated.kernel.as_deref() {
+        None | Some("ellipse") => {}
+        Some(other) => return Err(refused("kernel", other, "export the scene with 'ellipse'")),
+    }
+    match stated.projection.as_deref() {
+        None | Some("perspective") => {}
+        Some(other) => {
+            return Err(refused(
+                "projection",
+                other,
+                "export the scene with 'perspective'",
+            ));
+        }
+    }
+    match stated.color_space.as_deref() {
+        None | Some("srgb_rec709_display") => {}
+        Some(other) => note(
+            notes,
+            &format!(
+                "colour space '{}': numbers are drawn as stored",
+                shorten(other)
+            ),
+        ),
+    }
+    match stated.sorting_method.as_deref() {
+        Some("zDepth") => {}
+        None | Some("cameraDistance") => note(
+            notes,
+            "sorting method 'cameraDistance': drawn in order of depth along the view",
+        ),
+        Some(other) => note(
+            notes,
+            &format!(
+                "sorting method '{}': drawn in order of depth",
+                shorten(other)
+            ),
+        ),
+    }
+    Ok(())
+}
+
+/// Said once, however many primitives it holds for.
+fn note(notes: &mut Notes, text: &str) {
+    if !notes.iter().any(|said| said == text) {
+        notes.push(text.to_owned());
+    }
+}
+
+fn attributes<'a>(
+    primitive: &Primitive,
+    document: &Document,
+    buffers: &'a Buffers,
+    transform: Transform,
+) -> Result<Attributes<'a>, Problem> {
+    let find = |name: &str, width: usize| match primitive.attributes.get(name) {
+        Some(accessor) => buffers.numbers(document, *accessor, width, name).map(Some),
+        None => Ok(None),
+    };
+    let required = |name: &str, width: usize| {
+        find(name, width)?.ok_or_else(|| {
+            Problem::malformed(
+                format!("attribute {name}"),
+                "the primitive lacks it",
+                format!("export the scene with all attributes of {EXTENSION}"),
+            )
+        })
+    };
+    let own = |name: &str| format!("{EXTENSION}:{name}");
+    let centres = required("POSITION", 3)?;
+    let part = Attributes {
+        rotations: required(&own("ROTATION"), 4)?,
+        scales: required(&own("SCALE"), 3)?,
+        opacities: required(&own("OPACITY"), 1)?,
+        constant: required(&own("SH_DEGREE_0_COEF_0"), 3)?,
+        rest: harmonics(&find)?,
+        centres,
+        transform,
+    };
+    let count = part.centres.count();
+    let different = part.others().find(|other| *other != count);
+    match different {
+        Some(other) => Err(Problem::malformed(
+            "accessor count",
+            format!("{other} beside {count} positions"),
+            "export the scene again: every attribute needs as many",
+        )),
+        None => Ok(part),
+    }
+}
+
+/// The coefficients of the degrees that are whole; one that is not is an error.
+fn harmonics<'a>(
+    find: &impl Fn(&str, usize) -> Result<Option<Numbers<'a>>, Problem>,
+) -> Result<Vec<Numbers<'a>>, Problem> {
+    let mut rest = Vec::new();
+    for degree in 1..=MAX_DEGREE {
+        for order in 0..2 * degree + 1 {
+            let name = format!("{EXTENSION}:SH_DEGREE_{degree}_COEF_{order}");
+            match find(&name, 3)? {
+                Some(numbers) => rest.push(numbers),
+                None if order == 0 => return Ok(rest),
+                None => {
+                    return Err(Problem::malformed(
+                        format!("attribute {name}"),
+                        "the primitive lacks it",
+                        "a degree must have all of its coefficients; export the scene again",
+                    ));
+                }
+            }
+        }
+    }
+    Ok(rest)
+}
+
+impl Attributes<'_> {
+    /// Counts of all attributes but the centres.
+    fn others(&self) -> impl Iterator<Item = usize> {
+        let own = [
+            &self.rotations,
+            &self.scales,
+            &self.opacities,
+            &self.constant,
+        ];
+        own.into_iter().chain(&self.rest).map(Numbers::count)
+    }
+
+    fn push_all(&self, degree: u8, scene: &mut GaussianScene) -> Result<(), Problem> {
+        let turn = self.transform.harmonics(self.rest.len())?;
+        let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
+        for index in 0..self.centres.count() {
+            for (coefficient, numbers) in harmonics.iter_mut().zip(&self.rest) {
+                *coefficient = numbers.three(index).map(|value| value as f32);
+            }
+            if let Some(turn) = &turn {
+                turn.apply(&mut harmonics[..self.rest.len()]);
+            }
+            let [x, y, z, w] = [0, 1, 2, 3].map(|k| self.rotations.at(index, k));
+            let gaussian = Gaussian {
+                centre: self.centres.three(index),
+                scales: self.scales.three(index),
+                rotation: [w, x, y, z],
+                opacity: self.opacities.at(index, 0),
+                base: self
+                    .constant
+                    .three(index)
+                    .map(|value| 0.5 + HARMONIC_0 * value),
+                harmonics: &harmonics,
+            };
+            scene.push_transformed(&gaussian, &self.transform.linear, self.transform.offset);
+        }
+        Ok(())
+    }
+}
+
+fn shorten(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(60).collect()
+}
+
+#[cfg(test)]
+mod tests;

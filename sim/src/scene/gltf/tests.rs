@@ -1,0 +1,271 @@
+//! Tests of the glTF reader, on files written here.
+
+use super::super::damage::survives;
+use super::*;
+use base64::Engine;
+use serde_json::{Value, json};
+
+/// Two Gaussians: places, rotations, scales, opacities, constant colours and one degree of harmonics, floats one after the other.
+fn numbers() -> Vec<(String, &'static str, Vec<f32>)> {
+    let own = |name: &str| format!("{EXTENSION}:{name}");
+    let mut list = vec![
+        ("POSITION".to_owned(), "VEC3", vec![1., 2., 3., 0., 0., 0.]),
+        (
+            own("ROTATION"),
+            "VEC4",
+            vec![0., 0., 0., 1., 1., 0., 0., 0.],
+        ),
+        (own("SCALE"), "VEC3", vec![0.5, 1., 2., 1., 1., 1.]),
+        (own("OPACITY"), "SCALAR", vec![0.25, 1.0]),
+        (
+            own("SH_DEGREE_0_COEF_0"),
+            "VEC3",
+            vec![1., 0., -1., 0., 0., 0.],
+        ),
+    ];
+    for k in 0..3u8 {
+        let value = f32::from(k) + 1.0;
+        list.push((
+            own(&format!("SH_DEGREE_1_COEF_{k}")),
+            "VEC3",
+            vec![value; 6],
+        ));
+    }
+    list
+}
+
+fn document() -> (Value, Vec<u8>) {
+    let mut binary = Vec::new();
+    let (mut views, mut accessors) = (Vec::new(), Vec::new());
+    let mut attributes = serde_json::Map::new();
+    for (index, (name, kind, values)) in numbers().into_iter().enumerate() {
+        let bytes: Vec<u8> = values.into_iter().flat_map(f32::to_le_bytes).collect();
+        views.push(json!({"buffer": 0, "byteOffset": binary.len(), "byteLength": bytes.len()}));
+        accessors
+            .push(json!({"bufferView": index, "componentType": 5126, "count": 2, "type": kind}));
+        attributes.insert(name, json!(index));
+        binary.extend(bytes);
+    }
+    let document = json!({
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{
+            "attributes": attributes,
+            "mode": 0,
+            "extensions": {EXTENSION: {"kernel": "ellipse", "sortingMethod": "zDepth"}}
+        }]}],
+        "accessors": accessors,
+        "bufferViews": views,
+        "buffers": [{"byteLength": binary.len()}],
+    });
+    (document, binary)
+}
+
+fn glb(document: &Value, binary: &[u8]) -> Vec<u8> {
+    let mut json = document.to_string().into_bytes();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let total = 12 + 8 + json.len() + 8 + binary.len();
+    let word = |value: usize| (value as u32).to_le_bytes().to_vec();
+    [
+        b"glTF".to_vec(),
+        word(2),
+        word(total),
+        word(json.len()),
+        b"JSON".to_vec(),
+        json,
+        word(binary.len()),
+        b"BIN\0".to_vec(),
+        binary.to_vec(),
+    ]
+    .concat()
+}
+
+fn load_glb(bytes: &[u8]) -> Result<Scene, Problem> {
+    load(bytes, None, "x").map(|(scene, _)| scene)
+}
+
+fn changed(change: impl FnOnce(&mut Value)) -> Vec<u8> {
+    let (mut document, binary) = document();
+    change(&mut document);
+    glb(&document, &binary)
+}
+
+#[test]
+fn fields_are_decoded() {
+    let scene = load_glb(&changed(|_| ())).unwrap();
+    let splat = scene.splats[0];
+    assert_eq!(splat.centre, [1.0, 2.0, 3.0]);
+    assert_eq!(
+        splat.axes,
+        [[0.5, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 2.0]]
+    );
+    assert_eq!((splat.weight, scene.up), (0.25, [0.0, 1.0, 0.0]));
+    assert!((splat.colour[0] - 0.5 - HARMONIC_0).abs() < 1e-12);
+    let harmonics = scene.harmonics.unwrap();
+    assert_eq!(harmonics.coefficients[..3], [[1.0; 3], [2.0; 3], [3.0; 3]]);
+}
+
+#[test]
+fn the_same_buffer_may_be_a_data_uri_or_a_file() {
+    let expected = load_glb(&changed(|_| ())).unwrap();
+    let (mut document, binary) = document();
+    let packed = base64::engine::general_purpose::STANDARD.encode(&binary);
+    document["buffers"][0]["uri"] = json!(format!("data:application/octet-stream;base64,{packed}"));
+    assert_eq!(load_glb(document.to_string().as_bytes()).unwrap(), expected);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("x.bin"), &binary).unwrap();
+    document["buffers"][0]["uri"] = json!("x.bin");
+    let text = document.to_string();
+    let (found, _) = load(text.as_bytes(), Some(folder.path()), "x").unwrap();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn nodes_move_turn_and_enlarge() {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    let scene = load_glb(&changed(|document| {
+        document["nodes"] = json!([
+            {"children": [1], "translation": [10, 0, 0]},
+            {"mesh": 0, "rotation": [0, 0, half, half], "scale": [2, 2, 2]},
+        ]);
+    }))
+    .unwrap();
+    let splat = scene.splats[0];
+    // A quarter turn around z takes x to y and y to -x.
+    for (found, expected) in splat.centre.iter().zip([10.0 - 4.0, 2.0, 6.0]) {
+        assert!((found - expected).abs() < 1e-12, "{:?}", splat.centre);
+    }
+    assert!((splat.axes[0][1] - 1.0).abs() < 1e-12);
+    // Degree 1 in the trainers' order is (-y, z, -x): what was along -x (3) is along -y now.
+    let first = scene.harmonics.unwrap().coefficients[0][0];
+    assert!((f64::from(first) - 3.0).abs() < 1e-5, "{first}");
+}
+
+#[test]
+fn integers_are_normalised() {
+    let (mut document, mut binary) = document();
+    let offset = binary.len();
+    binary.extend([51, 255, 0, 0]);
+    document["bufferViews"][3] = json!({"buffer": 0, "byteOffset": offset, "byteLength": 4});
+    document["accessors"][3] = json!(
+        {"bufferView": 3, "componentType": 5121, "normalized": true, "count": 2, "type": "SCALAR"}
+    );
+    document["buffers"][0]["byteLength"] = json!(binary.len());
+    let scene = load_glb(&glb(&document, &binary)).unwrap();
+    assert_eq!([scene.splats[0].weight, scene.splats[1].weight], [0.2, 1.0]);
+}
+
+#[test]
+fn what_is_drawn_otherwise_is_told() {
+    let with = |key: &str, value: &str| {
+        let bytes = changed(|document| {
+            document["meshes"][0]["primitives"][0]["extensions"][EXTENSION][key] = json!(value);
+        });
+        load(&bytes, None, "x").unwrap().1
+    };
+    assert!(with("sortingMethod", "zDepth").is_empty());
+    assert!(with("sortingMethod", "cameraDistance")[0].contains("drawn in order of depth"));
+    assert!(with("colorSpace", "lin_rec709_display")[0].contains("drawn as stored"));
+}
+
+#[test]
+fn damaged_files_are_refused() {
+    survives(&changed(|_| ()), &load_glb);
+}
+
+#[test]
+fn each_message_names_the_field_and_the_fix() {
+    let at = |pointer: &str, value: Value| {
+        changed(|document| *document.pointer_mut(pointer).unwrap() = value)
+    };
+    let extension = format!("/meshes/0/primitives/0/extensions/{EXTENSION}");
+    let cases = [
+        (
+            changed(|d| d["extensionsRequired"] = json!(["KHR_draco"])),
+            "extensionsRequired: 'KHR_draco' is not read; export the scene with KHR_gaussian_splatting alone",
+        ),
+        (
+            at(&format!("{extension}/kernel"), json!("cube")),
+            "kernel: 'cube' is not read",
+        ),
+        (
+            at("/meshes/0/primitives/0/extensions", json!({})),
+            "no primitive of the scene has the extension",
+        ),
+        (
+            at("/accessors/0/count", json!(3)),
+            "accessor 0 (POSITION): 3 elements of 12 bytes do not fit",
+        ),
+        (
+            at("/accessors/0/count", json!(u64::MAX)),
+            "elements of 12 bytes do not fit its buffer view",
+        ),
+        (
+            at("/accessors/3/count", json!(1)),
+            "accessor count: 1 beside 2 positions",
+        ),
+        (
+            at("/accessors/0/type", json!("VEC2")),
+            "accessor 0 (POSITION): its type is 'VEC2'; VEC3 is needed",
+        ),
+        (
+            at("/accessors/0/componentType", json!(5125)),
+            "its component type is 5125; floats",
+        ),
+        (
+            at("/bufferViews/0/buffer", json!(7)),
+            "buffer 7: it is used but not there",
+        ),
+        (
+            at("/buffers/0/byteLength", json!(9999)),
+            "buffer 0: 9999 bytes are needed but",
+        ),
+        (
+            at("/nodes/0", json!({"children": [0]})),
+            "nodes are nested too deeply or in a circle",
+        ),
+        (
+            at("/scenes/0/nodes", json!([5])),
+            "node 5: it is used but not there",
+        ),
+        (
+            at("/nodes/0", json!({"mesh": 0, "scale": [1, 2, 1]})),
+            "node transform: it scales axes differently",
+        ),
+        (
+            changed(|d| {
+                let attributes = &mut d["meshes"][0]["primitives"][0]["attributes"];
+                attributes
+                    .as_object_mut()
+                    .unwrap()
+                    .remove(&format!("{EXTENSION}:SH_DEGREE_1_COEF_2"));
+            }),
+            "SH_DEGREE_1_COEF_2: the primitive lacks it; a degree must have all of its coefficients",
+        ),
+    ];
+    for (bytes, expected) in cases {
+        let found = load_glb(&bytes).unwrap_err().to_string();
+        assert!(
+            found.contains(expected),
+            "found    {found}\nexpected {expected}"
+        );
+    }
+}
+
+/// A node that is the child of many: a short file must not become billions of meshes.
+#[test]
+fn shared_nodes_cannot_multiply_without_end() {
+    let bytes = changed(|document| {
+        let nodes: Vec<Value> = (0..40)
+            .map(|k| json!({"children": [k + 1, k + 1]}))
+            .collect();
+        document["nodes"] = Value::Array([nodes, vec![json!({"mesh": 0})]].concat());
+    });
+    let message = load_glb(&bytes).unwrap_err().to_string();
+    assert!(
+        message.contains("nested too deeply or in a circle"),
+        "{message}"
+    );
+}

@@ -1,0 +1,353 @@
+//! `.ksplat`, version 0.1: a header of 4096 bytes, sections with headers of 1024 bytes each, then the sections' data.
+//!
+//! Level 0 stores floats; levels 1 and 2 store places as three 16-bit integers around the centre of a bucket of Gaussians, scales
+//! and rotations as half floats, and harmonics as half floats (1) or bytes (2). Colours are bytes throughout. A section begins with
+//! the sizes of its partly filled buckets, then come the buckets' centres, then the Gaussians, full buckets first.
+
+use super::Scene;
+use super::bytes::Reader;
+use super::error::Problem;
+use super::gaussian::{Gaussian, GaussianScene, coefficient_count};
+use super::half;
+
+const HEADER_BYTES: usize = 4096;
+const SECTION_BYTES: usize = 1024;
+/// Steps on either side of a bucket's centre where the section does not say.
+const USUAL_RANGE: u32 = 32_767;
+/// Range of harmonics stored as bytes where the header does not say.
+const USUAL_HARMONIC: f64 = 1.5;
+
+/// Loads a `.ksplat` file.
+pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
+    let mut reader = Reader::new(bytes);
+    let header = Header::parse(reader.take(HEADER_BYTES, "ksplat header")?)?;
+    let headers = reader.records(
+        u64::from(header.sections),
+        SECTION_BYTES,
+        "ksplat section headers",
+    )?;
+    let mut sections = Vec::new();
+    for (number, bytes) in headers.as_chunks::<SECTION_BYTES>().0.iter().enumerate() {
+        sections.push(Section::parse(bytes, number, &header)?);
+    }
+    let total = sections
+        .iter()
+        .fold(0u64, |sum, section| sum + u64::from(section.count));
+    if total != u64::from(header.count) || total == 0 {
+        return Err(Problem::malformed(
+            "ksplat splat count",
+            format!("the header says {}, the sections {total}", header.count),
+            "export the scene again",
+        ));
+    }
+    // Sections may differ in degree; coefficients that one lacks are 0.
+    let used = sections.iter().filter(|section| section.count > 0);
+    let degree = used.map(|section| section.degree).max().unwrap_or(0);
+    let mut scene = GaussianScene::new(degree);
+    let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
+    for section in &sections {
+        section.read(&mut reader, &header, &mut |gaussian: &Gaussian, rest| {
+            harmonics.fill([0.0; 3]);
+            harmonics[..rest.len()].copy_from_slice(rest);
+            scene.push(&Gaussian {
+                harmonics: &harmonics,
+                ..*gaussian
+            });
+        })?;
+    }
+    match reader.remaining() {
+        0 => scene.finish(name),
+        left => Err(Problem::malformed(
+            "ksplat data",
+            format!("{left} bytes are left over after the last section"),
+            "correct the counts in the headers or export the scene again",
+        )),
+    }
+}
+
+struct Header {
+    sections: u32,
+    count: u32,
+    level: u16,
+    /// Least and greatest harmonic stored as a byte.
+    range: [f64; 2],
+}
+
+impl Header {
+    fn parse(bytes: &[u8]) -> Result<Header, Problem> {
+        let [major, minor] = [bytes[0], bytes[1]];
+        if major != 0 || minor < 1 {
+            return Err(Problem::malformed(
+                "ksplat version",
+                format!("it is {major}.{minor}"),
+                "version 0.1 is read; check that this is a .ksplat file",
+            ));
+        }
+        let level = u16_at(bytes, 20);
+        if level > 2 {
+            return Err(Problem::malformed(
+                "ksplat compression level",
+                format!("it is {level}"),
+                "0 to 2 are read; export the scene with one of these",
+            ));
+        }
+        let bound = |at: usize, usual: f64| match f64::from(f32::from_bits(u32_at(bytes, at))) {
+            0.0 => usual,
+            stored => stored,
+        };
+        Ok(Header {
+            sections: u32_at(bytes, 4),
+            count: u32_at(bytes, 16),
+            level,
+            range: [bound(36, -USUAL_HARMONIC), bound(40, USUAL_HARMONIC)],
+        })
+    }
+}
+
+struct Section {
+    number: usize,
+    count: u32,
+    /// Gaussians that room is kept for.
+    capacity: u32,
+    bucket_size: u32,
+    buckets: u32,
+    /// Bytes of a bucket's centre, three floats.
+    bucket_bytes: u16,
+    full: u32,
+    partial: u32,
+    /// Scene units per step of a place.
+    step: f64,
+    /// Steps on either side of a bucket's centre.
+    steps: f64,
+    degree: u8,
+}
+
+impl Section {
+    fn parse(bytes: &[u8], number: usize, header: &Header) -> Result<Section, Problem> {
+        let steps = match u32_at(bytes, 24) {
+            0 if header.level == 0 => 1,
+            0 => USUAL_RANGE,
+            stored => stored,
+        };
+        let degree = u16_at(bytes, 40);
+        let wrong = |what: &str, found: String, fix: &str| {
+            Problem::malformed(format!("ksplat section {number}, {what}"), found, fix)
+        };
+        if degree > 3 {
+            return Err(wrong(
+                "harmonics degree",
+                format!("it is {degree}"),
+                "degrees 0 to 3 are read; export the scene with one of these",
+            ));
+        }
+        let section = Section {
+            number,
+            count: u32_at(bytes, 0),
+            capacity: u32_at(bytes, 4),
+            bucket_size: u32_at(bytes, 8),
+            buckets: u32_at(bytes, 12),
+            bucket_bytes: u16_at(bytes, 20),
+            full: u32_at(bytes, 32),
+            partial: u32_at(bytes, 36),
+            step: f64::from(f32::from_bits(u32_at(bytes, 16))) / 2.0 / f64::from(steps),
+            steps: f64::from(steps),
+            degree: degree as u8,
+        };
+        if section.count > section.capacity {
+            return Err(wrong(
+                "splat count",
+                format!("{} where {} have room", section.count, section.capacity),
+                "export the scene again",
+            ));
+        }
+        let centres = section.buckets == 0 || section.bucket_bytes >= 12;
+        let listed = u64::from(section.full) + u64::from(section.partial);
+        if header.level > 0 && (!centres || listed > u64::from(section.buckets)) {
+            return Err(wrong(
+                "buckets",
+                format!(
+                    "{} of {} bytes for {} full and {} partial ones",
+                    section.buckets, section.bucket_bytes, section.full, section.partial
+                ),
+                "export the scene again",
+            ));
+        }
+        Ok(section)
+    }
+
+    /// Hands every Gaussian of the section and its coefficients to `visit`.
+    fn read(
+        &self,
+        reader: &mut Reader,
+        header: &Header,
+        visit: &mut dyn FnMut(&Gaussian, &[[f32; 3]]),
+    ) -> Result<(), Problem> {
+        let field = |what: &str| format!("ksplat section {}, {what}", self.number);
+        let sizes = reader.records(u64::from(self.partial), 4, &field("bucket sizes"))?;
+        let centres = reader.records(
+            u64::from(self.buckets),
+            self.bucket_bytes.into(),
+            &field("bucket centres"),
+        )?;
+        let coefficients = coefficient_count(self.degree);
+        let layout = Layout::new(header.level, coefficients);
+        let splats = reader.records(u64::from(self.capacity), layout.bytes, &field("splats"))?;
+        let mut harmonics = vec![[0.0f32; 3]; coefficients];
+        let mut bucket = Buckets::new(self, sizes);
+        for index in 0..self.count {
+            let at = index as usize * layout.bytes;
+            let record = &splats[at..at + layout.bytes];
+            let centre = match header.level {
+                0 => [0, 4, 8].map(|at| f32_at(record, at)),
+                _ => {
+                    let first = bucket
+                        .of(index)
+                        .map(|b| b as usize * usize::from(self.bucket_bytes));
+                    let centre = first.and_then(|first| centres.get(first..first + 12));
+                    let centre = centre.ok_or_else(|| {
+                        Problem::malformed(
+                            field("buckets"),
+                            format!("splat {index} lies in none"),
+                            "export the scene again",
+                        )
+                    })?;
+                    [0, 1, 2].map(|axis| {
+                        let steps = f64::from(u16_at(record, 2 * axis)) - self.steps;
+                        f32_at(centre, 4 * axis) + steps * self.step
+                    })
+                }
+            };
+            layout.read_harmonics(record, header, &mut harmonics);
+            visit(&layout.gaussian(record, centre), &harmonics);
+        }
+        Ok(())
+    }
+}
+
+/// Which bucket a Gaussian lies in; asked in rising order.
+struct Buckets<'a> {
+    full: u32,
+    bucket_size: u32,
+    sizes: &'a [[u8; 4]],
+    /// The partial bucket reached, and its first and one past its last Gaussian.
+    partial: usize,
+    end: u64,
+}
+
+impl<'a> Buckets<'a> {
+    fn new(section: &Section, sizes: &'a [u8]) -> Self {
+        let sizes = sizes.as_chunks().0;
+        let full_end = u64::from(section.full) * u64::from(section.bucket_size);
+        let first = sizes.first().map_or(0, |size| u32::from_le_bytes(*size));
+        Buckets {
+            full: section.full,
+            bucket_size: section.bucket_size,
+            sizes,
+            partial: 0,
+            end: full_end + u64::from(first),
+        }
+    }
+
+    fn of(&mut self, index: u32) -> Option<u32> {
+        if u64::from(index) < u64::from(self.full) * u64::from(self.bucket_size) {
+            return index.checked_div(self.bucket_size);
+        }
+        while u64::from(index) >= self.end {
+            self.partial += 1;
+            self.end += u64::from(u32::from_le_bytes(*self.sizes.get(self.partial)?));
+        }
+        self.sizes.get(self.partial)?;
+        self.full.checked_add(self.partial as u32)
+    }
+}
+
+/// Where a record holds each field.
+struct Layout {
+    level: u16,
+    scales: usize,
+    rotation: usize,
+    colour: usize,
+    harmonics: usize,
+    bytes: usize,
+}
+
+impl Layout {
+    fn new(level: u16, coefficients: usize) -> Layout {
+        let part = if level == 0 { 4 } else { 2 };
+        let (scales, rotation, colour) = (3 * part, 6 * part, 10 * part);
+        let harmonics = colour + 4;
+        let harmonic_bytes = [4, 2, 1][usize::from(level.min(2))];
+        Layout {
+            level,
+            scales,
+            rotation,
+            colour,
+            harmonics,
+            bytes: harmonics + 3 * coefficients * harmonic_bytes,
+        }
+    }
+
+    /// A float, or a half in the compressed levels.
+    fn part(&self, record: &[u8], first: usize, index: usize) -> f64 {
+        match self.level {
+            0 => f32_at(record, first + 4 * index),
+            _ => half::from_bits(u16_at(record, first + 2 * index)),
+        }
+    }
+
+    fn gaussian(&self, record: &[u8], centre: [f64; 3]) -> Gaussian<'static> {
+        let byte = |index: usize| f64::from(record[self.colour + index]) / 255.0;
+        Gaussian {
+            centre,
+            scales: [0, 1, 2].map(|k| self.part(record, self.scales, k)),
+            rotation: [0, 1, 2, 3].map(|k| self.part(record, self.rotation, k)),
+            base: [byte(0), byte(1), byte(2)],
+            opacity: byte(3),
+            harmonics: &[],
+        }
+    }
+
+    /// Degree by degree, and within each all of red, then green, then blue.
+    fn read_harmonics(&self, record: &[u8], header: &Header, harmonics: &mut [[f32; 3]]) {
+        let [least, greatest] = header.range;
+        let value = |index: usize| match self.level {
+            0 | 1 => self.part(record, self.harmonics, index),
+            _ => {
+                let part = f64::from(record[self.harmonics + index]) / 255.0;
+                least + (greatest - least) * part
+            }
+        };
+        let mut first = 0;
+        for degree in 1.. {
+            let width = 2 * degree + 1;
+            if first + width > harmonics.len() {
+                return;
+            }
+            for k in 0..width {
+                harmonics[first + k] =
+                    [0, 1, 2].map(|channel| value(3 * first + channel * width + k) as f32);
+            }
+            first += width;
+        }
+    }
+}
+
+fn u16_at(bytes: &[u8], at: usize) -> u16 {
+    bytes[at..]
+        .first_chunk()
+        .map_or(0, |two| u16::from_le_bytes(*two))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> u32 {
+    bytes[at..]
+        .first_chunk()
+        .map_or(0, |four| u32::from_le_bytes(*four))
+}
+
+fn f32_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from(f32::from_bits(u32_at(bytes, at)))
+}
+
+#[cfg(test)]
+#[path = "ksplat_tests.rs"]
+mod tests;
