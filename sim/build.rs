@@ -9,10 +9,12 @@ mod digest;
 use std::path::{Path, PathBuf};
 
 /// What the program is made of: the kernel, this crate, and the versions of what both depend on.
-const PARTS: [&str; 5] = [
+const PARTS: [&str; 7] = [
     "../src",
     "../Cargo.toml",
     "../Cargo.lock",
+    "reference/src",
+    "reference/Cargo.toml",
     "src",
     "Cargo.toml",
 ];

@@ -1,39 +1,28 @@
-//! Host side of splatline: scenes, float reference, metrics and reports around the fixed-point kernel.
+//! The simulator around splatline's fixed-point kernel: scenes are drawn bit for bit as the hardware would, its cycles are counted, and both
+//! are held against a float reference.
 //!
-//! Data flows down this list and never back:
-//! a [`scene`] of splats is seen by a [`camera`] under [`rules`]; the [`reference`](mod@reference)
-//! draws it in double precision and [`fixed`] draws it through the kernel, both into a [`picture`];
-//! [`metrics`] compares two pictures and [`report`] tells people about it.
+//! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is seen by a [`camera`]
+//! under [`rules`]); [`fixed`] draws it through the kernel and [`reference`](mod@reference) in double precision, both into a [`picture`];
+//! [`metrics`] compares two pictures; [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
+//! what other tools read, and [`report`] tells people about it. [`cli`] is the command line over all of them.
 
-pub mod atomic;
-pub mod baseline;
-pub mod camera;
-pub mod cameras;
+pub use splatline_reference::engines as reference;
+pub use splatline_reference::{
+    atomic, camera, cameras, framing, hybrid, input, metrics, picture, rules, scene, sheets,
+    surface, texture, vector,
+};
+
+pub mod cli;
 pub mod design;
 pub mod difference;
 pub mod digest;
 pub mod explore;
 pub mod fast;
 pub mod fixed;
-pub mod framing;
-pub mod gallery;
-pub mod hybrid;
-pub mod input;
 pub mod machine;
 pub mod memory;
-pub mod metrics;
-pub mod picture;
-pub mod reference;
 pub mod report;
-pub mod results;
-pub mod rules;
-pub mod scene;
-pub mod sheets;
 pub mod stability;
-pub mod study;
-pub mod surface;
 pub mod systems;
-pub mod texture;
 pub mod trace;
-pub mod vector;
 pub mod vectors;

@@ -1,9 +1,7 @@
 //! The `splatline` command.
 
-mod cli;
-
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run()
+    splatline_sim::cli::run()
 }

@@ -1,8 +1,8 @@
 //! The readers of the mutation suite, fed from bytes: the first byte chooses the format, the rest is the file.
 
-#[path = "../../tests/hostile/readers.rs"]
+#[path = "../../tests/all/hostile/readers.rs"]
 mod formats;
-#[path = "../../tests/hostile/seeds.rs"]
+#[path = "../../tests/all/hostile/seeds.rs"]
 pub mod seeds;
 
 use formats::FORMATS;

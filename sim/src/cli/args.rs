@@ -6,14 +6,14 @@ use super::output;
 use super::shell;
 use super::study_args;
 pub use super::view_args::*;
+use crate::design;
+use crate::hybrid::Points;
+use crate::picture::{Backdrop, Depth};
+use crate::rules::Compositing;
+use crate::surface::LAYERS;
+use crate::texture::coefficients::Method;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use splatline::format::Traversal;
-use splatline_sim::design;
-use splatline_sim::hybrid::Points;
-use splatline_sim::picture::{Backdrop, Depth};
-use splatline_sim::rules::Compositing;
-use splatline_sim::surface::LAYERS;
-use splatline_sim::texture::coefficients::Method;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -80,12 +80,6 @@ pub enum Command {
     /// Kind, count, bounds, directions and ranges of a scene, and what was dropped.
     #[command(after_help = info::EXAMPLES)]
     Info(info::InfoOptions),
-    /// Draw the exhibits that show each system, with their numbers beside the pictures.
-    #[command(after_help = study_args::GALLERY_EXAMPLES)]
-    Gallery(study_args::GalleryOptions),
-    /// Measure every figure that the documentation states and write its pages.
-    #[command(after_help = study_args::RESULTS_EXAMPLES)]
-    Results(study_args::ResultsOptions),
     /// Cycles of a scene on a machine.
     #[command(after_help = machine_args::MODEL_EXAMPLES)]
     Model(machine_args::ModelOptions),

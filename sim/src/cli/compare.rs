@@ -7,11 +7,11 @@ use super::render::if_nothing_is_seen;
 use super::setup::{COMPARED, View, room_for_picture};
 use super::sweep::{self, Entry, Manner};
 use super::{Failure, complain, say, warn};
+use crate::design::DesignChoice;
+use crate::report::table::{decibels, scientific, signed};
+use crate::report::{ChannelFacts, Report};
 use anyhow::Context;
 use splatline::format::Traversal;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::report::table::{decibels, scientific, signed};
-use splatline_sim::report::{ChannelFacts, Report};
 use std::path::Path;
 
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {

@@ -5,13 +5,13 @@ use super::compare::{all_entries, create_folder};
 use super::setup::{View, threads};
 use super::sweep::{self, Entry, Manner};
 use super::{Failure, say, warn};
+use crate::design::DesignChoice;
+use crate::machine::Config;
+use crate::picture::{Backdrop, Depth};
+use crate::report::table;
+use crate::rules::Compositing;
+use crate::scene;
 use anyhow::Context;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::Config;
-use splatline_sim::picture::{Backdrop, Depth};
-use splatline_sim::report::table;
-use splatline_sim::rules::Compositing;
-use splatline_sim::scene;
 use std::path::Path;
 
 const SIZE: Size = Size {

@@ -1,10 +1,10 @@
 //! What the engines hand to the commands, the same for all engines.
 
+use crate::picture::Picture;
+use crate::report::facts::Counts;
+use crate::report::{HostTimes, Pixels};
 use splatline::footprint::Footprint;
 use splatline::setup::Cull;
-use splatline_sim::picture::Picture;
-use splatline_sim::report::facts::Counts;
-use splatline_sim::report::{HostTimes, Pixels};
 
 /// One drawn picture and what drawing it took.
 #[derive(Clone, Debug)]

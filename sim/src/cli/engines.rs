@@ -3,23 +3,23 @@
 use super::args::Engine;
 use super::drawing::{Drawing, FootprintLine};
 use super::setup::View;
+use crate::camera::Camera;
+use crate::design::DesignChoice;
+use crate::fixed;
+use crate::hybrid::Hybrid;
+use crate::machine::workload::{extract_from, room_for};
+use crate::machine::{Config, Timing, simulate_alone};
+use crate::reference::compositor::Progress as Rows;
+use crate::reference::{self, exact, float};
+use crate::report::facts::{Counts, SceneFacts};
+use crate::report::{HostTimes, Pixels};
+use crate::rules::{Compositing, Rules};
+use crate::scene::Scene;
 use anyhow::{Context, Error, Result, bail};
 use rayon::ThreadPoolBuilder;
 use splatline::footprint::{Footprint, depth};
 use splatline::format::{Traversal, Widths};
 use splatline::setup::Cull;
-use splatline_sim::camera::Camera;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed;
-use splatline_sim::hybrid::Hybrid;
-use splatline_sim::machine::workload::{extract_from, room_for};
-use splatline_sim::machine::{Config, Timing, simulate_alone};
-use splatline_sim::reference::compositor::Progress as Rows;
-use splatline_sim::reference::{self, exact, float};
-use splatline_sim::report::facts::{Counts, SceneFacts};
-use splatline_sim::report::{HostTimes, Pixels};
-use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::scene::Scene;
 
 /// What to draw, from where and how; the same for every engine.
 #[derive(Clone, Copy)]

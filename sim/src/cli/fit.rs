@@ -7,10 +7,10 @@ use super::output::{self, write};
 use super::progress::Progress;
 use super::setup::{COMPARED, View, room_for_picture};
 use super::{Failure, say, warn};
+use crate::design::{DesignChoice, traversal_name};
+use crate::explore::fit::{Fit, Metric, Task, design_toml, fit};
 use anyhow::anyhow;
 use splatline::format::{Traversal, WIDTH_RANGES};
-use splatline_sim::design::{DesignChoice, traversal_name};
-use splatline_sim::explore::fit::{Fit, Metric, Task, design_toml, fit};
 use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {

@@ -9,8 +9,8 @@ use super::engines::{self, Task};
 use super::output::{self, write};
 use super::setup::View;
 use super::{Failure, say, warn};
-use splatline_sim::design::DesignChoice;
-use splatline_sim::rules::Compositing;
+use crate::design::DesignChoice;
+use crate::rules::Compositing;
 use std::fmt::Write;
 
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n";

@@ -2,14 +2,14 @@
 
 use super::output;
 use super::{Failure, say};
+use crate::framing::{Ball, Frame, direction};
+use crate::report::facts::Counts;
+use crate::scene::points::height_field::{self, HeightField};
+use crate::scene::points::{self, SurfaceScene};
+use crate::scene::{self, Bounds, LoadError, LoadOptions, Scene, Weight};
+use crate::vector::{self, Vector};
 use clap::Args;
 use serde::Serialize;
-use splatline_sim::framing::{Ball, Frame, direction};
-use splatline_sim::report::facts::Counts;
-use splatline_sim::scene::points::height_field::{self, HeightField};
-use splatline_sim::scene::points::{self, SurfaceScene};
-use splatline_sim::scene::{self, Bounds, LoadError, LoadOptions, Scene, Weight};
-use splatline_sim::vector::{self, Vector};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 

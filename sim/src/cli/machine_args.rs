@@ -3,9 +3,9 @@
 use super::args::{
     CompositingChoice, DesignName, Size, SurfaceOptions, TraversalChoice, ViewOptions,
 };
+use crate::explore::sweep::Shard;
+use crate::machine::area::Family;
 use clap::Args;
-use splatline_sim::explore::sweep::Shard;
-use splatline_sim::machine::area::Family;
 use std::path::PathBuf;
 
 pub const MODEL_EXAMPLES: &str = "\

@@ -11,7 +11,6 @@ mod engines;
 mod explore;
 mod fit;
 mod footprints;
-mod gallery;
 mod info;
 mod machine_args;
 mod model;
@@ -19,7 +18,6 @@ mod needs;
 mod output;
 mod progress;
 mod render;
-mod results;
 mod setup;
 mod shell;
 mod stability;
@@ -32,6 +30,14 @@ mod trace;
 mod vectors;
 mod view_args;
 
+pub use args::Engine;
+pub use compare::{all_entries, create_folder};
+pub use engines::on_threads;
+pub use output::write;
+pub use progress::Progress;
+pub use setup::{View, threads};
+pub use sweep::{Entry, Manner, run as draw_all};
+
 use args::{Cli, Command};
 use clap::Parser;
 use std::io::{ErrorKind, Write};
@@ -43,7 +49,7 @@ static DIVERTED: AtomicBool = AtomicBool::new(false);
 
 /// Why a command failed, which decides the exit code.
 #[derive(Debug)]
-enum Failure {
+pub enum Failure {
     /// The options make no sense together; exit code 2.
     Usage(String),
     /// A file or its contents; exit code 1.
@@ -58,12 +64,16 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
-    let outcome = match Cli::try_parse() {
+    finish(match Cli::try_parse() {
         Ok(cli) => dispatch(cli.command),
         // Help and version, which are results and must arrive.
         Err(shown) if !shown.use_stderr() => printed(shown.print()),
         Err(error) => error.exit(),
-    };
+    })
+}
+
+/// The exit code of a command that has ended, its failure told on stderr.
+pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
@@ -88,7 +98,6 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options),
         Some(Command::Man(options)) => shell::man(&options),
-        Some(Command::Gallery(options)) => gallery::run(&options),
         Some(Command::Vectors { action }) => vectors::run(&action),
         Some(Command::Stability(options)) => stability::run(&options),
         Some(Command::Model(options)) => model::run(&options),
@@ -97,7 +106,6 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Fit(options)) => fit::run(&options),
         Some(Command::Needs(options)) => needs::run(&options),
         Some(Command::Trace(options)) => trace::run(&options),
-        Some(Command::Results(options)) => results::run(&options),
     }
 }
 
@@ -123,7 +131,7 @@ fn divert() {
 }
 
 /// Prints a result.
-fn say(text: &str) -> Result<(), Failure> {
+pub fn say(text: &str) -> Result<(), Failure> {
     if DIVERTED.load(Ordering::Relaxed) {
         complain(text);
         return Ok(());
@@ -150,6 +158,6 @@ fn warn(lines: &[String]) {
 }
 
 /// Prints to stderr; if even that fails, nobody is left to tell.
-fn complain(text: &str) {
+pub fn complain(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }

@@ -10,15 +10,15 @@ use super::progress::Progress;
 use super::setup::View;
 use super::surface::SurfaceView;
 use super::{Failure, say, warn};
+use crate::design::DesignChoice;
+use crate::explore::fit::Metric;
+use crate::explore::needs::{Needs, SLACK, needs};
+use crate::fixed;
+use crate::hybrid::Hybrid;
+use crate::scene::Weight;
+use crate::systems::{Use, Verdict, exercised};
 use serde_json::json;
 use splatline::format::Traversal;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::explore::fit::Metric;
-use splatline_sim::explore::needs::{Needs, SLACK, needs};
-use splatline_sim::fixed;
-use splatline_sim::hybrid::Hybrid;
-use splatline_sim::scene::Weight;
-use splatline_sim::systems::{Use, Verdict, exercised};
 use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {

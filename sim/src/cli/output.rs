@@ -5,8 +5,8 @@
 
 use super::args::DesignName;
 use super::{Failure, divert, printed};
+use crate::input;
 use anyhow::{Context, anyhow};
-use splatline_sim::input;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -113,7 +113,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if is_stream(path) {
         return printed(std::io::stdout().write_all(bytes));
     }
-    splatline_sim::atomic::write(path, bytes)
+    crate::atomic::write(path, bytes)
         .with_context(|| format!("cannot write '{}'", path.display()))?;
     Ok(())
 }

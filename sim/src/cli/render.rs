@@ -6,9 +6,9 @@ use super::progress::Progress;
 use super::setup::{DRAWN, View, room_for_picture};
 use super::sweep::{Entry, Manner, draw_entry, draw_reference, report_of_drawing, report_of_entry};
 use super::{Failure, complain, say, warn};
-use splatline_sim::picture::{EXTENSIONS, Format, Picture};
-use splatline_sim::report::Report;
-use splatline_sim::report::facts::Counts;
+use crate::picture::{EXTENSIONS, Format, Picture};
+use crate::report::Report;
+use crate::report::facts::Counts;
 use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {

@@ -4,14 +4,14 @@ use super::Failure;
 use super::args::{AntialiasChoice, OrbitChoice, Size, Vector, ViewOptions};
 use super::progress::Progress;
 use super::say;
+use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
+use crate::cameras::{self, Pose};
+use crate::framing::{Ball, Frame, USUAL_FOV, orbited};
+use crate::hybrid::spacing;
+use crate::memory;
+use crate::rules::{Antialias, Rules};
+use crate::scene::{self, LoadOptions, Scene};
 use anyhow::anyhow;
-use splatline_sim::camera::{Camera, CameraError, NOTABLE_CORRECTION};
-use splatline_sim::cameras::{self, Pose};
-use splatline_sim::framing::{Ball, Frame, USUAL_FOV, orbited};
-use splatline_sim::hybrid::spacing;
-use splatline_sim::memory;
-use splatline_sim::rules::{Antialias, Rules};
-use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::num::NonZero;
 use std::path::Path;
 use std::time::Instant;
@@ -24,8 +24,11 @@ const USUAL_SIZE: Size = Size {
 
 /// What is looked at, from where and under which rules.
 pub struct View {
+    /// What is drawn.
     pub scene: Scene,
+    /// From where.
     pub camera: Camera,
+    /// How it blends.
     pub rules: Rules,
     /// What was changed on the way in; for reports and stderr.
     pub warnings: Vec<String>,

@@ -4,10 +4,10 @@ use super::output::write;
 use super::progress::Progress;
 use super::study_args::{StabilityOptions, StabilitySection};
 use super::{Failure, say};
-use splatline_sim::design::DesignChoice;
-use splatline_sim::stability::scenes::classes::Size;
-use splatline_sim::stability::scenes::{self, SceneLine};
-use splatline_sim::stability::{Extent, Line, measure, steps, table};
+use crate::design::DesignChoice;
+use crate::stability::scenes::classes::Size;
+use crate::stability::scenes::{self, SceneLine};
+use crate::stability::{Extent, Line, measure, steps, table};
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`.\n\n";

@@ -1,29 +1,16 @@
-//! The options of the commands that study the kernel: `gallery`, `results`, `stability`, `vectors`.
+//! The options of the commands that study the kernel: `stability`, `vectors`.
 
 use super::args::{CompositingChoice, DesignName, Size, TraversalChoice};
+use crate::rules::Rules;
 use clap::{Args, Subcommand, ValueEnum};
-use splatline_sim::rules::Rules;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-pub const RESULTS_EXAMPLES: &str = "\
-Examples:
-  splatline results --data ../shared/data -o docs/results
-  splatline results --data ../shared/data --only golden -o /tmp/results";
 pub const VECTORS_EXAMPLES: &str = "\
 Examples:
   splatline vectors export out/vectors --design lean18
   splatline vectors export out/guitar --scene guitar.ply --splats 1000 --size 256x256
   splatline vectors verify out/vectors      after a bench has written its own runs.hex, pixels.hex or tile.hex there";
-pub const GALLERY_EXAMPLES: &str = "\
-Examples:
-  splatline gallery all -o docs/gallery
-  splatline gallery surface -o docs/gallery/surface
-  splatline gallery kernels -o docs/gallery/kernels
-  splatline gallery kernels --only antialias -o out
-
-Groups of kernels: shapes, antialias, spheres, hybrid, stamps; of deep: alpha, sheets; of texture: checkerboard, terrain, warp, plane.";
-
 #[derive(Debug, Subcommand)]
 pub enum VectorsAction {
     /// Write one $readmemh file per stage and manifest.json.
@@ -67,71 +54,6 @@ pub struct VectorsExportOptions {
     pub compositing: CompositingChoice,
 }
 
-#[derive(Debug, Args)]
-pub struct GalleryOptions {
-    /// Which collection
-    #[arg(value_enum)]
-    pub collection: Collection,
-    /// One group of the collection only
-    #[arg(long, value_name = "GROUP")]
-    pub only: Option<String>,
-    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
-    #[arg(long, value_name = "dir", default_value = "../shared/data")]
-    pub data: PathBuf,
-    /// Folder to write README.md and the pictures into
-    #[arg(short, long, value_name = "dir")]
-    pub output: PathBuf,
-}
-
-/// A collection of exhibits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Collection {
-    /// Surface splats, layers, edges, deferred shading
-    Surface,
-    /// Kernels, antialiasing, spheres, hybrid points, stamps
-    Kernels,
-    /// Deep alpha channel, sheet buffers
-    Deep,
-    /// Texture coefficients, height field with photograph, warped depth images
-    Texture,
-    /// All of them, each in a folder of its name
-    All,
-}
-
-impl Collection {
-    /// The collections that are pages of their own.
-    pub const PAGES: [Collection; 4] = [
-        Collection::Surface,
-        Collection::Kernels,
-        Collection::Deep,
-        Collection::Texture,
-    ];
-
-    /// Name on the command line and of the folder in docs/gallery.
-    pub fn name(self) -> &'static str {
-        match self {
-            Collection::Surface => "surface",
-            Collection::Kernels => "kernels",
-            Collection::Deep => "deep",
-            Collection::Texture => "texture",
-            Collection::All => "all",
-        }
-    }
-
-    /// The page's heading.
-    pub fn title(self) -> &'static str {
-        match self {
-            Collection::Surface => "Gallery: surface splats",
-            Collection::Kernels => {
-                "Gallery: kernels, antialiasing, hybrid points, spheres and stamps"
-            }
-            Collection::Deep => "Gallery: deep alpha and sheet buffers",
-            Collection::Texture => "Gallery: texture and image warping",
-            Collection::All => "Gallery",
-        }
-    }
-}
-
 pub const STABILITY_EXAMPLES: &str = "\
 Examples:
   splatline stability
@@ -164,38 +86,4 @@ pub enum StabilitySection {
     Cases,
     /// Whole scenes of the kinds that people have.
     Scenes,
-}
-
-#[derive(Debug, Args)]
-pub struct ResultsOptions {
-    /// Folder of the scenes (with gaussians, volumes and golden in it).
-    #[arg(long, value_name = "DIR")]
-    pub data: PathBuf,
-    /// Folder to write the pages to.
-    #[arg(short, long, value_name = "DIR", default_value = "docs/results")]
-    pub output: PathBuf,
-    /// Only the pages named.
-    #[arg(long, value_enum, value_name = "PAGE")]
-    pub only: Vec<ResultsPage>,
-}
-
-/// Pages of results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ResultsPage {
-    /// Fixed point against float on scenes.
-    Accuracy,
-    /// Both engines against independent data.
-    Golden,
-    /// Bit layout of the footprint packet.
-    Packet,
-    /// Cycles: throughput, designs.
-    Hardware,
-    /// Cycles and area of lane layouts.
-    Layouts,
-    /// How fast the kernel draws on the host, against single-precision rasterizers.
-    Host,
-    /// How fast comparing, sweeping and simulating are.
-    Speed,
-    /// Every system of the papers: where it is, and its error in its exhibits.
-    Systems,
 }

@@ -7,26 +7,29 @@ use super::engines::{self, Task};
 use super::output::write;
 use super::progress::Progress;
 use super::setup::{View, threads};
+use crate::design::{DesignChoice, traversal_name};
+use crate::hybrid::{Hybrid, Points, spacing};
+use crate::machine::{Config, Timing};
+use crate::metrics::{Errors, compare};
+use crate::picture::{Backdrop, Depth, Picture};
+use crate::report::error_map::ErrorMap;
+use crate::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
+use crate::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
+use crate::rules::Compositing;
+use crate::scene::{Scene, Weight};
+use crate::systems::{Use, exercised};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
-use splatline_sim::design::{DesignChoice, traversal_name};
-use splatline_sim::hybrid::{Hybrid, Points, spacing};
-use splatline_sim::machine::{Config, Timing};
-use splatline_sim::metrics::{Errors, compare};
-use splatline_sim::picture::{Backdrop, Depth, Picture};
-use splatline_sim::report::error_map::ErrorMap;
-use splatline_sim::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
-use splatline_sim::report::{ErrorFacts, FORMAT, HostTimes, Report, Row, ScaleFacts, html};
-use splatline_sim::rules::Compositing;
-use splatline_sim::scene::{Scene, Weight};
-use splatline_sim::systems::{Use, exercised};
 use std::path::Path;
 use std::time::Instant;
 
 /// How a view is drawn and measured.
 pub struct Manner {
+    /// Order and operator of blending.
     pub compositing: Compositing,
+    /// Threads that draw.
     pub threads: usize,
+    /// How often each is drawn; the times are medians.
     pub repeat: usize,
     /// Points and stamps instead of splats alone.
     pub hybrid: Option<Hybrid>,
@@ -37,7 +40,9 @@ pub struct Manner {
 /// One design walked by one traversal.
 #[derive(Clone, PartialEq)]
 pub struct Entry {
+    /// Widths of its datapath.
     pub design: DesignChoice,
+    /// How a footprint's pixels are walked.
     pub traversal: Traversal,
 }
 

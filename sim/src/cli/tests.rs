@@ -2,10 +2,10 @@
 
 use super::args::*;
 use super::*;
+use crate::picture::{Depth, Picture};
+use crate::report::Report;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
-use splatline_sim::picture::{Depth, Picture};
-use splatline_sim::report::Report;
 use std::path::Path;
 
 fn parse(line: &str) -> Result<Cli, clap::Error> {

@@ -6,10 +6,10 @@ use super::model::{from_scene, machine};
 use super::output::{self, write};
 use super::setup::View;
 use super::{Failure, say, warn};
-use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::lanes::{LaneShape, LaneWork};
-use splatline_sim::machine::simulate_observed;
-use splatline_sim::trace::{Recorder, kanata, perfetto, vcd};
+use crate::design::DesignChoice;
+use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::simulate_observed;
+use crate::trace::{Recorder, kanata, perfetto, vcd};
 
 /// Splats recorded unless the options say otherwise.
 const USUAL_COUNT: u32 = 256;

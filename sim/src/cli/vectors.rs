@@ -3,10 +3,10 @@
 use super::setup::sound_camera;
 use super::study_args::{VectorsAction, VectorsExportOptions};
 use super::{Failure, say};
-use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::QuantisedScene;
-use splatline_sim::scene::{self, LoadOptions};
-use splatline_sim::vectors::{self, Subject};
+use crate::design::DesignChoice;
+use crate::fixed::QuantisedScene;
+use crate::scene::{self, LoadOptions};
+use crate::vectors::{self, Subject};
 use std::path::Path;
 
 pub fn run(action: &VectorsAction) -> Result<(), Failure> {
@@ -27,7 +27,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         None => {
             vectors::room_for_splats(options.splats)?;
             let (view, splats) = vectors::hard_cases(options.splats, size, options.seed);
-            (view, splats, splatline_sim::rules::Rules::GAUSSIAN_3D)
+            (view, splats, crate::rules::Rules::GAUSSIAN_3D)
         }
         Some(file) => {
             let loaded = scene::load(

@@ -2,9 +2,9 @@
 
 use super::args::{number, positive};
 use super::output;
+use crate::framing::Orbit;
+use crate::rules::{Kernel, Rules};
 use clap::{Args, ValueEnum};
-use splatline_sim::framing::Orbit;
-use splatline_sim::rules::{Kernel, Rules};
 use std::path::PathBuf;
 use std::str::FromStr;
 

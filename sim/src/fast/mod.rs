@@ -16,7 +16,7 @@ mod pixels;
 pub(crate) mod recurrence;
 pub(crate) mod rows;
 pub mod setup;
-pub(crate) mod tile;
+pub mod tile;
 
 pub use paint::{CHECK_INTERVAL, FastPainter, Results, Scratch, TilePainter, tile_painter};
 pub use tile::TILE;

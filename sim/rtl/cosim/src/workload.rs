@@ -10,8 +10,8 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
 use splatline_sim::reference::golden;
-use splatline_sim::results::points;
 use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::scene::points::{self, spheres};
 use splatline_sim::scene::{self, Scene, synthetic};
 use std::path::{Path, PathBuf};
 
@@ -94,10 +94,10 @@ pub fn guitar_scene(view: GuitarView, size: usize) -> Result<Option<(Scene, Came
 
 /// The scanned lion as round volume splats in a square picture; nothing where the data is missing.
 pub fn lion(design: &DesignChoice, rules: &Rules, size: usize) -> Result<Option<Workload>> {
-    let Some(file) = shared(points::FILE) else {
+    let Some(file) = shared("points/lion_takanawa.ply") else {
         return Ok(None);
     };
-    let scene = points::load(&file)?;
+    let scene = spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION);
     let (eye, target) = ([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16]);
     let camera =
         Camera::look_at(eye, target, scene.up, 45.0, size, size).context("the lion's camera")?;

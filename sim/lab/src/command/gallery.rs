@@ -1,0 +1,108 @@
+//! `splatline-lab gallery`: exhibits of the papers' systems as pictures and numbers, one page per collection.
+
+use super::options::{Collection, GalleryOptions};
+use splatline_lab::gallery::{Exhibit, deep, kernels, page, surface, texture};
+use splatline_sim::cli::Progress;
+use splatline_sim::cli::create_folder;
+use splatline_sim::cli::write;
+use splatline_sim::cli::{Failure, say};
+use splatline_sim::picture::Depth;
+use std::path::{Path, PathBuf};
+
+pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
+    if options.collection != Collection::All {
+        return make(options, options.collection, &options.output);
+    }
+    if options.only.is_some() {
+        return Err(Failure::Usage(
+            "--only needs one collection, not all".to_owned(),
+        ));
+    }
+    for collection in Collection::PAGES {
+        make(options, collection, &options.output.join(collection.name()))?;
+    }
+    Ok(())
+}
+
+/// Makes one collection and its page in a folder.
+fn make(options: &GalleryOptions, collection: Collection, folder: &Path) -> Result<(), Failure> {
+    let groups = chosen_groups(options, collection)?;
+    create_folder(folder)?;
+    let progress = Progress::new(groups.len());
+    let mut exhibits = Vec::new();
+    for group in groups {
+        progress.doing(format!("{group} exhibits"));
+        exhibits.extend(match collection {
+            Collection::Surface => surface::surface(&options.data)?,
+            Collection::Kernels => kernels::some(&options.data, group),
+            Collection::Deep => deep_group(&options.data, group, folder)?,
+            Collection::Texture => texture::some(&options.data, group)?,
+            Collection::All => Vec::new(),
+        });
+        progress.advance();
+    }
+    drop(progress);
+    store(options, collection, folder, &exhibits)
+}
+
+/// A group that brings files of its own: a plot, a table.
+fn deep_group(data: &Path, group: &str, folder: &Path) -> Result<Vec<Exhibit>, Failure> {
+    let group = deep::some(data, group);
+    for (name, text) in &group.files {
+        write(&folder.join(name), text.as_bytes())?;
+    }
+    Ok(group.exhibits)
+}
+
+/// The groups of a collection that are asked for.
+fn chosen_groups(
+    options: &GalleryOptions,
+    collection: Collection,
+) -> Result<Vec<&'static str>, Failure> {
+    let groups: &[&str] = match collection {
+        Collection::Surface => &["surface"],
+        Collection::Kernels => &kernels::NAMES,
+        Collection::Deep => &deep::NAMES,
+        Collection::Texture => &texture::NAMES,
+        Collection::All => &[],
+    };
+    match &options.only {
+        None => Ok(groups.to_vec()),
+        Some(only) => match groups.iter().find(|group| *group == only) {
+            Some(group) => Ok(vec![group]),
+            None => {
+                let groups = groups.join(", ");
+                Err(Failure::Usage(format!(
+                    "--only '{only}': expected one of {groups}"
+                )))
+            }
+        },
+    }
+}
+
+/// One contact sheet per exhibit and a page that shows them with their numbers.
+fn store(
+    options: &GalleryOptions,
+    collection: Collection,
+    folder: &Path,
+    exhibits: &[Exhibit],
+) -> Result<(), Failure> {
+    for exhibit in exhibits {
+        if let Some(sheet) = page::sheet(exhibit) {
+            let file: PathBuf = folder.join(page::file(exhibit));
+            sheet.write_png(&file, Depth::Eight)?;
+        }
+    }
+    let (name, title) = (collection.name(), collection.title());
+    let only = options
+        .only
+        .as_ref()
+        .map_or(String::new(), |only| format!(" --only {only}"));
+    let command = format!(
+        "cargo run --release -p splatline-lab -- gallery {name}{only} -o docs/gallery/{name}"
+    );
+    let text = page::markdown(title, &command, exhibits);
+    write(&folder.join("README.md"), text.as_bytes())?;
+    say(&text)?;
+    Ok(())
+}

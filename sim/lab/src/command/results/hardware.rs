@@ -1,0 +1,153 @@
+//! The pages about the machine: throughput and designs, lane layouts.
+//!
+//! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
+
+use super::{designs, layouts, throughput};
+use anyhow::Result;
+use splatline_sim::camera::Camera;
+use splatline_sim::cli::Progress;
+use splatline_sim::cli::write;
+use splatline_sim::cli::{Failure, say};
+use splatline_sim::rules::Rules;
+use splatline_sim::scene::points::{self, spheres};
+use splatline_sim::scene::{self, LoadOptions, Scene};
+use std::path::Path;
+
+/// The scan that is drawn as spheres.
+const LION: &str = "points/lion_takanawa.ply";
+
+/// Columns and rows of every picture.
+const SIZE: usize = 512;
+
+/// A scene as it is measured.
+pub struct Subject {
+    pub name: &'static str,
+    pub scene: Scene,
+    pub camera: Camera,
+    pub rules: Rules,
+}
+
+/// Where a captured scene is seen from.
+struct Place {
+    name: &'static str,
+    file: &'static str,
+    eye: [f64; 3],
+    target: [f64; 3],
+    up: [f64; 3],
+    fov: f64,
+}
+
+const UP: [f64; 3] = [0.0, -1.0, 0.0];
+
+/// The captured scenes.
+const PLACES: [Place; 4] = [
+    Place {
+        name: "guitar",
+        file: "gaussians/guitar.ply",
+        eye: [5.5, -2.1, 0.2],
+        target: [0.1, -2.1, 0.1],
+        up: UP,
+        fov: 50.0,
+    },
+    Place {
+        name: "guitar, close",
+        file: "gaussians/guitar.ply",
+        eye: [2.2, -1.2, 0.5],
+        target: [0.1, -1.2, 0.1],
+        up: UP,
+        fov: 50.0,
+    },
+    Place {
+        name: "playbot",
+        file: "gaussians/playbot_lod4.ply",
+        eye: [2.2, -1.4, 2.2],
+        target: [0.0, -0.45, 0.0],
+        up: UP,
+        fov: 45.0,
+    },
+    Place {
+        name: "lion",
+        file: LION,
+        eye: [4.11, 3.88, -0.16],
+        target: [-2.89, 3.88, -1.16],
+        up: [0.0, 0.0, 1.0],
+        fov: 45.0,
+    },
+];
+
+/// Writes the tables of throughput and designs into `output`.
+pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
+    let (subjects, missing) = subjects(data)?;
+    let progress = Progress::new(subjects.len());
+    let tables = throughput::measure(&subjects, &progress)?;
+    drop(progress);
+    let text = throughput::text(&tables, &missing);
+    write(&output.join("throughput.md"), text.as_bytes())?;
+    say(&text)?;
+    designs::write_all(subjects, output)
+}
+
+/// Writes the tables of lane layouts into `output`.
+pub fn run_layouts(data: &Path, output: &Path) -> Result<(), Failure> {
+    layouts::write_all(&subjects(data)?.0, output)
+}
+
+/// The scenes at hand, and the names of those that are not.
+fn subjects(data: &Path) -> Result<(Vec<Subject>, Vec<&'static str>)> {
+    let mut subjects = vec![demo()?];
+    let mut missing = Vec::new();
+    for place in &PLACES {
+        match subject(data, place)? {
+            Some(subject) => subjects.push(subject),
+            None => missing.push(place.name),
+        }
+    }
+    Ok((subjects, missing))
+}
+
+fn demo() -> Result<Subject> {
+    let scene = scene::demo()?;
+    let (camera, rules) = (scene.default_camera(SIZE, SIZE), scene.natural_rules);
+    Ok(Subject {
+        name: "MR head (demo)",
+        scene,
+        camera,
+        rules,
+    })
+}
+
+/// The first of the captured scenes.
+pub fn guitar(data: &Path) -> Result<Option<Subject>> {
+    subject(data, &PLACES[0])
+}
+
+/// The scanned lion as round splats.
+pub fn lion(data: &Path) -> Result<Option<Subject>> {
+    subject(data, &PLACES[3])
+}
+
+/// A captured scene, unless its file is missing.
+fn subject(data: &Path, place: &Place) -> Result<Option<Subject>> {
+    let path = data.join(place.file);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let (scene, rules) = if place.file == LION {
+        let cloud = points::load(&path)?;
+        (
+            spheres::as_spheres(&cloud, spheres::LION_DEVIATION),
+            spheres::RULES,
+        )
+    } else {
+        let scene = scene::load(&path, &LoadOptions::default())?;
+        let rules = scene.natural_rules;
+        (scene, rules)
+    };
+    let camera = Camera::look_at(place.eye, place.target, place.up, place.fov, SIZE, SIZE)?;
+    Ok(Some(Subject {
+        name: place.name,
+        scene,
+        camera,
+        rules,
+    }))
+}

@@ -1,0 +1,77 @@
+//! `splatline-lab results`: the pages of docs/results, measured afresh.
+
+mod designs;
+mod hardware;
+mod host;
+mod layouts;
+mod speed;
+mod throughput;
+
+use super::options::{ResultsOptions, ResultsPage};
+use clap::ValueEnum;
+use hardware::Subject;
+use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
+use splatline_sim::cli::Progress;
+use splatline_sim::cli::create_folder;
+use splatline_sim::cli::write;
+use splatline_sim::cli::{Failure, say};
+
+pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
+    create_folder(&options.output)?;
+    if options.only.is_empty() {
+        let panels = picture::panels(300)?.to_png()?;
+        write(&options.output.join(picture::FILE), &panels)?;
+    }
+    let asked = |page: &&ResultsPage| options.only.is_empty() || options.only.contains(page);
+    for page in ResultsPage::value_variants().iter().filter(asked) {
+        if let Some(Page { file, text }) = measure(*page, options)? {
+            write(&options.output.join(file), text.as_bytes())?;
+            say(&format!("{text}\n"))?;
+        }
+    }
+    Ok(())
+}
+
+/// The page's text, unless it writes its files itself.
+fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, Failure> {
+    match page {
+        ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
+        ResultsPage::Packet => Ok(Some(packet::page())),
+        ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
+        ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
+        ResultsPage::Hardware => {
+            hardware::run(&options.data, &options.output)?;
+            Ok(None)
+        }
+        ResultsPage::Layouts => {
+            hardware::run_layouts(&options.data, &options.output)?;
+            Ok(None)
+        }
+        ResultsPage::Host => {
+            let text = host::run(&options.data)?;
+            Ok(Some(Page {
+                file: "fast.md",
+                text,
+            }))
+        }
+        ResultsPage::Speed => {
+            let text = speed::run(&|| hardware::guitar(&options.data))?;
+            Ok(Some(Page {
+                file: "speed.md",
+                text,
+            }))
+        }
+    }
+}
+
+fn measure_accuracy(options: &ResultsOptions) -> Result<Page, Failure> {
+    let views = views::load_all(&options.data, 512)?;
+    let progress = Progress::new(views.len());
+    let mut measurements = Vec::new();
+    for view in &views {
+        progress.doing(view.name.to_owned());
+        measurements.extend(accuracy::measure(view)?);
+        progress.advance();
+    }
+    Ok(accuracy::page(&measurements))
+}

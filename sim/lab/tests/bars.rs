@@ -1,0 +1,66 @@
+//! The bars of accuracy as tests: on the embedded volume, the deep stack and golden_a, at a size that keeps them quick.
+//!
+//! `splatline-lab results` prints the same figures at full size on all scenes.
+
+use splatline_lab::results::accuracy::{BARS, measure};
+use splatline_lab::results::golden::{fixed_conics, tiny};
+use splatline_lab::results::views::{DEEP_STACK, View};
+use splatline_sim::reference::golden::GoldenA;
+use splatline_sim::scene::{Scene, demo, synthetic};
+use std::path::Path;
+
+const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/golden");
+
+fn check(name: &'static str, scene: Scene) {
+    let camera = scene.default_camera(160, 160);
+    let view = View {
+        name,
+        scene,
+        camera,
+    };
+    let mut judged = 0;
+    for measurement in measure(&view).unwrap() {
+        let (psnr_db, max_abs, bias) = measurement.worst();
+        let got = format!(
+            "{name}, {}: {psnr_db:.1} dB, {max_abs:.1e}, {bias:+.1e}",
+            measurement.design
+        );
+        // classic8 has no bar.
+        let met = measurement.meets_bars();
+        assert_ne!(met, Some(false), "{got}");
+        judged += usize::from(met.is_some());
+    }
+    assert!(judged >= BARS.len(), "{name}: {judged} designs were judged");
+}
+
+#[test]
+fn the_embedded_volume_meets_them() {
+    check("brainsmall", demo().unwrap());
+}
+
+#[test]
+fn the_deep_stack_meets_them() {
+    check(DEEP_STACK, synthetic::deep_stack(1));
+}
+
+#[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
+fn conics_and_the_picture_of_independent_origin_meet_them() {
+    let folder = Path::new(GOLDEN);
+    let found = fixed_conics(&GoldenA::load(folder).unwrap());
+    assert_eq!(
+        found
+            .iter()
+            .filter(|conics| conics.meets_bar() == Some(true))
+            .count(),
+        20
+    );
+    assert!(
+        found.iter().all(|conics| conics.meets_bar() != Some(false)),
+        "{found:?}"
+    );
+    assert!(tiny(folder).unwrap().iter().all(|(_, db)| *db >= 40.0));
+}

@@ -1,0 +1,192 @@
+//! Tests of the automatic camera: everything framed is in the picture, whatever the kind, the picture's shape and the field of view.
+
+use super::*;
+use crate::scene::synthetic::random_gaussians;
+use crate::scene::{LoadOptions, load};
+use std::path::Path;
+
+/// Does every place of the ball project into the picture, beyond the near plane?
+fn all_in_view(places: &[Vector], camera: &Camera) -> bool {
+    places.iter().all(|place| {
+        let [x, y, z] = camera.to_camera(*place);
+        let (u, v) = (camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy);
+        z > camera.near
+            && (0.0..camera.width as f64).contains(&u)
+            && (0.0..camera.height as f64).contains(&v)
+    })
+}
+
+fn centres(scene: &Scene) -> Vec<Vector> {
+    scene.splats.iter().map(|splat| splat.centre).collect()
+}
+
+#[test]
+fn every_centre_is_shown_in_any_picture_from_anywhere() {
+    let mut scene = random_gaussians(2000, 3, 1.0);
+    for splat in &mut scene.splats {
+        splat.centre = [
+            100.0 + splat.centre[0],
+            7.0 * splat.centre[1],
+            0.1 * splat.centre[2],
+        ];
+    }
+    for weight in [Weight::Mass, Weight::Opacity] {
+        scene.weight = weight;
+        for up in [None, Some([0.0, 0.0, 1.0]), Some([1.0, 2.0, -3.0])] {
+            let frame = Frame::of_scene(&scene, up);
+            assert_eq!(frame.ball.strays, 0);
+            for (width, height) in [(64, 64), (640, 48), (48, 640)] {
+                for fov in [5.0, 45.0, 140.0] {
+                    for orbit in [
+                        None,
+                        Some(Orbit {
+                            azimuth: 130.0,
+                            elevation: -60.0,
+                        }),
+                    ] {
+                        let camera = frame.camera(orbit, fov, width, height).unwrap();
+                        assert!(
+                            all_in_view(&centres(&scene), &camera),
+                            "{weight:?} {up:?} {width}x{height} {fov} {orbit:?}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_ball_touches_the_margin_of_the_narrower_side() {
+    let scene = random_gaussians(5000, 1, 1.0);
+    let frame = Frame::of_scene(&scene, None);
+    let camera = frame.camera(None, 45.0, 300, 200).unwrap();
+    let rim = vector::add(
+        frame.ball.centre,
+        vector::scale(frame.ball.radius, camera.rotation[1]),
+    );
+    let [_, y, z] = camera.to_camera(rim);
+    let v = camera.fy * y / z + camera.cy;
+    assert!((185.0..200.0).contains(&v), "{v}");
+}
+
+#[test]
+fn strays_are_counted_and_do_not_push_the_camera_away() {
+    let mut scene = random_gaussians(1000, 1, 1.0);
+    let before = Frame::of_scene(&scene, None).ball;
+    for splat in scene.splats.iter_mut().take(10) {
+        splat.centre = [1e6, -1e6, 1e6];
+    }
+    let after = Frame::of_scene(&scene, None).ball;
+    assert_eq!((before.strays, after.strays), (0, 10));
+    assert!((after.radius / before.radius - 1.0).abs() < 0.05);
+}
+
+#[test]
+fn one_splat_and_none_can_be_framed() {
+    let mut scene = random_gaussians(1, 1, 1.0);
+    assert!(
+        Frame::of_scene(&scene, None)
+            .camera(None, 45.0, 8, 8)
+            .is_ok()
+    );
+    scene.splats.clear();
+    assert!(
+        Frame::of_scene(&scene, None)
+            .camera(None, 45.0, 8, 8)
+            .is_ok()
+    );
+}
+
+#[test]
+fn orbits_keep_the_distance_and_turn_the_right_way() {
+    let front = [0.0, -1.0, 0.0];
+    let up = [0.0, 0.0, 1.0];
+    let quarter = |azimuth, elevation| turned(front, up, Orbit { azimuth, elevation });
+    let near = |a: Vector, b: Vector| vector::length(vector::subtract(a, b)) < 1e-12;
+    // Seen from above, counter-clockwise from the south is the east.
+    assert!(near(quarter(90.0, 0.0), [1.0, 0.0, 0.0]));
+    assert!((quarter(0.0, 30.0)[2] - 0.5).abs() < 1e-12);
+    let eye = orbited(
+        [3.0, 0.0, 4.0],
+        [0.0; 3],
+        up,
+        Orbit {
+            azimuth: 180.0,
+            elevation: 0.0,
+        },
+    );
+    assert!(near(eye, [-3.0, 0.0, 4.0]), "{eye:?}");
+    let pole = orbited(
+        [3.0, 0.0, 4.0],
+        [0.0; 3],
+        up,
+        Orbit {
+            azimuth: 0.0,
+            elevation: 500.0,
+        },
+    );
+    assert!((vector::length(pole) - 5.0).abs() < 1e-12 && pole[2] < 5.0);
+}
+
+/// Beyond 1e154 squares overflow: no distance can be measured there, and a picture from there would be empty.
+#[test]
+fn no_camera_is_placed_where_squares_overflow() {
+    let frame = |centre, radius| Frame {
+        ball: Ball {
+            centre,
+            radius,
+            strays: 0,
+        },
+        up: [0.0, 0.0, 1.0],
+        front: [0.0, -1.0, 0.0],
+        elevation: 30.0,
+        reason: "",
+    };
+    let placed = |centre, radius| {
+        frame(centre, radius)
+            .camera(None, USUAL_FOV, 64, 48)
+            .is_ok()
+    };
+    assert!(placed([0.0; 3], 1.0) && placed([1e6, 0.0, 0.0], 1e6));
+    for huge in [1e154, 1e160, 1e308, f64::INFINITY] {
+        assert!(!placed([0.0; 3], huge), "radius {huge}");
+        assert!(!placed([2.0 * huge, 0.0, 0.0], 1.0), "centre {huge}");
+    }
+}
+
+/// The scenes of the issue, which the older views cut.
+#[test]
+#[cfg_attr(
+    not(has_data),
+    ignore = "the shared data were not beside the project when this was built"
+)]
+fn captured_scenes_are_shown_whole() {
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data"));
+    for file in [
+        "gaussians/guitar.ply",
+        "gaussians/playbot_lod4.ply",
+        "volumes/headsq.nhdr",
+        "volumes/fuel.nhdr",
+    ] {
+        let scene = load(&folder.join(file), &LoadOptions::default()).unwrap();
+        let frame = Frame::of_scene(&scene, None);
+        let camera = frame.camera(None, USUAL_FOV, 512, 384).unwrap();
+        let shown = centres(&scene)
+            .iter()
+            .filter(|place| all_in_view(&[**place], &camera))
+            .count();
+        println!(
+            "{file}: {shown} of {} shown; {}",
+            scene.splats.len(),
+            frame.describe(USUAL_FOV)
+        );
+        assert_eq!(shown + frame.ball.strays, scene.splats.len(), "{file}");
+    }
+    let cloud = crate::scene::points::load(&folder.join("points/lion_takanawa.ply")).unwrap();
+    let frame = Frame::of_surface(&cloud, false, None);
+    let camera = frame.camera(None, USUAL_FOV, 512, 384).unwrap();
+    let places: Vec<Vector> = cloud.points.iter().map(|point| point.centre).collect();
+    assert_eq!(frame.ball.strays, 0);
+    assert!(all_in_view(&places, &camera));
+}

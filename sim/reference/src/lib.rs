@@ -1,0 +1,30 @@
+//! What a picture is and what it should look like, in double precision: scenes and cameras of all formats, the rules of blending, pictures
+//! and their differences, and the float reference.
+//!
+//! A crate of its own, so that the reference cannot share a line with the fixed-point kernel that is measured against it: it does not depend
+//! on that kernel. Data flows down this list:
+//!
+//! ```text
+//! vector, input, atomic             small tools: vectors, files read within limits, files written whole
+//! rules, camera, cameras, framing   how splats blend; one camera, other people's cameras, a camera for a scene without one
+//! scene, texture                    what is drawn: readers of every format, colours of textured points
+//! surface, sheets, hybrid           settings of those systems
+//! picture, metrics                  pictures, their files, and how two of them differ
+//! engines                           the float reference and the exact integral
+//! ```
+
+pub mod atomic;
+pub mod camera;
+pub mod cameras;
+pub mod engines;
+pub mod framing;
+pub mod hybrid;
+pub mod input;
+pub mod metrics;
+pub mod picture;
+pub mod rules;
+pub mod scene;
+pub mod sheets;
+pub mod surface;
+pub mod texture;
+pub mod vector;

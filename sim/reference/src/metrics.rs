@@ -1,0 +1,337 @@
+//! How far one picture is from another: PSNR, largest difference, signed bias and SSIM.
+//!
+//! All figures are in units of 1.0, on pictures clamped to 0..1 as they would be stored but not quantised: what is
+//! measured is the arithmetic, not the file format. Red, green and blue are one channel group, alpha is another.
+//!
+//! - PSNR is `-10 log10(mean squared difference)`, +infinity for identical pictures.
+//! - Bias is the mean of fixed minus float. It is reported beside PSNR because truncating blends darken deep stacks
+//!   by an amount that PSNR hides.
+//! - PSNR, bias and SSIM are given twice: over the whole picture, and over the covered pixels alone, those that are not transparent in both
+//!   pictures. Empty background is drawn without an error and dilutes all three.
+//! - SSIM follows Wang, Bovik, Sheikh and Simoncelli (IEEE TIP 2004): an 11x11 Gaussian window of sigma 1.5,
+//!   K1 = 0.01, K2 = 0.03, averaged over the positions where the window lies inside the picture. A picture narrower or
+//!   lower than the window shrinks the window to its size. Colour is compared by its luminance, alpha by itself.
+
+use crate::picture::Picture;
+use std::collections::VecDeque;
+
+/// Rec. 709 luminance; exact for linear values, which is what a [`Picture`] holds.
+const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
+/// Side of the SSIM window in pixels.
+const WINDOW: usize = 11;
+/// Standard deviation of the SSIM window in pixels.
+const WINDOW_SIGMA: f64 = 1.5;
+/// SSIM's stabilisers, (K1 L)^2 and (K2 L)^2 with L = 1.
+const C1: f64 = 0.01 * 0.01;
+const C2: f64 = 0.03 * 0.03;
+
+/// Difference of two pictures, per channel group.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Errors {
+    /// Red, green and blue together.
+    pub colour: ChannelError,
+    /// Alpha.
+    pub alpha: ChannelError,
+}
+
+/// Difference of two pictures in one channel group, in units of 1.0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelError {
+    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    pub psnr_db: f64,
+    /// Largest absolute difference.
+    pub max_abs: f64,
+    /// Column, row and channel (0 to 3: R, G, B, A) where it was first met in row order.
+    pub max_at: (usize, usize, usize),
+    /// Mean of fixed minus float.
+    pub bias: f64,
+    /// Mean structural similarity; 1 for identical pictures.
+    pub ssim: f64,
+    /// The same over the covered pixels.
+    pub covered: CoveredError,
+}
+
+/// Difference of two pictures over the pixels that either of them covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoveredError {
+    /// How many there are.
+    pub pixels: usize,
+    /// Peak signal-to-noise ratio in decibels; +infinity if no sample differs.
+    pub psnr_db: f64,
+    /// Mean of fixed minus float; 0 without a covered pixel.
+    pub bias: f64,
+    /// Mean structural similarity over the windows around covered pixels; 1 without any.
+    pub ssim: f64,
+}
+
+/// Why two pictures cannot be compared.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CompareError {
+    /// The pictures' sizes differ.
+    #[error("the pictures differ in size: fixed is {}x{}, float is {}x{}", .fixed.0, .fixed.1, .float.0, .float.1)]
+    Size {
+        /// Columns and rows of the first picture.
+        fixed: (usize, usize),
+        /// Columns and rows of the second picture.
+        float: (usize, usize),
+    },
+    /// There is nothing to compare.
+    #[error("the pictures have no pixels")]
+    Empty,
+    /// A picture does not hold `width * height` pixels.
+    #[error("the {which} picture holds {found} pixels where its size asks for {expected}")]
+    PixelCount {
+        /// `fixed` or `float`.
+        which: &'static str,
+        /// Pixels held.
+        found: usize,
+        /// Columns times rows.
+        expected: usize,
+    },
+    /// A sample is NaN or infinite.
+    #[error("the {which} picture holds {value} in channel {channel} of pixel ({x}, {y})")]
+    NonFinite {
+        /// `fixed` or `float`.
+        which: &'static str,
+        /// Column.
+        x: usize,
+        /// Row.
+        y: usize,
+        /// 0 to 3: R, G, B, A.
+        channel: usize,
+        /// The sample.
+        value: f64,
+    },
+}
+
+/// Compares two pictures of the same size; the first one's excess counts as positive.
+pub fn compare(fixed: &Picture, float: &Picture) -> Result<Errors, CompareError> {
+    check(fixed, "fixed")?;
+    check(float, "float")?;
+    let (fixed_size, float_size) = ((fixed.width, fixed.height), (float.width, float.height));
+    if fixed_size != float_size {
+        return Err(CompareError::Size {
+            fixed: fixed_size,
+            float: float_size,
+        });
+    }
+    let luminance = |p: &[f64; 4]| (0..3).map(|c| LUMINANCE[c] * stored(p[c])).sum();
+    let alpha = |p: &[f64; 4]| stored(p[3]);
+    Ok(Errors {
+        colour: channel_error(fixed, float, &[0, 1, 2], luminance),
+        alpha: channel_error(fixed, float, &[3], alpha),
+    })
+}
+
+/// The value that a file can hold.
+pub fn stored(value: f64) -> f64 {
+    value.clamp(0.0, 1.0)
+}
+
+/// Rejects what no figure could be computed from.
+fn check(picture: &Picture, which: &'static str) -> Result<(), CompareError> {
+    let expected = picture.width.saturating_mul(picture.height);
+    let found = picture.pixels.len();
+    if found != expected {
+        return Err(CompareError::PixelCount {
+            which,
+            found,
+            expected,
+        });
+    }
+    if found == 0 {
+        return Err(CompareError::Empty);
+    }
+    for (index, pixel) in picture.pixels.iter().enumerate() {
+        if let Some(channel) = pixel.iter().position(|v| !v.is_finite()) {
+            let (x, y) = (index % picture.width, index / picture.width);
+            return Err(CompareError::NonFinite {
+                which,
+                x,
+                y,
+                channel,
+                value: pixel[channel],
+            });
+        }
+    }
+    Ok(())
+}
+
+/// All figures of one channel group; `brightness` is what SSIM looks at.
+fn channel_error(
+    fixed: &Picture,
+    float: &Picture,
+    channels: &[usize],
+    brightness: impl Fn(&[f64; 4]) -> f64,
+) -> ChannelError {
+    let mut whole = Sums::default();
+    let mut covered = Sums::default();
+    let mut max_abs = 0.0;
+    let mut max_at = (0, 0, channels[0]);
+    for (index, (a, b)) in fixed.pixels.iter().zip(&float.pixels).enumerate() {
+        let is_covered = is_covered(a, b);
+        for &channel in channels {
+            let difference = stored(a[channel]) - stored(b[channel]);
+            whole.add(difference);
+            if is_covered {
+                covered.add(difference);
+            }
+            if difference.abs() > max_abs {
+                max_abs = difference.abs();
+                max_at = (index % fixed.width, index / fixed.width, channel);
+            }
+        }
+    }
+    let (ssim, ssim_covered) = ssim(fixed, float, brightness);
+    ChannelError {
+        psnr_db: psnr(max_abs, whole.mean_square()),
+        max_abs,
+        max_at,
+        bias: whole.mean(),
+        ssim,
+        covered: CoveredError {
+            pixels: covered.samples / channels.len(),
+            psnr_db: psnr(covered.most, covered.mean_square()),
+            bias: covered.mean(),
+            ssim: ssim_covered,
+        },
+    }
+}
+
+/// Whether a pixel is not transparent in both pictures.
+fn is_covered(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    a[3] != 0.0 || b[3] != 0.0
+}
+
+/// Sums over samples.
+#[derive(Default)]
+struct Sums {
+    samples: usize,
+    sum: f64,
+    squares: f64,
+    most: f64,
+}
+
+impl Sums {
+    fn add(&mut self, difference: f64) {
+        self.samples += 1;
+        self.sum += difference;
+        self.squares += difference * difference;
+        self.most = self.most.max(difference.abs());
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.samples.max(1) as f64
+    }
+
+    fn mean_square(&self) -> f64 {
+        self.squares / self.samples.max(1) as f64
+    }
+}
+
+/// Differences so small that their squares vanish (below 1e-154) are not identical; they get the largest finite PSNR.
+fn psnr(max_abs: f64, mean_square: f64) -> f64 {
+    if max_abs == 0.0 {
+        f64::INFINITY
+    } else {
+        -10.0 * mean_square.max(f64::MIN_POSITIVE).log10()
+    }
+}
+
+/// Window-weighted means of a, b, a^2, b^2 and ab.
+type Moments = [f64; 5];
+
+/// Mean SSIM over all positions of the window, and over those with a covered pixel in their middle. The Gaussian is separable: rows are filtered first, and only as many
+/// filtered rows are kept as the window is high.
+fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64) -> (f64, f64) {
+    let across = window(fixed.width);
+    let down = window(fixed.height);
+    let mut rows: VecDeque<Vec<Moments>> = VecDeque::with_capacity(down.len());
+    let (mut whole, mut covered) = (Sums::default(), Sums::default());
+    let lines = fixed
+        .pixels
+        .chunks(fixed.width)
+        .zip(float.pixels.chunks(fixed.width));
+    for (y, (a, b)) in lines.enumerate() {
+        if rows.len() == down.len() {
+            rows.pop_front();
+        }
+        rows.push_back(filtered_row(a, b, &across, &brightness));
+        if rows.len() < down.len() {
+            continue;
+        }
+        for x in 0..rows[0].len() {
+            let mut moments = [0.0; 5];
+            for (row, weight) in rows.iter().zip(&down) {
+                add_weighted(&mut moments, &row[x], *weight);
+            }
+            let similarity = similarity(&moments);
+            whole.add(similarity);
+            let middle = (y - down.len() / 2) * fixed.width + x + across.len() / 2;
+            if is_covered(&fixed.pixels[middle], &float.pixels[middle]) {
+                covered.add(similarity);
+            }
+        }
+    }
+    let of_covered = match covered.samples {
+        0 => 1.0,
+        _ => covered.mean(),
+    };
+    (whole.mean(), of_covered)
+}
+
+/// Moments along one row, one entry per position of the window.
+fn filtered_row(
+    a: &[[f64; 4]],
+    b: &[[f64; 4]],
+    weights: &[f64],
+    brightness: &impl Fn(&[f64; 4]) -> f64,
+) -> Vec<Moments> {
+    let samples: Vec<Moments> = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| {
+            let (a, b) = (brightness(a), brightness(b));
+            [a, b, a * a, b * b, a * b]
+        })
+        .collect();
+    samples
+        .windows(weights.len())
+        .map(|run| {
+            let mut moments = [0.0; 5];
+            for (sample, weight) in run.iter().zip(weights) {
+                add_weighted(&mut moments, sample, *weight);
+            }
+            moments
+        })
+        .collect()
+}
+
+fn add_weighted(sum: &mut Moments, sample: &Moments, weight: f64) {
+    for (total, value) in sum.iter_mut().zip(sample) {
+        *total += weight * value;
+    }
+}
+
+/// SSIM at one position.
+fn similarity(&[mean_a, mean_b, square_a, square_b, product]: &Moments) -> f64 {
+    let variance_a = square_a - mean_a * mean_a;
+    let variance_b = square_b - mean_b * mean_b;
+    let covariance = product - mean_a * mean_b;
+    let luminance = (2.0 * mean_a * mean_b + C1) / (mean_a * mean_a + mean_b * mean_b + C1);
+    let structure = (2.0 * covariance + C2) / (variance_a + variance_b + C2);
+    luminance * structure
+}
+
+/// Normalised Gaussian weights, at most as many as there are pixels.
+fn window(pixels: usize) -> Vec<f64> {
+    let length = pixels.min(WINDOW);
+    let centre = (length as f64 - 1.0) / 2.0;
+    let weight = |i: usize| (-((i as f64 - centre) / WINDOW_SIGMA).powi(2) / 2.0).exp();
+    let total: f64 = (0..length).map(weight).sum();
+    (0..length).map(|i| weight(i) / total).collect()
+}
+
+#[cfg(test)]
+#[path = "metrics_tests.rs"]
+mod tests;

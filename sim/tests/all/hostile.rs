@@ -1,0 +1,269 @@
+//! Damaged files of every format: cut at every byte, or claiming more than any file holds. The answer is a message or, where the
+//! format cannot tell (a text cut between two lines), a shorter content; never a panic and never memory beyond the file's size.
+//!
+//! The readers' own tests look closer; this one goes through the same entrances as the command line.
+
+mod mutations;
+mod readers;
+mod seeds;
+
+use seeds::few_vectors;
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::machine::config;
+use splatline_sim::scene::{self, LoadOptions, points};
+use splatline_sim::vectors::{export, verify};
+use std::path::Path;
+
+/// Calls `read` with a file of each proper prefix of `whole`; its answer is "did that succeed?". Lengths that succeeded.
+fn lengths_read(name: &str, whole: &[u8], read: impl Fn(&Path) -> bool) -> Vec<usize> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, whole).unwrap();
+    assert!(read(&path), "{name} is sound as a whole");
+    let mut sound = Vec::new();
+    for length in 0..whole.len() {
+        std::fs::write(&path, &whole[..length]).unwrap();
+        if read(&path) {
+            sound.push(length);
+        }
+    }
+    sound
+}
+
+fn is_scene(path: &Path) -> bool {
+    scene::load(path, &LoadOptions::default()).is_ok()
+}
+
+fn is_cloud(path: &Path) -> bool {
+    points::load(path).is_ok()
+}
+
+const CLOUD_HEADER: &str =
+    "element vertex 4\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+
+fn binary_cloud() -> Vec<u8> {
+    let places: [f32; 12] = [0., 0., 5., 1., 0., 5., 0., 1., 5., 1., 1., 5.];
+    let header = format!("ply\nformat binary_little_endian 1.0\n{CLOUD_HEADER}");
+    [header.into_bytes(), places.map(f32::to_le_bytes).concat()].concat()
+}
+
+#[test]
+fn a_point_cloud_cut_anywhere_is_refused() {
+    assert_eq!(lengths_read("cloud.ply", &binary_cloud(), is_cloud), [0; 0]);
+    let text = format!("ply\nformat ascii 1.0\n{CLOUD_HEADER}0 0 5\n1 0 5\n0 1 5\n1 1 5\n");
+    // Not even the last line's end may be missing: the number before it could be half a number.
+    assert_eq!(lengths_read("cloud.ply", text.as_bytes(), is_cloud), [0; 0]);
+}
+
+/// Lines have no count before them, so a cut after the third line leaves a smaller cloud; a cut within a number is a number too.
+#[test]
+fn lines_of_numbers_cut_anywhere_are_refused_or_a_smaller_cloud() {
+    let lines = [
+        "0 0 5 0 0 1\n",
+        "1 0 5 0 0 1\n",
+        "0 1 5 0 0 1\n",
+        "1 1 5 0 0 1\n",
+    ];
+    let whole = lines.concat();
+    let three = lines[..3].concat().len();
+    let sound = lengths_read("cloud.xyz", whole.as_bytes(), is_cloud);
+    let line = lines[3].len();
+    let four = whole.len();
+    assert_eq!(sound, [three - 1, three, four - 1], "lines of {line} bytes");
+}
+
+#[test]
+fn a_volume_cut_anywhere_is_refused() {
+    let header = "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 2\nendian: little\n";
+    let data: Vec<u8> = (0..8i16)
+        .flat_map(|value| (100 * value).to_le_bytes())
+        .collect();
+    let raw = [format!("{header}encoding: raw\n\n").as_bytes(), &data].concat();
+    assert_eq!(lengths_read("volume.nrrd", &raw, is_scene), [0; 0]);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::best());
+    std::io::Write::write_all(&mut packed, &data).unwrap();
+    let packed = packed.finish().unwrap();
+    let gzip = [format!("{header}encoding: gzip\n\n").as_bytes(), &packed].concat();
+    assert_eq!(lengths_read("volume.nrrd", &gzip, is_scene), [0; 0]);
+}
+
+#[test]
+fn a_camera_file_cut_anywhere_is_refused() {
+    let camera = Camera::look_at([0.0, -5.0, -8.0], [0.0; 3], [0.0, -1.0, 0.0], 60.0, 32, 24);
+    let text = camera.unwrap().to_json();
+    let sound = lengths_read("camera.json", text.trim_end().as_bytes(), |path| {
+        Camera::from_json_file(path).is_ok()
+    });
+    assert_eq!(sound, [0; 0]);
+}
+
+/// A TOML text cut between two lines is a TOML text, so this only asks for an answer.
+#[test]
+fn no_cut_of_a_machine_or_a_design_panics() {
+    let machine = config::to_toml(&config::Config::default());
+    lengths_read("machine.toml", machine.as_bytes(), |path| {
+        config::from_file(path).is_ok()
+    });
+    let design =
+        "base = \"standard24\"\nmantissa = 20\nrounding = \"truncate\"\ntraversal = \"box\"\n";
+    lengths_read("design.toml", design.as_bytes(), |path| {
+        DesignChoice::load(&path.display().to_string()).is_ok()
+    });
+}
+
+#[test]
+fn vectors_cut_anywhere_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), &few_vectors([4, 4])).unwrap();
+    for name in ["manifest.json", "splats.hex", "tile.hex"] {
+        let path = folder.path().join(name);
+        let whole = std::fs::read(&path).unwrap();
+        // Every byte of the small files, a sample of the long manifest; the last byte is the end of a line.
+        let end = whole.trim_ascii_end().len();
+        for length in (0..end).step_by(1 + end / 400) {
+            std::fs::write(&path, &whole[..length]).unwrap();
+            assert!(verify(folder.path()).is_err(), "{name} cut at {length}");
+        }
+        std::fs::write(&path, &whole).unwrap();
+    }
+    assert!(verify(folder.path()).is_ok());
+}
+
+/// The places of all values of a JSON text that are neither a list nor an object.
+fn leaves(value: &serde_json::Value, place: &str, found: &mut Vec<String>) {
+    match value {
+        serde_json::Value::Object(map) => map
+            .iter()
+            .for_each(|(key, value)| leaves(value, &format!("{place}/{key}"), found)),
+        serde_json::Value::Array(list) => list
+            .iter()
+            .enumerate()
+            .for_each(|(index, value)| leaves(value, &format!("{place}/{index}"), found)),
+        _ => found.push(place.to_owned()),
+    }
+}
+
+fn other(value: &serde_json::Value) -> serde_json::Value {
+    match value {
+        serde_json::Value::Bool(value) => (!value).into(),
+        serde_json::Value::String(text) => format!("{text}0").into(),
+        // One less, since many fields are at their largest.
+        number => (number.as_i64().unwrap_or_default() - 1).into(),
+    }
+}
+
+/// No field of a manifest is there for show: whichever says something else, verifying fails.
+#[test]
+fn every_field_of_a_manifest_is_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), &few_vectors([4, 4])).unwrap();
+    let path = folder.path().join("manifest.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let sound: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let mut places = Vec::new();
+    leaves(&sound, "", &mut places);
+    assert!(places.len() > 500, "{}", places.len());
+    for place in &places {
+        let mut altered = sound.clone();
+        let value = altered.pointer_mut(place).unwrap();
+        *value = other(value);
+        std::fs::write(&path, altered.to_string()).unwrap();
+        assert!(verify(folder.path()).is_err(), "{place}");
+    }
+    let mut more = sound.clone();
+    more["rating"] = "five stars".into();
+    std::fs::write(&path, more.to_string()).unwrap();
+    let told = verify(folder.path()).unwrap_err().to_string();
+    assert!(
+        told.contains("rating is \"five stars\", this kernel's is nothing"),
+        "{told}"
+    );
+    std::fs::write(&path, text).unwrap();
+    verify(folder.path()).unwrap();
+}
+
+/// A manifest of two kilobytes that asks for 16 million pixels.
+#[test]
+fn a_manifest_without_its_picture_cannot_ask_for_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    export(folder.path(), &few_vectors([4, 5])).unwrap();
+    let path = folder.path().join("manifest.json");
+    let mut manifest: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    manifest["view"]["viewport"] = serde_json::json!([4096, 4096]);
+    std::fs::write(&path, manifest.to_string()).unwrap();
+    let message = verify(folder.path()).unwrap_err().to_string();
+    assert!(
+        message.contains("view.viewport has 16777216 pixels, but tile.hex has"),
+        "{message}"
+    );
+}
+
+/// Counts of 10^12 in every header that has a count: refused before anything is allocated for them.
+#[test]
+fn a_claim_of_a_million_million_elements_is_refused_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let message = |name: &str, bytes: &[u8], cloud: bool| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        let error = match cloud {
+            true => points::load(&path).err(),
+            false => scene::load(&path, &LoadOptions::default()).err(),
+        };
+        error.expect("an absurd count").to_string()
+    };
+    let started = std::time::Instant::now();
+    let cloud =
+        String::from_utf8_lossy(&binary_cloud()).replace("vertex 4", "vertex 1000000000000");
+    let told = message("cloud.ply", cloud.as_bytes(), true);
+    assert!(
+        told.contains("element vertex, 1000000000000 records"),
+        "{told}"
+    );
+    for encoding in ["raw", "gzip"] {
+        let header = format!(
+            "NRRD0004\ntype: float\nendian: little\ndimension: 3\nsizes: 10000 10000 10000\nencoding: {encoding}\n\nxxxx"
+        );
+        let told = message("volume.nrrd", header.as_bytes(), false);
+        assert!(told.contains("4000000000000 bytes"), "{told}");
+    }
+    // A .pts file's first line is a count that nobody needs.
+    let told = message("cloud.pts", b"1000000000000\n0 0 0\n", true);
+    assert!(told.contains("only 1 of 1 are usable"), "{told}");
+    assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
+}
+
+/// Whatever is written goes through `atomic`, or is a file of a sweep: its table is cut back to its last
+/// whole line when it is opened, and an identity without its end is written again.
+#[test]
+fn nothing_is_written_past_the_atomic_writer() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let exempt = ["atomic.rs", "explore/folder.rs"].map(|name| root.join(name));
+    let mut folders = vec![root];
+    let mut read = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path
+                .file_name()
+                .unwrap_or_default()
+                .to_string_lossy()
+                .into_owned();
+            if path.is_dir() {
+                folders.push(path);
+            } else if name.ends_with(".rs")
+                && !name.ends_with("tests.rs")
+                && !exempt.contains(&path)
+            {
+                read += 1;
+                let text = std::fs::read_to_string(&path).unwrap();
+                let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+                for writer in ["fs::write(", "File::create", "OpenOptions"] {
+                    assert!(!code.contains(writer), "{}: {writer}", path.display());
+                }
+            }
+        }
+    }
+    assert!(read > 50, "{read} files");
+}

@@ -1,0 +1,232 @@
+//! Every format that is read, and what is done with what was read, for the mutation suite and for the fuzz targets.
+//!
+//! Whoever adds a reader adds a line here, and both try it. A scene goes the whole way: it is loaded, framed by its default camera, drawn at
+//! 16 x 16 by both engines and compared. A text is read, and what it describes is used as far as that is quick.
+
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::explore::identity::Identity;
+use splatline_sim::explore::space::Space;
+use splatline_sim::explore::table::Table;
+use splatline_sim::fixed::{self, Options};
+use splatline_sim::machine::area::{Calibration, estimate};
+use splatline_sim::machine::config::{self, Config};
+use splatline_sim::machine::lanes::{LaneShape, LaneWork};
+use splatline_sim::machine::simulate;
+use splatline_sim::machine::workload::{TableOptions, read_table};
+use splatline_sim::metrics::compare;
+use splatline_sim::reference;
+use splatline_sim::rules::Compositing;
+use splatline_sim::scene::points::{self, SurfaceScene, height_field};
+use splatline_sim::scene::{self, LoadOptions, Scene, Transfer, synthetic};
+use splatline_sim::surface::Style;
+use splatline_sim::{input, vectors};
+use std::path::Path;
+
+/// Reads a file and uses it; the error is what the user would be told.
+pub type Reader = fn(&Path) -> Result<(), String>;
+
+/// Name of the file, for its extension, and its reader.
+pub const FORMATS: [(&str, Reader); 19] = [
+    ("gaussian.ply", scene_file),
+    ("binary.ply", scene_file),
+    ("scene.splat", scene_file),
+    ("scene.spz", scene_file),
+    ("raw.nrrd", scene_file),
+    ("gzip.nrrd", scene_file),
+    ("detached.nhdr", detached_file),
+    ("cloud.ply", cloud_file),
+    ("cloud.xyz", cloud_file),
+    ("grid.csv", height_field_file),
+    ("camera.json", camera_file),
+    ("transfer.toml", transfer_file),
+    ("design.toml", design_file),
+    ("machine.toml", machine_file),
+    ("prices.toml", prices_file),
+    ("space.toml", space_file),
+    ("footprints.csv", footprints_file),
+    ("sweep.json", sweep_file),
+    ("manifest.json", manifest_file),
+];
+
+const SIDE: usize = 16;
+
+fn told(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+fn text(path: &Path) -> Result<String, String> {
+    input::text(path, input::SETTINGS).map_err(told)
+}
+
+fn design() -> DesignChoice {
+    DesignChoice::named("standard24").expect("a named design")
+}
+
+fn scene_file(path: &Path) -> Result<(), String> {
+    let scene = scene::load(path, &LoadOptions::default()).map_err(told)?;
+    let camera = scene.default_camera(SIDE, SIDE);
+    match camera.is_sound() {
+        true => draw(&scene, &camera, &design()),
+        false => Err("no camera can be placed".to_owned()),
+    }
+}
+
+/// A header with its data in a file beside it.
+fn detached_file(path: &Path) -> Result<(), String> {
+    let data = path.with_file_name("data");
+    if !data.exists() {
+        let values: Vec<u8> = (0..60).map(|value| value * 4).collect();
+        std::fs::write(&data, values).map_err(told)?;
+    }
+    scene_file(path)
+}
+
+/// By both engines, whose pictures must be finite. Where one differs from the other is no question here.
+fn draw(scene: &Scene, camera: &Camera, design: &DesignChoice) -> Result<(), String> {
+    let options = Options {
+        rules: &scene.natural_rules,
+        compositing: Compositing::FrontToBack,
+        design,
+        traversal: design.traversal,
+    };
+    let fixed = fixed::draw(scene, camera, &options).picture;
+    let float = reference::float::draw(scene, camera, options.rules, options.compositing).picture;
+    compare(&fixed, &float).map(|_| ()).map_err(told)
+}
+
+fn cloud_file(path: &Path) -> Result<(), String> {
+    let scene = points::load(path).map_err(told)?;
+    let camera = scene.default_camera(SIDE, SIDE);
+    draw_surface(&scene, &camera)
+}
+
+fn height_field_file(path: &Path) -> Result<(), String> {
+    let field = height_field::HeightField::load(path, height_field::USUAL_SPACING);
+    let scene = field.map_err(told)?.scene("grid");
+    let camera = height_field::default_camera(&scene, SIDE, SIDE);
+    draw_surface(&scene, &camera)
+}
+
+fn draw_surface(scene: &SurfaceScene, camera: &Camera) -> Result<(), String> {
+    if !camera.is_sound() {
+        return Err("no camera can be placed".to_owned());
+    }
+    let style = Style::opaque(scene.usual_threshold());
+    let design = design();
+    let fixed = fixed::surface::draw(scene, camera, &style, &design, design.traversal).picture;
+    let float = reference::surface::draw(scene, camera, &style).picture;
+    compare(&fixed, &float).map(|_| ()).map_err(told)
+}
+
+/// As large as the file says; only setup runs, which takes no pixels.
+fn camera_file(path: &Path) -> Result<(), String> {
+    let camera = Camera::from_json_file(path).map_err(told)?;
+    let (scene, design) = (synthetic::random_gaussians(9, 1, 2.0), design());
+    let options = Options {
+        rules: &scene.natural_rules,
+        compositing: Compositing::FrontToBack,
+        design: &design,
+        traversal: design.traversal,
+    };
+    fixed::footprints(&scene, &camera, &options);
+    reference::float::footprints(&scene, &camera, options.rules);
+    let small = camera.resized(SIDE, SIDE).map_err(told)?;
+    draw(&scene, &small, &design)
+}
+
+fn transfer_file(path: &Path) -> Result<(), String> {
+    Transfer::from_toml(&text(path)?).map_err(told)?;
+    let options = LoadOptions {
+        transfer: Some(path.to_owned()),
+        light: None,
+    };
+    let volume = path.with_file_name("volume.nrrd");
+    if !volume.exists() {
+        std::fs::write(&volume, super::seeds::volume("raw")).map_err(told)?;
+    }
+    let scene = scene::load(&volume, &options).map_err(told)?;
+    let camera = scene.default_camera(SIDE, SIDE);
+    draw(&scene, &camera, &design())
+}
+
+fn design_file(path: &Path) -> Result<(), String> {
+    let design = DesignChoice::load(&path.display().to_string()).map_err(told)?;
+    let scene = synthetic::random_gaussians(9, 1, 2.0);
+    draw(&scene, &synthetic::camera(SIDE, SIDE), &design)
+}
+
+/// A workload small enough for any machine, and large enough that every unit has something to do.
+fn footprints() -> String {
+    let heading = "u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1\n";
+    let line = |n: u32| format!("{n},4,{n},1,0,1,0,0,16,16\n");
+    heading.to_owned() + &(0..6).map(line).collect::<String>()
+}
+
+fn time(config: &Config, table: &str) -> Result<(), String> {
+    let options = TableOptions {
+        viewport: [0, 0],
+        tile: [config.tile_width, config.tile_height],
+        traversal: splatline::format::Traversal::Spans,
+        cutoff: Some(4.0),
+        packet_bytes: 40,
+    };
+    let workload = read_table(table, &options).map_err(told)?;
+    let work = LaneWork::new(&workload, LaneShape::from(config));
+    simulate(&workload, &work, config);
+    Ok(())
+}
+
+fn machine_file(path: &Path) -> Result<(), String> {
+    let config = config::from_file(path).map_err(told)?;
+    let again = config::from_toml("again", &config::to_toml(&config)).map_err(told)?;
+    assert_eq!(config, again, "what is written is read back");
+    time(&config, &footprints())
+}
+
+fn prices_file(path: &Path) -> Result<(), String> {
+    let prices = Calibration::from_toml("prices.toml", &text(path)?)?;
+    let design = design();
+    let area = estimate(
+        &design.widths,
+        design.traversal,
+        &Config::default(),
+        &prices,
+    );
+    assert!(area.weight.is_finite(), "an area of {}", area.weight);
+    Ok(())
+}
+
+fn space_file(path: &Path) -> Result<(), String> {
+    let space = Space::from_toml("space.toml", &text(path)?).map_err(told)?;
+    assert!(!space.points.is_empty(), "a space without points");
+    for point in space.points.iter().take(99) {
+        space.texts(point).for_each(drop);
+    }
+    Ok(())
+}
+
+fn footprints_file(path: &Path) -> Result<(), String> {
+    time(&Config::default(), &text(path)?)
+}
+
+/// The identity and, behind its end, the table.
+fn sweep_file(path: &Path) -> Result<(), String> {
+    let text = text(path)?;
+    let (identity, table) = text.split_once("\n}\n").unwrap_or((&text, ""));
+    let identity = Identity::parse(&format!("{identity}\n}}\n")).map_err(told)?;
+    let space = identity.space().map_err(told)?;
+    let table = Table::from_csv(table)?;
+    table.check(&space, identity.has_errors())
+}
+
+/// The manifest of vectors whose other files lie beside it.
+fn manifest_file(path: &Path) -> Result<(), String> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    if !folder.join("splats.hex").exists() {
+        let manifest = std::fs::read(path).map_err(told)?;
+        vectors::export(folder, &super::seeds::few_vectors([4, 4])).map_err(told)?;
+        std::fs::write(path, manifest).map_err(told)?;
+    }
+    vectors::verify(folder).map(|_| ()).map_err(told)
+}
