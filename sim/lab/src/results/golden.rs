@@ -8,7 +8,7 @@ use splatline_sim::fixed::{self, Options, conics};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
-use splatline_sim::reference::golden::{ALL, GoldenA, conic_difference};
+use splatline_sim::reference::golden::{ALL, GoldenA, archive, conic_difference};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{LoadOptions, load};
 use std::path::Path;
@@ -105,16 +105,16 @@ pub fn tiny(folder: &Path) -> Result<Vec<(String, f64)>> {
     Ok(found)
 }
 
-/// The page; `folder` holds golden_a and tiny.
+/// The page; `folder` holds tiny.
 pub fn page(folder: &Path) -> Result<Page> {
-    let golden = GoldenA::load(folder).context("golden_a")?;
+    let golden = GoldenA::load(&archive()).context("golden_a")?;
     let mut text = opening("Agreement with data of independent origin");
     text.push_str("golden_a: 256 hard Gaussians, projected by other code, with conics in 60-digit arithmetic and 64x64 pictures in double precision.\n\n## Engine `float`\n\n");
     text.push_str(&format!(
         "Bars: conics {FLOAT_CONIC:.0e} (largest difference of an entry over the largest entry), pictures {FLOAT_PICTURE:.0e}.\n\n"
     ));
     let rows: Vec<_> = golden
-        .measure(folder)?
+        .measure()?
         .iter()
         .map(|d| {
             let met = d.conic <= FLOAT_CONIC && d.picture <= FLOAT_PICTURE;

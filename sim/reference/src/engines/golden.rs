@@ -1,11 +1,13 @@
 //! Independent data to measure the reference against: 256 hard Gaussians in ten categories.
 //!
-//! The data set (`golden_a_*`, not part of the repository) was computed by other people's code under the `3dgs`
-//! rules: projections in double precision, conics in 60-digit arithmetic, and one 64 x 64 picture per category.
-//! The tests hold the reference to it, and the command line can print the same table.
+//! The data set (`assets/golden_a.zip`) was computed by code that shares nothing with this project's, under the `3dgs` rules: projections in
+//! double precision, conics in 60-digit arithmetic, and one 64 x 64 picture per category. The tests hold the reference to it, and the lab
+//! prints the same table.
 
-use std::fs;
-use std::path::Path;
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
@@ -50,6 +52,7 @@ pub struct GoldenA {
     pub splats: Vec<GoldenSplat>,
     /// The categories in the order of their first splat, then [`ALL`].
     pub categories: Vec<String>,
+    pictures: HashMap<String, Picture>,
 }
 
 /// Largest differences between the reference and the data set within one category.
@@ -69,36 +72,36 @@ pub struct Deviation {
     pub picture: f64,
 }
 
+/// The data set of this repository; it is no part of a published crate.
+pub fn archive() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/golden_a.zip")
+}
+
 impl GoldenA {
-    /// Reads the splats of the data set in `folder`.
-    pub fn load(folder: &Path) -> Result<GoldenA> {
-        let path = folder.join(SPLATS_FILE);
-        let text = fs::read_to_string(&path)
-            .with_context(|| format!("cannot read '{}'", path.display()))?;
-        parse(&text).with_context(|| format!("in '{}'", path.display()))
+    /// Reads the archive: the table of splats and a picture of each category.
+    pub fn load(archive: &Path) -> Result<GoldenA> {
+        let texts = unpack(archive).with_context(|| format!("in '{}'", archive.display()))?;
+        let text = |file: &str| {
+            texts
+                .get(file)
+                .with_context(|| format!("no '{file}' in '{}'", archive.display()))
+        };
+        let mut golden =
+            parse(text(SPLATS_FILE)?).with_context(|| format!("in '{SPLATS_FILE}'"))?;
+        for category in &golden.categories {
+            let file = format!("golden_a_img_{category}_ma0.999.txt");
+            let picture = parse_picture(text(&file)?, &golden.camera)
+                .with_context(|| format!("in '{file}'"))?;
+            golden.pictures.insert(category.clone(), picture);
+        }
+        Ok(golden)
     }
 
-    /// Reads the picture of a category.
-    pub fn picture(&self, folder: &Path, category: &str) -> Result<Picture> {
-        let path = folder.join(format!("golden_a_img_{category}_ma0.999.txt"));
-        let text = fs::read_to_string(&path)
-            .with_context(|| format!("cannot read '{}'", path.display()))?;
-        let mut picture = Picture {
-            pixels: Vec::new(),
-            ..Picture::new(self.camera.width, self.camera.height)
-        };
-        for line in data_lines(&text) {
-            picture
-                .pixels
-                .push(numbers(line).with_context(|| format!("in '{}'", path.display()))?);
-        }
-        let expected = self.camera.width * self.camera.height;
-        ensure!(
-            picture.pixels.len() == expected,
-            "'{}' does not hold {expected} pixels",
-            path.display()
-        );
-        Ok(picture)
+    /// The picture of a category.
+    pub fn picture(&self, category: &str) -> Result<&Picture> {
+        self.pictures
+            .get(category)
+            .with_context(|| format!("golden_a has no category '{category}'"))
     }
 
     /// The splats of a category.
@@ -122,14 +125,14 @@ impl GoldenA {
     }
 
     /// Measures engine `float` against the data set, category by category.
-    pub fn measure(&self, folder: &Path) -> Result<Vec<Deviation>> {
+    pub fn measure(&self) -> Result<Vec<Deviation>> {
         self.categories
             .iter()
-            .map(|category| self.measure_category(folder, category))
+            .map(|category| self.measure_category(category))
             .collect()
     }
 
-    fn measure_category(&self, folder: &Path, category: &str) -> Result<Deviation> {
+    fn measure_category(&self, category: &str) -> Result<Deviation> {
         let (camera, rules) = (&self.camera, &self.rules);
         let mut deviation = Deviation {
             category: category.to_string(),
@@ -164,7 +167,7 @@ impl GoldenA {
             rules,
             Compositing::FrontToBack,
         );
-        let expected = self.picture(folder, category)?;
+        let expected = self.picture(category)?;
         let channels = drawing
             .picture
             .pixels
@@ -176,6 +179,34 @@ impl GoldenA {
         }
         Ok(deviation)
     }
+}
+
+/// The texts of an archive by name.
+fn unpack(archive: &Path) -> Result<HashMap<String, String>> {
+    let mut archive = zip::ZipArchive::new(File::open(archive)?)?;
+    let mut texts = HashMap::new();
+    for index in 0..archive.len() {
+        let mut file = archive.by_index(index)?;
+        let mut text = String::new();
+        file.read_to_string(&mut text)?;
+        texts.insert(file.name()?.into_owned(), text);
+    }
+    Ok(texts)
+}
+
+/// A pixel a line: red, green, blue, alpha.
+fn parse_picture(text: &str, camera: &Camera) -> Result<Picture> {
+    let pixels = data_lines(text).map(numbers).collect::<Result<Vec<_>>>()?;
+    let expected = camera.width * camera.height;
+    ensure!(
+        pixels.len() == expected,
+        "{} pixels where {expected} were expected",
+        pixels.len()
+    );
+    Ok(Picture {
+        pixels,
+        ..Picture::new(camera.width, camera.height)
+    })
 }
 
 /// Largest difference of an entry over the largest entry.
@@ -274,6 +305,7 @@ fn parse(text: &str) -> Result<GoldenA> {
         rules,
         splats,
         categories,
+        pictures: HashMap::new(),
     })
 }
 

@@ -1,16 +1,17 @@
-//! The reference against data that other people's code computed; ignored where the data are missing.
+//! The reference against data that other people's code computed.
 
 use std::path::{Path, PathBuf};
 
 use splatline_reference::camera::Camera;
 use splatline_reference::engines::compositor::{self, Projected};
 use splatline_reference::engines::float::Footprint;
-use splatline_reference::engines::golden::{ALL, Deviation, GoldenA, GoldenSplat};
+use splatline_reference::engines::golden::{self, ALL, Deviation, GoldenA, GoldenSplat};
 use splatline_reference::engines::{Culled, PixelBox, exact, float};
 use splatline_reference::picture::Picture;
 use splatline_reference::rules::{Compositing, Rules};
 
-fn golden_folder() -> PathBuf {
+/// The small scene of another renderer, which is not ours to publish.
+fn shared_folder() -> PathBuf {
     Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),
         "/../../../shared/data/golden"
@@ -30,16 +31,11 @@ fn print_table(deviations: &[Deviation]) {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
-)]
 fn float_agrees_with_sixty_digits_and_with_independent_pictures() {
-    let folder = golden_folder();
-    let golden = GoldenA::load(&folder).unwrap();
+    let golden = GoldenA::load(&golden::archive()).unwrap();
     assert_eq!(golden.splats.len(), 256);
     assert_eq!(golden.categories.len(), 11);
-    let deviations = golden.measure(&folder).unwrap();
+    let deviations = golden.measure().unwrap();
     print_table(&deviations);
     for d in &deviations {
         assert!(d.splats > 0, "{}: nothing compared", d.category);
@@ -86,13 +82,8 @@ fn largest_opacity(golden: &GoldenSplat, camera: &Camera) -> f64 {
 }
 
 #[test]
-#[cfg_attr(
-    not(has_data),
-    ignore = "the shared data were not beside the project when this was built"
-)]
 fn only_splats_that_leave_no_trace_are_culled() {
-    let folder = golden_folder();
-    let golden = GoldenA::load(&folder).unwrap();
+    let golden = GoldenA::load(&golden::archive()).unwrap();
     let projected = float::footprints(&golden.scene(ALL), &golden.camera, &golden.rules);
     for (index, (golden_splat, outcome)) in golden.splats.iter().zip(projected).enumerate() {
         match outcome {
@@ -162,7 +153,7 @@ impl Projected for FadedTail {
     ignore = "the shared data were not beside the project when this was built"
 )]
 fn tiny_scene_agrees_with_an_independent_renderer() {
-    let folder = golden_folder();
+    let folder = shared_folder();
     let scene = super::trainer_ply::load(&folder.join("tiny.ply"));
     assert_eq!(scene.splats.len(), 400);
     let expected = Picture::read_png(&folder.join("tiny.png")).unwrap();

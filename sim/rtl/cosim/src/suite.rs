@@ -125,10 +125,10 @@ impl Loads {
             workload::random(&widths, random / 4, 1, 8),
             workload::crowd(&choice, rules),
             workload::deep_stack(&choice, rules, if full { 128 } else { 64 }),
+            workload::hard(&choice, rules)?,
         ];
         let mut missing = Vec::new();
         for (name, load) in [
-            ("hard", workload::hard(&choice, rules)?),
             (
                 "guitar",
                 workload::guitar(&choice, rules, GuitarView::Close, size)?,

@@ -118,19 +118,16 @@ pub fn deep_stack(design: &DesignChoice, rules: &Rules, size: usize) -> Workload
     from_scene("deep stack", &scene, &camera, design, rules)
 }
 
-/// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis; nothing where the data is missing.
-pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<Option<Workload>> {
-    let Some(file) = shared("golden/golden_a_splats.tsv") else {
-        return Ok(None);
-    };
-    let set = golden::GoldenA::load(file.parent().context("the file lies in a folder")?)?;
-    Ok(Some(from_scene(
+/// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
+pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<Workload> {
+    let set = golden::GoldenA::load(&golden::archive())?;
+    Ok(from_scene(
         "hard",
         &set.scene(golden::ALL),
         &set.camera,
         design,
         rules,
-    )))
+    ))
 }
 
 /// Tiles over a whole picture of a scene.
