@@ -1,4 +1,4 @@
-//! The command line: one file per command, the options in [`args`], the engines behind [`engines`].
+//! The command line: one file per command, the options in `args`, the engines behind `engines`.
 //!
 //! Exit codes: 0, 1 for bad input (a file that cannot be read, drawn or written), 2 for bad usage (an option that is
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
