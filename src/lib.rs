@@ -34,6 +34,21 @@ pub mod kernel;
 pub mod blend;
 pub mod target;
 pub mod draw;
+pub mod front;
+#[cfg(feature = "float")]
+pub mod float;
+
+pub use blend::Pixel;
+#[cfg(feature = "float")]
+pub use float::{Camera, CameraError, Gaussian, Point, Surfel};
+pub use format::{Classic8, Deep32, Lean18, Standard24, Traversal};
+pub use front::{
+    BoundedList, Counts, DisplayList, Frame, LentList, ListFull, Primitive, Rejected, RenderError,
+    Renderer,
+};
+pub use raster::Window;
+pub use rules::{Compositing, Rules};
+pub use view::View;
 
 /// The README's example, compiled and run.
 #[cfg(doctest)]
