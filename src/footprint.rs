@@ -32,6 +32,29 @@ pub struct Footprint {
     pub colour: [u32; 3],
 }
 
+impl Footprint {
+    /// Covers no pixel: what memory lent for footprints can be filled with.
+    pub const EMPTY: Footprint = Footprint {
+        depth: 0,
+        centre: [0; 2],
+        first: [0; 2],
+        last: [0; 2],
+        scan: Scan {
+            curvature: Scaled::ZERO,
+            spread: Scaled::ZERO,
+            slope: Scaled::ZERO,
+            stretch: Scaled::ZERO,
+        },
+        conic: Conic {
+            mantissa: [0; 3],
+            exponent: 0,
+        },
+        cutoff: 0,
+        peak: 0,
+        colour: [0; 3],
+    };
+}
+
 /// The LDL form of the quadratic form Q = (V' + V^h)^-1: r = A (x - xc(y))^2 + C dy^2 with xc(y) = u + S dy.
 ///
 /// Every term is positive, so nothing cancels, and the row's span follows from r < c.

@@ -23,6 +23,15 @@ pub struct TargetError {
     pub found: usize,
 }
 
+impl core::fmt::Display for TargetError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let TargetError { needed, found } = self;
+        write!(f, "the window needs {needed} pixels, but {found} were lent")
+    }
+}
+
+impl core::error::Error for TargetError {}
+
 impl<'a> Target<'a> {
     /// A target for the pixels of `window`, rows `stride` pixels apart (at least the window's width).
     pub fn new(

@@ -12,6 +12,7 @@
 use crate::format::Widths;
 use crate::math::words::{leading_zeros_wide, product, shift_word};
 use crate::math::{Extended, Scaled, shift_round, shift_signed};
+use crate::raster::Window;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 
 /// How camera space is mapped to the screen.
@@ -102,6 +103,16 @@ pub struct View<P = Eye> {
     pub projection: Projection,
     /// Frustum of the Jacobian's clamp.
     pub limits: RatioLimits,
+}
+
+impl<P> View<P> {
+    /// The whole viewport as a window.
+    pub const fn window(&self) -> Window {
+        Window {
+            first: [0; 2],
+            last: self.viewport,
+        }
+    }
 }
 
 /// Fraction bits of W's entries.

@@ -17,10 +17,9 @@
 use super::surface::{Cell, Filtered, Fragment, Gather, Sample};
 
 /// At most `L` fragments of a pixel, nearest first. `L` is at least 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layers<const L: usize> {
-    fragments: [Fragment; L],
-    count: usize,
+    fragments: heapless::Vec<Fragment, L>,
     merges: u32,
 }
 
@@ -38,7 +37,7 @@ impl<const L: usize> Layers<L> {
             let high = fragment.far.saturating_add(gather.threshold);
             (low..=high).contains(&sample.depth)
         };
-        let Some(index) = self.fragments().iter().position(near_enough) else {
+        let Some(index) = self.fragments.iter().position(near_enough) else {
             return false;
         };
         if let Some(fragment) = self.fragments.get_mut(index) {
@@ -50,7 +49,7 @@ impl<const L: usize> Layers<L> {
 
     /// Adds fragment `index + 1` to fragment `index` if the gap between them is within the threshold.
     fn join(&mut self, gather: &Gather, index: usize) {
-        let pair = self.fragments.get(index).zip(self.open().get(index + 1));
+        let pair = (self.fragments.get(index)).zip(self.fragments.get(index + 1));
         let Some((front, back)) = pair else {
             return;
         };
@@ -59,7 +58,8 @@ impl<const L: usize> Layers<L> {
         }
         let sum = add(front, back);
         self.remove(index + 1, Fragment::default());
-        self.count = self.count.saturating_sub(1);
+        let rest = self.fragments.len().saturating_sub(1);
+        self.fragments.truncate(rest);
         if let Some(fragment) = self.fragments.get_mut(index) {
             *fragment = sum;
         }
@@ -67,18 +67,19 @@ impl<const L: usize> Layers<L> {
 
     /// Puts a fragment in its place by depth; merges the nearest pair if there are now more than `L`.
     fn insert(&mut self, gather: &Gather, mut incoming: Fragment) {
-        for slot in self.fragments.iter_mut().take(self.count) {
+        for slot in &mut self.fragments {
             if incoming.near < slot.near {
                 core::mem::swap(slot, &mut incoming);
             }
         }
-        if let Some(free) = self.fragments.get_mut(self.count) {
-            *free = incoming;
-            self.count += 1;
+        if !self.fragments.is_full() {
+            // There is room, so that nothing comes back.
+            let _ = self.fragments.push(incoming);
             return;
         }
-        let index = self.nearest_pair(&incoming);
-        let back = self.remove(index + 1, incoming);
+        let last = incoming;
+        let index = self.nearest_pair(&last);
+        let back = self.remove(index + 1, last);
         if let Some(front) = self.fragments.get_mut(index) {
             *front = merge(gather, front, &back);
         }
@@ -88,9 +89,7 @@ impl<const L: usize> Layers<L> {
     /// Index of the front one of the two neighbours with the smallest gap, among all `L` fragments and the one behind them.
     fn nearest_pair(&self, last: &Fragment) -> usize {
         let behind = self.fragments.iter().skip(1).chain(core::iter::once(last));
-        let gaps = self
-            .fragments
-            .iter()
+        let gaps = (self.fragments.iter())
             .zip(behind)
             .map(|(front, back)| back.near.saturating_sub(front.far));
         gaps.enumerate()
@@ -98,7 +97,7 @@ impl<const L: usize> Layers<L> {
             .map_or(0, |(index, _)| index)
     }
 
-    /// Takes fragment `index` out; those behind it move up and `last` fills the end. `index == L` takes `last` itself.
+    /// Takes fragment `index` out; those behind it move up and `last` fills the end. Behind all of them it takes `last` itself.
     fn remove(&mut self, index: usize, last: Fragment) -> Fragment {
         let mut carried = last;
         for slot in self.fragments.iter_mut().skip(index).rev() {
@@ -106,16 +105,11 @@ impl<const L: usize> Layers<L> {
         }
         carried
     }
-
-    fn open(&self) -> &[Fragment] {
-        self.fragments.get(..self.count).unwrap_or_default()
-    }
 }
 
 impl<const L: usize> Cell for Layers<L> {
     const EMPTY: Self = Layers {
-        fragments: [Fragment::EMPTY; L],
-        count: 0,
+        fragments: heapless::Vec::new(),
         merges: 0,
     };
 
@@ -130,7 +124,7 @@ impl<const L: usize> Cell for Layers<L> {
     }
 
     fn fragments(&self) -> &[Fragment] {
-        self.open()
+        &self.fragments
     }
 }
 

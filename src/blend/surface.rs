@@ -199,7 +199,7 @@ impl Gather {
 }
 
 /// What a pixel of a surface target gathers its samples into.
-pub trait Cell: Copy {
+pub trait Cell: Clone {
     /// Nothing gathered yet.
     const EMPTY: Self;
     /// Takes one sample.

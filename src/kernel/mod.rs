@@ -12,11 +12,13 @@ mod packed;
 mod perspective;
 mod ray;
 mod shape;
+mod tables;
 
 pub use packed::{PackedError, PackedTable};
 pub use perspective::{PERSPECTIVE_ENTRIES, PerspectiveIndex, PerspectiveTable, fill_perspective};
 pub use ray::{Rays, covering_cutoff};
 pub use shape::{Kernel, fill};
+pub use tables::{Tabled, table_4, table_16};
 
 use crate::format::Widths;
 use crate::math::shift_round;

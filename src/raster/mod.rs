@@ -36,6 +36,32 @@ impl Window {
         both
     }
 
+    /// Columns; 0 where `first >= last`.
+    pub const fn columns(&self) -> u16 {
+        self.last[0].saturating_sub(self.first[0])
+    }
+
+    /// Rows; 0 where `first >= last`.
+    pub const fn rows(&self) -> u16 {
+        self.last[1].saturating_sub(self.first[1])
+    }
+
+    /// Pixels; saturates on processors of 16 bits.
+    pub const fn pixels(&self) -> usize {
+        (self.columns() as usize).saturating_mul(self.rows() as usize)
+    }
+
+    /// The window cut into strips of `rows` rows (at least 1), from top to bottom; the last one may be lower.
+    pub fn strips(self, rows: u16) -> impl Iterator<Item = Window> {
+        let rows = rows.max(1);
+        (self.first[1]..self.last[1])
+            .step_by(rows.into())
+            .map(move |first| Window {
+                first: [self.first[0], first],
+                last: [self.last[0], first.saturating_add(rows).min(self.last[1])],
+            })
+    }
+
     /// Has it no pixel?
     pub fn is_empty(&self) -> bool {
         self.first[0] >= self.last[0] || self.first[1] >= self.last[1]

@@ -2,9 +2,10 @@
 
 use crate::checksum::Checksum;
 use crate::design::Firmware16;
-use crate::order::Order;
+use crate::order::{Full, Order};
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
+use heapless::Vec;
 use splatline::blend::Pixel;
 use splatline::draw::NarrowPainter;
 use splatline::footprint::Footprint;
@@ -30,9 +31,9 @@ pub static PACKED: PackedTable<INTERVALS> = {
 /// Memory of a picture: all that drawing needs beside the stack.
 #[derive(Debug)]
 pub struct Memory {
-    /// Footprints, in the scene's order.
-    pub footprints: [Option<Footprint>; SPLATS],
-    /// Numbers of the visible splats, nearest first.
+    /// Footprints of the visible splats, in the scene's order.
+    pub footprints: Vec<Footprint, SPLATS>,
+    /// Their numbers among the footprints, nearest first.
     pub order: Order<u64>,
     /// One strip.
     pub strip: [Pixel; STRIP_PIXELS],
@@ -42,8 +43,8 @@ impl Memory {
     /// Empty memory.
     pub const fn new() -> Self {
         Memory {
-            footprints: [None; SPLATS],
-            order: Order::new(0),
+            footprints: Vec::new(),
+            order: Order::new(),
             strip: [Pixel {
                 colour: [0; 3],
                 transmittance: 0,
@@ -67,12 +68,14 @@ pub struct Outcome {
     pub visible: u32,
 }
 
-/// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row.
-pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Outcome {
+/// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row. A splat without a place in the depth order is an
+/// error, and nothing is drawn.
+pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Result<Outcome, Full> {
     let mut outcome = Outcome::default();
     phase_setup();
-    set_up(memory);
+    let set_up = set_up(memory);
     phase_rest();
+    set_up?;
     outcome.visible = memory.order.iter().count() as u32;
     let mut first_row = 0;
     while first_row < ROWS {
@@ -88,20 +91,26 @@ pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Outcome 
         send(memory, first_row);
         first_row += STRIP;
     }
-    outcome
+    Ok(outcome)
 }
 
 /// Footprints, and their order by depth.
 #[inline(never)]
-fn set_up(memory: &mut Memory) {
+fn set_up(memory: &mut Memory) -> Result<(), Full> {
     let view = view();
-    memory.order.clear();
-    for (number, (place, splat)) in memory.footprints.iter_mut().zip(&SCENE).enumerate() {
-        *place = setup_for_spans(Firmware16, &view, &RULES, splat).ok();
-        if let Some(footprint) = place {
-            memory.order.insert(number, footprint.depth);
-        }
+    let Memory {
+        footprints, order, ..
+    } = memory;
+    footprints.clear();
+    order.clear();
+    for splat in &SCENE {
+        let Ok(footprint) = setup_for_spans(Firmware16, &view, &RULES, splat) else {
+            continue;
+        };
+        order.insert(footprints.len(), footprint.depth)?;
+        footprints.push(footprint).map_err(|_| Full)?;
     }
+    Ok(())
 }
 
 /// One strip of the picture.
@@ -119,7 +128,7 @@ fn draw_strip(memory: &mut Memory, first_row: u16) {
     target.clear(&Firmware16::WIDTHS);
     let footprints = &memory.footprints;
     for number in memory.order.iter() {
-        let Some(Some(footprint)) = footprints.get(number) else {
+        let Some(footprint) = footprints.get(number) else {
             continue;
         };
         // Preparing the rows of a footprint costs more than a look at its box.

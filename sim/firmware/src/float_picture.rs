@@ -5,7 +5,7 @@
 //! apart. Accumulators are f32; pixels finish as in the kernel.
 
 use crate::fixed_picture::{ENTRIES, INTERVALS};
-use crate::order::Order;
+use crate::order::{Full, Order};
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS, bits_of};
 use libm::{ceilf, expf, floorf, logf, sqrtf};
@@ -65,7 +65,7 @@ impl Memory {
         };
         Memory {
             footprints: [None; SPLATS],
-            order: Order::new(0.0),
+            order: Order::new(),
             strip: [clear; STRIP_PIXELS],
         }
     }
@@ -88,10 +88,10 @@ pub struct Outcome {
     pub sum: [u32; 2],
 }
 
-/// Draws the scene both ways.
-pub fn draw(memory: &mut Memory) -> Outcome {
+/// Draws the scene both ways. A splat without a place in the depth order is an error, and nothing is drawn.
+pub fn draw(memory: &mut Memory) -> Result<Outcome, Full> {
     let mut outcome = Outcome::default();
-    set_up(memory);
+    set_up(memory)?;
     outcome.visible = memory.order.iter().count() as u32;
     let mut first_row = 0;
     while first_row < ROWS {
@@ -105,7 +105,7 @@ pub fn draw(memory: &mut Memory) -> Outcome {
         outcome.sum[1] += sum(&memory.strip);
         first_row += STRIP;
     }
-    outcome
+    Ok(outcome)
 }
 
 fn sum(strip: &[FloatPixel]) -> u32 {
@@ -130,17 +130,18 @@ fn converted(index: usize) -> FloatSplat {
     }
 }
 
-fn set_up(memory: &mut Memory) {
+fn set_up(memory: &mut Memory) -> Result<(), Full> {
     memory.order.clear();
     for (index, place) in memory.footprints.iter_mut().enumerate() {
         let splat = converted(index);
         phase_setup();
         *place = project(&splat);
         if let Some(found) = place {
-            memory.order.insert(index, found.depth);
+            memory.order.insert(index, found.depth)?;
         }
         phase_rest();
     }
+    Ok(())
 }
 
 /// EWA in the usual formulas. The camera is not turned, so W is the identity.

@@ -26,7 +26,7 @@ pub fn draw_strip(memory: &Memory, first_row: u16) -> (Vec<Pixel>, Coverage) {
     let mut target = Target::new(&mut strip, window, COLUMNS.into()).expect("of the strip's size");
     let mut coverage = Coverage::default();
     for number in memory.order.iter() {
-        if let Some(footprint) = &memory.footprints[number] {
+        if let Some(footprint) = memory.footprints.get(number) {
             coverage += painter.draw(footprint, &mut target);
         }
     }

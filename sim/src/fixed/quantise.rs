@@ -1,19 +1,20 @@
 //! From double precision to the kernel's input formats.
 //!
-//! Centres, axes and weights carry their own exponents and lose nothing below 31 bits: an f32 of a file arrives as it is, wherever in the
-//! scene it lies. Only what the kernel keeps in fixed point needs a unit. Colours above its range are divided by a power of two, which
+//! The numbers themselves are converted by the kernel's own front door ([`splatline::float`]); here is what depends on a whole scene. Only
+//! what the kernel keeps in fixed point needs a unit. Colours above its range are divided by a power of two, which
 //! the resolve multiplies again. Depths of sheets, gathered points and surfaces are UQ9.23, so that their scenes are multiplied by a power
 //! of two that fills that range; a power of two moves no bit of any other result.
 
 use crate::camera::Camera;
 use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::Scene;
-use fixed::types::{I2F30, I32F32, U4F28};
+use splatline::float;
+pub(super) use splatline::float::exp2;
+pub use splatline::float::scaled;
 use splatline::kernel as shapes;
-use splatline::math::{Extended, Scaled};
 use splatline::rules as kernel;
 use splatline::splat::{Axis, Position, VolumeSplat};
-use splatline::view::{Eye, Projection, RatioLimits, Rotation, View};
+use splatline::view::{Projection, View};
 
 /// A scene and its camera in the kernel's formats.
 #[derive(Clone, Debug)]
@@ -63,7 +64,7 @@ impl QuantisedScene {
                     centre: position(splat.centre, scale_log2),
                     axes: splat.axes.map(|axis| self::axis(axis, scale_log2)),
                     weight: scaled(*weight).scaled_by(weight_log2),
-                    colour: colour.map(|value| self::colour(finite_or_zero(value) * unit)),
+                    colour: colour.map(|value| float::colour(finite_or_zero(value) * unit)),
                 }
             })
             .collect();
@@ -96,16 +97,6 @@ fn colour_log2(colours: &[[f64; 3]]) -> i32 {
         .unwrap_or(1000)
 }
 
-/// A colour in UQ4.28, saturated; rounded to odd, that is, with the last bit set where bits below it are lost.
-///
-/// The design rounds once more, to fewer bits. Rounded to nearest here, one colour in sixteen would lie in the middle between two numbers of
-/// 24 bits there and go up: a bias of `2^-29` in every picture.
-fn colour(value: f64) -> U4F28 {
-    let scaled = value * exp2(28);
-    let whole = scaled.clamp(0.0, u32::MAX.into()).floor();
-    U4F28::from_bits(whole as u32 | u32::from(whole < scaled))
-}
-
 fn finite_or_zero(value: f64) -> f64 {
     if value.is_finite() { value } else { 0.0 }
 }
@@ -135,39 +126,8 @@ pub(super) fn scale_log2(centres: impl Iterator<Item = [f64; 3]>, camera: &Camer
     6 - largest.log2().floor() as i32
 }
 
-pub(super) fn exp2(power: i32) -> f64 {
-    f64::from(power).exp2()
-}
-
-/// A double as it is: 53 bits and an exponent; non-finite values count as 0.
-fn extended(value: f64) -> Extended {
-    const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
-    if !value.is_finite() {
-        return Extended::ZERO;
-    }
-    let bits = value.to_bits();
-    let below = (bits & ((1 << FRACTION) - 1)) as i64;
-    let power = (bits >> FRACTION & 0x7ff) as i32;
-    // Subnormal numbers have no leading one.
-    let magnitude = if power == 0 {
-        below
-    } else {
-        below | 1 << FRACTION
-    };
-    Extended {
-        value: if value < 0.0 { -magnitude } else { magnitude },
-        exponent: power.max(1) - 1075,
-    }
-}
-
-/// A double as mantissa and exponent, rounded to nearest to 31 bits; non-finite values count as 0.
-pub fn scaled(value: f64) -> Scaled {
-    let Extended { value, exponent } = extended(value);
-    Scaled::from_wide(value, exponent, 31)
-}
-
 pub(super) fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
-    let axis = Axis::from_components(axis.map(scaled));
+    let axis = float::axis(axis);
     Axis {
         exponent: axis.exponent + scale_log2,
         ..axis
@@ -175,112 +135,31 @@ pub(super) fn axis(axis: [f64; 3], scale_log2: i32) -> Axis {
 }
 
 pub(super) fn position(centre: [f64; 3], scale_log2: i32) -> Position {
-    centre.map(|value| scaled(value).scaled_by(scale_log2))
+    float::position(centre).map(|coordinate| coordinate.scaled_by(scale_log2))
 }
 
-/// W in the kernel's two parts: 30 fraction bits to nearest, and the rest to 60.
-fn rotation(rows: [[f64; 3]; 3]) -> (Rotation, [[i32; 3]; 3]) {
-    let fine = rows.map(|row| row.map(|entry| (entry.clamp(-1.0, 1.0) * exp2(60)).round() as i64));
-    let coarse = fine.map(|row| row.map(|entry| (entry + (1 << 29)) >> 30));
-    let rest = [0, 1, 2].map(|i| [0, 1, 2].map(|j| (fine[i][j] - (coarse[i][j] << 30)) as i32));
-    let entry = |bits: i64| I2F30::from_bits(bits as i32);
-    (coarse.map(|row| row.map(entry)), rest)
-}
-
-/// Where the camera stands: e = -W^-1 d, by the inverse and not the transpose, so that W (u - e) is W u + d for any W.
-fn eye_position(camera: &Camera) -> [f64; 3] {
-    let [a, b, c] = camera.rotation;
-    let cross = |u: [f64; 3], v: [f64; 3]| {
-        [
-            u[1] * v[2] - u[2] * v[1],
-            u[2] * v[0] - u[0] * v[2],
-            u[0] * v[1] - u[1] * v[0],
-        ]
-    };
-    // Columns of the inverse are the rows' cross products over the determinant.
-    let columns = [cross(b, c), cross(c, a), cross(a, b)];
-    let determinant: f64 = (0..3).map(|i| a[i] * columns[0][i]).sum();
-    [0, 1, 2].map(|i| {
-        let sum: f64 = (0..3).map(|k| columns[k][i] * camera.translation[k]).sum();
-        -sum / determinant
-    })
-}
-
-/// Three doubles with one exponent; of the smaller ones the bits beyond 60 below the largest are rounded away.
-fn eye(camera: &Camera, rotation_rest: [[i32; 3]; 3], scale_log2: i32) -> Eye {
-    let position = eye_position(camera);
-    let largest = position.iter().fold(0.0f64, |m, value| m.max(value.abs()));
-    if largest == 0.0 || !largest.is_finite() {
-        return Eye {
-            rotation_rest,
-            ..Eye::ORIGIN
-        };
-    }
-    let leading = extended(largest).leading();
-    Eye {
-        position: position.map(|value| (value * exp2(58 - leading)).round() as i64),
-        exponent: leading - 58 + scale_log2,
-        rotation_rest,
-    }
-}
-
+/// The kernel's view, in units in which the scene fills the range of fixed depths.
 pub(super) fn view(camera: &Camera, scale_log2: i32) -> View {
-    let focal_unit = if camera.orthographic { -scale_log2 } else { 0 };
-    let half_width = [
-        camera.width as f64 / (2.0 * camera.fx),
-        camera.height as f64 / (2.0 * camera.fy),
-    ];
-    let low = [
-        -(camera.cx / camera.fx + 0.3 * half_width[0]),
-        -(camera.cy / camera.fy + 0.3 * half_width[1]),
-    ];
-    let high = [
-        (camera.width as f64 - camera.cx) / camera.fx + 0.3 * half_width[0],
-        (camera.height as f64 - camera.cy) / camera.fy + 0.3 * half_width[1],
-    ];
-    let (rotation, rotation_rest) = rotation(camera.rotation);
-    let depth = |value: f64| {
-        let number = extended(value);
-        Extended {
-            exponent: number.exponent + scale_log2,
-            ..number
-        }
-    };
-    View {
-        rotation,
-        pose: eye(camera, rotation_rest, scale_log2),
-        focal: [
-            scaled(camera.fx).scaled_by(focal_unit),
-            scaled(camera.fy).scaled_by(focal_unit),
-        ],
-        principal: [
-            I32F32::saturating_from_num(camera.cx),
-            I32F32::saturating_from_num(camera.cy),
-        ],
-        near: depth(camera.near),
-        far: if camera.far.is_finite() {
-            depth(camera.far)
-        } else {
-            Extended::MAX
-        },
-        viewport: [camera.width, camera.height].map(|size| u16::try_from(size).unwrap_or(u16::MAX)),
+    let size = |pixels: usize| u16::try_from(pixels).unwrap_or(u16::MAX);
+    splatline::Camera {
+        size: [size(camera.width), size(camera.height)],
+        focal: [camera.fx, camera.fy],
+        principal: [camera.cx, camera.cy],
+        rotation: camera.rotation,
+        translation: camera.translation,
+        near: camera.near,
+        far: camera.far,
         projection: if camera.orthographic {
             Projection::Orthographic
         } else {
             Projection::Perspective
         },
-        limits: RatioLimits {
-            low: low.map(I32F32::saturating_from_num),
-            high: high.map(I32F32::saturating_from_num),
-        },
     }
+    .quantised(scale_log2)
 }
 
 /// The kernel's statement of the same rules, lengths in the scene's own units.
 pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
-    let threshold =
-        |value: f64| (value.clamp(0.0, 1.0) * exp2(kernel::THRESHOLD as i32)).round() as u64;
-    let unit = |value: f64| (value * 2f64.powi(31)).round().clamp(0.0, 2f64.powi(31)) as u32;
     let radial = rules.cutoff.is_finite();
     let shape = match rules.kernel {
         Kernel::Gaussian => shapes::Kernel::Gaussian,
@@ -294,17 +173,13 @@ pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
         spacing: scaled(rules.spacing),
         kernel: shape,
         cutoff: if radial {
-            kernel::Cutoff::Radial(
-                (rules.cutoff * 2f64.powi(28))
-                    .round()
-                    .clamp(0.0, 15.0 * 2f64.powi(28)) as u32,
-            )
+            kernel::Cutoff::Radial(float::radial_cutoff(rules.cutoff))
         } else {
             kernel::Cutoff::Opacity
         },
-        alpha_max: unit(rules.alpha_max),
-        alpha_min: threshold(rules.alpha_min),
-        stop: threshold(rules.stop),
+        alpha_max: float::opacity_limit(rules.alpha_max),
+        alpha_min: float::threshold(rules.alpha_min),
+        stop: float::threshold(rules.stop),
         stop_before: rules.stop_before,
         clamp_jacobian: rules.clamp_jacobian,
         table_range: if radial && rules.cutoff <= 4.0 { 2 } else { 4 },
@@ -334,17 +209,46 @@ mod tests {
         );
     }
 
+    /// A Gaussian of the kernel's front door and the same one of a file become the same splat.
     #[test]
-    fn doubles_keep_31_bits() {
-        for value in [1.0, -0.3, 1e-20, 12345.678, -7e25, 0.999_999_999_9] {
-            let got = scaled(value);
-            let back = f64::from(got.mantissa) * exp2(got.exponent);
-            assert!(
-                (back / value - 1.0).abs() <= 2f64.powi(-31),
-                "{value}: {back}"
-            );
-        }
-        assert_eq!(scaled(f64::NAN), Scaled::ZERO);
-        assert_eq!(scaled(f64::INFINITY), Scaled::ZERO);
+    fn both_front_doors_make_the_same_splats() {
+        use crate::scene::{Skipped, Splat, Weight, gaussian::rotation_matrix};
+        let mut state = 7u32;
+        let mut next = |from: f32, to: f32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            from + (to - from) * (state >> 8) as f32 / 16_777_216.0
+        };
+        let gaussians: Vec<_> = (0..500)
+            .map(|_| splatline::Gaussian {
+                mean: [next(-9.0, 9.0), next(-9.0, 9.0), next(-9.0, 9.0)],
+                rotation: [(); 4].map(|()| next(-1.0, 1.0)),
+                scales: [(); 3].map(|()| next(0.0, 0.5)),
+                opacity: next(0.0, 1.0),
+                colour: [(); 3].map(|()| next(0.0, 2.0)),
+            })
+            .collect();
+        let splat = |g: &splatline::Gaussian| {
+            let rotation = rotation_matrix(g.rotation.map(f64::from)).unwrap();
+            let axis = |k: usize| [0, 1, 2].map(|row| rotation[row][k] * f64::from(g.scales[k]));
+            Splat {
+                centre: g.mean.map(f64::from),
+                axes: [axis(0), axis(1), axis(2)],
+                weight: g.opacity.into(),
+                colour: g.colour.map(f64::from),
+            }
+        };
+        let scene = Scene {
+            name: "front".to_string(),
+            natural_rules: Rules::GAUSSIAN_3D,
+            weight: Weight::Opacity,
+            splats: gaussians.iter().map(splat).collect(),
+            harmonics: None,
+            skipped: Skipped::default(),
+            up: [0.0, -1.0, 0.0],
+        };
+        let camera = Camera::look_at([0.0, 0.0, -9.0], [0.0; 3], scene.up, 50.0, 64, 64).unwrap();
+        let quantised = QuantisedScene::new(&scene, &camera, &Rules::GAUSSIAN_3D);
+        let expected: Vec<_> = gaussians.iter().map(|g| g.splat().unwrap()).collect();
+        assert_eq!(quantised.splats, expected);
     }
 }

@@ -42,6 +42,67 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
     }
 }
 
+/// The front door of the core, frame and strips, draws what the host's engine draws, word for word.
+#[test]
+fn the_front_door_draws_what_the_host_draws() {
+    use splatline::{Compositing as Order, LentList, Pixel, Renderer, Standard24, Traversal};
+    let scene = synthetic::random_gaussians(3_000, 5, 2.0);
+    let camera = synthetic::camera(203, 149);
+    let orders = [
+        (Compositing::FrontToBack, Order::FrontToBack),
+        (Compositing::BackToFront, Order::BackToFront),
+        (Compositing::XRay, Order::XRay),
+    ];
+    for (rules, (compositing, order)) in BOTH.iter().flat_map(|rules| orders.map(|o| (rules, o))) {
+        let options = Options {
+            rules,
+            compositing,
+            design: &DesignChoice::named("standard24").unwrap(),
+            traversal: Traversal::Spans,
+        };
+        let quantised = QuantisedScene::new(&scene, &camera, rules);
+        let (host, _) =
+            draw_quantised(&quantised, &camera, &options, Engine::Vectors(Choice::Best));
+        let (view, what) = (&quantised.view, format!("{}, {order:?}", rules.name));
+        let renderer = Renderer::with_rules(Standard24, quantised.rules(rules)).unwrap();
+        let renderer = renderer.with_compositing(order);
+        let mut footprints = vec![splatline::footprint::Footprint::EMPTY; 3_000];
+        let mut numbers = vec![0; 3_000];
+        let mut list = LentList::new(&mut footprints, &mut numbers);
+        let mut pixels = vec![Pixel::default(); 203 * 149];
+        let (frame, counts) = renderer
+            .render(view, &quantised.splats, &mut list, &mut pixels)
+            .unwrap();
+        assert!(frame.pixels == host.pixels, "{what}");
+        assert_eq!(frame.coverage, host.coverage, "{what}");
+        assert_eq!(counts.culled.map(|count| count as usize), host.culled);
+        let mut strip = vec![Pixel::default(); 203 * 16];
+        let mut joined = Vec::new();
+        for window in view.window().strips(16) {
+            let part = renderer.draw(&list, window, &mut strip).unwrap();
+            joined.extend_from_slice(part.pixels);
+        }
+        assert!(joined == host.pixels, "{what}, in strips");
+        // What a PNG of 8 bits holds is what the front door reads.
+        let bytes = host
+            .picture
+            .pixels
+            .iter()
+            .flat_map(|[r, g, b, _]| [*r, *g, *b]);
+        let bytes: Vec<u8> = bytes
+            .map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
+            .collect();
+        let read: Vec<u8> = splatline::Frame {
+            pixels: &joined,
+            ..frame
+        }
+        .rgb8([0; 3])
+        .flatten()
+        .collect();
+        assert!(read == bytes, "{what}, in 8 bits");
+    }
+}
+
 const BOTH: [Rules; 2] = [Rules::GAUSSIAN_3D, Rules::EWA];
 
 #[test]

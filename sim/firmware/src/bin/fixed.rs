@@ -5,9 +5,10 @@ use splatline_firmware::fixed_picture::{Memory, Outcome, draw};
 
 #[cfg(target_os = "none")]
 mod image {
-    use super::{Memory, Outcome, draw, report};
+    use super::{Memory, draw, report};
     use core::cell::UnsafeCell;
     use splatline_firmware::board;
+    use splatline_firmware::order::Full;
 
     struct Lent(UnsafeCell<Memory>);
     // SAFETY: one core, no interrupts.
@@ -18,9 +19,12 @@ mod image {
     fn image_main() {
         // SAFETY: called once.
         let memory = unsafe { &mut *MEMORY.0.get() };
-        let outcome: Outcome = draw(memory, |_, _| ());
+        let outcome = draw(memory, |_, _| ());
         let stack = board::stack_used();
-        report(&outcome, board::print);
+        match outcome {
+            Ok(outcome) => report(&outcome, board::print),
+            Err(Full) => board::print("order_full", 1),
+        }
         board::print("stack", stack);
     }
 }
@@ -38,6 +42,7 @@ fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
 fn main() -> std::io::Result<()> {
     use splatline::draw::Coverage;
     use splatline_firmware::general::draw_strip;
+    use splatline_firmware::order::Full;
     use splatline_firmware::scene::{COLUMNS, ROWS};
     let argument = std::env::args().nth(1);
     if argument.as_deref() == Some("design") {
@@ -56,6 +61,8 @@ fn main() -> std::io::Result<()> {
         let bytes = memory.strip.iter().flat_map(|pixel| pixel.colour);
         picture.extend(bytes.map(|c| (c >> 18).min(255) as u8));
     });
+    let failed = |Full| std::io::Error::other("the depth order has too little room");
+    let outcome = outcome.map_err(failed)?;
     report(&outcome, |name, value| println!("{name}={value}"));
     println!("covered={}", coverage.covered);
     println!("visited={}", coverage.visited);

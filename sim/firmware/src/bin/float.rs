@@ -8,6 +8,7 @@ mod image {
     use super::{Memory, draw, report};
     use core::cell::UnsafeCell;
     use splatline_firmware::board;
+    use splatline_firmware::order::Full;
 
     struct Lent(UnsafeCell<Memory>);
     // SAFETY: one core, no interrupts.
@@ -20,7 +21,10 @@ mod image {
         let memory = unsafe { &mut *MEMORY.0.get() };
         let outcome = draw(memory);
         let stack = board::stack_used();
-        report(&outcome, board::print);
+        match outcome {
+            Ok(outcome) => report(&outcome, board::print),
+            Err(Full) => board::print("order_full", 1),
+        }
         board::print("stack", stack);
     }
 }
@@ -34,7 +38,10 @@ fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
 }
 
 #[cfg(not(target_os = "none"))]
-fn main() {
-    let outcome = draw(&mut Box::new(Memory::new()));
+fn main() -> std::io::Result<()> {
+    use splatline_firmware::order::Full;
+    let failed = |Full| std::io::Error::other("the depth order has too little room");
+    let outcome = draw(&mut Box::new(Memory::new())).map_err(failed)?;
     report(&outcome, |name, value| println!("{name}={value}"));
+    Ok(())
 }

@@ -1,0 +1,183 @@
+//! Pixels as a display takes them: RGB8 or RGB565, over a background.
+//!
+//! A channel with L levels above 0 is `round(L (C + T b))`, halves up, at most L: C the accumulated colour, T the transmittance and b the
+//! background (\[EWA\] eq. 5 with the background as the last layer). The background is given in the same levels, B = L b, so that the value is
+//!
+//! ```text
+//! floor((L C 2^(f - accumulator) + T B 2^(f - transmittance)) / 2^f + 1/2),   f = the larger of both widths
+//! ```
+//!
+//! an exact sum rounded once. No gamma is applied: a display gets the linear values, as PNG files of the host do.
+
+use crate::blend::Pixel;
+use crate::draw::Coverage;
+use crate::format::Widths;
+use crate::raster::Window;
+
+/// Brings pixels of a design to the levels of a display. One per design.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelReader {
+    accumulator: u8,
+    transmittance: u8,
+}
+
+impl PixelReader {
+    /// A reader for pixels of these widths.
+    pub const fn new(widths: &Widths) -> Self {
+        PixelReader {
+            accumulator: widths.accumulator,
+            transmittance: widths.transmittance,
+        }
+    }
+
+    /// One channel in levels of `1 / top`: colour UQ4.accumulator, transmittance UQ1.transmittance, background in the same levels. Saturates.
+    #[inline]
+    pub const fn level(&self, colour: u32, transmittance: u32, background: u8, top: u8) -> u8 {
+        let (a, t) = (self.accumulator as u32, self.transmittance as u32);
+        let fraction = if a > t { a } else { t };
+        // From 1 on the result saturates, so that two terms below 2^39 remain.
+        let light = (at_most_one(colour, a) * top as u64).wrapping_shl(fraction - a);
+        let behind = (at_most_one(transmittance, t) * background as u64).wrapping_shl(fraction - t);
+        let half = 1u64.wrapping_shl(fraction) >> 1;
+        let level = (light + behind + half).wrapping_shr(fraction);
+        if level > top as u64 { top } else { level as u8 }
+    }
+
+    /// Red, green, blue in 255ths; the background in 255ths.
+    #[inline]
+    pub fn rgb8(&self, pixel: &Pixel, background: [u8; 3]) -> [u8; 3] {
+        let [red, green, blue] = pixel.colour;
+        let [behind_red, behind_green, behind_blue] = background;
+        let transmittance = pixel.clear_share();
+        [
+            self.level(red, transmittance, behind_red, 255),
+            self.level(green, transmittance, behind_green, 255),
+            self.level(blue, transmittance, behind_blue, 255),
+        ]
+    }
+
+    /// Red, green, blue in 5, 6 and 5 bits, red highest; the background in the same format.
+    #[inline]
+    pub fn rgb565(&self, pixel: &Pixel, background: u16) -> u16 {
+        let [red, green, blue] = pixel.colour;
+        let transmittance = pixel.clear_share();
+        let level = |colour, shift: u32, top: u8| {
+            let behind = (background >> shift) as u8 & top;
+            u16::from(self.level(colour, transmittance, behind, top)) << shift
+        };
+        level(red, 11, 31) | level(green, 5, 63) | level(blue, 0, 31)
+    }
+}
+
+/// A number with `fraction` fraction bits, at most 1.
+const fn at_most_one(value: u32, fraction: u32) -> u64 {
+    let one = 1u32.wrapping_shl(fraction);
+    if value > one {
+        one as u64
+    } else {
+        value as u64
+    }
+}
+
+/// A drawn window: its pixels row by row, and what drawing them visited.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'p> {
+    /// The window's pixels, row by row without gaps.
+    pub pixels: &'p [Pixel],
+    /// Which part of the screen they are.
+    pub window: Window,
+    /// Pixels visited and covered by footprints.
+    pub coverage: Coverage,
+    /// How to read the pixels.
+    pub reader: PixelReader,
+}
+
+impl<'p> Frame<'p> {
+    /// The pixels as red, green, blue in 255ths, row by row, over a background in 255ths.
+    pub fn rgb8(&self, background: [u8; 3]) -> impl Iterator<Item = [u8; 3]> + use<'p> {
+        let reader = self.reader;
+        let pixels = self.pixels.iter();
+        pixels.map(move |pixel| reader.rgb8(pixel, background))
+    }
+
+    /// The pixels in 16 bits (red 5, green 6, blue 5), row by row, over a background in the same format: what a display on a serial bus takes.
+    pub fn rgb565(&self, background: u16) -> impl Iterator<Item = u16> + use<'p> {
+        let reader = self.reader;
+        let pixels = self.pixels.iter();
+        pixels.map(move |pixel| reader.rgb565(pixel, background))
+    }
+
+    /// The pixel at column `x` and row `y` of the screen, if it lies in the window.
+    pub fn pixel(&self, x: u16, y: u16) -> Option<&'p Pixel> {
+        let Window { first, last } = self.window;
+        if x < first[0] || x >= last[0] || y < first[1] || y >= last[1] {
+            return None;
+        }
+        let columns = usize::from(last[0] - first[0]);
+        let place = usize::from(y - first[1]) * columns + usize::from(x - first[0]);
+        self.pixels.get(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::blend::FINISHED;
+    use crate::format::{Classic8, Deep32, Standard24};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The oracle computes the header's formula in 128 bits.
+        #[test]
+        fn levels_are_the_formula(
+            choice in 0usize..5, colour: u32, transmittance in 0u32..=1 << 30, background in 0u8..=255, top in prop_oneof![Just(31u8), Just(63), Just(255)],
+        ) {
+            let mut widths = [Classic8::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS, Standard24::WIDTHS, Standard24::WIDTHS][choice];
+            if choice > 2 {
+                (widths.accumulator, widths.transmittance) = [(4, 30), (27, 4)][choice - 3];
+            }
+            let background = background.min(top);
+            let transmittance = transmittance >> (30 - widths.transmittance);
+            for colour in [colour, colour >> (31 - widths.accumulator)] {
+                let (a, t) = (u32::from(widths.accumulator), u32::from(widths.transmittance));
+                let exact = (u128::from(colour) * u128::from(top) << t) + (u128::from(transmittance) * u128::from(background) << a);
+                let rounded = ((exact << 1) + (1 << (a + t))) >> (a + t + 1);
+                let expected = rounded.min(top.into()) as u8;
+                prop_assert_eq!(PixelReader::new(&widths).level(colour, transmittance, background, top), expected);
+            }
+        }
+
+        #[test]
+        fn every_bit_pattern_is_defined(colour: [u32; 3], transmittance: u32, background: [u8; 3], behind: u16) {
+            for widths in [Classic8::WIDTHS, Standard24::WIDTHS, Deep32::WIDTHS] {
+                let reader = PixelReader::new(&widths);
+                let pixel = Pixel { colour, transmittance };
+                let _ = (reader.rgb8(&pixel, background), reader.rgb565(&pixel, behind));
+            }
+        }
+    }
+
+    #[test]
+    fn ends_of_the_formats() {
+        let reader = PixelReader::new(&Standard24::WIDTHS);
+        let clear = Pixel::clear(&Standard24::WIDTHS);
+        assert_eq!(reader.rgb8(&clear, [1, 128, 255]), [1, 128, 255]);
+        assert_eq!(reader.rgb565(&clear, 0xabcd), 0xabcd);
+        let white = Pixel {
+            colour: [1 << 26; 3],
+            transmittance: FINISHED,
+        };
+        assert_eq!(reader.rgb8(&white, [9; 3]), [255; 3]);
+        assert_eq!(reader.rgb565(&white, 0x1234), 0xffff);
+        assert_eq!(
+            reader.rgb565(
+                &Pixel {
+                    colour: [1 << 26, 0, 0],
+                    transmittance: 0
+                },
+                0xffff
+            ),
+            0xf800
+        );
+    }
+}

@@ -1,0 +1,24 @@
+//! The front door: a scene in, pixels out, in memory that the caller lends.
+//!
+//! What an embedder needs and no more. Every step here calls the units of the other modules and adds no arithmetic of its own, so that a
+//! picture drawn through it has the bits of one drawn stage by stage (`tests/front.rs`).
+//!
+//! ```text
+//! Camera, Gaussian, Point   ordinary numbers (module float)
+//!   Renderer::set_up        cull, set up, sort by depth  -> a display list
+//!   Renderer::draw          a frame, or a strip of it    -> Frame: pixels as RGB8 or RGB565
+//! ```
+
+mod counts;
+mod frame;
+mod list;
+mod order;
+mod primitive;
+mod renderer;
+
+pub use counts::Counts;
+pub use frame::{Frame, PixelReader};
+pub use list::{BoundedList, DisplayList, LentList, ListFull};
+pub use order::sort_by_key;
+pub use primitive::{Primitive, Rejected};
+pub use renderer::{NoTable, RenderError, Renderer};

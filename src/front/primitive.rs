@@ -1,0 +1,53 @@
+//! What a renderer draws: anything that has a footprint.
+
+use crate::footprint::Footprint;
+use crate::format::Design;
+use crate::rules::Rules;
+use crate::setup::{Cull, setup};
+use crate::splat::VolumeSplat;
+use crate::view::{Pose, View};
+
+/// Why a primitive is left out of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Rejected {
+    /// Setup found nothing to draw.
+    Culled(Cull),
+    /// A number is NaN or infinite, or a quaternion has length 0.
+    Invalid,
+}
+
+/// A splat that setup can bring to the screen. Scenes kept in a form of one's own (packed in flash, say) implement it.
+pub trait Primitive<P: Pose> {
+    /// The footprint, or why there is none. Must be defined for all values, and not panic.
+    fn set_up<D: Design>(
+        &self,
+        design: D,
+        view: &View<P>,
+        rules: &Rules,
+    ) -> Result<Footprint, Rejected>;
+}
+
+impl<P: Pose, S: Primitive<P>> Primitive<P> for &S {
+    #[inline(always)]
+    fn set_up<D: Design>(
+        &self,
+        design: D,
+        view: &View<P>,
+        rules: &Rules,
+    ) -> Result<Footprint, Rejected> {
+        (**self).set_up(design, view, rules)
+    }
+}
+
+impl<P: Pose> Primitive<P> for VolumeSplat<P::Centre> {
+    /// [`setup`]: every bit pattern is a splat, so that none is invalid.
+    #[inline(always)]
+    fn set_up<D: Design>(
+        &self,
+        design: D,
+        view: &View<P>,
+        rules: &Rules,
+    ) -> Result<Footprint, Rejected> {
+        setup(design, view, rules, self).map_err(Rejected::Culled)
+    }
+}

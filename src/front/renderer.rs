@@ -1,0 +1,266 @@
+//! The renderer: cull, set up, sort by depth, draw; the stages chained with the table that belongs to the design.
+
+use super::{Counts, DisplayList, Frame, ListFull, PixelReader, Primitive};
+use crate::blend::Pixel;
+use crate::draw::{Coverage, Painter};
+use crate::format::{Design, Traversal};
+use crate::kernel::{FootprintTable, Kernel, TableSizeError, Tabled, table_4, table_16};
+use crate::raster::Window;
+use crate::rules::{Compositing, Rules};
+use crate::target::{Target, TargetError};
+use crate::view::{Pose, View};
+
+/// Everything that is constant for a picture. Draws nearest first by spans unless told otherwise.
+///
+/// ```
+/// use splatline::{BoundedList, Camera, Gaussian, Pixel, Renderer, Standard24};
+///
+/// // A strip of eight rows at a time: 64 x 8 pixels of memory for a picture of 64 x 48.
+/// let view = Camera::look_at([0.0, 0.0, -4.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [64, 48])?.view()?;
+/// let scene = [Gaussian { scales: [0.5; 3], ..Gaussian::UNIT }];
+/// let renderer = Renderer::new(Standard24);
+/// let mut list = BoundedList::<8>::new();
+/// renderer.set_up(&view, &scene, &mut list)?;
+/// let mut pixels = [Pixel::default(); 64 * 8];
+/// for window in view.window().strips(8) {
+///     let strip = renderer.draw(&list, window, &mut pixels)?;
+///     assert_eq!(strip.rgb565(0).count(), 64 * 8); // Sent to a display here.
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct Renderer<'t, D> {
+    design: D,
+    rules: Rules,
+    table: FootprintTable<'t>,
+    compositing: Compositing,
+    traversal: Traversal,
+}
+
+/// The design has no table for these rules: another kernel than the Gaussian, or a range that is neither 2 nor 4.
+///
+/// [`Renderer::with_table`] takes a table in lent memory, filled by [`fill`](crate::kernel::fill).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoTable {
+    /// The rules' kernel.
+    pub kernel: Kernel,
+    /// The rules' range.
+    pub table_range: u8,
+}
+
+/// Why a picture could not be drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RenderError {
+    /// The visible splats do not fit the display list.
+    ListFull(ListFull),
+    /// The pixels do not fit the memory lent.
+    Target(TargetError),
+}
+
+impl<D: Tabled> Renderer<'static, D> {
+    /// 3D Gaussian splatting ([`Rules::GAUSSIAN_3D`]) with the design's own table.
+    #[inline]
+    pub const fn new(design: D) -> Self {
+        Renderer::of(design, Rules::GAUSSIAN_3D, table_16::<D>())
+    }
+
+    /// EWA volume splatting ([`Rules::EWA`]) with the design's own table.
+    #[inline]
+    pub const fn ewa(design: D) -> Self {
+        Renderer::of(design, Rules::EWA, table_4::<D>())
+    }
+
+    /// Any rules whose kernel is the Gaussian, with the design's own table.
+    #[inline]
+    pub const fn with_rules(design: D, rules: Rules) -> Result<Self, NoTable> {
+        match (rules.kernel, rules.table_range) {
+            (Kernel::Gaussian, 2) => Ok(Renderer::of(design, rules, table_4::<D>())),
+            (Kernel::Gaussian, 4) => Ok(Renderer::of(design, rules, table_16::<D>())),
+            (kernel, table_range) => Err(NoTable {
+                kernel,
+                table_range,
+            }),
+        }
+    }
+}
+
+impl<'t, D: Design> Renderer<'t, D> {
+    #[inline(always)]
+    const fn of(design: D, rules: Rules, table: FootprintTable<'t>) -> Self {
+        Renderer {
+            design,
+            rules,
+            table,
+            compositing: Compositing::FrontToBack,
+            traversal: Traversal::Spans,
+        }
+    }
+
+    /// Any design and rules with a table in memory of the caller's, [`entries`](crate::kernel::entries) of the widths long and filled for the
+    /// same widths, kernel and `table_range` by [`fill`](crate::kernel::fill).
+    pub fn with_table(design: D, rules: Rules, entries: &'t [u32]) -> Result<Self, TableSizeError> {
+        let table = FootprintTable::new(entries, &design.widths(), rules.table_range)?;
+        Ok(Renderer::of(design, rules, table))
+    }
+
+    /// The same with another order or operator of compositing.
+    #[inline]
+    pub const fn with_compositing(mut self, compositing: Compositing) -> Self {
+        self.compositing = compositing;
+        self
+    }
+
+    /// The same with another traversal.
+    #[inline]
+    pub const fn with_traversal(mut self, traversal: Traversal) -> Self {
+        self.traversal = traversal;
+        self
+    }
+
+    /// The rules of blending.
+    pub const fn rules(&self) -> &Rules {
+        &self.rules
+    }
+
+    /// Culls and sets up a scene: `list` afterwards holds its footprints, and only them, in drawing order.
+    ///
+    /// If they do not all fit the list is left empty, and the error says how many there are.
+    pub fn set_up<P: Pose, S: Primitive<P>>(
+        &self,
+        view: &View<P>,
+        scene: impl IntoIterator<Item = S>,
+        list: &mut impl DisplayList,
+    ) -> Result<Counts, ListFull> {
+        list.clear();
+        let counts = self.add(view, scene, list)?;
+        list.sort();
+        Ok(counts)
+    }
+
+    /// The same for a scene of several kinds of primitives: adds to what the list holds; [`DisplayList::sort`] is the caller's to call when
+    /// all are added. A list that is full is left empty.
+    pub fn add<P: Pose, S: Primitive<P>>(
+        &self,
+        view: &View<P>,
+        scene: impl IntoIterator<Item = S>,
+        list: &mut impl DisplayList,
+    ) -> Result<Counts, ListFull> {
+        let mut counts = Counts::default();
+        let mut full: Option<ListFull> = None;
+        for splat in scene {
+            match splat.set_up(self.design, view, &self.rules) {
+                Ok(footprint) => {
+                    counts.drawn = counts.drawn.saturating_add(1);
+                    match &mut full {
+                        Some(full) => full.needed = full.needed.saturating_add(1),
+                        None => full = list.push(&footprint).err(),
+                    }
+                }
+                Err(reason) => counts.reject(reason),
+            }
+        }
+        match full {
+            None => Ok(counts),
+            Some(full) => {
+                list.clear();
+                Err(full)
+            }
+        }
+    }
+
+    /// Draws the part of the picture that `window` selects into `pixels`, which need not be cleared and hold its rows without gaps
+    /// afterwards. A picture is the same, bit for bit, however it is cut into windows.
+    pub fn draw<'p>(
+        &self,
+        list: &impl DisplayList,
+        window: Window,
+        pixels: &'p mut [Pixel],
+    ) -> Result<Frame<'p>, TargetError> {
+        let widths = self.design.widths();
+        let needed = window.pixels();
+        let found = pixels.len();
+        let Some(pixels) = pixels.get_mut(..needed) else {
+            return Err(TargetError { needed, found });
+        };
+        let mut target = Target::new(pixels, window, window.columns().into())?;
+        target.clear(&widths);
+        let coverage = self.paint(list, &mut target);
+        Ok(Frame {
+            pixels,
+            window,
+            coverage,
+            reader: PixelReader::new(&widths),
+        })
+    }
+
+    /// Draws the list over what the target holds.
+    pub fn paint(&self, list: &impl DisplayList, target: &mut Target) -> Coverage {
+        let Renderer {
+            design,
+            rules,
+            table,
+            compositing,
+            traversal,
+        } = self;
+        let painter = Painter::new(*design, rules, *table, *compositing, *traversal);
+        let window = target.window();
+        let mut coverage = Coverage::default();
+        for footprint in list.in_order(*compositing) {
+            // Preparing the rows of a footprint costs more than a look at its box.
+            if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
+                coverage += painter.draw(footprint, target);
+            }
+        }
+        coverage
+    }
+
+    /// [`set_up`](Renderer::set_up) and [`draw`](Renderer::draw) of the whole frame.
+    pub fn render<'p, P: Pose, S: Primitive<P>>(
+        &self,
+        view: &View<P>,
+        scene: impl IntoIterator<Item = S>,
+        list: &mut impl DisplayList,
+        pixels: &'p mut [Pixel],
+    ) -> Result<(Frame<'p>, Counts), RenderError> {
+        let counts = self.set_up(view, scene, list)?;
+        let frame = self.draw(list, view.window(), pixels)?;
+        Ok((frame, counts))
+    }
+}
+
+impl From<ListFull> for RenderError {
+    fn from(full: ListFull) -> Self {
+        RenderError::ListFull(full)
+    }
+}
+
+impl From<TargetError> for RenderError {
+    fn from(error: TargetError) -> Self {
+        RenderError::Target(error)
+    }
+}
+
+impl core::fmt::Display for NoTable {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let NoTable {
+            kernel,
+            table_range,
+        } = self;
+        write!(
+            f,
+            "no table of the design's own for kernel {kernel:?} and range {table_range}: lend one by Renderer::with_table"
+        )
+    }
+}
+
+impl core::fmt::Display for RenderError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            RenderError::ListFull(full) => full.fmt(f),
+            RenderError::Target(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for NoTable {}
+impl core::error::Error for RenderError {}

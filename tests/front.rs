@@ -1,0 +1,317 @@
+//! The front door draws, bit for bit, what the stages draw: the oracle chains them by hand, with a table of its own.
+
+mod common;
+
+use common::{SIZE, splats, view};
+use proptest::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::Footprint;
+use splatline::format::{Classic8, Deep32, Lean18, Standard24, Traversal};
+use splatline::front::{BoundedList, Counts, DisplayList, LentList, ListFull, NoTable, Renderer};
+use splatline::kernel::{FootprintTable, Kernel, Tabled, entries, fill_gaussian};
+use splatline::raster::Window;
+use splatline::rules::{Compositing, Rules};
+use splatline::setup::{Cull, setup};
+use splatline::splat::VolumeSplat;
+use splatline::target::{Target, TargetError};
+use splatline::view::{Projection, View};
+use splatline::{Camera, Gaussian, Point, RenderError};
+
+const PIXELS: usize = SIZE as usize * SIZE as usize;
+
+/// A picture stage by stage: setup, a stable sort by depth, the painter over the whole viewport.
+fn by_stages<D: Tabled>(
+    design: D,
+    view: &View,
+    rules: &Rules,
+    compositing: Compositing,
+    traversal: Traversal,
+    scene: &[VolumeSplat],
+) -> (Vec<Pixel>, Coverage, Counts) {
+    let widths = design.widths();
+    let mut counts = Counts::default();
+    let mut footprints: Vec<Footprint> = Vec::new();
+    for splat in scene {
+        match setup(design, view, rules, splat) {
+            Ok(footprint) => footprints.push(footprint),
+            Err(reason) => {
+                let place = Cull::ALL.iter().position(|r| *r == reason).unwrap();
+                counts.culled[place] += 1;
+            }
+        }
+    }
+    counts.drawn = footprints.len() as u32;
+    footprints.sort_by_key(|footprint| footprint.depth);
+    if compositing == Compositing::BackToFront {
+        footprints.reverse();
+    }
+    let mut table = vec![0; entries(&widths)];
+    fill_gaussian(&mut table, &widths, rules.table_range);
+    let table = FootprintTable::new(&table, &widths, rules.table_range).unwrap();
+    let painter = Painter::new(design, rules, table, compositing, traversal);
+    let [columns, rows] = view.viewport;
+    let mut pixels = vec![Pixel::clear(&widths); usize::from(columns) * usize::from(rows)];
+    let mut target = Target::new(&mut pixels, view.window(), columns.into()).unwrap();
+    let mut coverage = Coverage::default();
+    for footprint in &footprints {
+        coverage += painter.draw(footprint, &mut target);
+    }
+    (pixels, coverage, counts)
+}
+
+/// The same through the front door, whole and in strips of `rows`, by both display lists.
+fn compare<D: Tabled>(
+    design: D,
+    view: &View,
+    rules: Rules,
+    compositing: Compositing,
+    traversal: Traversal,
+    scene: &[VolumeSplat],
+    rows: u16,
+) -> Result<(), TestCaseError> {
+    let (expected, coverage, counts) =
+        by_stages(design, view, &rules, compositing, traversal, scene);
+    let renderer = Renderer::with_rules(design, rules)
+        .unwrap()
+        .with_compositing(compositing)
+        .with_traversal(traversal);
+    let mut bounded = BoundedList::<24>::new();
+    let mut pixels = [Pixel::default(); PIXELS];
+    let (frame, got) = renderer
+        .render(view, scene, &mut bounded, &mut pixels)
+        .unwrap();
+    prop_assert_eq!(frame.pixels, expected.as_slice());
+    prop_assert_eq!((frame.coverage, got), (coverage, counts));
+    prop_assert_eq!(got.total() as usize, scene.len());
+
+    let (mut footprints, mut order) = ([Footprint::EMPTY; 24], [7; 30]);
+    let mut lent = LentList::new(&mut footprints, &mut order);
+    prop_assert_eq!(renderer.set_up(view, scene, &mut lent), Ok(counts));
+    prop_assert_eq!(lent.footprints(), bounded.footprints());
+    prop_assert_eq!(lent.order(), bounded.order());
+    let mut strip = [Pixel::default(); PIXELS];
+    let mut joined = Vec::new();
+    let mut sum = Coverage::default();
+    for window in view.window().strips(rows) {
+        let part = renderer.draw(&lent, window, &mut strip).unwrap();
+        joined.extend_from_slice(part.pixels);
+        sum += part.coverage;
+    }
+    prop_assert!(
+        joined == expected,
+        "strips of {rows} rows differ from the frame"
+    );
+    prop_assert_eq!(sum, coverage);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn the_front_door_draws_what_the_stages_draw(
+        mut scene in prop::collection::vec(splats(), 0..20), angles in prop::array::uniform2(-0.5f64..0.5), twins in 0usize..4,
+        design in 0..4, mode in 0usize..3, orthographic: bool, gaussian_3d: bool, by_box: bool, rows in 1u16..SIZE,
+    ) {
+        // Some splats twice, in another colour: equal depths must keep the scene's order.
+        for twin in 0..twins.min(scene.len()) {
+            let mut again = scene[twin];
+            again.colour.rotate_left(1);
+            scene.push(again);
+        }
+        let projection = if orthographic { Projection::Orthographic } else { Projection::Perspective };
+        let view = view(angles[0], angles[1], projection);
+        let rules = if gaussian_3d { Rules::GAUSSIAN_3D } else { Rules::EWA };
+        let mode = [Compositing::FrontToBack, Compositing::BackToFront, Compositing::XRay][mode];
+        let traversal = if by_box { Traversal::Box } else { Traversal::Spans };
+        match design {
+            0 => compare(Classic8, &view, rules, mode, traversal, &scene, rows)?,
+            1 => compare(Lean18, &view, rules, mode, traversal, &scene, rows)?,
+            2 => compare(Standard24, &view, rules, mode, traversal, &scene, rows)?,
+            _ => compare(Deep32, &view, rules, mode, traversal, &scene, rows)?,
+        }
+    }
+
+    /// Any f32 in any field: a splat is drawn, culled for a reason, or invalid, and counted once.
+    #[test]
+    fn every_number_is_drawn_culled_or_invalid(
+        fields in prop::collection::vec(prop::array::uniform14(prop_oneof![3 => -4.0f32..4.0, 1 => any::<u32>().prop_map(f32::from_bits)]), 1..8),
+    ) {
+        let camera = Camera::look_at([0.0, 0.0, -4.0], [0.0; 3], [0.0, -1.0, 0.0], 45.0, [SIZE; 2]).unwrap();
+        let scene: Vec<Gaussian> = fields.iter().map(|f| Gaussian {
+            mean: [f[0], f[1], f[2]], rotation: [f[3], f[4], f[5], f[6]], scales: [f[7], f[8], f[9]], opacity: f[10], colour: [f[11], f[12], f[13]],
+        }).collect();
+        let mut list = BoundedList::<8>::new();
+        let mut pixels = [Pixel::default(); PIXELS];
+        let (frame, counts) = Renderer::new(Standard24).render(&camera.view().unwrap(), &scene, &mut list, &mut pixels).unwrap();
+        prop_assert_eq!(counts.total() as usize, scene.len());
+        let invalid = fields.iter().filter(|f| f.iter().any(|x| !x.is_finite()) || f[3..7] == [0.0; 4]);
+        prop_assert_eq!(counts.invalid as usize, invalid.count());
+        prop_assert_eq!(frame.rgb8([0; 3]).count(), PIXELS);
+    }
+}
+
+fn camera() -> Camera {
+    Camera::look_at(
+        [0.0, 0.0, -4.0],
+        [0.0; 3],
+        [0.0, -1.0, 0.0],
+        45.0,
+        [SIZE; 2],
+    )
+    .unwrap()
+}
+
+#[test]
+fn gaussians_and_points_are_their_splats() {
+    let view = camera().view().unwrap();
+    let gaussian = Gaussian {
+        mean: [0.3, 0.1, 0.0],
+        rotation: [0.9, 0.1, -0.2, 0.4],
+        scales: [0.5, 0.2, 0.05],
+        opacity: 0.8,
+        colour: [1.0, 0.5, 0.25],
+    };
+    let point = Point {
+        position: [-0.3, 0.2, 0.5],
+        deviation: 0.3,
+        opacity: 0.7,
+        colour: [0.2, 0.9, 0.4],
+    };
+    let splats = [gaussian.splat().unwrap(), point.splat().unwrap()];
+    let renderer = Renderer::new(Standard24);
+    let (mut list, mut other) = (BoundedList::<2>::new(), BoundedList::<2>::new());
+    renderer.set_up(&view, &splats, &mut list).unwrap();
+    renderer.add(&view, [gaussian], &mut other).unwrap();
+    renderer.add(&view, [point], &mut other).unwrap();
+    other.sort();
+    assert_eq!(list.footprints(), other.footprints());
+    assert_eq!(list.order(), other.order());
+    // A point's footprint is round in the middle of the picture.
+    let middle = Point {
+        position: [0.0; 3],
+        ..point
+    };
+    renderer.set_up(&view, [middle], &mut list).unwrap();
+    let [round] = list.footprints() else {
+        panic!("one footprint");
+    };
+    assert_eq!(round.scan.slope.mantissa, 0);
+    assert_eq!(round.first[0], round.first[1]);
+    assert_eq!(round.last[0], round.last[1]);
+}
+
+#[test]
+fn a_full_list_says_how_much_it_lacks() {
+    let view = camera().view().unwrap();
+    let behind = Gaussian {
+        mean: [0.0, 0.0, -9.0],
+        ..Gaussian::UNIT
+    };
+    let invalid = Gaussian {
+        opacity: f32::NAN,
+        ..Gaussian::UNIT
+    };
+    let scene = [
+        Gaussian::UNIT,
+        behind,
+        Gaussian::UNIT,
+        invalid,
+        Gaussian::UNIT,
+    ];
+    let renderer = Renderer::new(Standard24);
+    let full = ListFull {
+        capacity: 2,
+        needed: 3,
+    };
+    let mut list = BoundedList::<2>::new();
+    assert_eq!(renderer.set_up(&view, &scene, &mut list), Err(full));
+    assert!(list.footprints().is_empty() && list.order().is_empty());
+    let (mut footprints, mut order) = ([Footprint::EMPTY; 3], [0; 2]);
+    let mut lent = LentList::new(&mut footprints, &mut order);
+    assert_eq!(renderer.set_up(&view, &scene, &mut lent), Err(full));
+    assert!(lent.footprints().is_empty() && lent.order().is_empty());
+    let (mut list, mut pixels) = (BoundedList::<3>::new(), [Pixel::default(); PIXELS]);
+    let counts = renderer.set_up(&view, &scene, &mut list).unwrap();
+    assert_eq!(
+        (counts.drawn, counts.culled_for(Cull::Near), counts.invalid),
+        (3, 1, 1)
+    );
+    let short = renderer.render(&view, &scene, &mut list, &mut pixels[1..]);
+    let expected = TargetError {
+        needed: PIXELS,
+        found: PIXELS - 1,
+    };
+    assert_eq!(short.unwrap_err(), RenderError::Target(expected));
+}
+
+#[test]
+fn windows_may_be_empty_inverted_or_outside() {
+    let view = camera().view().unwrap();
+    let renderer = Renderer::new(Standard24);
+    let mut list = BoundedList::<1>::new();
+    renderer.set_up(&view, [Gaussian::UNIT], &mut list).unwrap();
+    let mut pixels = [Pixel::default(); PIXELS];
+    for (first, last, expected) in [
+        ([5, 5], [5, 9], 0),
+        ([9, 9], [5, 5], 0),
+        ([65000, 3], [65010, 5], 20),
+        ([0, 0], [3, 65535], 3 * 65535),
+    ] {
+        let window = Window { first, last };
+        match renderer.draw(&list, window, &mut pixels) {
+            Ok(frame) => {
+                assert_eq!(frame.pixels.len(), expected);
+                assert_eq!(frame.rgb565(0x1234).count(), expected);
+                assert_eq!(frame.pixel(last[0], last[1]), None);
+            }
+            Err(error) => assert_eq!((error.needed, error.found), (expected, PIXELS)),
+        }
+    }
+    assert_eq!(view.window().strips(0).count(), usize::from(SIZE));
+    let heights: Vec<u16> = view.window().strips(40).map(|strip| strip.rows()).collect();
+    assert_eq!(heights, [40, 40, 16]);
+}
+
+#[test]
+fn rules_without_a_table_of_the_design_ask_for_one() {
+    let cubic = Rules::EWA.with_kernel(Kernel::Cubic);
+    let missing = Renderer::with_rules(Standard24, cubic).unwrap_err();
+    assert_eq!(
+        missing,
+        NoTable {
+            kernel: Kernel::Cubic,
+            table_range: cubic.table_range
+        }
+    );
+    let widths = Standard24::WIDTHS;
+    let mut table = vec![0; entries(&widths)];
+    splatline::kernel::fill(&mut table, &widths, cubic.table_range, Kernel::Cubic);
+    assert!(Renderer::with_table(Standard24, cubic, &table[1..]).is_err());
+    let view = camera().view().unwrap();
+    let mut list = BoundedList::<1>::new();
+    let renderer = Renderer::with_table(Standard24, cubic, &table).unwrap();
+    assert_eq!(
+        renderer
+            .set_up(&view, [Gaussian::UNIT], &mut list)
+            .map(|c| c.drawn),
+        Ok(1)
+    );
+}
+
+#[test]
+fn a_designs_tables_are_those_that_the_kernel_fills() {
+    fn check<D: Tabled>(design: D) {
+        let widths = design.widths();
+        assert_eq!(D::WIDTHS, widths);
+        for (table, range) in [(D::GAUSSIAN_4, 2), (D::GAUSSIAN_16, 4)] {
+            let mut filled = vec![0; entries(&widths)];
+            fill_gaussian(&mut filled, &widths, range);
+            assert_eq!(table, filled);
+        }
+    }
+    check(Classic8);
+    check(Lean18);
+    check(Standard24);
+    check(Deep32);
+}
