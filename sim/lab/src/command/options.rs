@@ -110,6 +110,16 @@ pub struct ResultsOptions {
     /// Only the pages named.
     #[arg(long, value_enum, value_name = "PAGE")]
     pub only: Vec<ResultsPage>,
+    /// Print the pages again and compare them with those in the folder, timings left out, instead of writing there
+    #[arg(long)]
+    pub check: bool,
+}
+
+impl ResultsPage {
+    /// Does the page hold timings only?
+    pub fn is_timing(self) -> bool {
+        matches!(self, ResultsPage::Host | ResultsPage::Speed)
+    }
 }
 
 /// Pages of results.

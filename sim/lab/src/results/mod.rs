@@ -10,6 +10,7 @@
 //! | [`systems`] | Where is each system of the papers, and how far is it from its float counterpart? |
 
 pub mod accuracy;
+pub mod check;
 pub mod golden;
 pub mod packet;
 pub mod picture;

@@ -10,13 +10,18 @@ mod throughput;
 use super::options::{ResultsOptions, ResultsPage};
 use clap::ValueEnum;
 use hardware::Subject;
+use splatline_lab::results::check::differences;
 use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
 use splatline_sim::cli::Progress;
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, say};
+use std::path::Path;
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
+    if options.check {
+        return check(options);
+    }
     create_folder(&options.output)?;
     if options.only.is_empty() {
         let panels = picture::panels(300)?.to_png()?;
@@ -30,6 +35,54 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Prints the pages again, beside the committed ones, and compares what is no timing.
+fn check(options: &ResultsOptions) -> Result<(), Failure> {
+    let again = options.output.with_file_name("results-printed-again");
+    let pages = ResultsPage::value_variants()
+        .iter()
+        .filter(|page| !page.is_timing())
+        .filter(|page| options.only.is_empty() || options.only.contains(page));
+    for page in pages {
+        run(&ResultsOptions {
+            data: options.data.clone(),
+            output: again.clone(),
+            only: vec![*page],
+            check: false,
+        })?;
+    }
+    let found = compare_folders(&options.output, &again);
+    std::fs::remove_dir_all(&again)?;
+    let found = found?;
+    say(&format!("{} differences\n", found.len()))?;
+    match found.is_empty() {
+        true => Ok(()),
+        false => {
+            Err(anyhow::anyhow!("pages that are no longer true:\n{}", found.join("\n")).into())
+        }
+    }
+}
+
+/// The differences of every Markdown page of `again`.
+fn compare_folders(committed: &Path, again: &Path) -> anyhow::Result<Vec<String>> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(again)? {
+        let path = entry?.path();
+        if path.extension().is_none_or(|extension| extension != "md") {
+            continue;
+        }
+        let name = path.file_name().unwrap_or_default();
+        let old = std::fs::read_to_string(committed.join(name)).unwrap_or_default();
+        let new = std::fs::read_to_string(&path)?;
+        found.extend(
+            differences(&old, &new)
+                .into_iter()
+                .take(5)
+                .map(|line| format!("{}: {line}", name.to_string_lossy())),
+        );
+    }
+    Ok(found)
 }
 
 /// The page's text, unless it writes its files itself.
