@@ -16,7 +16,7 @@ pub struct System {
     pub source: &'static str,
     /// Files that hold it: of the kernel, or of the host where they begin with `sim`.
     pub modules: &'static str,
-    /// Its counterpart in double precision, in `sim/src/reference`.
+    /// Its counterpart in double precision, in `sim/reference/src/engines`.
     pub reference: &'static str,
     /// Collection of the gallery, and exhibits with the comparisons of fixed against float in them.
     pub exhibits: (&'static str, &'static [(&'static str, &'static str)]),
@@ -70,7 +70,7 @@ pub const SYSTEMS: [System; 18] = [
         ("surface", &[("Semi-transparent surfaces in any order", "8 layers, sorted, colour"), ("Semi-transparent surfaces in any order", "8 layers, sorted, alpha")])),
     system(12, "edge antialiasing", "[SURF] 7", "blend/edge", "surface",
         ("surface", &[("Edge antialiasing", "with, colour"), ("Edge antialiasing", "with, alpha")])),
-    system(13, "texture acquisition", "[SURF] 5", "sim/src/texture/coefficients, solve, drape", "texture, surface",
+    system(13, "texture acquisition", "[SURF] 5", "sim/reference/src/texture/coefficients, solve, drape", "texture, surface",
         ("texture", &[("A magnified checkerboard", "optimised, fixed against float, colour"), ("A magnified checkerboard", "prefiltered, fixed against float, colour"), ("A height field with its photograph", "optimised, oblique, fixed against float, colour")])),
     system(14, "hybrid points and splats", "[HYBRID] 2, 4", "setup/point, blend/points, draw/hybrid", "hybrid",
         ("kernels", &[("hybrid", "near, mixed"), ("hybrid", "middle, mixed"), ("hybrid", "far, mixed")])),
@@ -78,9 +78,9 @@ pub const SYSTEMS: [System; 18] = [
         ("kernels", &[("spheres", "exact ellipse in the middle, fixed against float"), ("spheres", "exact ellipse aside, fixed against float")])),
     system(16, "perspective-correct footprint index", "[HYBRID] 4.2", "kernel/perspective, kernel/ray", "sphere",
         ("kernels", &[("spheres", "corrected index in the middle, fixed against float"), ("spheres", "corrected index aside, fixed against float"), ("spheres", "index of the ray aside, fixed against float")])),
-    system(17, "hybrid image warping and texture mapping", "[HYBRID] 3", "sim/src/texture/warp", "warp, hybrid",
+    system(17, "hybrid image warping and texture mapping", "[HYBRID] 3", "sim/reference/src/texture/warp", "warp, hybrid",
         ("texture", &[(WARP, "near, mixed, fixed against float, colour"), (WARP, "far, mixed, fixed against float, colour"), ("A texture on a plane to the horizon", "mixed, range 64, fixed against float, colour")])),
-    system(18, "volume shading and classification", "[EWA] 7.1, [SWAN] 5", "sim/src/scene/shade, scene/transfer", "float",
+    system(18, "volume shading and classification", "[EWA] 7.1, [SWAN] 5", "sim/reference/src/scene/shade, scene/transfer", "float",
         ("kernels", &[("hybrid", "near, all splats"), ("hybrid", "middle, all splats")])),
 ];
 

@@ -51,7 +51,7 @@ fn conics_of_independent_origin_meet_them() {
             .iter()
             .filter(|conics| conics.meets_bar() == Some(true))
             .count(),
-        20
+        22
     );
     assert!(
         found.iter().all(|conics| conics.meets_bar() != Some(false)),

@@ -39,7 +39,7 @@ fn text(exhibits: &[Exhibit]) -> String {
     let mut text = format!(
         "# The systems of the papers\n\nPrinted by `{COMMAND} --only systems`. Errors are fixed point in `standard24` against the float counterpart, the worst \
          of the system's comparisons in its exhibits; the bar is at least {} dB and at most {:.0e} of bias. Files are those of `src` unless they begin with \
-         `sim`, references are in `sim/src/reference`.\n\n\
+         `sim`, references are in `sim/reference/src/engines`.\n\n\
          | # | system | source | files | reference | exhibits | PSNR dB | largest error | bias | bar |\n|---|---|---|---|---|---|---|---|---|---|\n",
         BARS.0, BARS.1
     );

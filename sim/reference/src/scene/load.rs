@@ -11,7 +11,7 @@ use super::{
 };
 use crate::input;
 
-/// The embedded volume, see `sim/assets/README.md`.
+/// The embedded volume, see `sim/reference/assets/README.md`.
 const DEMO: &[u8] = include_bytes!("../../assets/brainsmall.nrrd");
 const DEMO_NAME: &str = "brainsmall.nhdr";
 
