@@ -1,7 +1,7 @@
 //! `splatline-lab gallery`: exhibits of the papers' systems as pictures and numbers, one page per collection.
 
 use super::options::{Collection, GalleryOptions};
-use splatline_lab::gallery::{Exhibit, deep, kernels, page, surface, texture};
+use splatline_lab::gallery::{Exhibit, deep, kernels, page, sheet, surface, texture};
 use splatline_sim::cli::Progress;
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
@@ -88,7 +88,7 @@ fn store(
     exhibits: &[Exhibit],
 ) -> Result<(), Failure> {
     for exhibit in exhibits {
-        if let Some(sheet) = page::sheet(exhibit) {
+        if let Some(sheet) = sheet::sheet(exhibit) {
             let file: PathBuf = folder.join(page::file(exhibit));
             sheet.write_png(&file, Depth::Eight)?;
         }

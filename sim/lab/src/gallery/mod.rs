@@ -4,6 +4,7 @@ pub mod deep;
 pub mod holes;
 pub mod kernels;
 pub mod page;
+pub mod sheet;
 pub mod surface;
 pub mod texture;
 

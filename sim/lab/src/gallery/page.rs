@@ -1,44 +1,8 @@
-//! The gallery's page: one contact sheet per exhibit and its numbers beside it, as Markdown.
+//! The gallery's page: the contact sheet of each exhibit and its numbers beside it, as Markdown.
 
 use super::Exhibit;
-use splatline_sim::picture::Picture;
+use super::sheet::label;
 use std::fmt::Write;
-
-/// Pictures in a row of a contact sheet of so many: few in one row, the others so that the last row is full if it can be.
-fn columns(pictures: usize) -> usize {
-    match pictures {
-        0..=5 => pictures.max(1),
-        _ if pictures.is_multiple_of(3) => 3,
-        _ => 4,
-    }
-}
-
-/// Pixels between pictures.
-const GAP: usize = 4;
-
-/// An exhibit's pictures on one sheet, row by row, on black; none if there are none.
-pub fn sheet(exhibit: &Exhibit) -> Option<Picture> {
-    let sizes = exhibit
-        .pictures
-        .iter()
-        .map(|(_, picture)| (picture.width, picture.height));
-    let cell = sizes.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))?;
-    let (width, height) = (cell.0 + GAP, cell.1 + GAP);
-    let columns = columns(exhibit.pictures.len());
-    let rows = exhibit.pictures.len().div_ceil(columns);
-    let mut sheet = Picture::new(columns * width - GAP, rows * height - GAP);
-    sheet.pixels.fill([0.0, 0.0, 0.0, 1.0]);
-    for (index, (_, picture)) in exhibit.pictures.iter().enumerate() {
-        let (x0, y0) = (index % columns * width, index / columns * height);
-        for (y, row) in picture.pixels.chunks_exact(picture.width).enumerate() {
-            let start = (y0 + y) * sheet.width + x0;
-            for (out, [r, g, b, _]) in sheet.pixels[start..].iter_mut().zip(row) {
-                *out = [*r, *g, *b, 1.0];
-            }
-        }
-    }
-    Some(sheet)
-}
 
 /// File name of an exhibit's sheet.
 pub fn file(exhibit: &Exhibit) -> String {
@@ -85,18 +49,10 @@ pub fn markdown(title: &str, command: &str, exhibits: &[Exhibit]) -> String {
     page
 }
 
-/// The pictures' names in the order of the sheet.
+/// The pictures' names in the order of the sheet, for those who cannot see it.
 fn legend(exhibit: &Exhibit) -> String {
-    let names: Vec<&str> = exhibit
-        .pictures
-        .iter()
-        .map(|(name, _)| name.as_str())
-        .collect();
-    let rows: Vec<String> = names
-        .chunks(columns(names.len()))
-        .map(|row| row.join(" | "))
-        .collect();
-    format!("From the left, row by row: {}.", rows.join("; "))
+    let names = exhibit.pictures.iter().map(|(name, _)| label(name, 1));
+    format!("Pictures: {}.", names.collect::<Vec<_>>().join("; "))
 }
 
 /// Four digits that count; small numbers with an exponent.
@@ -113,6 +69,7 @@ fn shown(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use splatline_sim::picture::Picture;
 
     #[test]
     fn a_page_names_its_command_and_shows_numbers_beside_pictures() {
@@ -129,12 +86,10 @@ mod tests {
                 ("bias".to_owned(), -2e-6, String::new()),
             ],
         };
-        let sheet = sheet(&exhibit).unwrap();
-        assert_eq!((sheet.width, sheet.height), (3 + GAP + 3, 2));
         assert_eq!(
             markdown("Kernels", "splatline-lab gallery kernels", &[exhibit]),
             "# Kernels\n\nPrinted by `splatline-lab gallery kernels`.\n\n## plane\n\n[SWAN] 4.3. A plane.\n\n\
-             ![plane](plane.png)\n\nFrom the left, row by row: none | swan.\n\n| measurement | value |\n|---|---|\n\
+             ![plane](plane.png)\n\nPictures: none; swan.\n\n| measurement | value |\n|---|---|\n\
              | error | 0.5000 dB |\n| bias | -2.0e-6 |\n"
         );
     }

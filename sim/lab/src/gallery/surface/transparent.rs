@@ -37,7 +37,7 @@ pub fn transparent() -> Result<Exhibit, GalleryError> {
         &style,
     )?;
     exhibit.pictures.push((
-        "transparent_8_layers".to_owned(),
+        "8 layers, sorted by depth".to_owned(),
         on_paper(&drawing.picture),
     ));
     let unlimited = Style {
@@ -70,7 +70,11 @@ pub fn transparent() -> Result<Exhibit, GalleryError> {
                 }
             }
             if layers == 2 && order == 0 {
-                let name = "transparent_2_layers_shuffled".to_owned();
+                let name = "2 layers, shuffled: not enough".to_owned();
+                exhibit.pictures.push((name, on_paper(&random.picture)));
+            }
+            if layers == 8 && order == 0 {
+                let name = "8 layers, shuffled: equal".to_owned();
                 exhibit.pictures.push((name, on_paper(&random.picture)));
             }
         }
