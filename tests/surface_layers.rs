@@ -104,7 +104,7 @@ proptest! {
         prop_assert_eq!(drawn::<Layers<16>>(&samples), drawn::<Layers<16>>(&shuffled));
         if overlapping(&samples) <= 4 {
             let (a, b): (Layers<4>, Layers<4>) = (drawn(&samples), drawn(&shuffled));
-            prop_assert_eq!(a, b);
+            prop_assert_eq!(&a, &b);
             let unlimited: Layers<16> = drawn(&samples);
             prop_assert_eq!(a.fragments(), unlimited.fragments());
         }

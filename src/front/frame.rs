@@ -140,7 +140,8 @@ mod tests {
             let transmittance = transmittance >> (30 - widths.transmittance);
             for colour in [colour, colour >> (31 - widths.accumulator)] {
                 let (a, t) = (u32::from(widths.accumulator), u32::from(widths.transmittance));
-                let exact = (u128::from(colour) * u128::from(top) << t) + (u128::from(transmittance) * u128::from(background) << a);
+                let light = (u128::from(colour) * u128::from(top)) << t;
+                let exact = light + ((u128::from(transmittance) * u128::from(background)) << a);
                 let rounded = ((exact << 1) + (1 << (a + t))) >> (a + t + 1);
                 let expected = rounded.min(top.into()) as u8;
                 prop_assert_eq!(PixelReader::new(&widths).level(colour, transmittance, background, top), expected);
