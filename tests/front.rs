@@ -181,7 +181,7 @@ fn gaussians_and_points_are_their_splats() {
     let splats = [gaussian.splat().unwrap(), point.splat().unwrap()];
     let renderer = Renderer::new(Standard24);
     let (mut list, mut other) = (BoundedList::<2>::new(), BoundedList::<2>::new());
-    renderer.set_up(&view, &splats, &mut list).unwrap();
+    renderer.set_up(&view, splats, &mut list).unwrap();
     renderer.add(&view, [gaussian], &mut other).unwrap();
     renderer.add(&view, [point], &mut other).unwrap();
     other.sort();
@@ -225,19 +225,19 @@ fn a_full_list_says_how_much_it_lacks() {
         needed: 3,
     };
     let mut list = BoundedList::<2>::new();
-    assert_eq!(renderer.set_up(&view, &scene, &mut list), Err(full));
+    assert_eq!(renderer.set_up(&view, scene, &mut list), Err(full));
     assert!(list.footprints().is_empty() && list.order().is_empty());
     let (mut footprints, mut order) = ([Footprint::EMPTY; 3], [0; 2]);
     let mut lent = LentList::new(&mut footprints, &mut order);
-    assert_eq!(renderer.set_up(&view, &scene, &mut lent), Err(full));
+    assert_eq!(renderer.set_up(&view, scene, &mut lent), Err(full));
     assert!(lent.footprints().is_empty() && lent.order().is_empty());
     let (mut list, mut pixels) = (BoundedList::<3>::new(), [Pixel::default(); PIXELS]);
-    let counts = renderer.set_up(&view, &scene, &mut list).unwrap();
+    let counts = renderer.set_up(&view, scene, &mut list).unwrap();
     assert_eq!(
         (counts.drawn, counts.culled_for(Cull::Near), counts.invalid),
         (3, 1, 1)
     );
-    let short = renderer.render(&view, &scene, &mut list, &mut pixels[1..]);
+    let short = renderer.render(&view, scene, &mut list, &mut pixels[1..]);
     let expected = TargetError {
         needed: PIXELS,
         found: PIXELS - 1,
