@@ -42,6 +42,7 @@ done
 work=$CARGO_TARGET_DIR/measured
 mkdir -p "$work"
 (cd counter && cargo build --quiet --release)
+cargo test --quiet --lib >/dev/null || fail "the depth order's own tests failed: cargo test --lib"
 counter=$CARGO_TARGET_DIR/release/libsplatline_counter.so
 host=$(cargo run --quiet --release $features --bin fixed -- "$work/picture.ppm") || fail "the host's own check failed"
 echo "host:" $host
