@@ -1,6 +1,8 @@
 //! The front door draws, bit for bit, what the stages draw: the oracle chains them by hand, with a table of its own.
 
 mod common;
+#[path = "common/pictures.rs"]
+mod pictures;
 
 use common::{SIZE, splats, view};
 use proptest::prelude::*;
@@ -314,4 +316,56 @@ fn a_designs_tables_are_those_that_the_kernel_fills() {
     check(Lean18);
     check(Standard24);
     check(Deep32);
+}
+
+/// A ball, a needle and a leaf that pass through each other, a spot behind them, in Gaussians and a point.
+fn still_life<D: Tabled>(renderer: &Renderer<D>, name: &str, camera: Camera) {
+    let ball = Gaussian {
+        mean: [-0.3, 0.2, 0.3],
+        scales: [0.35; 3],
+        opacity: 0.9,
+        colour: [1.0, 0.5, 0.1],
+        ..Gaussian::UNIT
+    };
+    let needle = Gaussian {
+        mean: [0.2, 0.0, 0.0],
+        rotation: [0.9, 0.1, -0.2, 0.4],
+        scales: [0.9, 0.03, 0.03],
+        colour: [0.3, 1.0, 0.4],
+        ..ball
+    };
+    let leaf = Gaussian {
+        mean: [0.4, -0.4, 0.6],
+        rotation: [0.9, 0.3, 0.2, -0.5],
+        scales: [0.5, 0.2, 0.01],
+        colour: [0.2, 0.4, 1.0],
+        ..ball
+    };
+    let spot = Point {
+        position: [1.5, 1.0, 4.0],
+        deviation: 0.4,
+        opacity: 0.6,
+        colour: [1.0, 1.0, 0.9],
+    };
+    let view = camera.view().unwrap();
+    let mut list = BoundedList::<4>::new();
+    renderer
+        .add(&view, [ball, needle, leaf], &mut list)
+        .unwrap();
+    renderer.add(&view, [spot], &mut list).unwrap();
+    list.sort();
+    let mut pixels = vec![Pixel::default(); PIXELS];
+    let frame = renderer.draw(&list, view.window(), &mut pixels).unwrap();
+    pictures::check(name, &frame, [20, 24, 40]);
+}
+
+#[test]
+fn still_lifes_look_like_their_pictures() {
+    let parallel = camera().orthographic(24.0);
+    still_life(&Renderer::new(Standard24), "perspective", camera());
+    still_life(&Renderer::new(Standard24), "orthographic", parallel);
+    still_life(&Renderer::ewa(Lean18), "ewa", camera());
+    still_life(&Renderer::new(Classic8), "classic8", camera());
+    let x_ray = Renderer::new(Standard24).with_compositing(Compositing::XRay);
+    still_life(&x_ray, "x-ray", camera());
 }
