@@ -14,7 +14,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`front`] is the way in: a [`Camera`] and splats in ordinary numbers, a [`Renderer`] that culls, sets up, sorts and draws them, whole frames
+//! [`front`] is the way in: a `Camera` and splats in ordinary numbers, a [`Renderer`] that culls, sets up, sorts and draws them, whole frames
 //! or strips, in memory that the caller lends. Without the feature `float` (on by default) a scene is in the kernel's own types
 //! ([`splat::VolumeSplat`], [`View`]) and nothing of floating point is linked.
 //!
@@ -64,7 +64,7 @@ pub use float::{Camera, CameraError, Gaussian, Point, Surfel};
 pub use format::{Classic8, Deep32, Lean18, Standard24, Traversal};
 pub use front::{
     BoundedList, Counts, DisplayList, Frame, LentList, ListFull, Primitive, Rejected, RenderError,
-    Renderer,
+    Renderer, SurfacePrimitive, SurfaceRenderer,
 };
 pub use raster::Window;
 pub use rules::{Compositing, Rules};

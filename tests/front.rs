@@ -7,6 +7,10 @@ mod pictures;
 use common::{SIZE, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
+use splatline::blend::layers::Layers;
+use splatline::blend::resolve::Resolve;
+use splatline::blend::surface::{Accumulation, Cell, Gather};
+use splatline::draw::surface::SurfacePainter;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Classic8, Deep32, Lean18, Standard24, Traversal};
@@ -14,11 +18,12 @@ use splatline::front::{BoundedList, Counts, DisplayList, LentList, ListFull, NoT
 use splatline::kernel::{FootprintTable, Kernel, Tabled, entries, fill_gaussian};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
-use splatline::setup::{Cull, setup};
+use splatline::setup::{Cull, setup, setup_surface};
 use splatline::splat::VolumeSplat;
+use splatline::target::cells::CellTarget;
 use splatline::target::{Target, TargetError};
 use splatline::view::{Projection, View};
-use splatline::{Camera, Gaussian, Point, RenderError};
+use splatline::{Camera, Gaussian, Point, RenderError, SurfaceRenderer, Surfel};
 
 const PIXELS: usize = SIZE as usize * SIZE as usize;
 
@@ -368,4 +373,91 @@ fn still_lifes_look_like_their_pictures() {
     still_life(&Renderer::new(Classic8), "classic8", camera());
     let x_ray = Renderer::new(Standard24).with_compositing(Compositing::XRay);
     still_life(&x_ray, "x-ray", camera());
+}
+
+/// Surfels of a ball: opaque, or so transparent that its back shines through.
+fn ball_of_surfels(opacity: f32) -> Vec<Surfel> {
+    let turn = |i: u16| {
+        let (height, angle) = (1.0 - (2.0 * f32::from(i) + 1.0) / 300.0, 2.4 * f32::from(i));
+        let ring = (1.0 - height * height).sqrt();
+        [ring * angle.cos(), height, ring * angle.sin()]
+    };
+    let surfel = |i: u16| {
+        let [x, y, z] = turn(i);
+        let length = (x * x + z * z).sqrt();
+        let across = [-z / length * 0.12, 0.0, x / length * 0.12];
+        let along = [
+            -x * y / length * 0.12,
+            length * 0.12,
+            -z * y / length * 0.12,
+        ];
+        Surfel {
+            position: [x, y, z],
+            tangents: [across, along],
+            weight: 0.4,
+            colour: [0.5 + 0.5 * x, 0.5 + 0.5 * y, 0.7],
+            opacity,
+            material: 0,
+        }
+    };
+    (0..300).map(surfel).collect()
+}
+
+/// The surface renderer against its stages, whole and in strips.
+fn surfaces<C: Cell + PartialEq>(opacity: f32, name: &str) {
+    let view = camera().view().unwrap();
+    let (widths, threshold) = (Standard24::WIDTHS, splatline::float::depth(0.2));
+    let mut scene = ball_of_surfels(opacity);
+    let mut cells = vec![C::EMPTY; PIXELS];
+    let gather = Gather::new(&widths, threshold);
+    let mut target = CellTarget::new(&mut cells, view.window()).unwrap();
+    let (table, spans) = (splatline::kernel::table_4::<Standard24>(), Traversal::Spans);
+    let painter = SurfacePainter::new(Standard24, &Rules::SURFACE, table, gather, spans);
+    let mut drawn = 0;
+    for surfel in &scene {
+        let footprint = setup_surface(Standard24, &view, &Rules::SURFACE, &surfel.splat().unwrap());
+        drawn += u32::from(footprint.map(|f| painter.draw(&f, &mut target)).is_ok());
+    }
+    let resolve = Resolve::new(&widths, gather, None, None);
+    let places = (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y)));
+    let expected: Vec<Pixel> = places
+        .zip(&cells)
+        .map(|((x, y), c)| resolve.pixel(c, x, y))
+        .collect();
+
+    let renderer = SurfaceRenderer::new(Standard24, threshold);
+    let (mut cells, mut pixels) = (vec![C::EMPTY; PIXELS], vec![Pixel::default(); PIXELS]);
+    let mut joined = Vec::new();
+    for window in view.window().strips(20) {
+        let strip = renderer
+            .draw(&view, &scene, window, &mut cells, &mut pixels)
+            .unwrap()
+            .0;
+        joined.extend_from_slice(strip.pixels);
+    }
+    let mut invalid = scene[7];
+    invalid.position[1] = f32::NAN;
+    scene.insert(100, invalid);
+    let whole = renderer.draw(&view, &scene, view.window(), &mut cells, &mut pixels);
+    let (frame, counts) = whole.unwrap();
+    assert!(frame.pixels == expected && joined == expected, "{name}");
+    assert_eq!(
+        (counts.drawn, counts.invalid, counts.total()),
+        (drawn, 1, 301)
+    );
+    pictures::check(name, &frame, [20, 24, 40]);
+    let short = renderer.draw(&view, &scene, view.window(), &mut cells[1..], &mut pixels);
+    assert_eq!(
+        short.unwrap_err(),
+        TargetError {
+            needed: PIXELS,
+            found: PIXELS - 1
+        }
+    );
+}
+
+#[test]
+fn surfels_are_drawn_as_by_the_stages() {
+    surfaces::<Accumulation>(1.0, "surfels");
+    surfaces::<Layers<4>>(0.5, "surfels-transparent");
 }

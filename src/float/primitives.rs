@@ -5,10 +5,11 @@
 
 use super::{axis, colour, position, scaled};
 use crate::footprint::Footprint;
+use crate::footprint::surface::SurfaceFootprint;
 use crate::format::Design;
-use crate::front::{Primitive, Rejected};
+use crate::front::{Primitive, Rejected, SurfacePrimitive};
 use crate::rules::Rules;
-use crate::setup::setup;
+use crate::setup::{setup, setup_surface};
 use crate::splat::surface::SurfaceSplat;
 use crate::splat::{Axis, SphereSplat, VolumeSplat};
 use crate::view::{Eye, View};
@@ -233,3 +234,16 @@ macro_rules! primitive {
 }
 primitive!(Gaussian);
 primitive!(Point);
+
+impl SurfacePrimitive<Eye> for Surfel {
+    #[inline(always)]
+    fn set_up<D: Design>(
+        &self,
+        design: D,
+        view: &View,
+        rules: &Rules,
+    ) -> Result<SurfaceFootprint, Rejected> {
+        let splat = self.splat().ok_or(Rejected::Invalid)?;
+        setup_surface(design, view, rules, &splat).map_err(Rejected::Culled)
+    }
+}

@@ -7,6 +7,8 @@
 //! Camera, Gaussian, Point   ordinary numbers (module float)
 //!   Renderer::set_up        cull, set up, sort by depth  -> a display list
 //!   Renderer::draw          a frame, or a strip of it    -> Frame: pixels as RGB8 or RGB565
+//! Surfel                    points of surfaces
+//!   SurfaceRenderer::draw   set up, gather, resolve      -> Frame
 //! ```
 
 mod counts;
@@ -15,6 +17,7 @@ mod list;
 mod order;
 mod primitive;
 mod renderer;
+mod surfaces;
 
 pub use counts::Counts;
 pub use frame::{Frame, PixelReader};
@@ -22,3 +25,4 @@ pub use list::{BoundedList, DisplayList, LentList, ListFull};
 pub use order::sort_by_key;
 pub use primitive::{Primitive, Rejected};
 pub use renderer::{NoTable, RenderError, Renderer};
+pub use surfaces::{SurfacePrimitive, SurfaceRenderer};
