@@ -9,16 +9,13 @@ pub mod bytes;
 use crate::camera::Camera;
 use crate::design::{DesignChoice, NAMES};
 use crate::fixed::{self, Options};
+use crate::report::html::escape;
 use crate::report::scale::PERCENTILE;
+use crate::report::viewer::packed;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use serde_json::{Value, json};
 use splatline::format::{Rounding, Traversal, WIDTH_RANGES};
-use std::io::Write;
 
 /// The kernel and the reference, compiled from `sim/page`.
 pub const WASM: &[u8] = include_bytes!("../../page/page.wasm");
@@ -195,11 +192,3 @@ fn camera_numbers(camera: &Camera) -> [f64; bytes::CAMERA] {
         .chain(&tail);
     std::array::from_fn(|_| all.next().copied().unwrap_or_default())
 }
-
-fn packed(bytes: &[u8]) -> Result<String, PageError> {
-    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
-    packer.write_all(bytes)?;
-    Ok(STANDARD.encode(packer.finish()?))
-}
-
-use crate::report::html::escape;

@@ -6,6 +6,7 @@
 //! | `.nrrd`, `.nhdr` | volumes, classified by a [`transfer`] function and shaded per voxel by [`shade`] |
 //! | `demo`, `random:COUNT[:SEED]`, `deep-stack` | no file: the embedded volume and [`synthetic`] scenes |
 
+mod archive;
 mod bytes;
 mod error;
 mod gaussian;
