@@ -8,12 +8,12 @@ set -euo pipefail
 cd "$(dirname "$0")"
 root=$(cd ../.. && pwd)
 target=wasm32-unknown-unknown
-out=${CARGO_TARGET_DIR:-$PWD/target}
+out=${CARGO_TARGET_DIR:-$root/target}
 cargo_home=${CARGO_HOME:-$HOME/.cargo}
 sysroot=$(rustc --print sysroot)
 export RUSTFLAGS="--remap-path-prefix=$root=/splatline --remap-path-prefix=$cargo_home=/cargo --remap-path-prefix=$sysroot=/rust"
-cargo build --locked --release --target $target
-built=$out/$target/release/splatline_page.wasm
+cargo build --locked -p splatline-page --profile page --target $target
+built=$out/$target/page/splatline_page.wasm
 compiler=$(rustc --version)
 if [ "${1:-}" != --check ]; then
     cp "$built" page.wasm

@@ -21,7 +21,9 @@ fn main() -> Result<()> {
     while let Some(argument) = arguments.next() {
         if argument == "--eval" {
             let expression = arguments.next().context("--eval needs an expression")?;
+            let before = browser.processor_seconds()?;
             println!("{}", browser.evaluate(&expression)?);
+            println!("  {:.2} s", browser.processor_seconds()? - before);
             continue;
         }
         let (size, dark) = match argument.strip_suffix('d') {

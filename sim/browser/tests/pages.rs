@@ -129,16 +129,16 @@ fn the_live_page_answers() -> Result<()> {
     // Figures are those of the host's own comparison.
     let compared = folder.path().join("compared");
     let by = ["--design", "lean18", "--only"];
-    splatline(
-        &[&["compare"], &scene[..], &by].concat(),
-        &compared,
-    )?;
+    splatline(&[&["compare"], &scene[..], &by].concat(), &compared)?;
     let report = std::fs::read_to_string(compared.join("report.json"))?;
     let report: Value = serde_json::from_str(&report)?;
     let of_host = |field: &str| report["error"]["rgb"][field].as_f64().context("no figure");
     let before = browser.number("splatline.figures().psnr")?;
     let psnr = of_host("psnr_db")?;
-    ensure!((before - psnr).abs() < 0.01, "page {before} dB, host {psnr} dB");
+    ensure!(
+        (before - psnr).abs() < 0.01,
+        "page {before} dB, host {psnr} dB"
+    );
     let visited = browser.number("splatline.figures().visited")?;
     let of_host = report["pixels"]["visited"].as_f64().context("no pixels")?;
     ensure!(
@@ -203,7 +203,17 @@ fn the_live_page_answers() -> Result<()> {
 fn the_report_answers() -> Result<()> {
     let (mut browser, folder) = browser()?;
     let out = folder.path().join("out");
-    splatline(&["compare", "random:1500", "--size", "200x160", "--design", "lean18"], &out)?;
+    splatline(
+        &[
+            "compare",
+            "random:1500",
+            "--size",
+            "200x160",
+            "--design",
+            "lean18",
+        ],
+        &out,
+    )?;
     browser.open(&out.join("report.html"), READY)?;
 
     // The pixel under the pointer, by each engine.
@@ -225,8 +235,16 @@ fn the_report_answers() -> Result<()> {
     browser.evaluate("document.querySelector('#nearer').click()")?;
     let transforms = "[...document.querySelectorAll('#side .view')].map(v => v.firstElementChild.style.transform)";
     let transforms = browser.evaluate(transforms)?;
-    ensure!(transforms[0] == transforms[1] && transforms[1] == transforms[2], "{transforms}");
-    ensure!(transforms[0].as_str().is_some_and(|t| t.contains("scale(1.6)")), "{transforms}");
+    ensure!(
+        transforms[0] == transforms[1] && transforms[1] == transforms[2],
+        "{transforms}"
+    );
+    ensure!(
+        transforms[0]
+            .as_str()
+            .is_some_and(|t| t.contains("scale(1.6)")),
+        "{transforms}"
+    );
     browser.evaluate("document.querySelector('#farther').click()")?;
 
     // Slider and flicker.
@@ -235,10 +253,15 @@ fn the_report_answers() -> Result<()> {
     browser.drag(&[[x, y], [x + 80.0, y]])?;
     let clip = browser.text("document.querySelector('#over span').style.clipPath")?;
     let divide = browser.number("Number(document.querySelector('#divide').value)")?;
-    ensure!(divide > 52.0 && clip.contains(&format!("{divide}%")), "{divide}: {clip}");
+    ensure!(
+        divide > 52.0 && clip.contains(&format!("{divide}%")),
+        "{divide}: {clip}"
+    );
     browser.evaluate("document.querySelector('[data-mode=flicker]').click()")?;
     for seen in ["hidden", "visible"] {
-        browser.wait(&format!("document.querySelector('#over span').style.visibility === '{seen}'"))?;
+        browser.wait(&format!(
+            "document.querySelector('#over span').style.visibility === '{seen}'"
+        ))?;
     }
     browser.evaluate("document.querySelector('[data-mode=side]').click()")?;
 
@@ -249,12 +272,19 @@ fn the_report_answers() -> Result<()> {
     let scale = browser.number("report.scaleAt(100).limit")?;
     let report = std::fs::read_to_string(out.join("report.json"))?;
     let report: Value = serde_json::from_str(&report)?;
-    let largest = report["error"]["rgb"]["max_abs"].as_f64().context("no error")?;
+    let largest = report["error"]["rgb"]["max_abs"]
+        .as_f64()
+        .context("no error")?;
     ensure!((scale / largest - 1.0).abs() < 0.005, "{scale}, {largest}");
     let beyond = browser.number("report.scaleAt(99.9).outliers")?;
-    let counted = report["error_map"]["outliers"].as_f64().context("no count")?;
+    let counted = report["error_map"]["outliers"]
+        .as_f64()
+        .context("no count")?;
     // Halves of singles round, so that some of those at the limit may fall on its other side.
-    ensure!((beyond - counted).abs() <= 0.2 * counted + 8.0, "{beyond}, {counted}");
+    ensure!(
+        (beyond - counted).abs() <= 0.2 * counted + 8.0,
+        "{beyond}, {counted}"
+    );
 
     // A point and its row.
     let [x, y] = browser.middle(".wide .place[data-row='2']")?;
@@ -265,9 +295,15 @@ fn the_report_answers() -> Result<()> {
     look(&mut browser, "report")?;
 
     // One design: no plot of a single dot.
-    splatline(&["compare", "random:200", "--size", "64x64", "--only"], &out)?;
+    splatline(
+        &["compare", "random:200", "--size", "64x64", "--only"],
+        &out,
+    )?;
     browser.open(&out.join("report.html"), READY)?;
-    ensure!(browser.number("document.querySelectorAll('.plot').length")? == 0.0, "a plot of one dot");
+    ensure!(
+        browser.number("document.querySelectorAll('.plot').length")? == 0.0,
+        "a plot of one dot"
+    );
     no_complaints(&browser)
 }
 
@@ -285,18 +321,36 @@ fn the_sweeps_page_answers() -> Result<()> {
     )?;
     let out = folder.path().join("out");
     let space = space.to_string_lossy();
-    splatline(&["explore", "random:800", "--size", "128x96", "--space", &space], &out)?;
+    splatline(
+        &[
+            "explore",
+            "random:800",
+            "--size",
+            "128x96",
+            "--space",
+            &space,
+        ],
+        &out,
+    )?;
     browser.open(&out.join("front.html"), READY)?;
 
     let cells = |column: &str| {
-        format!("(() => {{ const i = [...document.querySelectorAll('#table th')].findIndex(h => h.textContent === '{column}'); \
-            return [...document.querySelectorAll('#table tbody tr')].map(r => Number(r.cells[i].textContent)); }})()")
+        format!(
+            "(() => {{ const i = [...document.querySelectorAll('#table th')].findIndex(h => h.textContent === '{column}'); \
+            return [...document.querySelectorAll('#table tbody tr')].map(r => Number(r.cells[i].textContent)); }})()"
+        )
     };
     let sort = "[...document.querySelectorAll('#table button')].find(b => b.textContent === 'area').click()";
     for ascending in [true, false] {
         browser.evaluate(sort)?;
         let areas: Vec<f64> = serde_json::from_value(browser.evaluate(&cells("area"))?)?;
-        let sorted = areas.windows(2).all(|pair| if ascending { pair[0] <= pair[1] } else { pair[0] >= pair[1] });
+        let sorted = areas.windows(2).all(|pair| {
+            if ascending {
+                pair[0] <= pair[1]
+            } else {
+                pair[0] >= pair[1]
+            }
+        });
         ensure!(areas.len() > 1 && sorted, "{areas:?}");
     }
     let points = browser.number("document.querySelectorAll('#scatter circle').length")?;
@@ -308,16 +362,24 @@ fn the_sweeps_page_answers() -> Result<()> {
     ))?;
     let kept: Vec<f64> = serde_json::from_value(browser.evaluate(&cells("psnr_db"))?)?;
     let expected = psnr.iter().filter(|value| **value >= middle).count();
-    ensure!(kept.len() == expected && expected < psnr.len(), "{kept:?} of {psnr:?} from {middle}");
+    ensure!(
+        kept.len() == expected && expected < psnr.len(),
+        "{kept:?} of {psnr:?} from {middle}"
+    );
     browser.evaluate("(() => { const e = document.querySelector('#least-psnr'); e.value = ''; e.dispatchEvent(new Event('input')); })()")?;
 
     // Better is up: the scatter's highest point has the largest PSNR. Axes may be chosen.
     let highest = "(() => { const c = [...document.querySelectorAll('#scatter circle')].sort((a, b) => a.cy.baseVal.value - b.cy.baseVal.value)[0]; \
         return Number(c.textContent.match(/psnr_db (\\S+)/)[1]); })()";
     let most = psnr.iter().copied().fold(0.0, f64::max);
-    ensure!(browser.number(highest)? >= most, "the highest point is not the best");
+    ensure!(
+        browser.number(highest)? >= most,
+        "the highest point is not the best"
+    );
     browser.evaluate("(() => { const e = document.querySelector('#across'); e.value = [...e.options].find(o => o.text === 'area').value; e.dispatchEvent(new Event('change')); })()")?;
-    browser.wait("[...document.querySelectorAll('#scatter text')].some(t => t.textContent === 'area')")?;
+    browser.wait(
+        "[...document.querySelectorAll('#scatter text')].some(t => t.textContent === 'area')",
+    )?;
     let lines = browser.number("document.querySelectorAll('#parallel polyline').length")?;
     ensure!(lines == 27.0, "{lines} lines of 27 points");
     // Both charts have numbers on both axes.
@@ -327,23 +389,36 @@ fn the_sweeps_page_answers() -> Result<()> {
     no_complaints(&browser)
 }
 
-/// Prints frames a second of the live page; the bar is 10 for 20,000 splats at 512x512. Not asserted: other work on the machine decides too.
+/// Prints frames a second of the live page; the bar is 10 for 20,000 splats at 512x512 on one core. Not asserted, because other work on the
+/// machine decides too; the processor's own time, which it does not change, is printed beside it.
 #[test]
 #[cfg_attr(
     not(has_chromium),
     ignore = "needs chromium (Debian: apt-get install chromium)"
 )]
 fn frames_a_second() -> Result<()> {
+    const FRAMES: f64 = 20.0;
     let (mut browser, folder) = browser()?;
     let page = folder.path().join("page.html");
     splatline(&["page", "random:20000", "--size", "512x512"], &page)?;
     browser.open(&page, READY)?;
-    let bench = browser.evaluate("splatline.bench(12)")?;
-    let milliseconds = |name: &str| bench[name].as_f64().context("no time");
-    let (whole, fixed) = (milliseconds("whole")?, milliseconds("fixed")?);
+    // The first frames are drawn by code that is not yet optimised.
+    browser.evaluate("splatline.bench(5)")?;
+    let before = browser.processor_seconds()?;
+    let bench = browser.evaluate(&format!("splatline.bench({FRAMES})"))?;
+    let used = (browser.processor_seconds()? - before) / FRAMES;
+    let part = |name: &str| bench[name].as_f64().context("no time");
     println!(
-        "live page, 20,000 splats at 512x512, one core: {:.1} frames a second ({whole:.0} ms: kernel {fixed:.0} ms, the rest float, error and canvases)",
-        1e3 / whole
+        "live page, 20,000 splats at 512x512: {:.1} frames a second by the processor's time ({:.0} ms), {:.1} by the clock; of {:.0} ms by the clock \
+         kernel {:.0}, float {:.0}, error {:.0}, canvases and readings {:.0}",
+        1.0 / used,
+        1e3 * used,
+        1e3 / part("whole")?,
+        part("whole")?,
+        part("fixed")?,
+        part("float")?,
+        part("error")?,
+        part("canvases")?
     );
     no_complaints(&browser)
 }

@@ -80,7 +80,12 @@ pub struct Fixed {
 }
 
 impl Fixed {
-    pub fn draw(loaded: &mut Loaded, camera: &Camera, design: Custom, traversal: Traversal) -> Fixed {
+    pub fn draw(
+        loaded: &mut Loaded,
+        camera: &Camera,
+        design: Custom,
+        traversal: Traversal,
+    ) -> Fixed {
         let stated = loaded.rules;
         let quantised = loaded.quantised(camera);
         let rules = quantised.rules(&stated);
@@ -171,7 +176,10 @@ fn paint(
 ) -> Coverage {
     let mut coverage = Coverage::default();
     for part in list.chunks(CHECK_INTERVAL) {
-        for footprint in part.iter().filter_map(|i| footprints[*i as usize].as_ref().ok()) {
+        for footprint in part
+            .iter()
+            .filter_map(|i| footprints[*i as usize].as_ref().ok())
+        {
             coverage += painter.draw(footprint, target);
         }
         if target.is_finished() {

@@ -8,8 +8,22 @@ use crate::scale::{Scale, colour};
 
 /// What [`Compared::figures`] holds, in this order; the page's script reads them by place.
 pub const NAMES: [&str; 16] = [
-    "psnr", "largest", "bias", "x", "y", "psnr_covered", "bias_covered", "visited", "covered", "drawn", "culled",
-    "checksum_high", "checksum_low", "limit", "knee", "outliers",
+    "psnr",
+    "largest",
+    "bias",
+    "x",
+    "y",
+    "psnr_covered",
+    "bias_covered",
+    "visited",
+    "covered",
+    "drawn",
+    "culled",
+    "checksum_high",
+    "checksum_low",
+    "limit",
+    "knee",
+    "outliers",
 ];
 /// Bins of the histogram between the ends of the colour scale.
 pub const BINS: usize = 64;
@@ -41,6 +55,11 @@ impl Compared {
         let mut histogram = vec![0.0; BINS + 2];
         let mut rgba = Vec::with_capacity(differences.len() * 4);
         for difference in &differences {
+            if *difference == 0.0 {
+                let [r, g, b] = shades[SHADES / 2];
+                rgba.extend([r, g, b, 255]);
+                continue;
+            }
             let position = scale.position(*difference);
             let bin = ((position + 1.0) / 2.0 * BINS as f64).floor() + 1.0;
             histogram[bin.clamp(0.0, (BINS + 1) as f64) as usize] += 1.0;

@@ -35,7 +35,10 @@ pub fn heaviest(fixed: &Fixed, loaded: &Loaded, x: u32, y: u32) -> Option<Picked
     };
     let mut pixel = [Pixel::clear(&widths)];
     let (mut best, mut covering) = (None, 0);
-    for &splat in fixed.lists.get(Tiles::of([width, height]).at(column, row))? {
+    for &splat in fixed
+        .lists
+        .get(Tiles::of([width, height]).at(column, row))?
+    {
         let Ok(footprint) = &fixed.footprints[splat as usize] else {
             continue;
         };

@@ -6,6 +6,9 @@
 //! over tiles, which walks as the host's does, so that pixels and counts are the same. The page shows whether they are: it compares its
 //! checksum with the one that the host wrote beside the scene.
 
+// Exported names are attributes that count as unsafe, because two crates might export the same; there is no unsafe block here.
+#![allow(unsafe_code)]
+
 mod draw;
 mod figures;
 mod inspect;
@@ -144,8 +147,14 @@ pub extern "C" fn compare(percentile: f64, limit: f64) -> u32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn pixels(layer: u32) -> *const u8 {
     with(|page| match Layer::of(layer) {
-        Layer::Fixed => page.fixed.as_ref().map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
-        Layer::Float => page.float.as_ref().map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
+        Layer::Fixed => page
+            .fixed
+            .as_ref()
+            .map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
+        Layer::Float => page
+            .float
+            .as_ref()
+            .map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
         Layer::Error => page.compared.rgba.as_ptr(),
     })
 }
@@ -159,7 +168,7 @@ pub extern "C" fn figures() -> *const f64 {
     })
 }
 
-/// Bins of the signed error over the colour scale, 1 more beyond each end.
+/// Pixels that differ, in bins of the signed error over the colour scale, and 1 bin more beyond each end.
 #[unsafe(no_mangle)]
 pub extern "C" fn histogram() -> *const f64 {
     with(|page| page.compared.histogram.as_ptr())
@@ -171,7 +180,9 @@ pub extern "C" fn value(layer: u32, channel: u32, x: u32, y: u32) -> f64 {
     with(|page| {
         let of = |picture: &splatline_reference::picture::Picture| {
             let inside = (x as usize) < picture.width && (y as usize) < picture.height;
-            let pixel = picture.pixels.get(y as usize * picture.width + x as usize)?;
+            let pixel = picture
+                .pixels
+                .get(y as usize * picture.width + x as usize)?;
             inside.then(|| pixel.get(channel as usize).copied())?
         };
         let fixed = || of(&page.fixed.as_ref()?.picture);

@@ -227,11 +227,7 @@ fn chart(
     let (mut below, mut above) = (String::new(), String::new());
     for candidate in candidates {
         let front = on_front(candidate);
-        let (class, radius) = if front {
-            ("front", 5.0)
-        } else {
-            ("", 3.5)
-        };
+        let (class, radius) = if front { ("front", 5.0) } else { ("", 3.5) };
         let target = if front { &mut above } else { &mut below };
         let _ = writeln!(
             target,
@@ -288,13 +284,27 @@ mod tests {
 
     #[test]
     fn ticks_label_the_data_however_narrow_their_range() {
-        for (low, high) in [(1.1e6, 1.4e6), (9.1e-5, 9.3e-5), (1e3, 1e9), (4.0, 4.0), (2e5, 8e5)] {
+        for (low, high) in [
+            (1.1e6, 1.4e6),
+            (9.1e-5, 9.3e-5),
+            (1e3, 1e9),
+            (4.0, 4.0),
+            (2e5, 8e5),
+        ] {
             let axis = Scale::new([low, high].into_iter(), 0.0, 100.0);
             let ticks = axis.ticks();
             let (first, last) = (axis.low, axis.high);
-            assert!((3..=12).contains(&ticks.len()), "{low} to {high}: {ticks:?}");
-            assert!(ticks.iter().all(|tick| (first..=last).contains(&tick.log10())));
-            let texts: std::collections::BTreeSet<String> = ticks.iter().map(|tick| short(*tick)).collect();
+            assert!(
+                (3..=12).contains(&ticks.len()),
+                "{low} to {high}: {ticks:?}"
+            );
+            assert!(
+                ticks
+                    .iter()
+                    .all(|tick| (first..=last).contains(&tick.log10()))
+            );
+            let texts: std::collections::BTreeSet<String> =
+                ticks.iter().map(|tick| short(*tick)).collect();
             assert_eq!(texts.len(), ticks.len(), "{texts:?}");
         }
     }
@@ -310,7 +320,10 @@ mod tests {
         };
         let page = shown("t", "", &[candidate(0, 1e-5), candidate(1, 1e-2)]);
         let height = |point: &str| -> f64 {
-            let circle = page.split("<circle").find(|part| part.contains(point)).unwrap();
+            let circle = page
+                .split("<circle")
+                .find(|part| part.contains(point))
+                .unwrap();
             let (_, rest) = circle.split_once("cy=\"").unwrap();
             rest.split_once('"').unwrap().0.parse().unwrap()
         };

@@ -95,11 +95,7 @@ fn take_harmonics(rest: &mut &[u8], splats: usize, degree: u8) -> Option<Harmoni
             base[channel] = value;
         }
         for place in 0..count {
-            let of_splats = harmonics
-                .coefficients
-                .iter_mut()
-                .skip(place)
-                .step_by(count);
+            let of_splats = harmonics.coefficients.iter_mut().skip(place).step_by(count);
             for (rgb, value) in of_splats.zip(take_column(rest, splats)?) {
                 rgb[channel] = value;
             }

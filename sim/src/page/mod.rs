@@ -147,6 +147,11 @@ fn settings(shown: &Shown, checksum: u64) -> Value {
         shown.design.name.clone(),
         design_settings(shown.design, shown.traversal),
     );
+    // A map's keys come back in alphabetical order; buttons lie from small to large.
+    let mut order = NAMES.to_vec();
+    if !order.contains(&shown.design.name.as_str()) {
+        order.push(&shown.design.name);
+    }
     json!({
         "splats": shown.scene.splats.len(),
         "camera": camera_numbers(shown.camera),
@@ -154,6 +159,7 @@ fn settings(shown: &Shown, checksum: u64) -> Value {
         "up": shown.up,
         "widths": widths,
         "designs": designs,
+        "order": order,
         "design": shown.design.name,
         "percentile": PERCENTILE,
         "checksum": format!("{checksum:016x}"),
@@ -192,3 +198,6 @@ fn camera_numbers(camera: &Camera) -> [f64; bytes::CAMERA] {
         .chain(&tail);
     std::array::from_fn(|_| all.next().copied().unwrap_or_default())
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,11 +7,11 @@ const LAYERS = ["fixed", "float", "error"];
 const FIGURES = ["psnr", "largest", "bias", "x", "y", "psnrCovered", "biasCovered", "visited", "covered", "drawn", "culled",
   "checksumHigh", "checksumLow", "limit", "knee", "outliers"];
 const BINS = 64;
-// Beyond this a view that is being turned is drawn smaller, and whole when it comes to rest.
-const SLOW_MS = 110;
+// A view that is being turned is drawn at least so often: by the kernel alone, and smaller, if need be.
+const SLOW_MS = 100;
 
 let wasm, camera, target, home, design;
-const state = { moving: false, scale: 1, full: 0, timer: 0, camera: true, design: true, limit: 0, pointer: null, shown: 0 };
+const state = { moving: false, alone: false, whole: 0, kernel: 0, timer: 0, camera: true, design: true, limit: 0, pointer: null };
 
 // --- bytes of the page ---
 
@@ -34,6 +34,7 @@ async function start() {
   build();
   choose(settings.design);
   compareWithHost();
+  point([0.5, 0.5]);
   document.body.dataset.ready = "yes";
 }
 
@@ -120,45 +121,49 @@ function request() {
 }
 
 function frame() {
-  const part = state.moving && state.full > SLOW_MS ? (state.full > 4 * SLOW_MS ? 0.25 : 0.5) : 1;
-  const anew = state.camera || part !== state.scale;
+  // A view that moves, and takes long: the kernel alone, the reference when it rests; smaller, if even that takes long.
+  const alone = state.moving && state.whole > SLOW_MS;
+  const part = !alone || state.kernel <= SLOW_MS ? 1 : state.kernel > 4 * SLOW_MS ? 0.25 : 0.5;
+  const anew = state.camera || state.alone;
   if (!anew && !state.design) return;
-  state.scale = part;
+  state.alone = alone;
   const [width, height] = writeCamera(part);
   new Uint8Array(wasm.memory.buffer, wasm.design_bytes(), 15).set([...design.widths, design.rounding, design.traversal]);
   const started = performance.now();
   let wrong = wasm.draw(1);
   const fixedAt = performance.now();
-  if (!wrong && anew) wrong = wasm.draw(2);
-  const floatAt = performance.now();
+  if (!wrong && anew && !alone) wrong = wasm.draw(2);
   if (wrong) throw new Error(["", "no scene", "this camera cannot be drawn", "a width is out of its range"][wrong]);
-  wasm.compare(settings.percentile, el("hold").checked ? state.limit : 0);
-  show(width, height);
+  const floatAt = performance.now();
+  if (!alone) wasm.compare(settings.percentile, el("hold").checked ? state.limit : 0);
+  show(alone ? ["fixed"] : LAYERS, width, height);
   const ended = performance.now();
+  document.body.classList.toggle("moving", alone);
   state.camera = state.design = false;
-  if (part === 1 && anew) state.full = ended - started;
-  el("times").textContent = `${width} × ${height}: fixed ${(fixedAt - started).toFixed(0)} ms` +
-    (anew ? `, float ${(floatAt - fixedAt).toFixed(0)} ms` : "") + `, error ${(ended - floatAt).toFixed(0)} ms`;
-  state.shown += 1;
+  if (part === 1) state.kernel = fixedAt - started;
+  if (!alone && anew) state.whole = ended - started;
+  el("times").textContent = `${width} × ${height}: fixed ${(fixedAt - started).toFixed(0)} ms` + (alone ? ", float when the view rests" :
+    (anew ? `, float ${(floatAt - fixedAt).toFixed(0)} ms` : "") + `, error ${(ended - floatAt).toFixed(0)} ms`);
 }
 
-function show(width, height) {
-  LAYERS.forEach((name, layer) => {
+function show(layers, width, height) {
+  for (const name of layers) {
     const canvas = el(name);
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
-    const bytes = new Uint8ClampedArray(wasm.memory.buffer, wasm.pixels(layer), width * height * 4);
+    const bytes = new Uint8ClampedArray(wasm.memory.buffer, wasm.pixels(LAYERS.indexOf(name)), width * height * 4);
     canvas.getContext("2d").putImageData(new ImageData(bytes.slice(), width, height), 0, 0);
-  });
+  }
   const f = figures();
+  el("visited").textContent = grouped(f.visited);
+  el("ratio").textContent = f.covered ? (f.visited / f.covered).toFixed(2) : "-";
+  el("drawn").textContent = `${grouped(f.drawn)} of ${grouped(settings.splats)} splats drawn`;
+  if (layers.length < LAYERS.length) return;
   state.limit = f.limit;
   el("psnr").textContent = f.psnr === Infinity ? "identical" : f.psnr.toFixed(2);
   el("largest").textContent = scientific(f.largest);
   el("bias").textContent = signed(f.bias);
   el("covered").textContent = f.psnrCovered === Infinity ? "identical" : f.psnrCovered.toFixed(2);
-  el("visited").textContent = grouped(f.visited);
-  el("ratio").textContent = f.covered ? (f.visited / f.covered).toFixed(2) : "-";
   el("scale").textContent = f.limit ? `full colour at ±${scientific(f.limit)}, ${grouped(f.outliers)} pixels beyond` : "no error";
-  el("drawn").textContent = `${grouped(f.drawn)} of ${grouped(settings.splats)} splats drawn`;
   drawHistogram(f);
   readPointer();
 }
@@ -190,7 +195,7 @@ const signed = (v) => (v === 0 ? "0" : (v > 0 ? "+" : "") + v.toExponential(1));
 const grouped = (v) => String(v).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
 function readPointer() {
-  if (!state.pointer) return;
+  if (!state.pointer || state.alone) return;
   const canvas = el("fixed");
   const x = Math.min(canvas.width - 1, Math.floor(state.pointer[0] * canvas.width));
   const y = Math.min(canvas.height - 1, Math.floor(state.pointer[1] * canvas.height));
@@ -323,7 +328,7 @@ function build() {
     });
     box.append(label);
   });
-  for (const name of Object.keys(settings.designs)) {
+  for (const name of settings.order) {
     const button = document.createElement("button");
     button.textContent = button.dataset.design = name;
     button.addEventListener("click", () => choose(name));
@@ -384,23 +389,23 @@ window.splatline = {
   draw: () => frame(),
   // Mean milliseconds of whole frames (both engines, error, canvases) and of the kernel's part, over a turn of the camera.
   bench(frames) {
-    let fixed = 0;
+    const parts = { fixed: 0, float: 0, error: 0, canvases: 0 };
+    const work = { fixed: () => wasm.draw(1), float: () => wasm.draw(2), error: () => wasm.compare(settings.percentile, 0), canvases: () => show(LAYERS, ...camera.size) };
     const started = performance.now();
     for (let i = 0; i < frames; i += 1) {
       orbit(0.02, 0);
       state.moving = false;
-      const at = performance.now();
       writeCamera(1);
-      wasm.draw(1);
-      fixed += performance.now() - at;
-      wasm.draw(2);
-      wasm.compare(settings.percentile, 0);
-      show(...camera.size);
+      for (const [part, does] of Object.entries(work)) {
+        const at = performance.now();
+        does();
+        parts[part] += (performance.now() - at) / frames;
+      }
     }
     const whole = (performance.now() - started) / frames;
     reset();
     frame();
-    return { whole, fixed: fixed / frames };
+    return { whole, ...parts };
   },
 };
 

@@ -141,7 +141,15 @@ fn the_page_is_one_file_without_any_address() {
     let (before, packed) = text.split_once("id=\"values\">").unwrap();
     let text = before.to_owned() + packed.split_once("</script>").unwrap().1;
     for outside in [
-        "http:", "https:", "//", "url(", "@import", "<script src", "<link", "<iframe", "fetch(",
+        "http:",
+        "https:",
+        "//",
+        "url(",
+        "@import",
+        "<script src",
+        "<link",
+        "<iframe",
+        "fetch(",
     ] {
         assert!(!text.contains(outside), "the page holds {outside}");
     }
@@ -150,9 +158,19 @@ fn the_page_is_one_file_without_any_address() {
     assert_eq!(page.matches("src=\"data:image/png;base64,iVBOR").count(), 3);
     let still = page.split("<script").next().unwrap();
     assert_eq!(still.matches("<tr").count(), 1 + 3 + 9);
-    assert_eq!(still.matches("<tr class=\"chosen\" data-row=\"5\">").count(), 1);
+    assert_eq!(
+        still
+            .matches("<tr class=\"chosen\" data-row=\"5\">")
+            .count(),
+        1
+    );
     // Each row has a place on both sizes of both plots.
-    assert_eq!(still.matches("<circle class=\"place\" data-row=\"5\"").count(), 4);
+    assert_eq!(
+        still
+            .matches("<circle class=\"place\" data-row=\"5\"")
+            .count(),
+        4
+    );
 }
 
 #[test]
@@ -168,9 +186,15 @@ fn one_design_has_a_row_and_no_plot() {
 fn the_scale_ends_at_a_percentile_and_counts_what_is_beyond() {
     let differences: Vec<f64> = (1..=1000).map(f64::from).chain([-1e6, 0.0]).collect();
     let scale = Scale::of(&differences, 99.9);
-    assert_eq!((scale.limit, scale.outliers, scale.largest), (1000.0, 1, 1e6));
+    assert_eq!(
+        (scale.limit, scale.outliers, scale.largest),
+        (1000.0, 1, 1e6)
+    );
     assert_eq!(scale.position(-1000.0), -1.0);
-    assert_eq!(error_map::colour(scale.position(-1e6)), error_map::colour(-1.0));
+    assert_eq!(
+        error_map::colour(scale.position(-1e6)),
+        error_map::colour(-1.0)
+    );
     let whole = Scale::of(&differences, 100.0);
     assert_eq!((whole.limit, whole.outliers), (1e6, 0));
     assert_eq!(Scale::of(&[0.0; 3], 99.9), Scale::default());
@@ -222,9 +246,15 @@ fn stray_pixels_do_not_hide_the_rest_and_the_scale_is_invertible() {
     }
     let map = ErrorMap::new(&fixed, &float);
     assert_eq!(map.scale.position(map.differences[7]), -1.0);
-    assert!(map.scale.position(1e-5) > 0.15, "{}", map.scale.position(1e-5));
+    assert!(
+        map.scale.position(1e-5) > 0.15,
+        "{}",
+        map.scale.position(1e-5)
+    );
     for difference in [-0.1, -1e-7, 0.0, 1e-5, 0.03] {
-        assert!((map.scale.difference_at(map.scale.position(difference)) - difference).abs() < 1e-12);
+        assert!(
+            (map.scale.difference_at(map.scale.position(difference)) - difference).abs() < 1e-12
+        );
     }
 }
 

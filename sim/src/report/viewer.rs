@@ -62,7 +62,8 @@ fn planes(fixed: &Picture, float: &Picture) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(fixed.pixels.len() * 16);
     for channel in 0..4 {
         let value = |pixel: &[f64; 4]| (stored(pixel[channel]) * 65535.0).round() as u16;
-        let error = |a: &[f64; 4], b: &[f64; 4]| upper_half(stored(a[channel]) - stored(b[channel]));
+        let error =
+            |a: &[f64; 4], b: &[f64; 4]| upper_half(stored(a[channel]) - stored(b[channel]));
         for part in 0..2 {
             bytes.extend(pairs().map(|(a, _)| value(a).to_le_bytes()[part]));
         }

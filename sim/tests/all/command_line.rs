@@ -46,6 +46,9 @@ fn bad_usage_is_exit_code_2_on_stderr() {
         &["render", "a.ply", "-o", "a.png", "--eye", "1,2"],
         &["footprints", "a.ply", "-o", "a.csv", "--engine", "exact"],
         &["compare", "a.ply", "-o", "a", "--design", "unheard-of"],
+        &["page", "random:9", "-o", "a.png"],
+        &["page", "random:9", "-o", "a.html", "--traversal", "stamp"],
+        &["page", "random:9", "-o", "a.html", "--size", "4000x40"],
     ] {
         let output = splatline(arguments);
         assert_eq!(
@@ -126,6 +129,7 @@ const PRINTING: [&[&str]; 17] = [
         "-o",
         "OUT/t.vcd",
     ],
+    &["page", "random:9", "--size", "8x8", "-o", "OUT/p.html"],
     &[
         "vectors",
         "export",
