@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use splatline::format::{Rounding, Traversal, WIDTH_RANGES};
 
 /// The kernel and the reference, compiled from `sim/page`.
-pub const WASM: &[u8] = include_bytes!("../../page/page.wasm");
+pub const WASM: &[u8] = include_bytes!("page.wasm");
 
 /// The most splats that a page takes: beyond, a browser needs seconds for a picture and the file is larger than mail carries.
 pub const MOST_SPLATS: usize = 500_000;
