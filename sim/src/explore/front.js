@@ -80,7 +80,9 @@ function title(entry) {
 
 function scatter() {
   const [x, y] = [el("across"), el("up")].map((select) => columns[Number(select.value)]);
-  const box = { left: 78, right: 14, top: 14, bottom: 46, width: 760, height: 420 };
+  const width = Math.min(1100, Math.max(340, el("scatter").clientWidth));
+  const box = { left: 78, right: 14, top: 14, bottom: 46, width, height: 420 };
+  el("scatter").setAttribute("viewBox", `0 0 ${width} ${box.height}`);
   const px = (part) => box.left + 12 + part * (box.width - box.left - box.right - 24);
   const py = (part) => box.height - box.bottom - 12 - part * (box.height - box.top - box.bottom - 24);
   const parts = [];
@@ -179,6 +181,7 @@ function start() {
   for (const id of ["across", "up"]) el(id).addEventListener("change", scatter);
   for (const id of ["least-psnr", "most-area", "least-rate", "clock"]) el(id).addEventListener("input", filter);
   el("whole").addEventListener("change", table);
+  addEventListener("resize", scatter);
   el("table").addEventListener("click", (event) => {
     const button = event.target.closest("button[data-column]");
     if (!button) return;

@@ -387,25 +387,27 @@ window.splatline = {
     slider.dispatchEvent(new Event("input"));
   },
   draw: () => frame(),
-  // Mean milliseconds of whole frames (both engines, error, canvases) and of the kernel's part, over a turn of the camera.
-  bench(frames) {
-    const parts = { fixed: 0, float: 0, error: 0, canvases: 0 };
-    const work = { fixed: () => wasm.draw(1), float: () => wasm.draw(2), error: () => wasm.compare(settings.percentile, 0), canvases: () => show(LAYERS, ...camera.size) };
+  layers: LAYERS,
+  // Mean milliseconds of a frame with these layers, and of its parts, over a turn of the camera.
+  bench(frames, layers = LAYERS) {
+    const whole = layers.length === LAYERS.length;
+    const parts = {};
+    const work = { fixed: () => wasm.draw(1), ...(whole && { float: () => wasm.draw(2), error: () => wasm.compare(settings.percentile, 0) }),
+      canvases: () => show(layers, ...camera.size) };
     const started = performance.now();
     for (let i = 0; i < frames; i += 1) {
       orbit(0.02, 0);
-      state.moving = false;
       writeCamera(1);
       for (const [part, does] of Object.entries(work)) {
         const at = performance.now();
         does();
-        parts[part] += (performance.now() - at) / frames;
+        parts[part] = (parts[part] || 0) + (performance.now() - at) / frames;
       }
     }
-    const whole = (performance.now() - started) / frames;
-    reset();
-    frame();
-    return { whole, ...parts };
+    const mean = (performance.now() - started) / frames;
+    clearTimeout(state.timer);
+    state.moving = false;
+    return { whole: mean, ...parts };
   },
 };
 
