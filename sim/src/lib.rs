@@ -4,7 +4,7 @@
 //! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is seen by a [`camera`]
 //! under [`rules`]); [`fixed`] draws it through the kernel and [`reference`](mod@reference) in double precision, both into a [`picture`];
 //! [`metrics`] compares two pictures; [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
-//! what other tools read, and [`report`] tells people about it. [`cli`] is the command line over all of them.
+//! what other tools read, and [`report`] and the live [`page`] tell people about it. [`cli`] is the command line over all of them.
 
 pub use splatline_reference::engines as reference;
 pub use splatline_reference::{
@@ -21,6 +21,7 @@ pub mod fast;
 pub mod fixed;
 pub mod machine;
 pub mod memory;
+pub mod page;
 pub mod report;
 pub mod stability;
 pub mod systems;

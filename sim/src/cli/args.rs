@@ -3,6 +3,7 @@
 use super::info;
 use super::machine_args;
 use super::output;
+use super::page;
 use super::shell;
 use super::study_args;
 pub use super::view_args::*;
@@ -77,6 +78,9 @@ pub enum Command {
     /// Write where every splat lands as CSV.
     #[command(after_help = FOOTPRINTS_EXAMPLES)]
     Footprints(FootprintsOptions),
+    /// Write the live page: one HTML file in which a scene can be turned and the kernel's widths changed.
+    #[command(after_help = page::EXAMPLES)]
+    Page(page::PageOptions),
     /// Kind, count, bounds, directions and ranges of a scene, and what was dropped.
     #[command(after_help = info::EXAMPLES)]
     Info(info::InfoOptions),

@@ -59,16 +59,19 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
         &all_entries(&chosen.design),
     )?;
     comparison.write_as(folder, Depth::Eight, Backdrop::default())?;
+    let live = folder.join("page.html");
+    super::page::write_page(&view, &chosen, None, &live)?;
     let report = &comparison.report;
     warn(&report.warnings);
     say(&format!(
-        "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\n",
+        "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\nThe same scene to turn, with the widths on sliders: {}\n",
         report.scene.name,
         report.scene.splats,
         size.width,
         size.height,
         table::plain(&report.table),
         folder.join("report.html").display(),
+        live.display(),
     ))?;
     Ok(())
 }

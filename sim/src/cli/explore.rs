@@ -12,7 +12,7 @@ use crate::design::DesignChoice;
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, Settings};
-use crate::explore::plot;
+use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
 use crate::explore::sweep::{self, Shard, Subject};
 use crate::explore::table::{Table, heading};
@@ -118,7 +118,13 @@ fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Fa
     )?;
     write(
         &folder.join("front.html"),
-        plot::page(&format!("Speed, error and area: {name}"), note, &all).as_bytes(),
+        plot::page(&Sweep {
+            title: &format!("Speed, error and area: {name}"),
+            note,
+            table,
+            candidates: &all,
+        })
+        .as_bytes(),
     )?;
     say(&format!("{note}\n"))?;
     say(&format!(

@@ -16,6 +16,7 @@ mod machine_args;
 mod model;
 mod needs;
 mod output;
+mod page;
 mod progress;
 mod render;
 mod setup;
@@ -95,6 +96,7 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Render(options)) => render::run(&options),
         Some(Command::Compare(options)) => compare::run(&options),
         Some(Command::Footprints(options)) => footprints::run(&options),
+        Some(Command::Page(options)) => page::run(&options),
         Some(Command::Info(options)) => info::run(&options),
         Some(Command::Completions(options)) => shell::completions(&options),
         Some(Command::Man(options)) => shell::man(&options),

@@ -410,6 +410,8 @@ fn the_demo_writes_its_report() {
         read_report(&folder.path().join("report.json")).table.len(),
         8
     );
+    let page = std::fs::read_to_string(folder.path().join("page.html")).unwrap();
+    assert!(page.contains("brainsmall") && page.contains("id=\"scene\""));
 }
 
 #[test]

@@ -212,7 +212,7 @@ mod tests {
     /// A Gaussian of the kernel's front door and the same one of a file become the same splat.
     #[test]
     fn both_front_doors_make_the_same_splats() {
-        use crate::scene::{Skipped, Splat, Weight, gaussian::rotation_matrix};
+        use crate::scene::{Skipped, Splat, Weight, rotation_matrix};
         let mut state = 7u32;
         let mut next = |from: f32, to: f32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -1,12 +1,15 @@
 //! report.html: one file that a reader can open anywhere, with nothing fetched from elsewhere.
 //!
-//! The page holds its style, its pictures (PNG as data addresses) and its plot (inline SVG), and needs no script.
+//! The page holds its style, its pictures (PNG as data addresses), its plot (inline SVG) and a script ([`viewer`]) that lays the pictures over each
+//! other and reads their pixels; without the script it still says all that it says. Its policy forbids it to load anything.
 //! Every number is taken from the [`Report`], so the page never says anything that report.json does not.
 
 use super::error_map::{self, ErrorMap};
 use super::plot::{self, PlotError, Tone};
 use super::png::Rgb;
+use super::scale::PERCENTILE;
 use super::table::{self, HEADINGS, WORD_COLUMNS};
+use super::viewer;
 use super::{ChannelFacts, ErrorFacts, Report, Row};
 use crate::picture::Picture;
 use crate::systems::Verdict;
@@ -23,6 +26,9 @@ pub enum PageError {
     /// The plot could not be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),
+    /// The pixels' numbers could not be compressed.
+    #[error("cannot compress the numbers of the report: {0}")]
+    Numbers(#[from] std::io::Error),
     /// The report could not be written as JSON.
     #[error("cannot show the report's details: {0}")]
     Details(#[from] serde_json::Error),
@@ -51,12 +57,18 @@ pub fn page(
     Ok(format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}: splatline report</title>\n<style>\n{style}{dark}</style>\n</head>\n<body>\n{body}</body>\n</html>\n",
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n\
+         <title>{title}: splatline report</title>\n<style>\n{style}{dark}</style>\n</head>\n<body>\n{body}<div id=\"tip\" hidden></div>\n{script}</body>\n</html>\n",
         title = escape(&report.scene.name),
         style = include_str!("page.css"),
         dark = dark_plot(),
         body = sections.concat(),
+        script = viewer::script(fixed, float, &report.engine, reference_name(report))?,
     ))
+}
+
+fn reference_name(report: &Report) -> &str {
+    report.reference.as_deref().unwrap_or("float")
 }
 
 /// Restyles the plot's few colours on a dark page.
@@ -158,7 +170,7 @@ fn pictures(
     float: &Picture,
     map: &ErrorMap,
 ) -> Result<String, PageError> {
-    let reference = report.reference.as_deref().unwrap_or("float");
+    let reference = reference_name(report);
     let fixed_note = format!(
         "<b>{}</b> {}",
         escape(&report.engine),
@@ -177,18 +189,21 @@ fn pictures(
     };
     let figures = [
         figure(
+            "fixed",
             &fixed_note,
             &Rgb::on_black(fixed),
             "the fixed-point picture",
             "",
         )?,
         figure(
+            "float",
             &float_note,
             &Rgb::on_black(float),
             "the reference picture",
             "",
         )?,
         figure(
+            "error",
             &map_note,
             &map.to_rgb(),
             "map of signed errors",
@@ -196,7 +211,9 @@ fn pictures(
         )?,
     ];
     Ok(format!(
-        "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n<div class=\"pictures\">\n{figures}</div>\n</section>\n",
+        "<section>\n<h2>Pictures</h2>\n<p class=\"read\">{text}</p>\n{controls}<div class=\"pictures\" id=\"side\">\n{figures}</div>\n{readings}</section>\n",
+        controls = viewer::controls(),
+        readings = viewer::readings(map),
         text = pictures_text(map),
         figures = figures.concat(),
     ))
@@ -211,16 +228,19 @@ fn fixed_caption(report: &Report) -> String {
 
 fn pictures_text(map: &ErrorMap) -> String {
     let shown = "The pictures show linear values on black, as stored, without gamma.";
-    if map.limit == 0.0 {
+    if map.scale.limit == 0.0 {
         return shown.to_owned();
     }
     format!(
         "{shown} In the map each pixel is its worst colour channel: <b>orange</b> where fixed point is brighter, <b>blue</b> \
-         where it is darker, dark where both agree. The scale ends at the largest error: {limit}, or {steps} \
-         steps of an 8-bit picture, is magnified to full colour. Towards it the scale is logarithmic, so that a few stray pixels do not hide the rest: \
+         where it is darker, dark where both agree. Full colour is {limit}, or {steps} steps of an 8-bit picture: {percentile} % of the pixels that differ \
+         do so by no more, and {outliers} do by more, at most {largest}. Towards its ends the scale is logarithmic: \
          read colours by the numbers under the bar.",
-        limit = table::scientific(map.limit),
-        steps = eight_bit_steps(map.limit),
+        limit = table::scientific(map.scale.limit),
+        steps = eight_bit_steps(map.scale.limit),
+        percentile = PERCENTILE,
+        outliers = plural(map.scale.outliers, "pixel", ""),
+        largest = table::scientific(map.scale.largest),
     )
 }
 
@@ -246,15 +266,21 @@ fn magnified(factor: f64) -> String {
     table::count(((factor / unit).round() * unit) as u64)
 }
 
-fn figure(note: &str, picture: &Rgb, alternative: &str, below: &str) -> Result<String, PageError> {
+fn figure(
+    layer: &str,
+    note: &str,
+    picture: &Rgb,
+    alternative: &str,
+    below: &str,
+) -> Result<String, PageError> {
     let class = if picture.width <= SMALL_PICTURE {
         " class=\"small\""
     } else {
         ""
     };
     Ok(format!(
-        "<figure>\n<figcaption>{note}</figcaption>\n<img{class} width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" \
-         src=\"data:image/png;base64,{data}\">\n{below}</figure>\n",
+        "<figure>\n<figcaption>{note}</figcaption>\n<div class=\"view\" data-layer=\"{layer}\" tabindex=\"0\"><img{class} width=\"{width}\" height=\"{height}\" alt=\"{alternative}\" \
+         src=\"data:image/png;base64,{data}\"><i hidden></i></div>\n{below}</figure>\n",
         width = picture.width,
         height = picture.height,
         data = STANDARD.encode(picture.to_png()?),
@@ -263,7 +289,7 @@ fn figure(note: &str, picture: &Rgb, alternative: &str, below: &str) -> Result<S
 
 /// The colour scale with numbers; nothing if there is no error.
 fn scale_bar(map: &ErrorMap) -> String {
-    if map.limit == 0.0 {
+    if map.scale.limit == 0.0 {
         return String::new();
     }
     let stops: Vec<String> = (0..=40)
@@ -274,7 +300,7 @@ fn scale_bar(map: &ErrorMap) -> String {
         .map(|position| {
             format!(
                 "<span>{}</span>",
-                table::signed(map.difference_at(position))
+                table::signed(map.scale.difference_at(position))
             )
         })
         .concat();
@@ -290,25 +316,36 @@ fn sweep(report: &Report) -> Result<String, PageError> {
     if report.table.is_empty() {
         return Ok(errors);
     }
-    let (wide, narrow) = (WIDE_PLOT, NARROW_PLOT);
     Ok(format!(
-        "{errors}<section>\n<h2>Speed against error</h2>\n<p class=\"read\">Up is nearer to the reference, left is faster: the \
-         best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
-         of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
-         work, it is not the time of a chip.</p>\n<div class=\"plot\">\n<div class=\"wide\">{wide}</div>\n\
-         <div class=\"narrow\">{narrow}</div>\n</div>\n{cycles}</section>\n\
+        "{errors}{plots}\
          <section>\n<h2>All designs</h2>\n<p class=\"read\">Errors are those of red, green and blue in units of 1.0 (one step of \
          an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. PSNR, bias and SSIM come twice, over the whole picture and \
          (cov) over the pixels that either picture covers. Visited counts each \
          pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
          is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{machine}",
+        plots = plots(report)?,
+        table = sweep_table(report),
+        machine = machine_section(report),
+    ))
+}
+
+/// Time and cycles against error; nothing of a single row, whose dot would say no more than the row.
+fn plots(report: &Report) -> Result<String, PageError> {
+    if report.table.len() < 2 {
+        return Ok(String::new());
+    }
+    let (wide, narrow) = (WIDE_PLOT, NARROW_PLOT);
+    Ok(format!(
+        "<section>\n<h2>Speed against error</h2>\n<p class=\"read\">Up is nearer to the reference, left is faster: the \
+         best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
+         of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
+         work, it is not the time of a chip. Point at a mark for its row.</p>\n<div class=\"plot\">\n<div class=\"wide\">{wide}</div>\n\
+         <div class=\"narrow\">{narrow}</div>\n</div>\n{cycles}</section>\n",
         repeat = plural(report.host.repeat, "run", "median of "),
         threads = plural(report.host.threads, "thread", ""),
         wide = inline_svg(&plot::svg(&report.table, wide.0, wide.1)?),
         narrow = inline_svg(&plot::svg(&report.table, narrow.0, narrow.1)?),
-        table = sweep_table(report),
         cycles = cycles_plot(report)?,
-        machine = machine_section(report),
     ))
 }
 
@@ -458,7 +495,7 @@ fn sweep_table(report: &Report) -> String {
         .enumerate()
         .map(|(column, text)| format!("<th{}>{text}</th>", class(column)))
         .collect();
-    let line = |row: &Row| {
+    let line = |(index, row): (usize, &Row)| {
         let cells: String = table::cells(row)
             .iter()
             .enumerate()
@@ -469,10 +506,10 @@ fn sweep_table(report: &Report) -> String {
         } else {
             ""
         };
-        format!("<tr{mark}>{cells}</tr>\n")
+        format!("<tr{mark} data-row=\"{index}\">{cells}</tr>\n")
     };
-    let lines: String = report.table.iter().map(line).collect();
-    format!("<table>\n<tr>{headings}</tr>\n{lines}</table>")
+    let lines: String = report.table.iter().enumerate().map(line).collect();
+    format!("<table id=\"designs\">\n<tr>{headings}</tr>\n{lines}</table>")
 }
 
 fn is_chosen(report: &Report, row: &Row) -> bool {
@@ -522,7 +559,7 @@ fn fold(title: &str, text: &str) -> String {
 }
 
 /// Text as HTML; names come from files of strangers.
-fn escape(text: &str) -> String {
+pub(crate) fn escape(text: &str) -> String {
     text.chars()
         .fold(String::with_capacity(text.len()), |mut escaped, letter| {
             match letter {

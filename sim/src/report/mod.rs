@@ -10,7 +10,9 @@ pub mod html;
 mod labels;
 pub mod plot;
 pub mod png;
+pub mod scale;
 pub mod table;
+pub(crate) mod viewer;
 
 use crate::atomic;
 use crate::metrics::{ChannelError, Errors};
@@ -111,12 +113,21 @@ pub struct CoveredFacts {
 /// is darker), warm towards 1 (fixed is brighter). See [`error_map`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ScaleFacts {
-    /// The error of full colour: the largest one; 0 for identical pictures.
+    /// The error of full colour; 0 for identical pictures.
     pub limit: f64,
     /// Where the scale turns from linear to logarithmic; 0 for identical pictures.
     pub knee: f64,
     /// `1 / limit`; null for identical pictures.
     pub magnification: Option<f64>,
+    /// Of the pixels that differ, the percentile at which the scale ends.
+    #[serde(default)]
+    pub percentile: f64,
+    /// Pixels that differ by more, drawn in full colour.
+    #[serde(default)]
+    pub outliers: usize,
+    /// The largest of them.
+    #[serde(default)]
+    pub largest: f64,
 }
 
 /// One sample of a picture.
@@ -221,8 +232,11 @@ impl From<&Errors> for ErrorFacts {
 impl From<&ErrorMap> for ScaleFacts {
     fn from(map: &ErrorMap) -> Self {
         ScaleFacts {
-            limit: map.limit,
-            knee: map.knee,
+            limit: map.scale.limit,
+            knee: map.scale.knee,
+            percentile: scale::PERCENTILE,
+            outliers: map.scale.outliers,
+            largest: map.scale.largest,
             magnification: map.magnification(),
         }
     }

@@ -6,6 +6,7 @@
 
 use super::Row;
 use super::labels::{self, Rectangle};
+use super::table;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -125,7 +126,36 @@ pub fn svg_across(
             .present()
             .map_err(|error| PlotError(error.to_string()))?;
     }
+    let end = text.rfind("</svg>").unwrap_or(text.len());
+    let frame = frame_of(f64::from(width), f64::from(height));
+    text.insert_str(end, &places(rows, across, frame));
     Ok(text)
+}
+
+/// Over every marker a circle that tells its row, for the pointer and for the page's script, which lights row and marker together.
+fn places(rows: &[Row], across: Across, frame: Rectangle) -> String {
+    let axes = Axes::new(rows, across, frame);
+    let place = |(index, row): (usize, &Row)| {
+        let (x, y) = axes.point(row);
+        format!(
+            "<circle class=\"place\" data-row=\"{index}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"11\"><title>{} by {}: {} dB, {:.1} ms</title></circle>\n",
+            row.design.replace('&', "&amp;").replace('<', "&lt;"),
+            row.traversal,
+            table::decibels(row.error.psnr_db),
+            row.host.total_s * 1e3
+        )
+    };
+    rows.iter().enumerate().map(place).collect()
+}
+
+/// Where the axes' frame lies in a picture.
+fn frame_of(width: f64, height: f64) -> Rectangle {
+    Rectangle {
+        left: 58.0,
+        top: 34.0,
+        width: width - 74.0,
+        height: height - 84.0,
+    }
 }
 
 fn draw(
@@ -135,13 +165,7 @@ fn draw(
     width: f64,
     height: f64,
 ) -> Result<(), String> {
-    let frame = Rectangle {
-        left: 58.0,
-        top: 34.0,
-        width: width - 74.0,
-        height: height - 84.0,
-    };
-    let axes = Axes::new(rows, across, frame);
+    let axes = Axes::new(rows, across, frame_of(width, height));
     draw_grid(canvas, &axes)?;
     draw_legend(canvas, rows, &axes)?;
     let designs = distinct(rows.iter().map(|row| row.design.as_str()));

@@ -1,6 +1,7 @@
 //! The report's forms: round trip, no infinity in JSON, nothing external in the page, the text table as a snapshot.
 
 use super::error_map::ErrorMap;
+use super::scale::Scale;
 use super::*;
 use crate::picture::Picture;
 use proptest::prelude::*;
@@ -132,19 +133,71 @@ fn the_markdown_table_marks_numbers_as_right_aligned() {
 fn the_page_is_one_file_without_any_address() {
     let (fixed, float) = sample::pictures(64, 48);
     let page = page(&sample::report(&fixed, &float), &fixed, &float);
+    // base64 may hold two slashes, so pictures and numbers are left out.
+    let text: String = page
+        .split("src=\"data:")
+        .map(|part| part.split_once("\">").map_or(part, |p| p.1))
+        .collect();
+    let (before, packed) = text.split_once("id=\"values\">").unwrap();
+    let text = before.to_owned() + packed.split_once("</script>").unwrap().1;
     for outside in [
-        "http:", "https:", "//", "url(", "@import", "<script", "<link", "<iframe",
+        "http:",
+        "https:",
+        "//",
+        "url(",
+        "@import",
+        "<script src",
+        "<link",
+        "<iframe",
+        "fetch(",
     ] {
-        // base64 may hold two slashes, so the pictures are left out.
-        let text: String = page
-            .split("src=\"data:")
-            .map(|part| part.split_once("\">").map_or(part, |p| p.1))
-            .collect();
         assert!(!text.contains(outside), "the page holds {outside}");
     }
+    assert!(text.contains("default-src 'none'"));
     assert_eq!(page.matches("<img").count(), 3);
     assert_eq!(page.matches("src=\"data:image/png;base64,iVBOR").count(), 3);
-    assert_eq!(page.matches("<tr").count(), 3 + 9);
+    let still = page.split("<script").next().unwrap();
+    assert_eq!(still.matches("<tr").count(), 1 + 3 + 9);
+    assert_eq!(
+        still
+            .matches("<tr class=\"chosen\" data-row=\"5\">")
+            .count(),
+        1
+    );
+    // Each row has a place on both sizes of both plots.
+    assert_eq!(
+        still
+            .matches("<circle class=\"place\" data-row=\"5\"")
+            .count(),
+        4
+    );
+}
+
+#[test]
+fn one_design_has_a_row_and_no_plot() {
+    let (fixed, float) = sample::pictures(16, 16);
+    let mut report = sample::report(&fixed, &float);
+    report.table.truncate(1);
+    let page = page(&report, &fixed, &float);
+    assert!(!page.contains("class=\"plot\"") && page.contains("All designs"));
+}
+
+#[test]
+fn the_scale_ends_at_a_percentile_and_counts_what_is_beyond() {
+    let differences: Vec<f64> = (1..=1000).map(f64::from).chain([-1e6, 0.0]).collect();
+    let scale = Scale::of(&differences, 99.9);
+    assert_eq!(
+        (scale.limit, scale.outliers, scale.largest),
+        (1000.0, 1, 1e6)
+    );
+    assert_eq!(scale.position(-1000.0), -1.0);
+    assert_eq!(
+        error_map::colour(scale.position(-1e6)),
+        error_map::colour(-1.0)
+    );
+    let whole = Scale::of(&differences, 100.0);
+    assert_eq!((whole.limit, whole.outliers), (1e6, 0));
+    assert_eq!(Scale::of(&[0.0; 3], 99.9), Scale::default());
 }
 
 #[test]
@@ -154,7 +207,7 @@ fn the_page_survives_odd_names_and_identical_pictures() {
     report.scene.name = "<script>alert('x')</script> & \"co\"".to_owned();
     report.table.clear();
     let page = page(&report, &float, &float);
-    assert!(!page.contains("<script"));
+    assert!(!page.contains("<script>alert"));
     assert!(page.contains("&lt;script&gt;"));
     assert!(page.contains("the pictures are identical"));
 }
@@ -170,7 +223,7 @@ fn the_error_map_is_signed_and_the_largest_error_fills_the_scale() {
     fixed.pixels[0] = [0.5, 0.4, 0.55, 0.0];
     fixed.pixels[2][2] = 0.52;
     let map = ErrorMap::new(&fixed, &float);
-    assert!((map.limit - 0.1).abs() < 1e-12);
+    assert!((map.scale.limit - 0.1).abs() < 1e-12);
     assert!((map.differences[0] + 0.1).abs() < 1e-12);
     assert!((map.differences[2] - 0.02).abs() < 1e-12);
     let rgb = map.to_rgb();
@@ -192,10 +245,16 @@ fn stray_pixels_do_not_hide_the_rest_and_the_scale_is_invertible() {
         pixel[0] += if index == 7 { -0.1 } else { 1e-5 };
     }
     let map = ErrorMap::new(&fixed, &float);
-    assert_eq!(map.position(map.differences[7]), -1.0);
-    assert!(map.position(1e-5) > 0.15, "{}", map.position(1e-5));
+    assert_eq!(map.scale.position(map.differences[7]), -1.0);
+    assert!(
+        map.scale.position(1e-5) > 0.15,
+        "{}",
+        map.scale.position(1e-5)
+    );
     for difference in [-0.1, -1e-7, 0.0, 1e-5, 0.03] {
-        assert!((map.difference_at(map.position(difference)) - difference).abs() < 1e-12);
+        assert!(
+            (map.scale.difference_at(map.scale.position(difference)) - difference).abs() < 1e-12
+        );
     }
 }
 

@@ -46,6 +46,9 @@ fn bad_usage_is_exit_code_2_on_stderr() {
         &["render", "a.ply", "-o", "a.png", "--eye", "1,2"],
         &["footprints", "a.ply", "-o", "a.csv", "--engine", "exact"],
         &["compare", "a.ply", "-o", "a", "--design", "unheard-of"],
+        &["page", "random:9", "-o", "a.png"],
+        &["page", "random:9", "-o", "a.html", "--traversal", "stamp"],
+        &["page", "random:9", "-o", "a.html", "--size", "4000x40"],
     ] {
         let output = splatline(arguments);
         assert_eq!(
@@ -82,7 +85,7 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 17] = [
+const PRINTING: [&[&str]; 18] = [
     &["--help"],
     &["--version"],
     &["model", "--help"],
@@ -126,6 +129,7 @@ const PRINTING: [&[&str]; 17] = [
         "-o",
         "OUT/t.vcd",
     ],
+    &["page", "random:9", "--size", "8x8", "-o", "OUT/p.html"],
     &[
         "vectors",
         "export",

@@ -12,6 +12,8 @@ pub mod compositor;
 pub mod deep;
 pub mod exact;
 pub mod float;
+// Reads an archive: scene/archive.rs.
+#[cfg(not(target_family = "wasm"))]
 pub mod golden;
 pub mod hybrid;
 pub mod jacobian;

@@ -6,6 +6,7 @@
 //! | `.nrrd`, `.nhdr` | volumes, classified by a [`transfer`] function and shaded per voxel by [`shade`] |
 //! | `demo`, `random:COUNT[:SEED]`, `deep-stack` | no file: the embedded volume and [`synthetic`] scenes |
 
+mod archive;
 mod bytes;
 mod error;
 mod gaussian;
@@ -40,7 +41,7 @@ pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
-pub(crate) use gaussian::rotation_matrix;
+pub use gaussian::rotation_matrix;
 pub(crate) use load::read_file;
 
 /// What a splat's weight means.

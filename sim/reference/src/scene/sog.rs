@@ -12,6 +12,7 @@
 //! picture may have many more pixels than there are Gaussians.
 
 use super::Scene;
+use super::archive::Archive;
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, base_from_coefficient, coefficient_count, scale_from_log,
@@ -20,10 +21,8 @@ use super::load::read_file;
 use super::quaternion::smallest_three;
 use image_webp::WebPDecoder;
 use serde::Deserialize;
-use std::cell::RefCell;
-use std::io::{Cursor, Read};
+use std::io::Cursor;
 use std::path::Path;
-use zip::ZipArchive;
 
 /// The file that names the others.
 pub(super) const META: &str = "meta.json";
@@ -41,15 +40,14 @@ const CODES: usize = 256;
 /// Where the files are.
 enum Source<'a> {
     Folder(&'a Path),
-    Bundle(RefCell<ZipArchive<Cursor<&'a [u8]>>>, u64),
+    Bundle(Archive<'a>, u64),
 }
 
 /// Loads a `.sog` bundle.
 pub(super) fn load_bundle(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
-    let archive = ZipArchive::new(Cursor::new(bytes))
-        .map_err(|error| damaged("sog bundle", &error.to_string()))?;
+    let archive = Archive::open(bytes).map_err(|error| damaged("sog bundle", &error))?;
     let size = bytes.len() as u64;
-    load(&Source::Bundle(RefCell::new(archive), size), name)
+    load(&Source::Bundle(archive, size), name)
 }
 
 /// Loads a folder with its `meta.json`.
@@ -79,18 +77,9 @@ impl Source<'_> {
         let bytes = match self {
             Source::Folder(folder) => read_file(&folder.join(file))
                 .map_err(|problem| damaged(file, &problem.to_string()))?,
-            Source::Bundle(archive, _) => {
-                let mut archive = archive.borrow_mut();
-                let entry = archive
-                    .by_name(file)
-                    .map_err(|error| damaged(file, &error.to_string()))?;
-                let mut bytes = Vec::new();
-                entry
-                    .take(limit + 1)
-                    .read_to_end(&mut bytes)
-                    .map_err(|error| damaged(file, &error.to_string()))?;
-                bytes
-            }
+            Source::Bundle(archive, _) => archive
+                .read(file, limit)
+                .map_err(|error| damaged(file, &error))?,
         };
         if bytes.len() as u64 > limit {
             return Err(Problem::malformed(

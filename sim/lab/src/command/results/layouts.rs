@@ -7,7 +7,7 @@ use splatline_sim::cli::write;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::folder::Appender;
 use splatline_sim::explore::front::{Candidate, candidates};
-use splatline_sim::explore::plot;
+use splatline_sim::explore::plot::{self, Sweep};
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard};
 use splatline_sim::explore::table::{Table, heading};
@@ -49,7 +49,13 @@ pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
             .to_lowercase();
         write(
             &folder.join(format!("layouts-{name}.html")),
-            plot::page(&format!("Lane layouts: {}", subject.name), &note, &all).as_bytes(),
+            plot::page(&Sweep {
+                title: &format!("Lane layouts: {}", subject.name),
+                note: &note,
+                table: &table,
+                candidates: &all,
+            })
+            .as_bytes(),
         )?;
         // Writing to a String cannot fail.
         let _ = writeln!(

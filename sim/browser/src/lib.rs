@@ -1,0 +1,282 @@
+//! Chromium without a window, over its debugging protocol.
+//!
+//! The protocol is spoken over two pipes (`--remote-debugging-pipe`: messages in JSON, each ended by a zero byte), which takes no port, no
+//! WebSocket and no library. The browser expects them as descriptors 3 and 4; a shell puts them there.
+
+use anyhow::{Context, Result, anyhow, bail};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// How long an answer may take. A page of a large scene needs seconds for its first picture where others are at work as well.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// Puts the pipes where the browser expects them.
+const PIPES: &str = "exec \"$0\" \"$@\" 3<&0 4>&1 0</dev/null 1>/dev/null 2>/dev/null";
+
+/// A running browser with one page.
+pub struct Browser {
+    child: Child,
+    to: ChildStdin,
+    from: Receiver<Value>,
+    next: u64,
+    session: Option<String>,
+    /// Messages of the page that no page should give: exceptions, errors on the console, refused or attempted loads.
+    pub complaints: Vec<String>,
+}
+
+impl Browser {
+    /// Starts `chromium` with its profile in `folder`.
+    pub fn start(folder: &Path) -> Result<Browser> {
+        let profile = format!("--user-data-dir={}", folder.display());
+        let options = [
+            "--headless",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--hide-scrollbars",
+            "--no-first-run",
+            "--disable-extensions",
+            "--remote-debugging-pipe",
+        ];
+        let mut child = Command::new("sh")
+            .args(["-c", PIPES, "chromium"])
+            .args(options)
+            .arg(profile)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .context("cannot start a shell for chromium")?;
+        let to = child.stdin.take().context("no pipe to chromium")?;
+        let out = child.stdout.take().context("no pipe from chromium")?;
+        let (sender, from) = channel();
+        std::thread::spawn(move || {
+            for message in BufReader::new(out).split(0).map_while(Result::ok) {
+                let parsed = serde_json::from_slice(&message).unwrap_or(Value::Null);
+                if sender.send(parsed).is_err() {
+                    break;
+                }
+            }
+        });
+        let mut browser = Browser {
+            child,
+            to,
+            from,
+            next: 0,
+            session: None,
+            complaints: Vec::new(),
+        };
+        browser.attach()?;
+        Ok(browser)
+    }
+
+    fn attach(&mut self) -> Result<()> {
+        let made = self.call("Target.createTarget", json!({"url": "about:blank"}))?;
+        let target = json!({"targetId": made["targetId"], "flatten": true});
+        let attached = self.call("Target.attachToTarget", target)?;
+        self.session = attached["sessionId"].as_str().map(str::to_owned);
+        for domain in ["Page", "Runtime", "Log", "Network"] {
+            self.call(&format!("{domain}.enable"), json!({}))?;
+        }
+        Ok(())
+    }
+
+    /// One command of the protocol and its result.
+    pub fn call(&mut self, method: &str, parameters: Value) -> Result<Value> {
+        self.next += 1;
+        let id = self.next;
+        let mut message = json!({"id": id, "method": method, "params": parameters});
+        if let Some(session) = &self.session {
+            message["sessionId"] = json!(session);
+        }
+        let mut bytes = message.to_string().into_bytes();
+        bytes.push(0);
+        self.to
+            .write_all(&bytes)
+            .with_context(|| format!("chromium does not take {method}: is it running?"))?;
+        let until = Instant::now() + PATIENCE;
+        loop {
+            let left = until.saturating_duration_since(Instant::now());
+            let answer = self
+                .from
+                .recv_timeout(left)
+                .with_context(|| format!("chromium gives no answer to {method}"))?;
+            if answer["id"] == json!(id) {
+                return match answer.get("error") {
+                    Some(error) => Err(anyhow!("{method}: {error}")),
+                    None => Ok(answer["result"].clone()),
+                };
+            }
+            self.note(&answer);
+        }
+    }
+
+    /// Keeps what an event complains of.
+    fn note(&mut self, event: &Value) {
+        let of = &event["params"];
+        let complaint = match event["method"].as_str().unwrap_or_default() {
+            "Runtime.exceptionThrown" => Some(of["exceptionDetails"].to_string()),
+            "Runtime.consoleAPICalled" if of["type"] == "error" => Some(of["args"].to_string()),
+            "Log.entryAdded" if of["entry"]["level"] == "error" => Some(of["entry"].to_string()),
+            "Network.requestWillBeSent" => {
+                let address = of["request"]["url"].as_str().unwrap_or_default();
+                let local = ["file:", "data:", "blob:", "about:"];
+                let is_local = local.iter().any(|scheme| address.starts_with(scheme));
+                (!is_local).then(|| format!("asks for {address}"))
+            }
+            _ => None,
+        };
+        self.complaints.extend(complaint);
+    }
+
+    /// A screen of this size in CSS pixels, in light or dark.
+    pub fn screen(&mut self, width: u32, height: u32, dark: bool) -> Result<()> {
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 700}),
+        )?;
+        let scheme = if dark { "dark" } else { "light" };
+        let features = json!([{"name": "prefers-color-scheme", "value": scheme}]);
+        self.call("Emulation.setEmulatedMedia", json!({"features": features}))?;
+        Ok(())
+    }
+
+    /// Opens a file and waits until `ready`, an expression, holds.
+    pub fn open(&mut self, file: &Path, ready: &str) -> Result<()> {
+        let file = file.canonicalize()?;
+        self.call(
+            "Page.navigate",
+            json!({"url": format!("file://{}", file.display())}),
+        )?;
+        self.wait(ready)
+    }
+
+    /// Waits until an expression holds.
+    pub fn wait(&mut self, condition: &str) -> Result<()> {
+        let until = Instant::now() + PATIENCE;
+        while Instant::now() < until {
+            let expression = format!("!!({condition})");
+            if self
+                .evaluate(&expression)
+                .is_ok_and(|value| value == json!(true))
+            {
+                return Ok(());
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        bail!("{condition} does not come true; {:?}", self.complaints)
+    }
+
+    /// The value of an expression, or of the promise that it gives.
+    pub fn evaluate(&mut self, expression: &str) -> Result<Value> {
+        let asked = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        let answer = self.call("Runtime.evaluate", asked)?;
+        match answer.get("exceptionDetails") {
+            Some(details) => bail!("{expression}: {details}"),
+            None => Ok(answer["result"]["value"].clone()),
+        }
+    }
+
+    /// The same as a number.
+    pub fn number(&mut self, expression: &str) -> Result<f64> {
+        let value = self.evaluate(expression)?;
+        value
+            .as_f64()
+            .with_context(|| format!("{expression} is {value} and no number"))
+    }
+
+    /// The same as text.
+    pub fn text(&mut self, expression: &str) -> Result<String> {
+        let value = self.evaluate(expression)?;
+        let text = value.as_str().map(str::to_owned);
+        text.with_context(|| format!("{expression} is {value} and no text"))
+    }
+
+    /// The mouse at a place in CSS pixels; `kind` is mouseMoved, mousePressed or mouseReleased.
+    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], pressed: bool) -> Result<()> {
+        let (button, buttons) = if pressed { ("left", 1) } else { ("none", 0) };
+        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1});
+        self.call("Input.dispatchMouseEvent", event)?;
+        Ok(())
+    }
+
+    /// Places of the mouse one after the other with the button held.
+    pub fn drag(&mut self, places: &[[f64; 2]]) -> Result<()> {
+        let (Some(first), Some(last)) = (places.first(), places.last()) else {
+            return Ok(());
+        };
+        self.mouse("mouseMoved", *first, false)?;
+        self.mouse("mousePressed", *first, true)?;
+        for place in places {
+            self.mouse("mouseMoved", *place, true)?;
+        }
+        self.mouse("mouseReleased", *last, true)
+    }
+
+    /// The middle of the first element that a selector finds, after scrolling to it.
+    pub fn middle(&mut self, selector: &str) -> Result<[f64; 2]> {
+        let found = self.evaluate(&format!(
+            "(() => {{ const e = document.querySelector({selector:?}); e.scrollIntoView({{block: 'center'}}); \
+             const b = e.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; }})()"
+        ))?;
+        let at = |i: usize| found[i].as_f64().context("no place");
+        Ok([at(0)?, at(1)?])
+    }
+
+    /// Seconds of processor time that the browser and all its processes have used so far (Linux).
+    pub fn processor_seconds(&self) -> Result<f64> {
+        let mut all = Vec::new();
+        for entry in std::fs::read_dir("/proc")?.flatten() {
+            let Ok(text) = std::fs::read_to_string(entry.path().join("stat")) else {
+                continue;
+            };
+            // A name may hold spaces; it ends at the last parenthesis.
+            let fields = text.rsplit_once(')').map_or("", |parts| parts.1);
+            let fields: Vec<u64> = fields
+                .split_whitespace()
+                .map(|field| field.parse().unwrap_or(0))
+                .collect();
+            let name = entry.file_name();
+            let process: Option<u64> = name.to_str().and_then(|name| name.parse().ok());
+            if let (Some(process), [_, parent, ..]) = (process, &fields[..])
+                && fields.len() > 12
+            {
+                all.push((process, *parent, fields[11] + fields[12]));
+            }
+        }
+        let mut own = vec![u64::from(self.child.id())];
+        let mut ticks = 0;
+        while let Some(process) = own.pop() {
+            ticks += all
+                .iter()
+                .filter(|p| p.0 == process)
+                .map(|p| p.2)
+                .sum::<u64>();
+            own.extend(all.iter().filter(|p| p.1 == process).map(|p| p.0));
+        }
+        // A tick is a hundredth of a second on every Linux.
+        Ok(ticks as f64 / 100.0)
+    }
+
+    /// The whole page as PNG.
+    pub fn screenshot(&mut self, file: &Path) -> Result<()> {
+        let asked = json!({"format": "png", "captureBeyondViewport": true});
+        let taken = self.call("Page.captureScreenshot", asked)?;
+        let data = taken["data"].as_str().context("no screenshot")?;
+        std::fs::write(file, STANDARD.decode(data)?)?;
+        Ok(())
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // The shell has become the browser: this ends it, and its other processes end with their pipe.
+        let _ = self.call("Browser.close", json!({}));
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}

@@ -1,0 +1,321 @@
+//! Both engines' pictures of a view.
+//!
+//! The kernel paints tiles as the host does: the same tiles, the same order, and the same checks whether a tile has finished. A pixel's value
+//! does not depend on them under `spans`, but the counts of visited pixels do, and under `box` the corner that differencing starts from.
+
+use crate::bytes;
+use crate::camera::Camera;
+use crate::quantise::{QuantisedScene, view};
+use crate::rules::{Compositing, Rules};
+use crate::scene::Scene;
+use splatline::blend::Pixel;
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::Footprint;
+use splatline::format::{Custom, Design, Lean18, Standard24, Traversal, Widths};
+use splatline::kernel::{FootprintTable, entries, fill};
+use splatline::raster::Window;
+use splatline::setup::{Cull, setup};
+use splatline::target::Target;
+use splatline_reference::engines::float;
+use splatline_reference::picture::Picture;
+
+/// Columns and rows of the host's tiles.
+const TILE: usize = 64;
+/// Footprints that the host paints between two checks whether a tile has finished.
+const CHECK_INTERVAL: usize = 64;
+
+/// A scene, and its splats in the kernel's formats.
+pub struct Loaded {
+    scene: Scene,
+    rules: Rules,
+    quantised: Option<QuantisedScene>,
+}
+
+impl Loaded {
+    pub fn new(scene: Scene, rules: Rules) -> Loaded {
+        Loaded {
+            scene,
+            rules,
+            quantised: None,
+        }
+    }
+
+    pub fn splats(&self) -> usize {
+        self.scene.splats.len()
+    }
+
+    /// A splat's centre, scene units.
+    pub fn centre(&self, splat: u32) -> [f64; 3] {
+        self.scene
+            .splats
+            .get(splat as usize)
+            .map_or([f64::NAN; 3], |splat| splat.centre)
+    }
+
+    /// The splats, quantised once; again for every camera if their colours depend on it.
+    fn quantised(&mut self, camera: &Camera) -> &QuantisedScene {
+        let again = self.scene.harmonics.is_some() || self.quantised.is_none();
+        let mut quantised = match self.quantised.take() {
+            Some(kept) if !again => kept,
+            _ => QuantisedScene::new(&self.scene, camera, &self.rules),
+        };
+        quantised.view = view(camera, quantised.scale_log2);
+        self.quantised.insert(quantised)
+    }
+}
+
+/// A picture through the kernel.
+pub struct Fixed {
+    pub picture: Picture,
+    pub rgba: Vec<u8>,
+    pub coverage: Coverage,
+    pub culled: usize,
+    pub checksum: u64,
+    pub design: Custom,
+    pub footprints: Vec<Result<Footprint, Cull>>,
+    /// Per tile the drawn splats in their order.
+    pub lists: Vec<Vec<u32>>,
+    pub rules: splatline::rules::Rules,
+    pub traversal: Traversal,
+}
+
+impl Fixed {
+    pub fn draw(
+        loaded: &mut Loaded,
+        camera: &Camera,
+        design: Custom,
+        traversal: Traversal,
+    ) -> Fixed {
+        let stated = loaded.rules;
+        let quantised = loaded.quantised(camera);
+        let rules = quantised.rules(&stated);
+        let view = Scaled {
+            quantised,
+            rules: &rules,
+            camera,
+            traversal,
+        };
+        // The widths of a named design as constants: the same bits in less time.
+        let drawn = match design.widths() {
+            widths if widths == Lean18::WIDTHS => view.draw(Lean18),
+            widths if widths == Standard24::WIDTHS => view.draw(Standard24),
+            _ => view.draw(design),
+        };
+        let Drawn {
+            footprints,
+            lists,
+            pixels,
+            coverage,
+        } = drawn;
+        let picture = picture_of(&pixels, camera, &design.widths(), quantised.colour_log2);
+        Fixed {
+            rgba: rgba(&picture),
+            checksum: bytes::checksum(
+                pixels
+                    .iter()
+                    .flat_map(|p| p.colour.into_iter().chain([p.transmittance])),
+            ),
+            picture,
+            coverage,
+            culled: footprints.iter().filter(|f| f.is_err()).count(),
+            design,
+            footprints,
+            lists,
+            rules,
+            traversal,
+        }
+    }
+}
+
+/// What is drawn, whatever the widths.
+struct Scaled<'a> {
+    quantised: &'a QuantisedScene,
+    rules: &'a splatline::rules::Rules,
+    camera: &'a Camera,
+    traversal: Traversal,
+}
+
+/// What setup and raster made of it.
+struct Drawn {
+    footprints: Vec<Result<Footprint, Cull>>,
+    lists: Vec<Vec<u32>>,
+    pixels: Vec<Pixel>,
+    coverage: Coverage,
+}
+
+impl Scaled<'_> {
+    fn draw<D: Design>(&self, design: D) -> Drawn {
+        let (rules, camera) = (self.rules, self.camera);
+        let footprints: Vec<_> = self
+            .quantised
+            .splats
+            .iter()
+            .map(|splat| setup(design, &self.quantised.view, rules, splat))
+            .collect();
+        let tiles = Tiles::new(camera);
+        let lists = tiles.lists(&footprints);
+        let widths = design.widths();
+        let memory = table(&widths, rules);
+        let painter = painter(design, rules, &memory, self.traversal);
+        let mut pixels = vec![Pixel::clear(&widths); camera.width * camera.height];
+        let mut coverage = Coverage::default();
+        for (tile, list) in lists.iter().enumerate() {
+            let window = tiles.window(tile);
+            let start = usize::from(window.first[1]) * camera.width + usize::from(window.first[0]);
+            let Ok(mut target) = Target::new(&mut pixels[start..], window, camera.width) else {
+                continue;
+            };
+            coverage += paint(&painter, &footprints, list, &mut target);
+        }
+        Drawn {
+            footprints,
+            lists,
+            pixels,
+            coverage,
+        }
+    }
+}
+
+/// A picture in double precision.
+pub struct Float {
+    pub picture: Picture,
+    pub rgba: Vec<u8>,
+}
+
+impl Float {
+    pub fn draw(loaded: &Loaded, camera: &Camera) -> Float {
+        let Loaded { scene, rules, .. } = loaded;
+        let picture = float::draw(scene, camera, rules, Compositing::FrontToBack).picture;
+        Float {
+            rgba: rgba(&picture),
+            picture,
+        }
+    }
+}
+
+/// The footprint table's entries.
+pub fn table(widths: &Widths, rules: &splatline::rules::Rules) -> Vec<u32> {
+    let mut memory = vec![0; entries(widths)];
+    fill(&mut memory, widths, rules.table_range, rules.kernel);
+    memory
+}
+
+/// The painter over them.
+pub fn painter<'a, D: Design>(
+    design: D,
+    rules: &splatline::rules::Rules,
+    memory: &'a [u32],
+    traversal: Traversal,
+) -> Painter<'a, D> {
+    let Ok(table) = FootprintTable::new(memory, &design.widths(), rules.table_range) else {
+        unreachable!("the entries have been made for these widths")
+    };
+    let order = splatline::rules::Compositing::FrontToBack;
+    Painter::new(design, rules, table, order, traversal)
+}
+
+fn paint<D: Design>(
+    painter: &Painter<D>,
+    footprints: &[Result<Footprint, Cull>],
+    list: &[u32],
+    target: &mut Target,
+) -> Coverage {
+    let mut coverage = Coverage::default();
+    for part in list.chunks(CHECK_INTERVAL) {
+        for footprint in part
+            .iter()
+            .filter_map(|i| footprints[*i as usize].as_ref().ok())
+        {
+            coverage += painter.draw(footprint, target);
+        }
+        if target.is_finished() {
+            break;
+        }
+    }
+    coverage
+}
+
+/// The screen in tiles, row by row.
+pub struct Tiles {
+    viewport: [usize; 2],
+    columns: usize,
+}
+
+impl Tiles {
+    pub fn new(camera: &Camera) -> Tiles {
+        Tiles::of([camera.width, camera.height])
+    }
+
+    pub fn of(viewport: [usize; 2]) -> Tiles {
+        Tiles {
+            viewport,
+            columns: viewport[0].div_ceil(TILE),
+        }
+    }
+
+    /// The tile that holds a pixel.
+    pub fn at(&self, x: usize, y: usize) -> usize {
+        y / TILE * self.columns + x / TILE
+    }
+
+    fn window(&self, tile: usize) -> Window {
+        let first = [tile % self.columns * TILE, tile / self.columns * TILE];
+        let last = [0, 1].map(|axis| (first[axis] + TILE).min(self.viewport[axis]) as u16);
+        Window {
+            first: first.map(|pixel| pixel as u16),
+            last,
+        }
+    }
+
+    /// For every tile the splats whose box touches it, nearest first, ties by index.
+    fn lists(&self, footprints: &[Result<Footprint, Cull>]) -> Vec<Vec<u32>> {
+        let mut order: Vec<(u64, u32)> = footprints
+            .iter()
+            .zip(0..)
+            .filter_map(|(footprint, index)| Some((footprint.as_ref().ok()?.depth, index)))
+            .collect();
+        order.sort_unstable();
+        let mut lists = vec![Vec::new(); self.columns * self.viewport[1].div_ceil(TILE)];
+        for (_, index) in order {
+            let Ok(footprint) = &footprints[index as usize] else {
+                continue;
+            };
+            let Footprint { first, last, .. } = footprint;
+            if first[0] >= last[0] || first[1] >= last[1] {
+                continue;
+            }
+            let [left, top] = first.map(|pixel| usize::from(pixel) / TILE);
+            let [right, bottom] = last.map(|pixel| usize::from(pixel - 1) / TILE);
+            for y in top..=bottom {
+                for x in left..=right {
+                    lists[y * self.columns + x].push(index);
+                }
+            }
+        }
+        lists
+    }
+}
+
+fn picture_of(pixels: &[Pixel], camera: &Camera, widths: &Widths, colour_log2: i32) -> Picture {
+    let colour = f64::from(colour_log2 - i32::from(widths.accumulator)).exp2();
+    let share = f64::from(-i32::from(widths.transmittance)).exp2();
+    let value = |pixel: &Pixel| {
+        let [r, g, b] = pixel.colour.map(|c| f64::from(c) * colour);
+        [r, g, b, 1.0 - f64::from(pixel.clear_share()) * share]
+    };
+    Picture {
+        width: camera.width,
+        height: camera.height,
+        pixels: pixels.iter().map(value).collect(),
+    }
+}
+
+/// The picture on black, as a canvas takes it.
+fn rgba(picture: &Picture) -> Vec<u8> {
+    let byte = |value: f64| (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let mut bytes = vec![255; picture.pixels.len() * 4];
+    for (out, [r, g, b, _]) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(&picture.pixels) {
+        *out = [byte(*r), byte(*g), byte(*b), 255];
+    }
+    bytes
+}

@@ -1,0 +1,108 @@
+//! `splatline page`: the live page of a scene.
+
+use super::args::{DesignName, TraversalChoice, Vector, ViewOptions};
+use super::output;
+use super::setup::View;
+use super::sweep::Entry;
+use super::{Failure, say, warn};
+use crate::camera::Camera;
+use crate::design::DesignChoice;
+use crate::framing::Frame;
+use crate::page::{Shown, html};
+use crate::scene::Scene;
+use clap::Args;
+use splatline::format::Traversal;
+use std::path::{Path, PathBuf};
+
+pub const EXAMPLES: &str = "\
+Examples:
+  splatline page guitar.ply -o page.html
+  splatline page aneurism.nhdr --design lean18 --size 384x384 -o page.html
+  splatline page scene.sog --camera cameras.json --image 00012 -o page.html
+
+The file opens from disk in any browser of today and asks no network for anything.";
+
+/// Largest side of a page's picture: all of it is drawn anew for every change.
+const LARGEST_SIDE: usize = 2048;
+
+/// Which scene, how it is seen first, and where the page goes.
+#[derive(Debug, Args)]
+pub struct PageOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    /// First widths: classic8, lean18, standard24, deep32 or a TOML file
+    #[arg(
+        long,
+        value_name = "NAME|file.toml",
+        help_heading = "Drawing",
+        default_value = "standard24"
+    )]
+    pub design: DesignName,
+    /// First traversal: box or spans [default: the design's own]
+    #[arg(long, value_enum, help_heading = "Drawing")]
+    pub traversal: Option<TraversalChoice>,
+    /// Page to write; - is stdout
+    #[arg(short, long, value_name = "page.html", help_heading = "Output")]
+    pub output: PathBuf,
+}
+
+pub fn run(options: &PageOptions) -> Result<(), Failure> {
+    let mut inputs = options.view.inputs();
+    inputs.extend(output::design_file(&options.design));
+    output::check(&options.output, &["html", "htm"], &inputs)?;
+    if options.traversal == Some(TraversalChoice::Stamp) {
+        let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let design = DesignChoice::load(&options.design.0)?;
+    let traversal = options.traversal.map_or(design.traversal, Traversal::from);
+    let view = View::from_options(&options.view)?;
+    if view.camera.width.max(view.camera.height) > LARGEST_SIDE {
+        let message = format!(
+            "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
+        );
+        return Err(Failure::Usage(message));
+    }
+    warn(&view.warnings);
+    let up = options.view.up.map(|Vector(up)| up);
+    let bytes = write_page(&view, &Entry { design, traversal }, up, &options.output)?;
+    say(&format!(
+        "{}: {} splats, {:.1} MB\n{}\n",
+        view.scene.name,
+        view.scene.splats.len(),
+        bytes as f64 / 1e6,
+        options.output.display()
+    ))
+}
+
+/// Writes the page of a view; how many bytes it has.
+pub fn write_page(
+    view: &View,
+    first: &Entry,
+    up: Option<[f64; 3]>,
+    path: &Path,
+) -> Result<usize, Failure> {
+    let frame = Frame::of_scene(&view.scene, up);
+    let page = html(&Shown {
+        scene: &view.scene,
+        camera: &view.camera,
+        rules: &view.rules,
+        design: &first.design,
+        traversal: first.traversal,
+        target: pivot(&view.camera, &frame, &view.scene),
+        up: frame.up,
+    })?;
+    output::write(path, page.as_bytes())?;
+    Ok(page.len())
+}
+
+/// What the camera turns around: the point in the middle of the picture that is as far away as the middle of the scene.
+fn pivot(camera: &Camera, frame: &Frame, scene: &Scene) -> [f64; 3] {
+    let depth = camera.to_camera(frame.ball.centre)[2];
+    let depth = match depth > camera.near && !scene.splats.is_empty() {
+        true => depth,
+        false => frame.ball.radius,
+    };
+    let (eye, forward) = (camera.eye(), camera.rotation[2]);
+    [0, 1, 2].map(|axis| eye[axis] + depth * forward[axis])
+}

@@ -1,0 +1,140 @@
+//! What the report's script works on: the numbers behind the pictures' pixels, the colours of the error scale, and the controls around them.
+//!
+//! A picture of eight bits shows no error of 1e-7. For every pixel and channel the page holds the kernel's value in 16 bits and the error as the
+//! upper half of a single-precision number, which keeps two digits of it at any size. Each half is a plane of bytes, which packs well.
+
+use super::error_map::{ErrorMap, colour};
+use super::html::PageError;
+use super::scale::PERCENTILE;
+use crate::metrics::stored;
+use crate::picture::Picture;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use serde_json::json;
+use std::io::Write;
+
+/// Pictures of more pixels are shown without their numbers, which would make a file of tens of megabytes.
+pub const MOST_PIXELS: usize = 1 << 21;
+
+/// Percentiles at which a reader may end the error's scale.
+const PERCENTILES: [f64; 8] = [50.0, 75.0, 90.0, 95.0, 99.0, 99.9, 99.99, 100.0];
+
+/// Shades of the error scale that the script chooses from.
+const SHADES: usize = 257;
+
+/// The page's data and script; `engine` drew `fixed`, `reference` drew `float`.
+pub fn script(
+    fixed: &Picture,
+    float: &Picture,
+    engine: &str,
+    reference: &str,
+) -> Result<String, PageError> {
+    let shade = |index: usize| colour(2.0 * index as f64 / (SHADES - 1) as f64 - 1.0);
+    let settings = json!({
+        "width": fixed.width,
+        "height": fixed.height,
+        "engine": engine,
+        "reference": reference,
+        "percentile": PERCENTILE,
+        "percentiles": PERCENTILES,
+        "colours": (0..SHADES).map(shade).collect::<Vec<_>>(),
+        "most": MOST_PIXELS,
+    });
+    let values = match fixed.pixels.len() <= MOST_PIXELS {
+        true => format!(
+            "<script type=\"text/plain\" id=\"values\">{}</script>\n",
+            packed(&planes(fixed, float))?
+        ),
+        false => String::new(),
+    };
+    Ok(format!(
+        "<script type=\"application/json\" id=\"settings\">{}</script>\n{values}<script>\n{}</script>\n",
+        settings.to_string().replace('<', "\\u003c"),
+        include_str!("report.js")
+    ))
+}
+
+/// Per channel four planes: the kernel's value (low byte, high byte) and the error (third byte of a single, highest byte).
+fn planes(fixed: &Picture, float: &Picture) -> Vec<u8> {
+    let pairs = || fixed.pixels.iter().zip(&float.pixels);
+    let mut bytes = Vec::with_capacity(fixed.pixels.len() * 16);
+    for channel in 0..4 {
+        let value = |pixel: &[f64; 4]| (stored(pixel[channel]) * 65535.0).round() as u16;
+        let error =
+            |a: &[f64; 4], b: &[f64; 4]| upper_half(stored(a[channel]) - stored(b[channel]));
+        for part in 0..2 {
+            bytes.extend(pairs().map(|(a, _)| value(a).to_le_bytes()[part]));
+        }
+        for part in 0..2 {
+            bytes.extend(pairs().map(|(a, b)| error(a, b).to_le_bytes()[part]));
+        }
+    }
+    bytes
+}
+
+/// The upper 16 bits of a number in single precision, rounded to nearest.
+fn upper_half(value: f64) -> u16 {
+    let bits = (value as f32).to_bits();
+    (bits.saturating_add(0x8000) >> 16) as u16
+}
+
+/// Bytes compressed and as text.
+pub fn packed(bytes: &[u8]) -> std::io::Result<String> {
+    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+    packer.write_all(bytes)?;
+    Ok(STANDARD.encode(packer.finish()?))
+}
+
+/// The buttons over the pictures, hidden until the script is there.
+pub fn controls() -> String {
+    let layers = |chosen: &str| -> String {
+        ["fixed", "float", "error"]
+            .iter()
+            .map(|name| {
+                let mark = if *name == chosen { " selected" } else { "" };
+                format!("<option{mark}>{name}</option>")
+            })
+            .collect()
+    };
+    format!(
+        "<div class=\"choice scripted\" id=\"modes\" hidden>\n<button data-mode=\"side\">side by side</button>\
+         <button data-mode=\"slider\">slider</button><button data-mode=\"flicker\">flicker</button>\
+         <label>of <select id=\"left\">{}</select></label><label>and <select id=\"right\">{}</select></label>\
+         <button id=\"nearer\" aria-label=\"zoom in\">+</button><button id=\"farther\" aria-label=\"zoom out\">−</button><span id=\"zoomed\"></span></div>\n\
+         <div id=\"stack\" hidden><p class=\"facts\" id=\"shown\"></p><div class=\"view\" id=\"over\" tabindex=\"0\"><b></b><i hidden></i></div>\
+         <input type=\"range\" id=\"divide\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"where one picture ends and the other begins\"></div>\n",
+        layers("fixed"),
+        layers("float"),
+    )
+}
+
+/// What stands under the pictures: the pixel under the pointer, the percentile, the histogram.
+pub fn readings(map: &ErrorMap) -> String {
+    if map.differences.is_empty() {
+        return String::new();
+    }
+    format!(
+        "<div class=\"readings scripted\" data-needs=\"values\" hidden>\n<div><h3>Under the pointer</h3><div class=\"scroll\"><table class=\"short pixel\" id=\"pixel\">\
+         <tr><th>Point at a picture; drag moves, a click and then the wheel zoom, two clicks bring back the whole.</th></tr></table></div></div>\n\
+         <div><h3>Signed error</h3><svg class=\"histogram\" id=\"histogram\" viewBox=\"0 0 1000 100\" preserveAspectRatio=\"none\" role=\"img\" aria-label=\"histogram of the signed error\"></svg>\n\
+         <div class=\"ticks\" id=\"ticks\"></div><label class=\"percentile\">scale ends at <input type=\"range\" id=\"percentile\" min=\"0\" max=\"{}\" aria-label=\"percentile at which the scale ends\"><output id=\"percent\"></output></label>\n\
+         <p class=\"facts\" id=\"outliers\"></p></div>\n</div>\n",
+        PERCENTILES.len() - 1
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_keeps_two_digits_at_any_size() {
+        for error in [1e-9, -3.7e-7, 0.42, -1.0, 5.5e-30] {
+            let back = f64::from(f32::from_bits(u32::from(upper_half(error)) << 16));
+            assert!((back / error - 1.0).abs() < 0.004, "{error}: {back}");
+        }
+        assert_eq!(upper_half(0.0), 0);
+    }
+}
