@@ -21,6 +21,8 @@ pub mod fast;
 pub mod fixed;
 pub mod machine;
 pub mod memory;
+pub mod plan;
+pub mod progress;
 pub mod report;
 pub mod stability;
 pub mod systems;

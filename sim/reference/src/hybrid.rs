@@ -2,9 +2,11 @@
 
 use crate::rules::Rules;
 use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
 
 /// Which samples are drawn as points, by the picture's one circular footprint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Points {
     /// Those closer together than pixels (beyond the distance k).
     #[default]
@@ -16,7 +18,7 @@ pub enum Points {
 }
 
 /// How points are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Hybrid {
     /// Which samples are points.
     pub points: Points,

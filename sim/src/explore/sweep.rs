@@ -146,8 +146,8 @@ fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Design
                 toml::Value::Integer(value.as_i64().unwrap_or(0)),
             );
         }
-        table.insert("rounding".to_owned(), resolved.rounding.into());
-        table.insert("traversal".to_owned(), resolved.traversal.into());
+        table.insert("rounding".to_owned(), resolved.rounding.as_ref().into());
+        table.insert("traversal".to_owned(), resolved.traversal.as_ref().into());
     }
     for (key, value) in settings {
         table.insert(key.to_owned(), value.clone());

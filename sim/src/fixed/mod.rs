@@ -16,7 +16,7 @@ pub mod surface;
 pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
-    Drawing, Engine, Options, Times, conics, draw, draw_quantised, draw_with_footprints,
+    Drawing, Engine, Options, Times, conics, culls, draw, draw_quantised, draw_with_footprints,
     footprints, variances,
 };
 pub(crate) use render::{table, table_entries};

@@ -247,23 +247,28 @@ fn draw_with<D: Design + Send + Sync>(
         sort: sorted_at - set_up_at,
         raster: started.elapsed().as_secs_f64() - sorted_at,
     };
-    let mut culled = [0; Cull::ALL.len()];
-    for reason in results.iter().filter_map(|result| result.err()) {
-        culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1;
-    }
     let picture = to_picture(&pixels, camera, &design.widths(), quantised.colour_log2);
     let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
     let drawing = Drawing {
         picture,
         pixels,
         splats,
-        culled,
+        culled: culls(&results),
         clamped,
         colour_log2: quantised.colour_log2,
         coverage,
         times,
     };
     (drawing, results)
+}
+
+/// How many results were culled, by reason, in the order of [`Cull::ALL`].
+pub fn culls<T>(results: &[Result<T, Cull>]) -> [usize; Cull::ALL.len()] {
+    let mut culled = [0; Cull::ALL.len()];
+    for reason in results.iter().filter_map(|result| result.as_ref().err()) {
+        culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1;
+    }
+    culled
 }
 
 /// What stands for a splat when splats are ordered.
