@@ -118,6 +118,24 @@ impl Rules {
     }
 }
 
+impl Compositing {
+    /// All of them.
+    pub const ALL: [Compositing; 3] = [
+        Compositing::FrontToBack,
+        Compositing::BackToFront,
+        Compositing::XRay,
+    ];
+
+    /// Name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Compositing::FrontToBack => "front-to-back",
+            Compositing::BackToFront => "back-to-front",
+            Compositing::XRay => "x-ray",
+        }
+    }
+}
+
 impl FromStr for Rules {
     type Err = String;
 

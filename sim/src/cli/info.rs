@@ -3,6 +3,7 @@
 use super::output;
 use super::say::{Failure, say};
 use crate::framing::{Ball, Frame, direction};
+use crate::metrics::median;
 use crate::plan::load::{AnyScene, recognise};
 use crate::report::facts::Counts;
 use crate::scene::points::SurfaceScene;
@@ -248,13 +249,9 @@ impl Info {
 impl Range {
     fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<Range> {
         let mut values: Vec<f64> = values.collect();
-        let middle = values.len() / 2;
-        if values.is_empty() {
-            return None;
-        }
+        let median = median(&mut values)?;
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
         Some(Range {
             of,
             least,

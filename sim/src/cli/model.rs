@@ -12,6 +12,7 @@ use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
 use crate::machine::{Config, simulate, summary};
+use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
 use anyhow::anyhow;
@@ -152,8 +153,7 @@ fn timed(workload: &Workload, work: &LaneWork, config: &Config, repeat: u32) -> 
         let timing = simulate(workload, work, config);
         seconds.push(started.elapsed().as_secs_f64());
         if seconds.len() >= repeat as usize {
-            seconds.sort_by(f64::total_cmp);
-            return (timing, seconds[seconds.len() / 2]);
+            return (timing, median(&mut seconds).unwrap_or(0.0));
         }
     }
 }

@@ -209,14 +209,9 @@ impl Search<'_> {
         let error = compare(&picture, task.reference)
             .context("the pictures cannot be compared")?
             .colour;
-        let rms = if error.psnr_db.is_finite() {
-            10f64.powf(-error.psnr_db / 20.0)
-        } else {
-            0.0
-        };
         Ok(Fitness {
             max_abs: error.max_abs,
-            rms,
+            rms: error.rms(),
             bias: error.bias,
         })
     }

@@ -3,6 +3,8 @@
 //! No script and nothing from the network: labels are SVG titles.
 
 use super::front::{Candidate, front};
+use crate::report::html::escape;
+use crate::report::plot::multiples;
 use std::fmt::Write;
 
 const WIDTH: f64 = 760.0;
@@ -47,21 +49,13 @@ impl Scale {
 
     /// 1, 2 and 5 times powers of ten within the range; only the powers if that is too many, all digits if too few.
     fn ticks(&self) -> Vec<f64> {
-        let usual = self.multiples(&[1.0, 2.0, 5.0]);
+        let within = |digits: &[f64]| multiples(digits, self.low, self.high);
+        let usual = within(&[1.0, 2.0, 5.0]);
         match usual.len() {
-            0..4 => self.multiples(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
+            0..4 => within(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]),
             4..=12 => usual,
-            _ => self.multiples(&[1.0]),
+            _ => within(&[1.0]),
         }
-    }
-
-    /// These digits times powers of ten within the range.
-    fn multiples(&self, digits: &[f64]) -> Vec<f64> {
-        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-        decades
-            .flat_map(|decade| digits.iter().map(move |digit| digit * 10f64.powi(decade)))
-            .filter(|tick| (self.low..=self.high).contains(&tick.log10()))
-            .collect()
     }
 }
 
@@ -184,13 +178,6 @@ fn short(value: f64) -> String {
         v if v >= 1.0 => format!("{v:.0}"),
         v => format!("{v:.0e}"),
     }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

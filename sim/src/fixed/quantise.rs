@@ -6,6 +6,7 @@
 //! of two that fills that range; a power of two moves no bit of any other result.
 
 use crate::camera::Camera;
+use crate::metrics::median;
 use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::Scene;
 use splatline::float;
@@ -109,11 +110,7 @@ pub(super) fn scale_log2(centres: impl Iterator<Item = [f64; 3]>, camera: &Camer
     let mut reach: Vec<f64> = centres
         .map(|centre| centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
         .collect();
-    let middle = reach.len() / 2;
-    let median = match reach.is_empty() {
-        true => 1.0,
-        false => *reach.select_nth_unstable_by(middle, f64::total_cmp).1,
-    };
+    let median = median(&mut reach).unwrap_or(1.0);
     let farthest = reach
         .iter()
         .fold(0.0f64, |m, value| m.max(*value))
@@ -212,7 +209,7 @@ mod tests {
     /// A Gaussian of the kernel's front door and the same one of a file become the same splat.
     #[test]
     fn both_front_doors_make_the_same_splats() {
-        use crate::scene::{Skipped, Splat, Weight, gaussian::rotation_matrix};
+        use crate::scene::{Skipped, Splat, Weight, rotation_matrix};
         let mut state = 7u32;
         let mut next = |from: f32, to: f32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

@@ -1,9 +1,8 @@
 //! Spherical kernels in perspective through the kernel (\[HYBRID\] 4.2).
 
+use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{
-    Drawing, Options, TileLists, Times, culls, paint_tiles, table, table_entries, to_picture,
-};
+use super::render::{Drawing, Options, Times, culls};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::scene::{Scene, Splat};
@@ -55,7 +54,7 @@ fn draw_with<D: Design + Send + Sync>(
     let culled = culls(&results);
     let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
-    let tiles = TileLists::new(&footprints, options.compositing, quantised.view.viewport);
+    let tiles = TileLists::by_depth(&footprints, options.compositing, quantised.view.viewport);
     let memory = table_entries(&widths, &rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);

@@ -5,7 +5,7 @@ use crate::camera::Camera;
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
 use crate::input;
-use crate::report::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
+use crate::report::facts::{CameraFacts, RulesFacts, SceneFacts};
 use crate::report::{FORMAT, HostTimes, Report};
 use crate::rules::{Kernel, Rules};
 use crate::scene::Weight;
@@ -80,7 +80,7 @@ impl Plan {
     /// How pixels gather, in a report's words.
     fn compositing(&self) -> String {
         match &self.look {
-            Look::Splats { compositing, .. } => compositing_name(*compositing).to_owned(),
+            Look::Splats { compositing, .. } => compositing.name().to_owned(),
             Look::Surface(style) => match style.buffer {
                 Buffer::Accumulation => "accumulation".to_owned(),
                 Buffer::Layers(count) => format!("{count} layers"),

@@ -9,6 +9,7 @@
 //! leave the rest black. Where all errors are alike the scale is nearly linear.
 
 use super::png::Rgb;
+use crate::metrics::median;
 use crate::metrics::stored;
 use crate::picture::Picture;
 
@@ -132,11 +133,7 @@ fn median_size(differences: &[f64]) -> f64 {
         .map(|d| d.abs())
         .filter(|&size| size > 0.0)
         .collect();
-    if sizes.is_empty() {
-        return 0.0;
-    }
-    let middle = sizes.len() / 2;
-    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut sizes).unwrap_or(0.0)
 }
 
 /// Of red, green and blue, the difference that is largest in size.

@@ -91,7 +91,7 @@ impl Manifest {
         };
         let design = subject.design.resolved();
         let rules = subject.rules.name.to_owned();
-        let compositing = compositing_name(subject.compositing).to_owned();
+        let compositing = subject.compositing.name().to_owned();
         let view = ViewRecord::from(&subject.view);
         let inputs = serde_json::json!([design, rules, compositing, view]).to_string();
         Manifest {
@@ -125,22 +125,12 @@ impl Manifest {
     }
 }
 
-const COMPOSITINGS: [(&str, Compositing); 3] = [
-    ("front-to-back", Compositing::FrontToBack),
-    ("back-to-front", Compositing::BackToFront),
-    ("x-ray", Compositing::XRay),
-];
-
-fn compositing_name(compositing: Compositing) -> &'static str {
-    let found = COMPOSITINGS.iter().find(|(_, c)| *c == compositing);
-    found.map_or("", |(name, _)| name)
-}
-
 fn compositing_of(name: &str) -> Result<Compositing, String> {
-    let found = COMPOSITINGS.iter().find(|(n, _)| *n == name);
-    found.map(|(_, c)| *c).ok_or_else(|| {
-        format!("compositing is '{name}', expected front-to-back, back-to-front or x-ray")
-    })
+    let mut all = Compositing::ALL.into_iter();
+    all.find(|compositing| compositing.name() == name)
+        .ok_or_else(|| {
+            format!("compositing is '{name}', expected front-to-back, back-to-front or x-ray")
+        })
 }
 
 impl From<&View> for ViewRecord {

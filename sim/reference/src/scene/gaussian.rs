@@ -153,7 +153,7 @@ fn is_finite(gaussian: &Gaussian) -> bool {
 }
 
 /// Rotation matrix of a quaternion of any length, none if the length is zero.
-pub(crate) fn rotation_matrix(quaternion: [f64; 4]) -> Option<[[f64; 3]; 3]> {
+pub fn rotation_matrix(quaternion: [f64; 4]) -> Option<[[f64; 3]; 3]> {
     let length = quaternion
         .iter()
         .map(|part| part * part)

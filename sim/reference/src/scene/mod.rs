@@ -40,7 +40,7 @@ pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
-pub(crate) use gaussian::rotation_matrix;
+pub use gaussian::rotation_matrix;
 pub(crate) use load::read_file;
 
 /// What a splat's weight means.

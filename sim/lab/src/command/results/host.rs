@@ -210,9 +210,7 @@ fn total(times: &Times) -> f64 {
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    metrics::median(&mut values.collect::<Vec<_>>()).unwrap_or(f64::NAN)
 }
 
 /// How many times as fast the second is, by rounds.

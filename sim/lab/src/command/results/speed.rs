@@ -12,6 +12,7 @@ use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::explore::space::Space;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::{Config, simulate};
+use splatline_sim::metrics::median;
 use splatline_sim::picture::{Backdrop, Depth};
 use splatline_sim::plan::{Effort, Prepared, all_entries, compare_all};
 use splatline_sim::reference::float;
@@ -168,14 +169,9 @@ fn median_of(
         processor.extend(before.zip(after).map(|(before, after)| after - before));
     }
     Ok(Seconds {
-        wall: median(wall).unwrap_or(0.0),
-        processor: median(processor),
+        wall: median(&mut wall).unwrap_or(0.0),
+        processor: median(&mut processor),
     })
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Seconds that this process has spent in user code and in the system; nothing where there is no /proc.
