@@ -15,6 +15,7 @@ use splatline::format::{
     Classic8, Custom, Deep32, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES,
     WidthError, Widths,
 };
+use std::borrow::Cow;
 use std::path::Path;
 use thiserror::Error;
 
@@ -22,7 +23,8 @@ use thiserror::Error;
 pub const NAMES: [&str; 4] = ["classic8", "lean18", "standard24", "deep32"];
 
 /// A design as the command line chose it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "ResolvedDesign", try_from = "ResolvedDesign")]
 pub struct DesignChoice {
     /// Name of the design or of its file.
     pub name: String,
@@ -152,10 +154,10 @@ impl DesignChoice {
         }
         ResolvedDesign {
             name: self.name.clone(),
-            traversal: traversal_name(self.traversal),
+            traversal: traversal_name(self.traversal).into(),
             rounding: match self.widths.rounding {
-                Rounding::Nearest => "nearest",
-                Rounding::Truncate => "truncate",
+                Rounding::Nearest => "nearest".into(),
+                Rounding::Truncate => "truncate".into(),
             },
             widths,
         }
@@ -213,16 +215,73 @@ impl DesignChoice {
 }
 
 /// A design with every field resolved, as reports show it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ResolvedDesign {
     /// Name of the design or of its file.
     pub name: String,
     /// `box` or `spans`.
-    pub traversal: &'static str,
+    pub traversal: Cow<'static, str>,
     /// `nearest` or `truncate`.
-    pub rounding: &'static str,
+    pub rounding: Cow<'static, str>,
     /// Bits of every quantity.
     pub widths: serde_json::Map<String, serde_json::Value>,
+}
+
+impl ResolvedDesign {
+    /// The same as a design file.
+    pub fn to_toml(&self) -> String {
+        let ResolvedDesign {
+            traversal,
+            rounding,
+            widths,
+            ..
+        } = self;
+        let widths = widths.iter();
+        let lines: String = widths
+            .map(|(name, bits)| format!("{name} = {bits}\n"))
+            .collect();
+        format!(
+            "base = \"standard24\"\nrounding = \"{rounding}\"\ntraversal = \"{traversal}\"\n{lines}"
+        )
+    }
+}
+
+impl From<DesignChoice> for ResolvedDesign {
+    fn from(choice: DesignChoice) -> ResolvedDesign {
+        choice.resolved()
+    }
+}
+
+/// A named design with its constants if it has the widths of that name; otherwise one with the widths in fields, through the text of a
+/// design file, which checks all ranges.
+impl TryFrom<ResolvedDesign> for DesignChoice {
+    type Error = DesignError;
+
+    fn try_from(resolved: ResolvedDesign) -> Result<DesignChoice, DesignError> {
+        let mut choice = DesignChoice::from_toml("design", &resolved.to_toml())?;
+        choice.name.clone_from(&resolved.name);
+        let named = DesignChoice::named(&resolved.name);
+        choice.named = named
+            .filter(|n| n.widths == choice.widths)
+            .and_then(|n| n.named);
+        Ok(choice)
+    }
+}
+
+/// A traversal as its name, for serde.
+pub mod traversal_by_name {
+    use super::{Traversal, TraversalName, traversal_name};
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    /// `box` or `spans`.
+    pub fn serialize<S: Serializer>(traversal: &Traversal, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_str(traversal_name(*traversal))
+    }
+
+    /// The same back.
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Traversal, D::Error> {
+        TraversalName::deserialize(from).map(Traversal::from)
+    }
 }
 
 /// Name of a traversal on the command line.
@@ -268,6 +327,15 @@ enum TraversalName {
     Spans,
 }
 
+impl From<TraversalName> for Traversal {
+    fn from(name: TraversalName) -> Traversal {
+        match name {
+            TraversalName::Box => Traversal::Box,
+            TraversalName::Spans => Traversal::Spans,
+        }
+    }
+}
+
 impl DesignFile {
     fn apply(&self, choice: &mut DesignChoice) {
         let base = choice.widths;
@@ -291,11 +359,7 @@ impl DesignFile {
                 None => base.rounding,
             },
         };
-        choice.traversal = match self.traversal {
-            Some(TraversalName::Box) => Traversal::Box,
-            Some(TraversalName::Spans) => Traversal::Spans,
-            None => choice.traversal,
-        };
+        choice.traversal = self.traversal.map_or(choice.traversal, Traversal::from);
     }
 }
 

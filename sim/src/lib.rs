@@ -22,6 +22,8 @@ pub mod fixed;
 pub mod machine;
 pub mod memory;
 pub mod page;
+pub mod plan;
+pub mod progress;
 pub mod report;
 pub mod stability;
 pub mod systems;

@@ -79,13 +79,14 @@ pub unsafe extern "C" fn splatline_rows_begin(
             state: [MaybeUninit::uninit(); SPLATLINE_ROWS_STATE],
         };
         let state = prepared.state.as_mut_ptr();
-        // SAFETY: the state has the size and alignment of either kind of rows (asserted above).
         match crate::types::traversal(traversal)? {
+            // SAFETY: the state has the size and alignment of either kind of rows (asserted above).
             Traversal::Spans => unsafe {
                 state
                     .cast::<Spans>()
                     .write(SpanRows::new(design, &footprint, &window));
             },
+            // SAFETY: as above.
             Traversal::Box => unsafe {
                 state
                     .cast::<ConicRows>()

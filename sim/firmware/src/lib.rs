@@ -11,7 +11,7 @@
 //! | `pixel_loop` | the pixel loop of Cortex-M0 and M0+ in assembly |
 //! | `board` | reset, semihosting output, stack gauge |
 //!
-//! `board` and `pixel_loop` are the only `unsafe` code.
+//! `unsafe` code is in `board`, `pixel_loop`, the size markers below and the images' static memory.
 //!
 //! The picture is drawn in strips, as one would for a display on a serial bus: setup once, then rows of
 //! eight lines each in a buffer that is sent off and used again. Here "sent off" is a checksum.

@@ -13,7 +13,7 @@ mod draw;
 mod figures;
 mod inspect;
 
-use splatline_reference::{camera, rules, scene};
+use splatline_reference::{camera, metrics, rules, scene};
 
 #[allow(dead_code)]
 #[path = "../../src/page/bytes.rs"]

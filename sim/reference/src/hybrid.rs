@@ -1,10 +1,13 @@
 //! How samples become points or splats (\[HYBRID\] 2 and 4), said once for both engines.
 
+use crate::metrics::median;
 use crate::rules::Rules;
 use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
 
 /// Which samples are drawn as points, by the picture's one circular footprint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Points {
     /// Those closer together than pixels (beyond the distance k).
     #[default]
@@ -16,7 +19,7 @@ pub enum Points {
 }
 
 /// How points are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Hybrid {
     /// Which samples are points.
     pub points: Points,
@@ -41,11 +44,7 @@ pub fn deviation(scene: &Scene) -> f64 {
             (a * b * c).cbrt()
         })
         .collect();
-    if deviations.is_empty() {
-        return 0.0;
-    }
-    let middle = deviations.len() / 2;
-    *deviations.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut deviations).unwrap_or(0.0)
 }
 
 /// The distance between samples that belongs to the kernels' deviation: a volume's voxel spacing.

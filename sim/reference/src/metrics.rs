@@ -332,6 +332,22 @@ fn window(pixels: usize) -> Vec<f64> {
     (0..length).map(|i| weight(i) / total).collect()
 }
 
+/// The middle one of the values, the greater of two; nothing of nothing. Moves them about.
+pub fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+impl ChannelError {
+    /// Root mean square, from the decibels that state it.
+    pub fn rms(&self) -> f64 {
+        match self.psnr_db.is_finite() {
+            true => 10f64.powf(-self.psnr_db / 20.0),
+            false => 0.0,
+        }
+    }
+}
+
 #[cfg(test)]
 #[path = "metrics_tests.rs"]
 mod tests;

@@ -4,6 +4,7 @@
 //! ends and when a pixel is finished. The kernel holds its own fixed-point statement of the same rules; this
 //! one is written from the papers' formulas and shares nothing with it.
 
+use serde::{Deserialize, Serialize};
 use std::str::FromStr;
 
 /// How splats are weighted, cut off and composited.
@@ -117,6 +118,24 @@ impl Rules {
     }
 }
 
+impl Compositing {
+    /// All of them.
+    pub const ALL: [Compositing; 3] = [
+        Compositing::FrontToBack,
+        Compositing::BackToFront,
+        Compositing::XRay,
+    ];
+
+    /// Name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Compositing::FrontToBack => "front-to-back",
+            Compositing::BackToFront => "back-to-front",
+            Compositing::XRay => "x-ray",
+        }
+    }
+}
+
 impl FromStr for Rules {
     type Err = String;
 
@@ -130,7 +149,8 @@ impl FromStr for Rules {
 }
 
 /// In which order and by which operator a pixel gathers its splats (EWA 4.1, SWAN 3.1).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Compositing {
     /// Nearest splat first, "over", finished pixels skip the rest.
     #[default]

@@ -1,6 +1,7 @@
 //! How a picture of surfaces is made: what both engines need to know besides scene and camera.
 
 use crate::vector::Vector;
+use serde::{Deserialize, Serialize};
 
 /// tau of SURF 7.
 pub const USUAL_EDGE: f64 = 0.4;
@@ -9,7 +10,8 @@ pub const USUAL_EDGE: f64 = 0.4;
 pub const LAYERS: [usize; 5] = [1, 2, 3, 4, 8];
 
 /// What a pixel keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Buffer {
     /// One surface: accumulate, replace or discard by depth (SURF 4).
     Accumulation,
@@ -18,7 +20,7 @@ pub enum Buffer {
 }
 
 /// The choices of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Style {
     /// What a pixel keeps.
     pub buffer: Buffer,

@@ -1,15 +1,12 @@
 //! `splatline` alone: an embedded real volume by all designs against float, with a report in `out/`.
 
-use super::args::{Engine, Size};
-use super::compare::{all_entries, create_folder};
-use super::setup::{View, threads};
-use super::sweep::{self, Entry, Manner};
-use super::{Failure, say, warn};
+use super::output::create_folder;
+use super::say::{Failure, say, warn};
+use super::values::Size;
 use crate::design::DesignChoice;
-use crate::machine::Config;
 use crate::picture::{Backdrop, Depth};
+use crate::plan::{Effort, Prepared, Source, all_entries, compare_all};
 use crate::report::table;
-use crate::rules::Compositing;
 use crate::scene;
 use anyhow::Context;
 use std::path::Path;
@@ -32,35 +29,14 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
     let scene = scene::demo()?;
     let camera = scene.default_camera(size.width, size.height);
     let rules = scene.natural_rules;
-    let view = View {
-        scene,
-        camera,
-        rules,
-        warnings: Vec::new(),
-        prepare_s: 0.0,
-    };
-    let manner = Manner {
-        compositing: Compositing::FrontToBack,
-        threads: threads(None),
-        repeat,
-        hybrid: None,
-        machine: Config::default(),
-    };
     let design = DesignChoice::named(DESIGN).context("the demo's design has no name")?;
-    let chosen = Entry {
-        traversal: design.traversal,
-        design,
-    };
-    let comparison = sweep::run(
-        &view,
-        &manner,
-        Engine::Float,
-        &chosen,
-        &all_entries(&chosen.design),
-    )?;
-    comparison.write_as(folder, Depth::Eight, Backdrop::default())?;
+    let others = all_entries(&design);
+    let mut prepared = Prepared::of_splats(scene, camera, rules, design);
+    prepared.plan.source = Source::splats("demo".into());
+    let comparison = compare_all(&prepared, &Effort::new(None, repeat), &others)?;
+    comparison.write(folder, Depth::Eight, Backdrop::default())?;
     let live = folder.join("page.html");
-    super::page::write_page(&view, &chosen, None, &live)?;
+    super::page::write_page(&prepared, None, &live)?;
     let report = &comparison.report;
     warn(&report.warnings);
     say(&format!(

@@ -1,14 +1,9 @@
 //! `splatline explore` and `splatline merge`: sweeps, in one piece or in shards.
 
-use super::compare::create_folder;
-use super::engines;
-use super::machine_args::{AreaOptions, ExploreOptions, MergeOptions, WorkOptions};
-use super::model::machine;
-use super::output::write;
-use super::progress::Progress;
-use super::setup::{COMPARED, View, room_for_picture};
-use super::{Failure, say, warn};
-use crate::design::DesignChoice;
+use super::machine_args::{ExploreOptions, MergeOptions};
+use super::output::{create_folder, read_settings, write};
+use super::resolve::{Asked, COMPARED, calibration, room_for_picture};
+use super::say::{Failure, say, warn};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, Settings};
@@ -16,34 +11,40 @@ use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
 use crate::explore::sweep::{self, Shard, Subject};
 use crate::explore::table::{Table, heading};
-use crate::input;
-use crate::machine::area::{Calibration, Family, synthesis};
-use crate::picture::Picture;
-use crate::reference::float;
-use crate::rules::Compositing;
-use anyhow::{Context, anyhow};
+use crate::machine::area::synthesis;
+use crate::plan::Engine;
+use crate::progress::Progress;
+use anyhow::anyhow;
+use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     create_folder(&options.output)?;
-    let text = read(&options.space)?;
+    let text = read_settings(&options.space)?;
     let space = Space::from_toml(&options.space.display().to_string(), &text)?;
-    let view = View::from_options(&options.view)?;
+    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let prepared = asked.prepare()?;
+    let splats = prepared.splats()?;
     if !options.no_error {
-        room_for_picture(&view.camera, COMPARED)?;
+        room_for_picture(splats.camera, COMPARED)?;
     }
-    let design = DesignChoice::load(&options.work.design.0)?;
-    warn(&engines::warnings(&view, &design));
-    let reference = (!options.no_error).then(|| reference(&view, &options.work));
+    warn(&prepared.setup_warnings()?);
+    let reference = match options.no_error {
+        true => None,
+        false => Some(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture),
+    };
+    let entry = &prepared.plan.entry;
+    let recorded = options.view.from.is_some().then_some(entry.traversal);
     let subject = Subject {
-        scene: &view.scene,
-        camera: &view.camera,
-        rules: &view.rules,
-        compositing: options.work.compositing.into(),
-        design,
-        traversal: options.work.traversal.map(Into::into),
-        machine: machine(&options.machine)?,
+        scene: splats.scene,
+        camera: splats.camera,
+        rules: splats.rules,
+        compositing: splats.compositing,
+        design: entry.design.clone(),
+        // What nobody asked for, each design of the space decides.
+        traversal: options.work.traversal.map(Traversal::from).or(recorded),
+        machine: prepared.plan.machine,
         calibration: calibration(&options.area)?,
         reference: reference.as_ref(),
     };
@@ -73,7 +74,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     if options.shard.count == 1 {
         let note = synthesis::statement(&subject.calibration);
         let table = folder::table(&path, &identity)?;
-        finish(&view.scene.name, &note, &table, &options.output)?;
+        finish(&splats.scene.name, &note, &table, &options.output)?;
     }
     Ok(())
 }
@@ -144,12 +145,6 @@ fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Fa
     Ok(())
 }
 
-/// The float reference's picture for a view.
-pub fn reference(view: &View, work: &WorkOptions) -> Picture {
-    let compositing: Compositing = work.compositing.into();
-    float::draw(&view.scene, &view.camera, &view.rules, compositing).picture
-}
-
 fn table_name(shard: Shard) -> String {
     match shard {
         Shard { count: 1, .. } => "points.csv".to_owned(),
@@ -162,6 +157,7 @@ fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();
     let files = [
+        ("plan", options.view.from.clone()),
         ("transfer", options.view.transfer.clone()),
         ("camera", options.view.camera.clone()),
         ("design", design.filter(|name| is_toml(name))),
@@ -173,7 +169,7 @@ fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
         .filter_map(|(role, path)| Some((role, path?)));
     named
         .map(|(role, path)| {
-            let text = read(&path)?;
+            let text = read_settings(&path)?;
             Ok(Settings { role, text })
         })
         .collect()
@@ -182,21 +178,4 @@ fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
 /// Names of designs and machines have no extension.
 fn is_toml(name: &Path) -> bool {
     name.extension().is_some()
-}
-
-/// The prices that the options name.
-pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
-    match &options.calibration {
-        None => Ok(Family::from(options.family).calibration()),
-        Some(path) => {
-            let text = read(path)?;
-            Ok(Calibration::from_toml(&path.display().to_string(), &text)
-                .map_err(|problem| anyhow!(problem))?)
-        }
-    }
-}
-
-fn read(path: &Path) -> Result<String, Failure> {
-    Ok(input::text(path, input::SETTINGS)
-        .with_context(|| format!("cannot read '{}'", path.display()))?)
 }

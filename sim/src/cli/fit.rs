@@ -1,77 +1,66 @@
 //! `splatline fit`: the smallest design within an error budget.
 
-use super::engines;
-use super::explore::reference;
-use super::machine_args::{FitOptions, MetricChoice, WorkOptions};
+use super::machine_args::{FitOptions, MetricChoice};
 use super::output::{self, write};
-use super::progress::Progress;
-use super::setup::{COMPARED, View, room_for_picture};
-use super::{Failure, say, warn};
-use crate::design::{DesignChoice, traversal_name};
+use super::resolve::{Asked, COMPARED, room_for_picture};
+use super::say::{Failure, say, warn};
+use crate::design::DesignChoice;
 use crate::explore::fit::{Fit, Metric, Task, design_toml, fit};
+use crate::plan::{Engine, Entry, Prepared};
+use crate::progress::Progress;
 use anyhow::anyhow;
-use splatline::format::{Traversal, WIDTH_RANGES};
+use splatline::format::WIDTH_RANGES;
 use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
     if let Some(path) = &options.output {
         let mut inputs = options.view.inputs();
-        inputs.extend(output::design_file(&options.work.design));
+        inputs.extend(options.work.inputs());
         output::check(path, &["toml"], &inputs)?;
     }
-    let view = View::from_options(&options.view)?;
+    let prepared = Asked::work(&options.view, &options.work).prepare()?;
     let metric = match options.metric {
         MetricChoice::Largest => Metric::Largest,
         MetricChoice::Rms => Metric::Rms,
     };
-    let start = DesignChoice::load(&options.work.design.0)?;
-    warn(&engines::warnings(&view, &start));
-    let fitted = fitted(&view, &options.work, metric, options.max_error)?;
-    say(&text(&start, &fitted))?;
+    let Entry { design, traversal } = &prepared.plan.entry;
+    warn(&prepared.setup_warnings()?);
+    let fitted = fitted(&prepared, metric, options.max_error)?;
+    say(&text(design, &fitted))?;
     if let Some(path) = &options.output {
-        let traversal = options
-            .work
-            .traversal
-            .map_or(start.traversal, Traversal::from);
-        let design = design_toml(
-            &fitted.widths,
-            start.resolved().rounding,
-            traversal_name(traversal),
-        );
+        let rounding = &design.resolved().rounding;
+        let design = design_toml(&fitted.widths, rounding, *traversal);
         write(path, design.as_bytes())?;
     }
     Ok(())
 }
 
-/// Fits a view, starting from the design of the options.
-pub fn fitted(
-    view: &View,
-    work: &WorkOptions,
-    metric: Metric,
-    budget: f64,
-) -> Result<Fit, Failure> {
-    let start = DesignChoice::load(&work.design.0)?;
-    let traversal = work.traversal.map_or(start.traversal, Traversal::from);
-    room_for_picture(&view.camera, COMPARED)?;
-    let reference = reference(view, work);
+/// Fits what is planned, starting from its design.
+pub fn fitted(prepared: &Prepared, metric: Metric, budget: f64) -> Result<Fit, Failure> {
+    let Entry { design, traversal } = &prepared.plan.entry;
+    room_for_picture(&prepared.plan.camera, COMPARED)?;
+    let reference = prepared.draw_reference(Engine::Float, &|_, _| ())?.picture;
+    let draw = |design: &DesignChoice| {
+        let entry = Entry {
+            design: design.clone(),
+            traversal: *traversal,
+        };
+        Ok(prepared.draw_fixed(&entry)?.picture)
+    };
     let task = Task {
-        scene: &view.scene,
-        camera: &view.camera,
-        rules: &view.rules,
-        compositing: work.compositing.into(),
-        traversal,
+        draw: &draw,
         reference: &reference,
         metric,
         budget,
     };
     let progress = Progress::new(60);
-    let (fitted, error) = fit(&task, &start, &|width| {
+    let (fitted, error) = fit(&task, design, &|width| {
         progress.doing(width);
         progress.advance();
     })?;
     Ok(fitted.ok_or_else(|| {
         let found = metric.of(&error);
-        anyhow!("design {} itself has an error of {found:.3e}, above the budget of {budget:.3e}: start from a wider --design or allow more", start.name)
+        anyhow!("design {} itself has an error of {found:.3e}, above the budget of {budget:.3e}: start from a wider --design or allow more", design.name)
     })?)
 }
 

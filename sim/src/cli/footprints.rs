@@ -3,14 +3,11 @@
 //! One line per splat in the scene's order; a culled splat has its index and otherwise empty fields, so that lines can
 //! be joined by number. Numbers are written with as many digits as it takes to read back the same double.
 
-use super::args::{Engine, FootprintsOptions};
-use super::drawing::FootprintLine;
-use super::engines::{self, Task};
+use super::args::FootprintsOptions;
 use super::output::{self, write};
-use super::setup::View;
-use super::{Failure, say, warn};
-use crate::design::DesignChoice;
-use crate::rules::Compositing;
+use super::resolve::Asked;
+use super::say::{Failure, say, warn};
+use crate::plan::{Engine, FootprintLine};
 use std::fmt::Write;
 
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n";
@@ -19,45 +16,33 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
     let mut inputs = options.view.inputs();
     inputs.extend(output::design_file(&options.design));
     output::check(&options.output, &["csv"], &inputs)?;
-    if options.engine == Engine::Exact {
+    let no_exact = || {
         let message =
             "--engine exact integrates along rays and has no footprints; use fixed or float";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    let view = View::from_options(&options.view)?;
-    let View {
-        scene,
-        camera,
-        rules,
-        ..
-    } = &view;
-    // Footprints do not depend on the order of blending.
-    let compositing = Compositing::FrontToBack;
-    let task = Task {
-        scene,
-        camera,
-        rules,
-        compositing,
+        Failure::Usage(message.to_owned())
     };
-    let lines = match options.engine {
+    if options.engine == Engine::Exact {
+        return Err(no_exact());
+    }
+    let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
+    if options.view.from.is_none() {
+        prepared.plan.engine = options.engine;
+    }
+    let lines = match prepared.plan.engine {
         Engine::Fixed => {
-            let design = DesignChoice::load(&options.design.0)?;
-            warn(&engines::warnings(&view, &design));
-            engines::fixed_footprints(task, &design)
+            warn(&prepared.setup_warnings()?);
+            prepared.fixed_footprints(&prepared.plan.entry)?
         }
-        _ => {
-            warn(&view.warnings);
-            engines::float_footprints(task)
+        Engine::Float => {
+            warn(&prepared.warnings);
+            prepared.float_footprints()?
         }
+        Engine::Exact => return Err(no_exact()),
     };
     write(&options.output, csv(&lines).as_bytes())?;
     let culled = lines.iter().filter(|line| line.is_none()).count();
-    say(&format!(
-        "{}: {} splats, {culled} culled\n",
-        scene.name,
-        lines.len()
-    ))?;
-    Ok(())
+    let (name, count) = (prepared.scene.name(), lines.len());
+    say(&format!("{name}: {count} splats, {culled} culled\n"))
 }
 
 fn csv(lines: &[Option<FootprintLine>]) -> String {

@@ -1,17 +1,18 @@
 //! `splatline info`: what is in a scene, before anything is drawn.
 
 use super::output;
-use super::{Failure, say};
+use super::say::{Failure, say};
 use crate::framing::{Ball, Frame, direction};
+use crate::metrics::median;
+use crate::plan::load::{AnyScene, recognise};
 use crate::report::facts::Counts;
-use crate::scene::points::height_field::{self, HeightField};
-use crate::scene::points::{self, SurfaceScene};
-use crate::scene::{self, Bounds, LoadError, LoadOptions, Scene, Weight};
+use crate::scene::points::SurfaceScene;
+use crate::scene::{Bounds, Scene, Weight};
 use crate::vector::{self, Vector};
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -77,33 +78,20 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     if let Some(path) = &options.json {
         output::check(path, &["json"], &inputs)?;
     }
-    let info = examine(&options.scene, options.transfer.clone())?;
+    let loaded = recognise(&options.scene, options.transfer.clone())?;
+    let info = match &loaded.scene {
+        AnyScene::Splats(scene) => Info::of_scene(scene, loaded.notes),
+        AnyScene::Surface {
+            scene,
+            is_height_field,
+        } => Info::of_surface(scene, *is_height_field),
+    };
     match &options.json {
         Some(path) => {
             let text = serde_json::to_string_pretty(&info)? + "\n";
             output::write(path, text.as_bytes())
         }
         None => say(&info.text()),
-    }
-}
-
-/// A height field by its name, else a scene, else points of a surface; the message of the scene's reader if it is neither.
-fn examine(path: &Path, transfer: Option<PathBuf>) -> Result<Info, LoadError> {
-    if height_field::is_height_field(path) {
-        let field = HeightField::load(path, height_field::USUAL_SPACING)?;
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        return Ok(Info::of_surface(&field.scene(&name), true));
-    }
-    let options = LoadOptions {
-        transfer,
-        light: None,
-    };
-    match scene::load_with_notes(path, &options) {
-        Ok((scene, notes)) => Ok(Info::of_scene(&scene, notes)),
-        Err(error) => match points::load(path) {
-            Ok(cloud) => Ok(Info::of_surface(&cloud, false)),
-            Err(_) => Err(error),
-        },
     }
 }
 
@@ -261,13 +249,9 @@ impl Info {
 impl Range {
     fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<Range> {
         let mut values: Vec<f64> = values.collect();
-        let middle = values.len() / 2;
-        if values.is_empty() {
-            return None;
-        }
+        let median = median(&mut values)?;
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
         Some(Range {
             of,
             least,

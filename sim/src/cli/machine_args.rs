@@ -1,10 +1,9 @@
 //! Options of the commands about the machine: model, explore, merge, fit, needs, trace.
 
-use super::args::{
-    CompositingChoice, DesignName, Size, SurfaceOptions, TraversalChoice, ViewOptions,
-};
+use super::drawing_args::WorkOptions;
+use super::values::{FamilyChoice, Size, positive, shard};
+use super::view_args::ViewOptions;
 use crate::explore::sweep::Shard;
-use crate::machine::area::Family;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -30,21 +29,6 @@ pub struct MachineOptions {
     pub set: Vec<String>,
 }
 
-/// Which pixels, in which order.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Drawing")]
-pub struct WorkOptions {
-    /// Widths: classic8, lean18, standard24, deep32 or a TOML file
-    #[arg(long, value_name = "NAME|file.toml", default_value = "standard24")]
-    pub design: DesignName,
-    /// How a footprint's pixels are walked [default: the design's own]
-    #[arg(long, value_enum)]
-    pub traversal: Option<TraversalChoice>,
-    /// Order and operator of blending
-    #[arg(long, value_enum, default_value = "front-to-back")]
-    pub compositing: CompositingChoice,
-}
-
 /// What area is counted in.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Area")]
@@ -57,31 +41,10 @@ pub struct AreaOptions {
     pub calibration: Option<PathBuf>,
 }
 
-/// A family of FPGAs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum FamilyChoice {
-    /// Xilinx 7 series
-    Xilinx7,
-    /// Lattice ECP5
-    Ecp5,
-    /// Lattice iCE40
-    Ice40,
-}
-
-impl From<FamilyChoice> for Family {
-    fn from(choice: FamilyChoice) -> Family {
-        match choice {
-            FamilyChoice::Xilinx7 => Family::Xilinx7,
-            FamilyChoice::Ecp5 => Family::Ecp5,
-            FamilyChoice::Ice40 => Family::Ice40,
-        }
-    }
-}
-
 #[derive(Debug, Args)]
 pub struct ModelOptions {
     #[command(flatten)]
-    pub view: Option<ViewOptions>,
+    pub view: ViewOptions,
     /// Footprints of another rasterizer (CSV) instead of a scene
     #[arg(long, value_name = "f.csv", conflicts_with = "scene")]
     pub footprints: Option<PathBuf>,
@@ -196,8 +159,6 @@ pub struct NeedsOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     #[command(flatten)]
-    pub surface: SurfaceOptions,
-    #[command(flatten)]
     pub work: WorkOptions,
     #[command(flatten)]
     pub machine: MachineOptions,
@@ -246,25 +207,6 @@ pub enum TraceFormat {
     Vcd,
     /// ui.perfetto.dev
     Perfetto,
-}
-
-fn shard(text: &str) -> Result<Shard, String> {
-    let numbers = text
-        .split_once('/')
-        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
-    match numbers {
-        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => {
-            Ok(Shard { index, count })
-        }
-        _ => Err("expected i/n with i from 1 to n".to_owned()),
-    }
-}
-
-fn positive(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(value) if value > 0.0 && f64::is_finite(value) => Ok(value),
-        _ => Err("expected a number above 0".to_owned()),
-    }
 }
 
 pub const MERGE_EXAMPLES: &str = "\

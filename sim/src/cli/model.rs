@@ -1,68 +1,56 @@
 //! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
 
-use super::compare::create_folder;
-use super::engines;
-use super::explore::calibration;
-use super::machine_args::{MachineOptions, ModelOptions, WorkOptions};
-use super::output::{self, write};
-use super::progress::Progress;
-use super::setup::View;
-use super::{Failure, say, warn};
+use super::machine_args::ModelOptions;
+use super::output::{self, create_folder, write};
+use super::resolve::{Asked, calibration, machine};
+use super::say::{Failure, say, warn};
 use crate::design::DesignChoice;
-use crate::fixed;
 use crate::machine::area::{self, synthesis};
-use crate::machine::config::{self, Config};
+use crate::machine::config;
 use crate::machine::histogram::Histograms;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::timing::Timing;
-use crate::machine::workload::{TableOptions, Workload, extract_if_room, read_table};
-use crate::machine::{simulate, summary};
+use crate::machine::workload::{TableOptions, Workload, read_table};
+use crate::machine::{Config, simulate, summary};
+use crate::metrics::median;
+use crate::plan::Entry;
+use crate::progress::Progress;
 use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
 use std::path::Path;
 use std::time::Instant;
 
+/// What is timed, and what it is timed on.
+struct Modelled {
+    name: String,
+    workload: Workload,
+    entry: Entry,
+    machine: Config,
+}
+
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if let Some(folder) = &options.output {
         let files = [&options.machine.machine, &options.footprints];
         let mut inputs = output::files(files.map(Option::as_ref));
-        inputs.extend(
-            options
-                .view
-                .as_ref()
-                .map(|view| view.inputs())
-                .unwrap_or_default(),
-        );
+        inputs.extend(options.view.inputs());
         output::check_folder(folder, &["timing.json", "machine.toml"], &inputs)?;
         create_folder(folder)?;
     }
-    let config = machine(&options.machine)?;
-    let (name, workload) = match (&options.view, &options.footprints) {
-        (_, Some(table)) => (
-            table.display().to_string(),
-            from_table(table, options, &config)?,
-        ),
-        (Some(view), None) => {
-            let view_of = View::from_options(view)?;
-            let design = DesignChoice::load(&options.work.design.0)?;
-            warn(&engines::warnings(&view_of, &design));
-            let progress = Progress::spinner("walking the rows of every tile");
-            let workload = from_scene(&view_of, &options.work, &config)?;
-            drop(progress);
-            (view_of.scene.name, workload)
-        }
-        (None, None) => {
-            return Err(Failure::Usage(
-                "name a scene, or a table with --footprints".to_owned(),
-            ));
-        }
+    let Modelled {
+        name,
+        workload,
+        entry,
+        machine: config,
+    } = match &options.footprints {
+        Some(table) => from_table(table, options)?,
+        None => from_scene(options)?,
     };
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
     let speed = timing.total as f64 / seconds / 1e6;
     say(&summary::text(&name, &timing))?;
-    let area = estimate_area(options, &config)?;
+    let area = estimate_area(options, &entry, &config)?;
     say(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
@@ -93,14 +81,13 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 }
 
 /// The machine's area, which is also said.
-fn estimate_area(options: &ModelOptions, config: &Config) -> Result<serde_json::Value, Failure> {
-    let design = DesignChoice::load(&options.work.design.0)?;
-    let traversal = options
-        .work
-        .traversal
-        .map_or(design.traversal, Traversal::from);
+fn estimate_area(
+    options: &ModelOptions,
+    entry: &Entry,
+    config: &Config,
+) -> Result<serde_json::Value, Failure> {
     let prices = calibration(&options.area)?;
-    let area = area::estimate(&design.widths, traversal, config, &prices);
+    let area = area::estimate(&entry.design.widths, entry.traversal, config, &prices);
     let statement = synthesis::statement(&prices);
     say(&format!(
         "area: raster units {}; around them {}\n{statement}\n",
@@ -111,62 +98,51 @@ fn estimate_area(options: &ModelOptions, config: &Config) -> Result<serde_json::
     )
 }
 
-/// The machine that the options describe.
-pub fn machine(options: &MachineOptions) -> Result<Config, Failure> {
-    let mut config = match &options.machine {
-        Some(path) => match path.to_str().and_then(Config::named) {
-            Some(config) => config,
-            None => config::from_file(path)?,
-        },
-        None => Config::default(),
-    };
-    config
-        .set_words(&options.set)
-        .map_err(|error| Failure::Usage(error.to_string()))?;
-    Ok(config)
+fn from_scene(options: &ModelOptions) -> Result<Modelled, Failure> {
+    if options.view.scene.is_none() && options.view.from.is_none() {
+        let message = "name a scene, a report with --from, or a table with --footprints";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let prepared = asked.prepare()?;
+    warn(&prepared.setup_warnings()?);
+    let progress = Progress::spinner("walking the rows of every tile");
+    let workload = prepared.workload()?;
+    drop(progress);
+    Ok(Modelled {
+        name: prepared.scene.name().to_owned(),
+        workload,
+        entry: prepared.plan.entry,
+        machine: prepared.plan.machine,
+    })
 }
 
-/// The work of a scene on a machine's tiles.
-pub fn from_scene(view: &View, work: &WorkOptions, config: &Config) -> Result<Workload, Failure> {
-    let design = DesignChoice::load(&work.design.0)?;
-    let traversal = work.traversal.map_or(design.traversal, Traversal::from);
-    let options = fixed::Options {
-        rules: &view.rules,
-        compositing: work.compositing.into(),
-        design: &design,
-        traversal,
-    };
-    Ok(extract_if_room(
-        &view.scene,
-        &view.camera,
-        &options,
-        [config.tile_width, config.tile_height],
-    )?)
-}
-
-fn from_table(path: &Path, options: &ModelOptions, config: &Config) -> Result<Workload, Failure> {
-    let shown = path.display();
+fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {
+    let machine = machine(&options.machine)?;
+    let name = path.display().to_string();
     let text = output::read_text(path)?;
     let design = DesignChoice::load(&options.work.design.0)?;
-    let traversal = options
-        .work
-        .traversal
-        .map_or(design.traversal, Traversal::from);
+    let entry = Entry::new(design, options.work.traversal.map(Traversal::from));
     if options.screen.is_none() {
         say("screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n")?;
     }
     let size = options
         .screen
         .map_or([0, 0], |size| [size.width as u16, size.height as u16]);
-    let layout = splatline::footprint::packet::Layout::new(&design.widths);
+    let layout = splatline::footprint::packet::Layout::new(&entry.design.widths);
     let table = TableOptions {
         viewport: size,
-        tile: [config.tile_width, config.tile_height],
-        traversal,
+        tile: [machine.tile_width, machine.tile_height],
+        traversal: entry.traversal,
         cutoff: options.cutoff,
         packet_bytes: 4 * layout.words() as u32,
     };
-    Ok(read_table(&text, &table).map_err(|error| anyhow!("{shown}: {error}"))?)
+    Ok(Modelled {
+        workload: read_table(&text, &table).map_err(|error| anyhow!("{name}: {error}"))?,
+        name,
+        entry,
+        machine,
+    })
 }
 
 /// The timing and the median of the seconds that simulating it took.
@@ -177,8 +153,7 @@ fn timed(workload: &Workload, work: &LaneWork, config: &Config, repeat: u32) -> 
         let timing = simulate(workload, work, config);
         seconds.push(started.elapsed().as_secs_f64());
         if seconds.len() >= repeat as usize {
-            seconds.sort_by(f64::total_cmp);
-            return (timing, seconds[seconds.len() / 2]);
+            return (timing, median(&mut seconds).unwrap_or(0.0));
         }
     }
 }

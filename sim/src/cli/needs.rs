@@ -1,107 +1,79 @@
 //! `splatline needs`: which units, layers, ranges, widths and FIFO depths a scene exercises.
 
-use super::args::TraversalChoice;
-use super::engines;
 use super::fit;
 use super::machine_args::NeedsOptions;
-use super::model::{from_scene, machine};
 use super::output::{self, write};
-use super::progress::Progress;
-use super::setup::View;
-use super::surface::SurfaceView;
-use super::{Failure, say, warn};
-use crate::design::DesignChoice;
+use super::resolve::Asked;
+use super::say::{Failure, say, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
-use crate::hybrid::Hybrid;
-use crate::scene::Weight;
-use crate::systems::{Use, Verdict, exercised};
-use serde_json::json;
-use splatline::format::Traversal;
+use crate::plan::{AnyScene, Prepared};
+use crate::progress::Progress;
+use crate::systems::Verdict;
+use serde_json::{Map, json};
 use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     if let Some(path) = &options.json {
-        let mut inputs = [options.view.inputs(), options.surface.inputs()].concat();
-        inputs.extend(output::design_file(&options.work.design));
+        let mut inputs = options.view.inputs();
+        inputs.extend(options.work.inputs());
         inputs.extend(options.machine.machine.clone());
         output::check(path, &["json"], &inputs)?;
     }
-    if options.surface.kind.is_some() {
-        return run_surface(options);
+    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let prepared = asked.prepare()?;
+    warn(&prepared.setup_warnings()?);
+    let (name, systems) = (prepared.scene.name(), prepared.systems());
+    let mut answer = Map::new();
+    answer.insert("format".to_owned(), "splatline-needs/1".into());
+    answer.insert("scene".to_owned(), name.into());
+    answer.insert("systems".to_owned(), json!(systems));
+    match &prepared.scene {
+        AnyScene::Splats(_) => {
+            let found = examined(&prepared)?;
+            say(&text(name, &found))?;
+            answer.insert("needs".to_owned(), json!(found));
+        }
+        // Units and FIFOs are those of the machine for splats and are not examined.
+        AnyScene::Surface { scene, .. } => {
+            let count = scene.points.len();
+            say(&format!("{name}: {count} points of a surface\n"))?;
+        }
     }
-    let config = machine(&options.machine)?;
-    let view = View::from_options(&options.view)?;
-    let design = DesignChoice::load(&options.work.design.0)?;
-    warn(&engines::warnings(&view, &design));
-    let traversal = options
-        .work
-        .traversal
-        .map_or(design.traversal, Traversal::from);
-    let drawing = fixed::Options {
-        rules: &view.rules,
-        compositing: options.work.compositing.into(),
-        design: &design,
-        traversal,
-    };
+    say(&systems_text(&systems))?;
+    let design = &prepared.plan.entry.design;
+    match options.max_error {
+        Some(budget) => {
+            let fitted = fit::fitted(&prepared, Metric::Largest, budget)?;
+            say(&fit::text(design, &fitted))?;
+            answer.insert("fit".to_owned(), json!(fitted));
+        }
+        None => {
+            say("widths: give --max-error E to find the smallest ones within an error\n")?;
+            answer.insert("fit".to_owned(), json!(null));
+        }
+    }
+    if let Some(path) = &options.json {
+        write(path, format!("{:#}\n", json!(answer)).as_bytes())?;
+    }
+    Ok(())
+}
+
+/// Units, ranges and FIFO depths of splats.
+fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
+    let (splats, plan) = (prepared.splats()?, &prepared.plan);
     let progress = Progress::spinner("setting up every splat");
-    let footprints: Vec<_> = fixed::footprints(&view.scene, &view.camera, &drawing)
+    let options = splats.options(&plan.entry);
+    let footprints: Vec<_> = fixed::footprints(splats.scene, splats.camera, &options)
         .into_iter()
         .filter_map(Result::ok)
         .collect();
     progress.doing("walking the rows of every tile");
-    let workload = from_scene(&view, &options.work, &config)?;
+    let workload = prepared.workload()?;
     progress.doing("trying the depths of every FIFO");
-    let found = needs(&workload, &footprints, design.widths.peak, &config);
-    drop(progress);
-    let systems = systems_of_volume(&view, options);
-    say(&text(&view.scene.name, &found))?;
-    say(&systems_text(&systems))?;
-    let fitted = match options.max_error {
-        Some(budget) => Some(fit::fitted(&view, &options.work, Metric::Largest, budget)?),
-        None => None,
-    };
-    match &fitted {
-        Some(fitted) => say(&fit::text(&design, fitted))?,
-        None => say("widths: give --max-error E to find the smallest ones within an error\n")?,
-    }
-    if let Some(path) = &options.json {
-        let answer = json!({"format": "splatline-needs/1", "scene": view.scene.name, "systems": systems, "needs": found, "fit": fitted});
-        write(path, format!("{answer:#}\n").as_bytes())?;
-    }
-    Ok(())
-}
-
-/// A cloud or height field: its systems; units and FIFOs are those of the volume machine and not examined.
-fn run_surface(options: &NeedsOptions) -> Result<(), Failure> {
-    let view = SurfaceView::from_options(&options.view, &options.surface)?;
-    let systems = exercised(&Use::Surface {
-        style: &view.style,
-        textured: options.surface.texture.is_some(),
-    });
-    let (name, count) = (&view.scene.name, view.scene.points.len());
-    say(&format!("{name}: {count} points of a surface\n"))?;
-    say(&systems_text(&systems))?;
-    if let Some(path) = &options.json {
-        let answer = json!({"format": "splatline-needs/1", "scene": name, "systems": systems});
-        write(path, format!("{answer:#}\n").as_bytes())?;
-    }
-    Ok(())
-}
-
-fn systems_of_volume(view: &View, options: &NeedsOptions) -> Vec<Verdict> {
-    let stamps = Hybrid {
-        phase_bits: Some(3),
-        ..Hybrid::default()
-    };
-    let stamped = options.work.traversal == Some(TraversalChoice::Stamp);
-    exercised(&Use::Volume {
-        rules: &view.rules,
-        compositing: options.work.compositing.into(),
-        hybrid: stamped.then_some(&stamps),
-        classified: view.scene.weight == Weight::Mass,
-    })
+    let peak_bits = plan.entry.design.widths.peak;
+    Ok(needs(&workload, &footprints, peak_bits, &plan.machine))
 }
 
 fn systems_text(systems: &[Verdict]) -> String {

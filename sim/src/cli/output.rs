@@ -3,8 +3,8 @@
 //!
 //! `-` is stdout. What would have been said there goes to stderr then, so that a pipe holds the result alone.
 
-use super::args::DesignName;
-use super::{Failure, divert, printed};
+use super::say::{Failure, divert, printed};
+use super::values::DesignName;
 use crate::input;
 use anyhow::{Context, anyhow};
 use std::io::Write;
@@ -125,6 +125,19 @@ pub fn read_text(path: &Path) -> Result<String, Failure> {
         false => input::text(path, input::TABLE),
     };
     Ok(text.with_context(|| format!("cannot read '{}'", path.display()))?)
+}
+
+/// A file of settings.
+pub fn read_settings(path: &Path) -> Result<String, Failure> {
+    Ok(input::text(path, input::SETTINGS)
+        .with_context(|| format!("cannot read '{}'", path.display()))?)
+}
+
+/// The folder for results, made if need be.
+pub fn create_folder(folder: &Path) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot create the folder '{}'", folder.display()))?;
+    Ok(())
 }
 
 /// The files among these that are given.

@@ -1,14 +1,14 @@
 //! `splatline page`: the live page of a scene.
 
-use super::args::{DesignName, TraversalChoice, Vector, ViewOptions};
 use super::output;
-use super::setup::View;
-use super::sweep::Entry;
-use super::{Failure, say, warn};
+use super::resolve::Asked;
+use super::say::{Failure, say, warn};
+use super::values::{DesignName, TraversalChoice, Vector};
+use super::view_args::ViewOptions;
 use crate::camera::Camera;
-use crate::design::DesignChoice;
 use crate::framing::Frame;
 use crate::page::{Shown, html};
+use crate::plan::{AnyScene, Prepared, Subject};
 use crate::scene::Scene;
 use clap::Args;
 use splatline::format::Traversal;
@@ -54,22 +54,27 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let design = DesignChoice::load(&options.design.0)?;
-    let traversal = options.traversal.map_or(design.traversal, Traversal::from);
-    let view = View::from_options(&options.view)?;
-    if view.camera.width.max(view.camera.height) > LARGEST_SIDE {
+    let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
+    if let Some(traversal) = options.traversal {
+        prepared.plan.entry.traversal = Traversal::from(traversal);
+    }
+    let camera = &prepared.plan.camera;
+    if camera.width.max(camera.height) > LARGEST_SIDE {
         let message = format!(
             "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
         );
         return Err(Failure::Usage(message));
     }
-    warn(&view.warnings);
+    warn(&prepared.warnings);
     let up = options.view.up.map(|Vector(up)| up);
-    let bytes = write_page(&view, &Entry { design, traversal }, up, &options.output)?;
+    let bytes = write_page(&prepared, up, &options.output)?;
+    let AnyScene::Splats(scene) = &prepared.scene else {
+        return Ok(());
+    };
     say(&format!(
         "{}: {} splats, {:.1} MB\n{}\n",
-        view.scene.name,
-        view.scene.splats.len(),
+        scene.name,
+        scene.splats.len(),
         bytes as f64 / 1e6,
         options.output.display()
     ))
@@ -77,19 +82,22 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
 
 /// Writes the page of a view; how many bytes it has.
 pub fn write_page(
-    view: &View,
-    first: &Entry,
+    prepared: &Prepared,
     up: Option<[f64; 3]>,
     path: &Path,
 ) -> Result<usize, Failure> {
-    let frame = Frame::of_scene(&view.scene, up);
+    let Subject::Splats(splats) = prepared.subject()? else {
+        let message = "the live page draws volume splats; surfaces are drawn by `splatline render`";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    let frame = Frame::of_scene(splats.scene, up);
     let page = html(&Shown {
-        scene: &view.scene,
-        camera: &view.camera,
-        rules: &view.rules,
-        design: &first.design,
-        traversal: first.traversal,
-        target: pivot(&view.camera, &frame, &view.scene),
+        scene: splats.scene,
+        camera: splats.camera,
+        rules: splats.rules,
+        design: &prepared.plan.entry.design,
+        traversal: prepared.plan.entry.traversal,
+        target: pivot(splats.camera, &frame, splats.scene),
         up: frame.up,
     })?;
     output::write(path, page.as_bytes())?;

@@ -1,8 +1,8 @@
 //! `splatline completions` and `splatline man`: made from the options themselves, so that they cannot fall behind.
 
 use super::args::Cli;
-use super::output;
-use super::{Failure, compare::create_folder};
+use super::output::{self, create_folder};
+use super::say::{Failure, say};
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 use clap_mangen::Man;
@@ -36,7 +36,7 @@ pub struct ManOptions {
 pub fn completions(options: &CompletionsOptions) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Cli::command(), "splatline", &mut script);
-    super::say(&String::from_utf8_lossy(&script))
+    say(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for the program and one for each command.
@@ -54,7 +54,7 @@ pub fn man(options: &ManOptions) -> Result<(), Failure> {
         Man::new(page).title(name.clone()).render(&mut text)?;
         output::write(&options.output.join(format!("{name}.1")), &text)?;
     }
-    super::say(&format!(
+    say(&format!(
         "{}\n",
         options.output.join("splatline.1").display()
     ))

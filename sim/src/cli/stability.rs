@@ -1,10 +1,10 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
 use super::output::write;
-use super::progress::Progress;
+use super::say::{Failure, say};
 use super::study_args::{StabilityOptions, StabilitySection};
-use super::{Failure, say};
 use crate::design::DesignChoice;
+use crate::progress::Progress;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
 use crate::stability::{Extent, Line, measure, steps, table};

@@ -1,6 +1,6 @@
 //! The options of the commands that study the kernel: `stability`, `vectors`.
 
-use super::args::{CompositingChoice, DesignName, Size, TraversalChoice};
+use super::values::{CompositingChoice, DesignName, Size, TraversalChoice};
 use crate::rules::Rules;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;

@@ -1,8 +1,11 @@
 //! Parsing of options, and the commands from options to files on small scenes.
 
 use super::args::*;
+use super::say::explain;
+use super::values::*;
 use super::*;
 use crate::picture::{Depth, Picture};
+use crate::plan::{Engine, NO_SURFACE_UNIT};
 use crate::report::Report;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
@@ -88,13 +91,14 @@ fn defaults_are_those_of_the_help() {
         panic!("not render")
     };
     assert_eq!(options.drawing.engine, Engine::Fixed);
-    assert_eq!(options.drawing.design, DesignName("standard24".to_owned()));
+    let work = &options.drawing.work;
+    assert_eq!(work.design, DesignName("standard24".to_owned()));
     assert_eq!(
         (options.drawing.depth, options.drawing.repeat),
         (Depth::Eight, 1)
     );
     assert_eq!(
-        (options.drawing.traversal, options.drawing.compositing),
+        (work.traversal, work.compositing),
         (None, CompositingChoice::FrontToBack)
     );
     assert!(options.view.rules.is_none() && options.view.size.is_none());
@@ -318,6 +322,132 @@ fn inputs_are_never_overwritten_and_names_do_not_lie() {
         before
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+/// A report records the whole plan: `--from` draws the same bits, though the design's file is gone.
+#[test]
+fn a_report_draws_the_same_bits_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (cloud, heights, design) = (path("c.xyz"), path("h.csv"), path("mine.toml"));
+    write_cloud(Path::new(&cloud));
+    std::fs::write(&heights, "0,0.1,0.3\n0,0.2,0.2\n0.1,0.1,0\n").unwrap();
+    let (json, first, again) = (path("r.json"), path("a.npy"), path("b.npy"));
+    for scene in [
+        "random:200 --orbit 40,20 --traversal box --compositing back-to-front --rules ewa",
+        "random:200 --engine float --kernel cubic",
+        "random:200 --engine exact --zoom 1.5",
+        "demo --light 1,0,0.3 --rules ewa --antialias swan --points auto",
+        "random:60 --rules ewa --antialias swan --traversal stamp --phase-bits 2",
+        &format!("{cloud} --as surface --layers 3 --edges --light 1,0,1"),
+        &format!("{cloud} --as surface --engine float --cull-backfaces"),
+        &format!("{heights} --as surface --spacing 0.3"),
+    ] {
+        std::fs::write(
+            &design,
+            "base = \"lean18\"\nmantissa = 17\nrounding = \"truncate\"\n",
+        )
+        .unwrap();
+        let line = format!("{scene} --design {design} --size 40x30");
+        run_line(&format!("render {line} -o {first} --json {json}")).unwrap();
+        std::fs::remove_file(&design).unwrap();
+        let report = read_report(Path::new(&json));
+        let second = path("again.json");
+        run_line(&format!("render --from {json} -o {again} --json {second}")).unwrap();
+        let same = std::fs::read(&first).unwrap() == std::fs::read(&again).unwrap();
+        assert!(same, "{scene}");
+        let repeated = read_report(Path::new(&second));
+        assert_eq!(
+            Report {
+                host: report.host,
+                ..repeated
+            },
+            report,
+            "{scene}"
+        );
+    }
+    let refused = parse(&format!("render --from {json} --zoom 2 -o {again}"));
+    assert_eq!(refused.unwrap_err().kind(), ErrorKind::ArgumentConflict);
+}
+
+/// The machine is part of the plan as well, and a comparison's report makes a comparison again.
+#[test]
+fn a_report_counts_the_same_cycles_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = |name: &str| folder.path().join(name).join("report.json");
+    let shown = |name: &str| folder.path().join(name).display().to_string();
+    let machine = "--machine primitive-2 --set read_bandwidth=16";
+    let line = format!("random:200 --size 40x30 --only --engine exact {machine}");
+    run_line(&format!("compare {line} -o {}", shown("a"))).unwrap();
+    let from = |name: &str| format!("--from {}", out(name).display());
+    run_line(&format!("compare {} --only -o {}", from("a"), shown("b"))).unwrap();
+    let (first, second) = (read_report(&out("a")), read_report(&out("b")));
+    assert!(first.cycles.is_some());
+    assert_eq!((&first.cycles, &first.plan), (&second.cycles, &second.plan));
+    assert_eq!(first.error, second.error);
+    run_line(&format!("model {} -o {}", from("a"), shown("m"))).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("m/timing.json")).unwrap();
+    let timing: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(timing["cycles"]["total"], first.cycles.unwrap()["total"]);
+}
+
+/// Surfaces come through the same entrance; what counts cycles says in one sentence why it does not take them.
+#[test]
+fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let cloud = path("c.xyz");
+    write_cloud(Path::new(&cloud));
+    let scene = format!("{cloud} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0");
+    let lines = |engine: &str| -> Vec<Vec<f64>> {
+        let csv = path("f.csv");
+        run_line(&format!("footprints {scene} --engine {engine} -o {csv}")).unwrap();
+        let text = std::fs::read_to_string(csv).unwrap();
+        let number = |field: &str| field.parse::<f64>().unwrap();
+        let lines = text.lines().skip(1);
+        lines
+            .map(|line| line.split(',').map(number).collect())
+            .collect()
+    };
+    let (fixed, float) = (lines("fixed"), lines("float"));
+    assert_eq!((fixed.len(), float.len()), (36, 36));
+    for (a, b) in fixed.iter().zip(&float) {
+        let near = |column: usize, bound: f64| (a[column] - b[column]).abs() <= bound;
+        assert!((1..=3).all(|column| near(column, 1e-3)), "{a:?} {b:?}");
+        let largest = b[4].abs().max(b[6].abs());
+        assert!(
+            (4..=6).all(|column| near(column, 1e-4 * largest)),
+            "{a:?} {b:?}"
+        );
+        assert!(
+            (7..=10).all(|column| near(column, 1.0)) && near(11, 1e-6),
+            "{a:?} {b:?}"
+        );
+    }
+    let toml = path("fit.toml");
+    run_line(&format!("fit {scene} --max-error 0.02 -o {toml}")).unwrap();
+    run_line(&format!(
+        "compare {scene} --design {toml} --only -o {}",
+        path("out")
+    ))
+    .unwrap();
+    let report = read_report(&folder.path().join("out/report.json"));
+    assert!(report.error.unwrap().rgb.max_abs <= 0.02);
+    std::fs::write(path("s.toml"), "[machine]\nlanes = [1, 2]\n").unwrap();
+    for line in [
+        format!("model {scene}"),
+        format!("trace {scene} --format vcd -o {}", path("t.vcd")),
+        format!(
+            "explore {scene} --space {} -o {}",
+            path("s.toml"),
+            path("e")
+        ),
+    ] {
+        let Err(Failure::Input(error)) = run_line(&line) else {
+            panic!("{line} was accepted");
+        };
+        assert!(explain(&error).contains(NO_SURFACE_UNIT), "{line}: {error}");
+    }
 }
 
 /// The camera of a report draws the same picture again, from the report itself as well.

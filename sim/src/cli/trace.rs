@@ -1,12 +1,9 @@
 //! `splatline trace`: the raster phase of some splats for a trace viewer.
 
-use super::engines;
 use super::machine_args::{TraceFormat, TraceOptions};
-use super::model::{from_scene, machine};
 use super::output::{self, write};
-use super::setup::View;
-use super::{Failure, say, warn};
-use crate::design::DesignChoice;
+use super::resolve::Asked;
+use super::say::{Failure, say, warn};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate_observed;
 use crate::trace::{Recorder, kanata, perfetto, vcd};
@@ -37,14 +34,13 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
             options.first
         )));
     }
-    let config = machine(&options.machine)?;
-    let view = View::from_options(&options.view)?;
-    let design = DesignChoice::load(&options.work.design.0)?;
-    warn(&engines::warnings(&view, &design));
-    let workload = from_scene(&view, &options.work, &config)?;
-    let work = LaneWork::new(&workload, LaneShape::from(&config));
+    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let prepared = asked.prepare()?;
+    warn(&prepared.setup_warnings()?);
+    let (workload, config) = (prepared.workload()?, &prepared.plan.machine);
+    let work = LaneWork::new(&workload, LaneShape::from(config));
     let mut recorder = Recorder::new(options.first, last);
-    let timing = simulate_observed(&workload, &work, &config, &mut recorder);
+    let timing = simulate_observed(&workload, &work, config, &mut recorder);
     let events = recorder.into_events();
     let text = match options.format {
         TraceFormat::Kanata => kanata::log(&events),

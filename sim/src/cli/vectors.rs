@@ -1,8 +1,8 @@
 //! `splatline vectors`: test vectors for every stage boundary, written and checked.
 
-use super::setup::sound_camera;
+use super::resolve::sound_camera;
+use super::say::{Failure, say};
 use super::study_args::{VectorsAction, VectorsExportOptions};
-use super::{Failure, say};
 use crate::design::DesignChoice;
 use crate::fixed::QuantisedScene;
 use crate::scene::{self, LoadOptions};

@@ -1,22 +1,26 @@
 //! What is looked at and from where: the options that every command about a scene has.
 
-use super::args::{number, positive};
 use super::output;
-use crate::framing::Orbit;
-use crate::rules::{Kernel, Rules};
-use clap::{Args, ValueEnum};
+use super::values::{
+    AntialiasChoice, Backfaces, KernelChoice, OrbitChoice, SceneKind, Size, Vector, field_of_view,
+    layers, positive,
+};
+use crate::rules::Rules;
+use crate::texture::coefficients::Method;
+use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
-
-/// Largest width and height of a picture.
-pub const LARGEST_SIDE: usize = 16_384;
 
 /// What is looked at and from where.
 #[derive(Debug, Args)]
 pub struct ViewOptions {
     /// Scene: 3D Gaussians, a volume or one of demo, random:COUNT[:SEED], deep-stack; - reads stdin. docs/formats.md lists the formats
     #[arg(value_name = "SCENE")]
-    pub scene: PathBuf,
+    pub scene: Option<PathBuf>,
+    /// Draw again what a report.json records: its scene, camera, rules, style, design and machine
+    #[arg(long, value_name = "report.json", conflicts_with_all = ["scene", "camera", "eye", "target", "up", "fov", "orbit", "zoom", "size", "rules",
+        "antialias", "kernel", "transfer", "light", "kind"])]
+    pub from: Option<PathBuf>,
     /// Camera: our JSON file or a report.json, a COLMAP folder, transforms.json or cameras.json; without it and without --eye the whole scene is shown
     #[arg(long, value_name = "FILE", help_heading = "Camera", conflicts_with_all = ["eye", "target", "up", "fov", "orbit"])]
     pub camera: Option<PathBuf>,
@@ -91,128 +95,64 @@ pub struct ViewOptions {
         allow_hyphen_values = true
     )]
     pub light: Option<Vector>,
+    #[command(flatten)]
+    pub surface: SurfaceOptions,
 }
 
 impl ViewOptions {
     /// The files that are read.
     pub fn inputs(&self) -> Vec<PathBuf> {
-        let mut inputs = output::files([self.camera.as_ref(), self.transfer.as_ref()]);
-        inputs.push(self.scene.clone());
-        inputs
+        let texture = &self.surface.texture;
+        let given = [
+            &self.scene,
+            &self.from,
+            &self.camera,
+            &self.transfer,
+            texture,
+        ];
+        output::files(given.map(Option::as_ref))
     }
 }
 
-/// Protection against aliasing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum AntialiasChoice {
-    /// No low-pass filter
-    None,
-    /// The low-pass filter of the rules
-    Ewa,
-    /// Distance scaling by the volume's sample spacing, without a low-pass filter
-    Swan,
+/// How a point cloud is drawn as a surface.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Surfaces")]
+pub struct SurfaceOptions {
+    /// What the scene's points are: `surface` draws a .ply or .xyz cloud or a height field (.csv) as surface splats
+    #[arg(long = "as", value_name = "surface", value_enum)]
+    pub kind: Option<SceneKind>,
+    /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]
+    #[arg(long, value_name = "N", value_parser = layers, requires = "kind")]
+    pub layers: Option<usize>,
+    /// Depths closer than this are one surface, scene units [default: three radii]
+    #[arg(long, value_name = "Z", value_parser = positive, requires = "kind")]
+    pub z_threshold: Option<f64>,
+    /// Antialias edges by the weight sum
+    #[arg(long, requires = "kind")]
+    pub edges: bool,
+    /// Photograph (.png, .jpg) over a height field, north up
+    #[arg(long, value_name = "photo.jpg", requires = "kind")]
+    pub texture: Option<PathBuf>,
+    /// How points get their colours from the texture: plain, prefiltered or optimised
+    #[arg(long, value_name = "METHOD", default_value = "optimised", value_parser = Method::from_str, requires = "texture")]
+    pub coefficients: Method,
+    /// Distance of neighbouring heights of a height field, in units of height [default: 0.1]
+    #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
+    pub spacing: Option<f64>,
+    /// Leaves out points that face away from the eye [default: auto; on if nothing follows]
+    #[arg(long, value_enum, value_name = "WHEN", num_args = 0..=1, require_equals = true, default_value = "auto", default_missing_value = "on", hide_default_value = true, requires = "kind")]
+    pub cull_backfaces: Backfaces,
+    /// The same as --cull-backfaces=off
+    #[arg(long, requires = "kind", conflicts_with = "cull_backfaces")]
+    pub no_cull_backfaces: bool,
 }
 
-/// Shape of footprints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum KernelChoice {
-    /// exp(-r/2)
-    Gaussian,
-    /// Footprint of the cubic spline of Crawfis and Max
-    Cubic,
-    /// 1 - r/6 (Epanechnikov)
-    Quadratic,
-    /// Constant
-    Disc,
-}
-
-impl From<KernelChoice> for Kernel {
-    fn from(choice: KernelChoice) -> Self {
-        match choice {
-            KernelChoice::Gaussian => Kernel::Gaussian,
-            KernelChoice::Cubic => Kernel::Cubic,
-            KernelChoice::Quadratic => Kernel::Quadratic,
-            KernelChoice::Disc => Kernel::Disc,
+impl SurfaceOptions {
+    /// Whether backs are left out, from both options.
+    pub fn backfaces(&self) -> Backfaces {
+        match self.no_cull_backfaces {
+            true => Backfaces::Off,
+            false => self.cull_backfaces,
         }
-    }
-}
-
-/// Three finite numbers parted by commas.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vector(pub [f64; 3]);
-
-impl FromStr for Vector {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let parts: Vec<f64> = text
-            .split(',')
-            .map(|part| number(part.trim()))
-            .collect::<Result<_, _>>()?;
-        let count = parts.len();
-        let three = <[f64; 3]>::try_from(parts)
-            .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
-        Ok(Vector(three))
-    }
-}
-
-/// Azimuth and elevation in degrees, parted by a comma.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OrbitChoice(pub Orbit);
-
-impl FromStr for OrbitChoice {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (azimuth, elevation) = text
-            .split_once(',')
-            .ok_or("expected az,el in degrees, for example 30,15")?;
-        let elevation = number(elevation.trim())?;
-        if elevation.abs() > 89.0 {
-            return Err("the elevation must lie between -89 and 89 degrees".to_owned());
-        }
-        Ok(OrbitChoice(Orbit {
-            azimuth: number(azimuth.trim())?,
-            elevation,
-        }))
-    }
-}
-
-/// Columns and rows, 1 to [`LARGEST_SIDE`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-}
-
-impl FromStr for Size {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let (width, height) = text
-            .split_once(['x', 'X'])
-            .ok_or("expected WxH, for example 640x480")?;
-        Ok(Size {
-            width: side(width)?,
-            height: side(height)?,
-        })
-    }
-}
-
-fn side(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
-        _ => Err(format!(
-            "width and height must be whole numbers from 1 to {LARGEST_SIDE}, not '{text}'"
-        )),
-    }
-}
-
-fn field_of_view(text: &str) -> Result<f64, String> {
-    match number(text)? {
-        degrees if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
-        _ => Err("the field of view must lie between 0 and 180 degrees".to_owned()),
     }
 }

@@ -7,16 +7,13 @@
 //! Tried and dropped: all widths lowered in step (ends at the one that needs most), and coordinate search by area per error (twice the
 //! drawings for designs of the same area).
 
-use crate::camera::Camera;
-use crate::design::DesignChoice;
-use crate::fixed::{self, Options};
+use crate::design::{DesignChoice, traversal_name};
 use crate::metrics::compare;
 use crate::picture::Picture;
-use crate::rules::{Compositing, Rules};
-use crate::scene::Scene;
 use anyhow::{Context, Result};
 use serde::Serialize;
 use splatline::format::{Traversal, WIDTH_RANGES};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// Which error must stay within the budget. Colours only, units of 1.0.
@@ -30,16 +27,8 @@ pub enum Metric {
 
 /// What is fitted.
 pub struct Task<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Its camera.
-    pub camera: &'a Camera,
-    /// Rules of blending.
-    pub rules: &'a Rules,
-    /// Order and operator.
-    pub compositing: Compositing,
-    /// Order of the pixels.
-    pub traversal: Traversal,
+    /// Draws by a design, whatever kind of scene it is.
+    pub draw: &'a dyn Fn(&DesignChoice) -> Result<Picture>,
     /// The reference's picture.
     pub reference: &'a Picture,
     /// Which error.
@@ -165,7 +154,12 @@ fn widths_of(design: &DesignChoice) -> BTreeMap<&'static str, u8> {
 }
 
 /// The text of a design file.
-pub fn design_toml(widths: &BTreeMap<&'static str, u8>, rounding: &str, traversal: &str) -> String {
+pub fn design_toml(
+    widths: &BTreeMap<&'static str, u8>,
+    rounding: &str,
+    traversal: Traversal,
+) -> String {
+    let traversal = traversal_name(traversal);
     let lines: String = widths
         .iter()
         .map(|(name, bits)| format!("{name} = {bits}\n"))
@@ -178,7 +172,7 @@ pub fn design_toml(widths: &BTreeMap<&'static str, u8>, rounding: &str, traversa
 struct Search<'a> {
     task: &'a Task<'a>,
     widths: BTreeMap<&'static str, u8>,
-    rounding: &'static str,
+    rounding: Cow<'static, str>,
     drawings: usize,
 }
 
@@ -208,27 +202,16 @@ impl Search<'_> {
         let task = self.task;
         let design = DesignChoice::from_toml(
             "fit.toml",
-            &design_toml(&self.widths, self.rounding, "spans"),
+            &design_toml(&self.widths, &self.rounding, Traversal::Spans),
         )?;
-        let options = Options {
-            rules: task.rules,
-            compositing: task.compositing,
-            design: &design,
-            traversal: task.traversal,
-        };
-        let picture = fixed::draw(task.scene, task.camera, &options).picture;
+        let picture = (task.draw)(&design)?;
         self.drawings += 1;
         let error = compare(&picture, task.reference)
             .context("the pictures cannot be compared")?
             .colour;
-        let rms = if error.psnr_db.is_finite() {
-            10f64.powf(-error.psnr_db / 20.0)
-        } else {
-            0.0
-        };
         Ok(Fitness {
             max_abs: error.max_abs,
-            rms,
+            rms: error.rms(),
             bias: error.bias,
         })
     }
@@ -237,31 +220,26 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::float;
+    use crate::plan::{Engine, Entry, Prepared};
     use crate::scene::synthetic;
 
     #[test]
     fn a_fitted_design_is_within_the_budget_and_minimal() {
         let scene = synthetic::random_gaussians(150, 1, 2.0);
-        let camera = synthetic::camera(40, 30);
-        let reference = float::draw(
-            &scene,
-            &camera,
-            &scene.natural_rules,
-            Compositing::FrontToBack,
-        )
-        .picture;
+        let (camera, rules) = (synthetic::camera(40, 30), scene.natural_rules);
+        let start = DesignChoice::named("standard24").unwrap();
+        let prepared = Prepared::of_splats(scene, camera, rules, start.clone());
+        let reference = prepared.draw_reference(Engine::Float, &|_, _| ()).unwrap();
+        let draw = |design: &DesignChoice| {
+            let entry = Entry::new(design.clone(), Some(Traversal::Spans));
+            Ok(prepared.draw_fixed(&entry)?.picture)
+        };
         let task = Task {
-            scene: &scene,
-            camera: &camera,
-            rules: &scene.natural_rules,
-            compositing: Compositing::FrontToBack,
-            traversal: Traversal::Spans,
-            reference: &reference,
+            draw: &draw,
+            reference: &reference.picture,
             metric: Metric::Rms,
             budget: 1e-3,
         };
-        let start = DesignChoice::named("standard24").unwrap();
         let (fitted, _) = fit(&task, &start, &|_| ()).unwrap();
         let fitted = fitted.unwrap();
         assert!(fitted.error.rms <= task.budget);

@@ -6,6 +6,8 @@
 
 use super::front::{Candidate, front};
 use super::table::{RESULTS, Table};
+use crate::report::html::escape;
+use crate::report::plot::multiples;
 use std::fmt::Write;
 
 const WIDTH: f64 = 760.0;
@@ -80,11 +82,7 @@ impl Scale {
 
     /// These digits times powers of ten within the range.
     fn multiples(&self, digits: &[f64]) -> Vec<f64> {
-        let decades = self.low.floor() as i32..=self.high.ceil() as i32;
-        decades
-            .flat_map(|decade| digits.iter().map(move |digit| digit * 10f64.powi(decade)))
-            .filter(|tick| (self.low..=self.high).contains(&tick.log10()))
-            .collect()
+        multiples(digits, self.low, self.high)
     }
 }
 
@@ -254,13 +252,6 @@ fn short(value: f64) -> String {
         v if v >= 0.01 => digits(v),
         v => format!("{v:.1e}").replace(".0e", "e"),
     }
-}
-
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

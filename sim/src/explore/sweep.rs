@@ -146,8 +146,8 @@ fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Design
                 toml::Value::Integer(value.as_i64().unwrap_or(0)),
             );
         }
-        table.insert("rounding".to_owned(), resolved.rounding.into());
-        table.insert("traversal".to_owned(), resolved.traversal.into());
+        table.insert("rounding".to_owned(), resolved.rounding.as_ref().into());
+        table.insert("traversal".to_owned(), resolved.traversal.as_ref().into());
     }
     for (key, value) in settings {
         table.insert(key.to_owned(), value.clone());
@@ -242,18 +242,15 @@ impl Run<'_> {
 fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<String> {
     let mut fields = match error {
         Some(error) => {
-            let rms = if error.psnr_db.is_finite() {
-                10f64.powf(-error.psnr_db / 20.0)
-            } else {
-                0.0
-            };
             let psnr = if error.psnr_db.is_finite() {
                 format!("{:.3}", error.psnr_db)
             } else {
                 String::new()
             };
             let mut fields = vec![psnr];
-            fields.extend([rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
+            fields.extend(
+                [error.rms(), error.max_abs, error.bias].map(|value| format!("{value:.4e}")),
+            );
             fields.push(format!("{:.6}", error.ssim));
             fields
         }

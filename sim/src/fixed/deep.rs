@@ -3,7 +3,7 @@
 //! Footprints and opacities are the design's; only the pixel differs. Nothing finishes early: the channel shows all of
 //! its error.
 
-use super::bands::{area, draw_bands, touches, with_table};
+use super::frame::{TileLists, paint_apart, table, table_entries};
 use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::Options;
 use crate::camera::Camera;
@@ -51,31 +51,29 @@ fn draw_with<D: Design + Send + Sync>(
     if back_to_front {
         footprints.reverse();
     }
-    with_table(&widths, rules.table_range, |table| {
-        let order = KernelCompositing::FrontToBack;
-        let painter = Painter::new(design, &rules, table, order, options.traversal);
-        draw_bands(quantised.view.viewport, |window| {
-            let mut pixels = vec![DeepPixel::clear(&channel); area(&window)];
-            let width = usize::from(window.last[0]);
-            for (layer, footprint) in (0..).zip(&footprints) {
-                if !touches(footprint, &window) {
-                    continue;
+    let memory = table_entries(&widths, &rules);
+    let table = table(&memory, &widths, &rules);
+    let order = KernelCompositing::FrontToBack;
+    let painter = Painter::new(design, &rules, table, order, options.traversal);
+    let tiles = TileLists::in_bands(footprints.iter(), quantised.view.viewport);
+    let clear = DeepPixel::clear(&channel);
+    let (pixels, _) = paint_apart(clear, &tiles, |window, list, pixels| {
+        let width = usize::from(window.last[0]);
+        for layer in list {
+            let footprint = &footprints[*layer as usize];
+            let colour = footprint.colour.map(|c| c << (28 - widths.colour));
+            painter.visit(footprint, &window, |x, y, alpha| {
+                let pixel = &mut pixels[usize::from(y - window.first[1]) * width + usize::from(x)];
+                let alpha = alpha << (31 - widths.alpha);
+                if back_to_front {
+                    pixel.back_to_front(&channel, alpha, &colour, [x, y], *layer);
+                } else {
+                    pixel.front_to_back(&channel, alpha, &colour, [x, y], *layer);
                 }
-                let colour = footprint.colour.map(|c| c << (28 - widths.colour));
-                painter.visit(footprint, &window, |x, y, alpha| {
-                    let pixel =
-                        &mut pixels[usize::from(y - window.first[1]) * width + usize::from(x)];
-                    let alpha = alpha << (31 - widths.alpha);
-                    if back_to_front {
-                        pixel.back_to_front(&channel, alpha, &colour, [x, y], layer);
-                    } else {
-                        pixel.front_to_back(&channel, alpha, &colour, [x, y], layer);
-                    }
-                });
-            }
-            pixels
-        })
-    })
+            });
+        }
+    });
+    pixels
 }
 
 fn to_picture(

@@ -1,19 +1,17 @@
 //! Points and splats through the kernel: choice, setup, order, slabs, stamps.
 
+use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{
-    Drawing, Options, TileLists, Times, paint_tiles, table, table_entries, to_picture,
-};
+use super::render::{Drawing, Options, Times, culls};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::scene::Scene;
 use rayon::prelude::*;
-use splatline::blend::Pixel;
 use splatline::blend::points::{Slab, Slabs};
 use splatline::draw::{Coverage, Gathering, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Design, Traversal, Widths};
+use splatline::format::{Design, Traversal};
 use splatline::kernel::FootprintTable;
 use splatline::raster::{Stamp, StampShape, fill_stamps};
 use splatline::rules as kernel;
@@ -90,19 +88,10 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
     fn draw(&self, camera: &Camera, options: &Options) -> Result<HybridDrawing, String> {
         let widths = self.design.widths();
         let started = Instant::now();
-        let mut culled = [0; Cull::ALL.len()];
-        let (mut footprints, mut is_point) = (Vec::new(), Vec::new());
-        for result in self.set_up() {
-            match result {
-                Ok((footprint, point)) => {
-                    footprints.push(footprint);
-                    is_point.push(point);
-                }
-                Err(reason) => {
-                    culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1
-                }
-            }
-        }
+        let results = self.set_up();
+        let culled = culls(&results);
+        let (mut footprints, mut is_point): (Vec<_>, Vec<_>) =
+            results.into_iter().flatten().unzip();
         let memory = table_entries(&widths, &self.rules);
         let table = table(&memory, &widths, &self.rules);
         let first_point = is_point.iter().position(|point| *point);
@@ -112,7 +101,7 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
         }
         let set_up_at = started.elapsed().as_secs_f64();
         let viewport = self.quantised.view.viewport;
-        let tiles = TileLists::new(&footprints, options.compositing, viewport);
+        let tiles = TileLists::by_depth(&footprints, options.compositing, viewport);
         let sorted_at = started.elapsed().as_secs_f64();
         let painter = Painter::new(
             self.design,
@@ -145,29 +134,17 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
             points: is_point.iter().filter(|point| **point).count(),
             drawn: footprints.len(),
             stamp_words: stamps.map_or(0, |(words, _)| words.len()),
-            drawing: self.finish(camera, &widths, pixels, culled, coverage, times),
+            drawing: Drawing {
+                picture: to_picture(&pixels, camera, &widths, self.quantised.colour_log2),
+                pixels,
+                splats: self.quantised.splats.len(),
+                culled,
+                clamped: self.quantised.clamped,
+                colour_log2: self.quantised.colour_log2,
+                coverage,
+                times,
+            },
         })
-    }
-
-    fn finish(
-        &self,
-        camera: &Camera,
-        widths: &Widths,
-        pixels: Vec<Pixel>,
-        culled: [usize; Cull::ALL.len()],
-        coverage: Coverage,
-        times: Times,
-    ) -> Drawing {
-        Drawing {
-            picture: to_picture(&pixels, camera, widths, self.quantised.colour_log2),
-            pixels,
-            splats: self.quantised.splats.len(),
-            culled,
-            clamped: self.quantised.clamped,
-            colour_log2: self.quantised.colour_log2,
-            coverage,
-            times,
-        }
     }
 
     fn set_up(&self) -> Vec<Result<Primitive, Cull>> {

@@ -4,8 +4,8 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
-mod bands;
 pub mod deep;
+mod frame;
 mod hybrid;
 mod quantise;
 mod render;
@@ -13,11 +13,11 @@ pub mod sheets;
 mod sphere;
 pub mod surface;
 
+pub(crate) use frame::{table, table_entries};
 pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
-    Drawing, Engine, Options, Times, conics, draw, draw_quantised, draw_with_footprints,
+    Drawing, Engine, Options, Times, conics, culls, draw, draw_quantised, draw_with_footprints,
     footprints, variances,
 };
-pub(crate) use render::{table, table_entries};
 pub use sphere::draw_spheres;

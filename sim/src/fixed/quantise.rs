@@ -6,6 +6,7 @@
 //! of two that fills that range; a power of two moves no bit of any other result.
 
 use crate::camera::Camera;
+use crate::metrics::median;
 use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::Scene;
 use splatline::float;
@@ -109,11 +110,7 @@ pub(super) fn scale_log2(centres: impl Iterator<Item = [f64; 3]>, camera: &Camer
     let mut reach: Vec<f64> = centres
         .map(|centre| centre.iter().fold(0.0, |m: f64, c| m.max(c.abs())))
         .collect();
-    let middle = reach.len() / 2;
-    let median = match reach.is_empty() {
-        true => 1.0,
-        false => *reach.select_nth_unstable_by(middle, f64::total_cmp).1,
-    };
+    let median = median(&mut reach).unwrap_or(1.0);
     let farthest = reach
         .iter()
         .fold(0.0f64, |m, value| m.max(*value))

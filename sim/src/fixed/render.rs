@@ -1,13 +1,13 @@
 //! Drawing a quantised scene: setup of every splat, depth order, tiles on all cores.
 
+use super::frame::{TileLists, paint_frame, paint_tiles, table, table_entries, to_picture, total};
 use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
 use crate::fast::lanes::{Choice, has_vectors};
-use crate::fast::order::{Grid, Key, tile_lists};
 use crate::fast::setup as fast;
-use crate::fast::{Scratch, TILE, tile_painter};
+use crate::fast::{Scratch, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -16,12 +16,9 @@ use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal, Widths};
-use splatline::kernel::{FootprintTable, entries, fill};
-use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{Cull, Variance, columns, conic, distance, project, scan, setup, variance};
 use splatline::splat::VolumeSplat;
-use splatline::target::Target;
 use std::time::Instant;
 
 /// Which implementation paints. All give the same pixels and counts.
@@ -239,7 +236,7 @@ fn draw_with<D: Design + Send + Sync>(
     let started = Instant::now();
     let results = set_up(design, quantised, &rules, engine);
     let set_up_at = started.elapsed().as_secs_f64();
-    let tiles = TileLists::new(&results, options.compositing, quantised.view.viewport);
+    let tiles = TileLists::by_depth(&results, options.compositing, quantised.view.viewport);
     let sorted_at = started.elapsed().as_secs_f64();
     let (pixels, coverage) = raster(design, &rules, &results, &tiles, options, engine);
     let times = Times {
@@ -247,17 +244,13 @@ fn draw_with<D: Design + Send + Sync>(
         sort: sorted_at - set_up_at,
         raster: started.elapsed().as_secs_f64() - sorted_at,
     };
-    let mut culled = [0; Cull::ALL.len()];
-    for reason in results.iter().filter_map(|result| result.err()) {
-        culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1;
-    }
     let picture = to_picture(&pixels, camera, &design.widths(), quantised.colour_log2);
     let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
     let drawing = Drawing {
         picture,
         pixels,
         splats,
-        culled,
+        culled: culls(&results),
         clamped,
         colour_log2: quantised.colour_log2,
         coverage,
@@ -266,70 +259,13 @@ fn draw_with<D: Design + Send + Sync>(
     (drawing, results)
 }
 
-/// What stands for a splat when splats are ordered.
-pub(super) trait Placed: Sync {
-    /// Its footprint, if it has one.
-    fn footprint(&self) -> Option<&Footprint>;
-}
-
-impl Placed for Footprint {
-    fn footprint(&self) -> Option<&Footprint> {
-        Some(self)
+/// How many results were culled, by reason, in the order of [`Cull::ALL`].
+pub fn culls<T>(results: &[Result<T, Cull>]) -> [usize; Cull::ALL.len()] {
+    let mut culled = [0; Cull::ALL.len()];
+    for reason in results.iter().filter_map(|result| result.as_ref().err()) {
+        culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1;
     }
-}
-
-impl Placed for Result<Footprint, Cull> {
-    fn footprint(&self) -> Option<&Footprint> {
-        self.as_ref().ok()
-    }
-}
-
-/// For every tile the footprints whose box touches it, in drawing order: by depth, nearest first (farthest first for back to front),
-/// ties by index.
-pub(super) struct TileLists {
-    grid: Grid,
-    lists: Vec<Vec<u32>>,
-}
-
-impl TileLists {
-    pub(super) fn new(
-        splats: &[impl Placed],
-        compositing: Compositing,
-        viewport: [u16; 2],
-    ) -> Self {
-        let grid = Grid::new(viewport, TILE);
-        let part = splats.len().div_ceil(rayon::current_num_threads()).max(1);
-        let keys_of = |(start, part): (usize, &[_])| keys(part, start);
-        let parts: Vec<Vec<Key>> = splats
-            .par_chunks(part)
-            .enumerate()
-            .map(|(number, chunk)| keys_of((number * part, chunk)))
-            .collect();
-        let mut lists = tile_lists(&grid, &parts);
-        if compositing == Compositing::BackToFront {
-            lists.iter_mut().for_each(|list| list.reverse());
-        }
-        TileLists { grid, lists }
-    }
-}
-
-/// Keys of the splats that have a footprint, numbered from `start`.
-fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
-    let footprints = splats.iter().zip(start as u32..);
-    footprints
-        .filter_map(|(splat, index)| {
-            let footprint = splat.footprint()?;
-            let bounds = Window {
-                first: footprint.first,
-                last: footprint.last,
-            };
-            (!bounds.is_empty()).then_some(Key {
-                depth: footprint.depth,
-                index,
-                bounds,
-            })
-        })
-        .collect()
+    culled
 }
 
 fn raster<D: Design + Send + Sync>(
@@ -350,12 +286,13 @@ fn raster<D: Design + Send + Sync>(
         && spans_in_order
         && let Some(painter) = tile_painter(design, rules, table, choice)
     {
-        return paint_frame(
-            &widths,
+        let (pixels, parts) = paint_frame(
+            Pixel::clear(&widths),
             tiles,
             Scratch::default,
             |scratch, window, list, rows| painter.paint(scratch, window, results, list, rows),
         );
+        return (pixels, total(parts));
     }
     let compositing = kernel_compositing(options.compositing);
     let painter = Painter::new(design, rules, table, compositing, options.traversal);
@@ -371,93 +308,4 @@ fn raster<D: Design + Send + Sync>(
         }
         coverage
     })
-}
-
-/// The footprint table's entries for the rules' kernel.
-pub(crate) fn table_entries(widths: &Widths, rules: &kernel::Rules) -> Vec<u32> {
-    let mut memory = vec![0; entries(widths)];
-    fill(&mut memory, widths, rules.table_range, rules.kernel);
-    memory
-}
-
-/// The table over [`table_entries`].
-pub(crate) fn table<'a>(
-    memory: &'a [u32],
-    widths: &Widths,
-    rules: &kernel::Rules,
-) -> FootprintTable<'a> {
-    match FootprintTable::new(memory, widths, rules.table_range) {
-        Ok(table) => table,
-        Err(_) => unreachable!("the entries have been made for these widths"),
-    }
-}
-
-/// Paints every tile by `paint`, which is given the tile's footprints in drawing order, and joins the tiles.
-pub(super) fn paint_tiles(
-    widths: &Widths,
-    tiles: &TileLists,
-    paint: impl Fn(&[u32], &mut Target) -> Coverage + Sync,
-) -> (Vec<Pixel>, Coverage) {
-    paint_frame(
-        widths,
-        tiles,
-        || (),
-        |(), window, list, rows| {
-            let columns = usize::from(window.last[0] - window.first[0]);
-            let mut pixels = vec![Pixel::clear(widths); columns * rows.len()];
-            let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
-                unreachable!("the tile's memory has just been made for its window")
-            };
-            let coverage = paint(list, &mut target);
-            for (row, painted) in rows.iter_mut().zip(pixels.chunks_exact(columns)) {
-                row.copy_from_slice(painted);
-            }
-            coverage
-        },
-    )
-}
-
-/// Every tile on some core: `paint` is given a thread's scratch memory, the tile's window, its list and its rows of the frame.
-///
-/// Not inlined, so that a profiler can tell it from the rest.
-#[inline(never)]
-fn paint_frame<S>(
-    widths: &Widths,
-    tiles: &TileLists,
-    scratch: impl Fn() -> S + Send + Sync,
-    paint: impl Fn(&mut S, Window, &[u32], &mut [&mut [Pixel]]) -> Coverage + Sync,
-) -> (Vec<Pixel>, Coverage) {
-    let [width, height] = tiles.grid.viewport().map(usize::from);
-    let mut frame = vec![Pixel::clear(widths); width * height];
-    let coverage = tiles
-        .grid
-        .split(&mut frame)
-        .into_par_iter()
-        .zip(&tiles.lists)
-        .enumerate()
-        .map_init(scratch, |scratch, (tile, (mut rows, list))| {
-            paint(scratch, tiles.grid.window(tile), list, &mut rows)
-        })
-        .reduce(Coverage::default, |mut sum, part| {
-            sum += part;
-            sum
-        });
-    (frame, coverage)
-}
-
-/// Colour and 1 - T in units of 1.0, colours multiplied by the unit that they were divided by.
-pub(super) fn to_picture(
-    pixels: &[Pixel],
-    camera: &Camera,
-    widths: &Widths,
-    colour_log2: i32,
-) -> Picture {
-    let colour_unit = f64::from(i32::from(widths.accumulator) - colour_log2).exp2();
-    let opaque = f64::from(widths.transmittance).exp2();
-    let mut picture = Picture::new(camera.width, camera.height);
-    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
-        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
-        *out = [r, g, b, 1.0 - f64::from(pixel.clear_share()) / opaque];
-    }
-    picture
 }

@@ -1,8 +1,8 @@
 //! Sheet buffers through the kernel: every band of rows lends memory for one sheet and one frame.
 
-use super::bands::{area, draw_bands, touches, with_table};
+use super::frame::{TileLists, paint_apart, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_rules};
-use super::render::{Options, to_picture};
+use super::render::Options;
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::picture::Picture;
@@ -55,33 +55,32 @@ fn draw_with<D: Design + Send + Sync>(
         .flat_map_iter(|(splat, footprint)| slabs.parts(quantised, splat, footprint))
         .collect();
     parts.par_sort_by_key(|(slab, _)| *slab);
-    with_table(&widths, rules.table_range, |table| {
-        let painter = Painter::new(design, &rules, table, Compositing::XRay, options.traversal);
-        let blend = Blend::new(&widths, &rules);
-        draw_bands(quantised.view.viewport, |window| {
-            let columns = usize::from(window.last[0]);
-            let mut frame = vec![Pixel::clear(&widths); area(&window)];
-            let mut memory = frame.clone();
-            let buffers = (
-                Target::new(&mut frame, window, columns),
-                SheetBuffer::new(&mut memory, window, columns, &widths),
-            );
-            let (Ok(mut target), Ok(mut sheet)) = buffers else {
-                unreachable!("the memory has just been made for the window")
-            };
-            for of_slab in parts.chunk_by(|a, b| a.0 == b.0) {
-                let mut touched = false;
-                for (_, footprint) in of_slab.iter().filter(|part| touches(&part.1, &window)) {
-                    painter.draw(footprint, sheet.target());
-                    touched = true;
-                }
-                if touched {
-                    sheet.composite_behind(&blend, &mut target);
-                }
+    let memory = table_entries(&widths, &rules);
+    let table = table(&memory, &widths, &rules);
+    let painter = Painter::new(design, &rules, table, Compositing::XRay, options.traversal);
+    let blend = Blend::new(&widths, &rules);
+    let footprints = parts.iter().map(|(_, footprint)| footprint);
+    let tiles = TileLists::in_bands(footprints, quantised.view.viewport);
+    let clear = Pixel::clear(&widths);
+    let (pixels, _) = paint_apart(clear, &tiles, |window, list, frame| {
+        let columns = usize::from(window.last[0]);
+        let mut memory = frame.to_vec();
+        let buffers = (
+            Target::new(frame, window, columns),
+            SheetBuffer::new(&mut memory, window, columns, &widths),
+        );
+        let (Ok(mut target), Ok(mut sheet)) = buffers else {
+            unreachable!("the memory has just been made for the window")
+        };
+        let slab = |index: &u32| parts[*index as usize].0;
+        for of_slab in list.chunk_by(|a, b| slab(a) == slab(b)) {
+            for index in of_slab {
+                painter.draw(&parts[*index as usize].1, sheet.target());
             }
-            frame
-        })
-    })
+            sheet.composite_behind(&blend, &mut target);
+        }
+    });
+    pixels
 }
 
 /// The plan in the kernel's formats.

@@ -1,18 +1,17 @@
 //! Spherical kernels in perspective through the kernel (\[HYBRID\] 4.2).
 
+use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{
-    Drawing, Options, TileLists, Times, paint_tiles, table, table_entries, to_picture,
-};
+use super::render::{Drawing, Options, Times, culls};
 use crate::camera::Camera;
 use crate::design::DesignJob;
-use crate::scene::Scene;
+use crate::scene::{Scene, Splat};
 use crate::vector;
 use splatline::draw::{Coverage, Painter, Perspective};
 use splatline::format::{Design, Traversal};
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
-use splatline::setup::{Cull, Ellipse, Index, SphereFootprint, setup_sphere};
-use splatline::splat::SphereSplat;
+use splatline::setup::{Ellipse, Index, SphereFootprint, setup_sphere};
+use splatline::splat::{SphereSplat, VolumeSplat};
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
 pub fn draw_spheres(
@@ -41,22 +40,21 @@ fn draw_with<D: Design + Send + Sync>(
     let widths = design.widths();
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let rules = quantised.rules(options.rules);
-    let mut culled = [0; Cull::ALL.len()];
-    let mut spheres: Vec<SphereFootprint> = Vec::new();
-    for (splat, sphere) in scene.splats.iter().zip(&quantised.splats) {
+    let set_up = |(splat, sphere): (&Splat, &VolumeSplat)| {
         let sphere = SphereSplat {
             centre: sphere.centre,
             deviation: scaled(vector::length(splat.axes[0])).scaled_by(quantised.scale_log2),
             weight: sphere.weight,
             colour: sphere.colour,
         };
-        match setup_sphere(design, &quantised.view, &rules, &sphere, shape) {
-            Ok(footprint) => spheres.push(footprint),
-            Err(reason) => culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1,
-        }
-    }
+        setup_sphere(design, &quantised.view, &rules, &sphere, shape)
+    };
+    let splats = scene.splats.iter().zip(&quantised.splats);
+    let results: Vec<_> = splats.map(set_up).collect();
+    let culled = culls(&results);
+    let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
-    let tiles = TileLists::new(&footprints, options.compositing, quantised.view.viewport);
+    let tiles = TileLists::by_depth(&footprints, options.compositing, quantised.view.viewport);
     let memory = table_entries(&widths, &rules);
     let mut perspective = [0; PERSPECTIVE_ENTRIES];
     fill_perspective(&mut perspective);

@@ -6,7 +6,9 @@
 //!
 //! There is no sorting: the accumulation buffer decides by depth and the layered buffer takes any order.
 
+use super::frame::{TileLists, paint_apart, table, table_entries, to_picture, total};
 use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
+use super::render::culls;
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 use crate::picture::Picture;
@@ -25,7 +27,6 @@ use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::SurfaceFootprint;
 use splatline::format::{Design, Traversal};
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::setup::{Cull, setup_surface};
@@ -141,16 +142,11 @@ pub fn draw(
     let started = Instant::now();
     let points = QuantisedPoints::new(scene, camera);
     let results = footprints(&points, style, design);
-    let mut culled = [0; Cull::ALL.len()];
-    let mut backfaces = 0;
-    let mut drawn = Vec::with_capacity(results.len());
-    for result in results {
-        match result {
-            Ok(footprint) if style.cull_backfaces && footprint.back => backfaces += 1,
-            Ok(footprint) => drawn.push(footprint),
-            Err(reason) => culled[Cull::ALL.iter().position(|r| *r == reason).unwrap_or(0)] += 1,
-        }
-    }
+    let culled = culls(&results);
+    let mut drawn: Vec<SurfaceFootprint> = results.into_iter().flatten().collect();
+    let visible = drawn.len();
+    drawn.retain(|footprint| !(style.cull_backfaces && footprint.back));
+    let backfaces = visible - drawn.len();
     let setup_time = started.elapsed().as_secs_f64();
     let frame = Frame {
         view: &points.view,
@@ -173,7 +169,7 @@ pub fn draw(
         Buffer::Layers(_) => design.dispatch(Job::<Layers<8>>::new(&frame)),
     };
     SurfaceDrawing {
-        picture: to_picture(&raster.pixels, camera, design),
+        picture: to_picture(&raster.pixels, camera, &design.widths, 0),
         pixels: raster.pixels,
         weights: raster.weights,
         culled,
@@ -259,11 +255,8 @@ impl<C: HostCell> DesignJob for Job<'_, C> {
     fn run<D: Design + Send + Sync>(self, design: D) -> Raster {
         let frame = self.frame;
         let widths = design.widths();
-        let mut memory = vec![0; entries(&widths)];
-        fill_gaussian(&mut memory, &widths, frame.rules.table_range);
-        let Ok(table) = FootprintTable::new(&memory, &widths, frame.rules.table_range) else {
-            unreachable!("the table has just been made for these widths")
-        };
+        let memory = table_entries(&widths, &frame.rules);
+        let table = table(&memory, &widths, &frame.rules);
         let gather = Gather::new(&widths, frame.threshold);
         let painter = SurfacePainter::new(design, &frame.rules, table, gather, frame.traversal);
         let shading = frame
@@ -271,10 +264,11 @@ impl<C: HostCell> DesignJob for Job<'_, C> {
             .map(|light| Shading::new(&widths, &frame.materials, light, frame.view));
         let resolve = Resolve::new(&widths, gather, shading, frame.edges);
         let unit = exp2(i32::from(splatline::blend::surface::sum_fraction(&widths)));
-        frame.assemble(|window, list| {
+        let footprints = frame.footprints.iter().map(|surface| &surface.footprint);
+        let tiles = TileLists::in_order(footprints, frame.view.viewport, TILE);
+        let paint = |window: Window, list: &[u32], resolved: &mut [(Pixel, f64)]| {
             let columns = usize::from(window.last[0] - window.first[0]);
-            let rows = usize::from(window.last[1] - window.first[1]);
-            let mut cells = vec![C::EMPTY; columns * rows];
+            let mut cells = vec![C::EMPTY; resolved.len()];
             let mut coverage = Coverage::default();
             let Ok(mut target) = CellTarget::new(&mut cells, window) else {
                 unreachable!("the tile's memory has just been made for its window")
@@ -282,95 +276,23 @@ impl<C: HostCell> DesignJob for Job<'_, C> {
             for index in list {
                 coverage += painter.draw(&frame.footprints[*index as usize], &mut target);
             }
-            let place = |index: usize| {
+            for (index, (cell, resolved)) in cells.iter().zip(resolved).enumerate() {
                 let (x, y) = ((index % columns) as u16, (index / columns) as u16);
-                [window.first[0] + x, window.first[1] + y]
-            };
-            let resolved = cells.iter().enumerate().map(|(index, cell)| {
-                let [x, y] = place(index);
-                resolve.pixel(cell, x, y)
-            });
-            let weight = |cell: &C| {
-                cell.fragments()
-                    .iter()
-                    .map(|f| f64::from(f.weight))
-                    .sum::<f64>()
-                    / unit
-            };
-            Raster {
-                pixels: resolved.collect(),
-                weights: cells.iter().map(weight).collect(),
-                coverage,
-                merged: cells.iter().filter(|cell| cell.merged()).count(),
+                let pixel = resolve.pixel(cell, window.first[0] + x, window.first[1] + y);
+                let weights = cell.fragments().iter().map(|f| f64::from(f.weight));
+                *resolved = (pixel, weights.sum::<f64>() / unit);
             }
-        })
-    }
-}
-
-impl Frame<'_> {
-    /// Draws all tiles side by side and puts them together.
-    fn assemble(&self, tile: impl Fn(Window, &[u32]) -> Raster + Sync) -> Raster {
-        let [width, height] = self.view.viewport;
-        let [columns, rows] = [width.div_ceil(TILE[0]), height.div_ceil(TILE[1])].map(usize::from);
-        let window = |index: usize| {
-            let first = [
-                (index % columns) as u16 * TILE[0],
-                (index / columns) as u16 * TILE[1],
-            ];
-            let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(self.view.viewport[axis]));
-            Window { first, last }
+            let merged = cells.iter().filter(|cell| cell.merged()).count();
+            (coverage, merged)
         };
-        let lists = self.tile_lists(columns, rows);
-        let parts = lists.par_iter().enumerate();
-        let parts: Vec<Raster> = parts
-            .map(|(index, list)| tile(window(index), list))
-            .collect();
-        let size = usize::from(width) * usize::from(height);
-        let mut whole = Raster {
-            pixels: vec![Pixel::default(); size],
-            weights: vec![0.0; size],
-            coverage: Coverage::default(),
-            merged: 0,
-        };
-        for (index, part) in parts.iter().enumerate() {
-            whole.coverage += part.coverage;
-            whole.merged += part.merged;
-            let window = window(index);
-            let across = usize::from(window.last[0] - window.first[0]);
-            for (row, y) in (window.first[1]..window.last[1]).enumerate() {
-                let start = usize::from(y) * usize::from(width) + usize::from(window.first[0]);
-                let source = row * across..(row + 1) * across;
-                whole.pixels[start..start + across].copy_from_slice(&part.pixels[source.clone()]);
-                whole.weights[start..start + across].copy_from_slice(&part.weights[source]);
-            }
+        let (resolved, parts) = paint_apart((Pixel::default(), 0.0), &tiles, paint);
+        let (pixels, weights) = resolved.into_iter().unzip();
+        let (coverage, merged): (Vec<_>, Vec<usize>) = parts.into_iter().unzip();
+        Raster {
+            pixels,
+            weights,
+            coverage: total(coverage),
+            merged: merged.iter().sum(),
         }
-        whole
     }
-
-    /// For every tile the footprints whose box touches it, in the scene's order.
-    fn tile_lists(&self, columns: usize, rows: usize) -> Vec<Vec<u32>> {
-        let mut lists = vec![Vec::new(); columns * rows];
-        for (index, surface) in self.footprints.iter().enumerate() {
-            let (first, last) = (surface.footprint.first, surface.footprint.last);
-            let tile = |pixel: u16, axis: usize| usize::from(pixel / TILE[axis]);
-            for y in tile(first[1], 1)..=tile(last[1] - 1, 1) {
-                for x in tile(first[0], 0)..=tile(last[0] - 1, 0) {
-                    lists[y * columns + x].push(index as u32);
-                }
-            }
-        }
-        lists
-    }
-}
-
-/// Colour and 1 - T in units of 1.0.
-fn to_picture(pixels: &[Pixel], camera: &Camera, design: &DesignChoice) -> Picture {
-    let colour_unit = exp2(design.widths.accumulator.into());
-    let opaque = exp2(design.widths.transmittance.into());
-    let mut picture = Picture::new(camera.width, camera.height);
-    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
-        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
-        *out = [r, g, b, 1.0 - f64::from(pixel.clear_share()) / opaque];
-    }
-    picture
 }

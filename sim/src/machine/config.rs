@@ -63,7 +63,10 @@ pub enum Binning {
 }
 
 /// A machine. Times are in clock cycles, sizes in bytes where the name says so and in entries otherwise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+///
+/// As data it is the table of its file, so that a report's machine reads like one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(into = "toml::Table", try_from = "toml::Table")]
 pub struct Config {
     /// Tile columns: 8, 16, 32 or 64.
     pub tile_width: u16,

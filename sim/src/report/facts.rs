@@ -1,7 +1,7 @@
 //! Scene, camera and rules as report.json states them.
 
 use crate::camera::Camera;
-use crate::rules::{Compositing, Rules};
+use crate::rules::Rules;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -179,14 +179,5 @@ impl From<&Rules> for RulesFacts {
             stop_before: rules.stop_before,
             clamp_jacobian: rules.clamp_jacobian,
         }
-    }
-}
-
-/// The compositing's name on the command line and in reports.
-pub fn compositing_name(compositing: Compositing) -> &'static str {
-    match compositing {
-        Compositing::FrontToBack => "front-to-back",
-        Compositing::BackToFront => "back-to-front",
-        Compositing::XRay => "x-ray",
     }
 }

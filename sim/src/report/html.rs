@@ -559,7 +559,7 @@ fn fold(title: &str, text: &str) -> String {
 }
 
 /// Text as HTML; names come from files of strangers.
-pub(crate) fn escape(text: &str) -> String {
+pub fn escape(text: &str) -> String {
     text.chars()
         .fold(String::with_capacity(text.len()), |mut escaped, letter| {
             match letter {

@@ -16,6 +16,7 @@ pub(crate) mod viewer;
 
 use crate::atomic;
 use crate::metrics::{ChannelError, Errors};
+use crate::plan::Plan;
 use crate::systems::Verdict;
 use error_map::ErrorMap;
 use facts::{CameraFacts, RulesFacts, SceneFacts};
@@ -65,6 +66,9 @@ pub struct Report {
     pub host: HostTimes,
     /// The sweep of designs and traversals; empty if only one was drawn.
     pub table: Vec<Row>,
+    /// Everything that decided the picture, so that `--from` can draw it again.
+    #[serde(default)]
+    pub plan: Option<Plan>,
 }
 
 /// Errors per channel group.

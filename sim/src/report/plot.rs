@@ -232,13 +232,7 @@ impl Axes {
 
     /// Times with a number at the axis, in milliseconds: 1, 2, 5 per decade, all nine digits where that gives too few.
     fn times(&self) -> Vec<f64> {
-        let within = |digits: &[f64]| -> Vec<f64> {
-            let decades = self.across.0.floor() as i32..=self.across.1.ceil() as i32;
-            decades
-                .flat_map(|decade| digits.iter().map(move |digit| digit * 10f64.powi(decade)))
-                .filter(|time| (self.across.0..=self.across.1).contains(&time.log10()))
-                .collect()
-        };
+        let within = |digits: &[f64]| multiples(digits, self.across.0, self.across.1);
         let decades = within(&[1.0]);
         let usual = within(&[1.0, 2.0, 5.0]);
         let all = within(&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
@@ -257,6 +251,15 @@ impl Axes {
             .map(|line| self.up.0 + line as f64 * self.step)
             .collect()
     }
+}
+
+/// These digits times powers of ten whose decadic logarithms lie from `low` to `high`: numbers for a logarithmic axis.
+pub fn multiples(digits: &[f64], low: f64, high: f64) -> Vec<f64> {
+    let decades = low.floor() as i32..=high.ceil() as i32;
+    decades
+        .flat_map(|decade| digits.iter().map(move |digit| digit * 10f64.powi(decade)))
+        .filter(|number| (low..=high).contains(&number.log10()))
+        .collect()
 }
 
 fn draw_grid(canvas: &Canvas, axes: &Axes) -> Result<(), String> {
@@ -453,7 +456,7 @@ fn pixel((x, y): (f64, f64)) -> (i32, i32) {
 }
 
 /// The light tone; one of this file's constants, so every digit is valid.
-fn colour(tone: Tone) -> RGBColor {
+pub fn colour(tone: Tone) -> RGBColor {
     let part = |at: usize| {
         tone.light
             .get(at..at + 2)

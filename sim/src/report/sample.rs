@@ -1,6 +1,6 @@
 //! Synthetic pictures and a synthetic report with plausible figures, for tests and for looking at the page.
 
-use super::facts::{CameraFacts, RulesFacts, SceneFacts, compositing_name};
+use super::facts::{CameraFacts, RulesFacts, SceneFacts};
 use super::*;
 use crate::camera::Camera;
 use crate::metrics::compare;
@@ -125,7 +125,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
         camera: CameraFacts::from(&camera),
         rules: RulesFacts::from(&Rules::GAUSSIAN_3D),
-        compositing: compositing_name(Compositing::FrontToBack).to_owned(),
+        compositing: Compositing::FrontToBack.name().to_owned(),
         error: compare(fixed, float).ok().as_ref().map(ErrorFacts::from),
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
@@ -136,5 +136,6 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         host: times(0.319),
         systems: Vec::new(),
         table: rows(),
+        plan: None,
     }
 }

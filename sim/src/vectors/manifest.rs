@@ -7,7 +7,6 @@ use fixed::types::{I2F30, I32F32};
 use serde::{Deserialize, Serialize};
 use splatline::math::{Extended, Scaled};
 use splatline::view::{Eye, Projection, RatioLimits, View};
-use std::fmt::Write;
 use std::str::FromStr;
 
 /// Version of the folder's format; another version is refused.
@@ -23,7 +22,7 @@ pub struct Manifest {
     /// Version of the packet's layout.
     pub packet_version: u32,
     /// Name, traversal, rounding and widths.
-    pub design: DesignRecord,
+    pub design: ResolvedDesign,
     /// `ewa` or `3dgs`.
     pub rules: String,
     /// `front-to-back`, `back-to-front` or `x-ray`.
@@ -34,15 +33,6 @@ pub struct Manifest {
     pub inputs_digest: String,
     /// The stages in the order of the data flow.
     pub stages: Vec<StageRecord>,
-}
-
-/// A resolved design.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct DesignRecord {
-    name: String,
-    traversal: String,
-    rounding: String,
-    widths: serde_json::Map<String, serde_json::Value>,
 }
 
 /// The camera in the kernel's formats: integers, see the kernel's `view`.
@@ -90,12 +80,6 @@ pub fn digest(bytes: &[u8]) -> String {
 impl Manifest {
     /// Describes the stages of a subject.
     pub fn new(subject: &Subject, stages: &[Stage]) -> Self {
-        let ResolvedDesign {
-            name,
-            traversal,
-            rounding,
-            widths,
-        } = subject.design.resolved();
         let record = |stage: &Stage| StageRecord {
             name: stage.name.to_owned(),
             about: stage.about.to_owned(),
@@ -105,14 +89,9 @@ impl Manifest {
             digest: digest(stage.to_text().as_bytes()),
             fields: stage.fields.clone(),
         };
-        let design = DesignRecord {
-            name,
-            traversal: traversal.to_owned(),
-            rounding: rounding.to_owned(),
-            widths,
-        };
+        let design = subject.design.resolved();
         let rules = subject.rules.name.to_owned();
-        let compositing = compositing_name(subject.compositing).to_owned();
+        let compositing = subject.compositing.name().to_owned();
         let view = ViewRecord::from(&subject.view);
         let inputs = serde_json::json!([design, rules, compositing, view]).to_string();
         Manifest {
@@ -136,7 +115,8 @@ impl Manifest {
             ));
         }
         Ok(Subject {
-            design: self.design.choice()?,
+            design: DesignChoice::try_from(self.design.clone())
+                .map_err(|error| error.to_string())?,
             rules: Rules::from_str(&self.rules).map_err(|error| format!("rules: {error}"))?,
             compositing: compositing_of(&self.compositing)?,
             view: self.view.view(),
@@ -145,56 +125,12 @@ impl Manifest {
     }
 }
 
-impl DesignRecord {
-    /// Named designs as their own types; others through the text of a design file, which checks all ranges.
-    fn choice(&self) -> Result<DesignChoice, String> {
-        if let Some(named) = DesignChoice::named(&self.name) {
-            let resolved = named.resolved();
-            if (resolved.rounding, &resolved.widths) == (self.rounding.as_str(), &self.widths) {
-                return self.with_traversal(named);
-            }
-        }
-        let mut text = format!("base = \"standard24\"\nrounding = \"{}\"\n", self.rounding);
-        for (name, value) in &self.widths {
-            // Writing to a String cannot fail.
-            let _ = writeln!(text, "{name} = {value}");
-        }
-        let mut choice =
-            DesignChoice::from_toml("design", &text).map_err(|error| error.to_string())?;
-        choice.name.clone_from(&self.name);
-        self.with_traversal(choice)
-    }
-
-    fn with_traversal(&self, mut choice: DesignChoice) -> Result<DesignChoice, String> {
-        choice.traversal = match self.traversal.as_str() {
-            "box" => splatline::format::Traversal::Box,
-            "spans" => splatline::format::Traversal::Spans,
-            other => {
-                return Err(format!(
-                    "design.traversal is '{other}', expected box or spans"
-                ));
-            }
-        };
-        Ok(choice)
-    }
-}
-
-const COMPOSITINGS: [(&str, Compositing); 3] = [
-    ("front-to-back", Compositing::FrontToBack),
-    ("back-to-front", Compositing::BackToFront),
-    ("x-ray", Compositing::XRay),
-];
-
-fn compositing_name(compositing: Compositing) -> &'static str {
-    let found = COMPOSITINGS.iter().find(|(_, c)| *c == compositing);
-    found.map_or("", |(name, _)| name)
-}
-
 fn compositing_of(name: &str) -> Result<Compositing, String> {
-    let found = COMPOSITINGS.iter().find(|(n, _)| *n == name);
-    found.map(|(_, c)| *c).ok_or_else(|| {
-        format!("compositing is '{name}', expected front-to-back, back-to-front or x-ray")
-    })
+    let mut all = Compositing::ALL.into_iter();
+    all.find(|compositing| compositing.name() == name)
+        .ok_or_else(|| {
+            format!("compositing is '{name}', expected front-to-back, back-to-front or x-ray")
+        })
 }
 
 impl From<&View> for ViewRecord {

@@ -165,8 +165,10 @@ extern "C" fn translated(_: u64, block: *mut c_void) {
     with_state(|state| {
         // SAFETY: the emulator's own objects, used while it translates the block.
         let instructions = (0..unsafe { qemu_plugin_tb_n_insns(block) })
+            // SAFETY: the index is below the block's count.
             .map(|index| unsafe { qemu_plugin_tb_get_insn(block, index) });
         for instruction in instructions {
+            // SAFETY: an instruction of this block.
             let address = unsafe { qemu_plugin_insn_vaddr(instruction) };
             let new = || Counter {
                 count: Box::leak(Box::new(0)),
@@ -175,6 +177,8 @@ extern "C" fn translated(_: u64, block: *mut c_void) {
             let count = state.counters.entry(address).or_insert_with(new).count;
             let place = state.functions.partition_point(|f| f.first < address);
             let entered = state.functions.get(place).filter(|f| f.first == address);
+            // SAFETY: an instruction of this block; the count is leaked, so that it outlives the emulator's code, and the callback takes
+            // its number as it is.
             unsafe {
                 if entered.is_some_and(|f| f.name.starts_with("phase_")) {
                     qemu_plugin_register_vcpu_insn_exec_cb(

@@ -2,11 +2,11 @@
 
 use super::options::{Collection, GalleryOptions};
 use splatline_lab::gallery::{Exhibit, deep, kernels, page, sheet, surface, texture};
-use splatline_sim::cli::Progress;
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, say};
 use splatline_sim::picture::Depth;
+use splatline_sim::progress::Progress;
 use std::path::{Path, PathBuf};
 
 pub fn run(options: &GalleryOptions) -> Result<(), Failure> {

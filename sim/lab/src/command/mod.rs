@@ -1,4 +1,4 @@
-//! The lab's commands: `gallery` and `results`.
+//! The lab's commands: `gallery`, `results` and `lines`.
 
 mod gallery;
 mod options;
@@ -6,12 +6,17 @@ mod results;
 
 use clap::Parser;
 use options::{Command, Lab};
+use splatline_lab::results::lines::compared;
+use splatline_sim::cli::{Failure, finish, say};
 use std::process::ExitCode;
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
-    splatline_sim::cli::finish(match Lab::parse().command {
+    finish(match Lab::parse().command {
         Command::Gallery(options) => gallery::run(&options),
         Command::Results(options) => results::run(&options),
+        Command::Lines(options) => compared(&options.before)
+            .map_err(Failure::from)
+            .and_then(|table| say(&table)),
     })
 }

@@ -19,6 +19,21 @@ pub enum Command {
     /// Measure every figure that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
+    /// Print how long the host crates are, by folder and without tests, beside an earlier commit.
+    #[command(after_help = LINES_EXAMPLES)]
+    Lines(LinesOptions),
+}
+
+pub const LINES_EXAMPLES: &str = "\
+Examples:
+  splatline-lab lines
+  splatline-lab lines --before v0.1.0      at the repository's root";
+
+#[derive(Debug, Args)]
+pub struct LinesOptions {
+    /// The commit to compare with
+    #[arg(long, value_name = "COMMIT", default_value = "HEAD")]
+    pub before: String,
 }
 
 pub const RESULTS_EXAMPLES: &str = "\

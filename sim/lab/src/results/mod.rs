@@ -12,6 +12,7 @@
 pub mod accuracy;
 pub mod check;
 pub mod golden;
+pub mod lines;
 pub mod packet;
 pub mod picture;
 pub mod systems;

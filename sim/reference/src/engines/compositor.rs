@@ -13,6 +13,7 @@ use super::{Counts, Culled, Drawing, PixelBox};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
+use crate::scene::{Scene, Splat};
 
 /// Columns and rows of a tile.
 const TILE: usize = 16;
@@ -42,7 +43,7 @@ pub trait Projected: Send + Sync {
 }
 
 /// Indices of the splats that were not culled: nearest first, equal depths in the order of their indices.
-pub fn order<Splat: Projected>(projected: &[Result<Splat, Culled>]) -> Vec<usize> {
+pub fn order<S: Projected>(projected: &[Result<S, Culled>]) -> Vec<usize> {
     let drawn = projected.iter().enumerate().filter_map(|(index, outcome)| {
         let splat = outcome.as_ref().ok()?;
         Some((splat.depth(), index))
@@ -61,9 +62,23 @@ pub fn opacity(splat: &impl Projected, point: [f64; 2], rules: &Rules) -> Option
     (inside && opacity > 0.0 && opacity >= rules.alpha_min).then_some(opacity)
 }
 
+/// Projects every splat of the scene with its weight and colour, in the scene's order.
+pub fn project_all<Footprint: Send>(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    project: impl Fn(&Splat, f64, [f64; 3]) -> Result<Footprint, Culled> + Sync + Send,
+) -> Vec<Result<Footprint, Culled>> {
+    let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
+    let splats = scene.splats.par_iter().zip(weights).zip(colours);
+    splats
+        .map(|((splat, weight), colour)| project(splat, weight, colour))
+        .collect()
+}
+
 /// Draws projected splats.
-pub fn draw<Splat: Projected>(
-    projected: &[Result<Splat, Culled>],
+pub fn draw<S: Projected>(
+    projected: &[Result<S, Culled>],
     camera: &Camera,
     rules: &Rules,
     compositing: Compositing,
@@ -74,7 +89,7 @@ pub fn draw<Splat: Projected>(
     if picture.pixels.is_empty() {
         return Drawing { picture, counts };
     }
-    let mut ordered: Vec<&Splat> = order(projected)
+    let mut ordered: Vec<&S> = order(projected)
         .iter()
         .filter_map(|&i| projected[i].as_ref().ok())
         .collect();
@@ -107,15 +122,15 @@ pub fn draw<Splat: Projected>(
 }
 
 /// Draws a band of rows from `y0` into its part of the picture; returns the pairs of splat and pixel blended.
-fn draw_band<Splat: Projected>(
-    ordered: &[&Splat],
+fn draw_band<S: Projected>(
+    ordered: &[&S],
     y0: usize,
     width: usize,
     pixels: &mut [[f64; 4]],
     rules: &Rules,
     compositing: Compositing,
 ) -> u64 {
-    let touching = |splats: &[&Splat], area: PixelBox| -> Vec<usize> {
+    let touching = |splats: &[&S], area: PixelBox| -> Vec<usize> {
         let touches = |&i: &usize| !splats[i].bounds().intersection(&area).is_empty();
         (0..splats.len()).filter(touches).collect()
     };
@@ -129,7 +144,7 @@ fn draw_band<Splat: Projected>(
             y1,
         },
     );
-    let of_band: Vec<&Splat> = of_band.into_iter().map(|i| ordered[i]).collect();
+    let of_band: Vec<&S> = of_band.into_iter().map(|i| ordered[i]).collect();
     let mut covered = 0;
     for x0 in (0..width).step_by(TILE) {
         let mut tile = Tile::new(PixelBox {

@@ -21,8 +21,6 @@
 //! slopes, a remedy for the affine approximation, does not apply. The whole line counts, including what lies
 //! behind the eye: this concerns only splats that reach around the eye.
 
-use rayon::prelude::*;
-
 use super::compositor::{self, Projected};
 use super::float::{effective_cutoff, scaled_by_distance, screen_position, visible_position};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
@@ -118,12 +116,9 @@ pub fn footprints<'a>(
     camera: &'a Camera,
     rules: &Rules,
 ) -> Vec<Result<ExactFootprint<'a>, Culled>> {
-    let weights = scene.weights_for(rules);
-    let colours = scene.colours(camera);
-    let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    splats
-        .map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules))
-        .collect()
+    compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+        project(splat, weight, colour, camera, rules)
+    })
 }
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.

@@ -4,8 +4,6 @@
 //! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
 //! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
 
-use rayon::prelude::*;
-
 use super::compositor::{self, Projected};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::kernels::enlargement;
@@ -102,12 +100,9 @@ pub fn project_beyond_viewport(
 
 /// Projects every splat of the scene, in the scene's order.
 pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<Footprint, Culled>> {
-    let weights = scene.weights_for(rules);
-    let colours = scene.colours(camera);
-    let splats = scene.splats.par_iter().zip(weights).zip(colours);
-    splats
-        .map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules))
-        .collect()
+    compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+        project(splat, weight, colour, camera, rules)
+    })
 }
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.

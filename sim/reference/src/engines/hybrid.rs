@@ -19,29 +19,21 @@ use crate::scene::{Scene, Splat};
 /// With phase bits, the centres of points are rounded as a stamp rounds them.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> Drawing {
     let deviation = deviation(scene);
-    let weights = scene.weights_for(rules);
-    let colours = scene.colours(camera);
-    let projected: Vec<_> = scene
-        .splats
-        .iter()
-        .zip(weights)
-        .zip(colours)
-        .map(|((splat, weight), colour)| {
-            if is_point(splat, camera, rules, hybrid.points) {
-                let point = point(splat, weight, colour, camera, rules, deviation)?;
-                Ok(Primitive {
-                    footprint: stamped(point, hybrid.phase_bits, rules, camera),
-                    is_point: true,
-                })
-            } else {
-                let footprint = float::project(splat, weight, colour, camera, rules)?;
-                Ok(Primitive {
-                    footprint,
-                    is_point: false,
-                })
-            }
-        })
-        .collect();
+    let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+        if is_point(splat, camera, rules, hybrid.points) {
+            let point = point(splat, weight, colour, camera, rules, deviation)?;
+            Ok(Primitive {
+                footprint: stamped(point, hybrid.phase_bits, rules, camera),
+                is_point: true,
+            })
+        } else {
+            let footprint = float::project(splat, weight, colour, camera, rules)?;
+            Ok(Primitive {
+                footprint,
+                is_point: false,
+            })
+        }
+    });
     let mut counts = Counts::of_projected(&projected);
     let mut cells = vec![Cell::EMPTY; camera.width * camera.height];
     for index in compositor::order(&projected) {

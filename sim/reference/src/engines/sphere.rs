@@ -79,15 +79,9 @@ pub fn draw(
     compositing: Compositing,
     shape: Shape,
 ) -> Drawing {
-    let weights = scene.weights_for(rules);
-    let colours = scene.colours(camera);
-    let spheres: Vec<_> = scene
-        .splats
-        .iter()
-        .zip(weights)
-        .zip(colours)
-        .map(|((splat, weight), colour)| project(splat, weight, colour, camera, rules, shape))
-        .collect();
+    let spheres = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
+        project(splat, weight, colour, camera, rules, shape)
+    });
     compositor::draw(&spheres, camera, rules, compositing, &|_, _| ())
 }
 

@@ -11,6 +11,7 @@
 use super::Texture;
 use super::solve::{NormalEquations, NotConverged};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::str::FromStr;
 
@@ -21,7 +22,8 @@ const PREFILTER_CUTOFF: f64 = 9.0;
 const BAND: usize = 32;
 
 /// How coefficients come from a texture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The texture at the point.
     Plain,

@@ -115,8 +115,7 @@ fn measure(
         .collect::<Result<_>>()?;
     let median = |of: fn(&Round) -> f64| {
         let mut values: Vec<f64> = rounds.iter().map(of).collect();
-        values.sort_by(f64::total_cmp);
-        values[values.len() / 2]
+        splatline_sim::metrics::median(&mut values).unwrap_or(0.0)
     };
     Ok(format!(
         "| {design} | {lanes} | {:.2} | {:.2} | {:.4} | {:.4} | {:.4} | {:.0} | {:.4} | {:.0} | {:.0} |",

@@ -1,6 +1,6 @@
 //! Eight words by AVX2.
 //!
-//! This module and its AVX-512 sibling are the only ones of the host crate with `unsafe` code. Two reasons make it sound:
+//! Two reasons make the `unsafe` code sound, here and in the siblings that build on [`Avx2`] and `Avx512`:
 //! a value of [`Avx2`] exists only after detection, so every intrinsic finds its instruction; and the three operations that
 //! touch memory (load, store, gather) are given a checked array or an index that has been brought into the table.
 
@@ -46,6 +46,7 @@ static FIRST: [u32; 16] = {
 /// An intrinsic on registers. SAFETY of every use: `self` proves that the processor has the instruction.
 macro_rules! op {
     ($call:expr) => {
+        // SAFETY: see above.
         unsafe { $call }
     };
 }

@@ -51,6 +51,7 @@ impl Avx512 {
 /// An intrinsic on registers. SAFETY of every use: `self` proves that the processor has the instruction.
 macro_rules! op {
     ($call:expr) => {
+        // SAFETY: see above.
         unsafe { $call }
     };
 }

@@ -76,6 +76,7 @@ mod x86 {
     impl Floats for Avx2 {
         #[inline(always)]
         fn float_add(self, a: __m256i, b: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let sum = _mm256_add_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
                 _mm256_castps_si256(sum)
@@ -83,6 +84,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_sub(self, a: __m256i, b: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let difference = _mm256_sub_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
                 _mm256_castps_si256(difference)
@@ -90,6 +92,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_mul(self, a: __m256i, b: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let product = _mm256_mul_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
                 _mm256_castps_si256(product)
@@ -97,6 +100,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_mul_add(self, a: __m256i, b: __m256i, c: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let (a, b) = (_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
                 _mm256_castps_si256(_mm256_fmadd_ps(a, b, _mm256_castsi256_ps(c)))
@@ -104,6 +108,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_min(self, a: __m256i, b: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let smaller = _mm256_min_ps(_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
                 _mm256_castps_si256(smaller)
@@ -111,6 +116,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_greater(self, a: __m256i, b: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let (a, b) = (_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
                 _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GT_OQ>(a, b))
@@ -118,10 +124,12 @@ mod x86 {
         }
         #[inline(always)]
         fn to_float(self, a: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe { _mm256_castps_si256(_mm256_cvtepi32_ps(a)) }
         }
         #[inline(always)]
         fn to_integer(self, a: __m256i) -> __m256i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe { _mm256_cvtps_epi32(_mm256_castsi256_ps(a)) }
         }
     }
@@ -129,6 +137,7 @@ mod x86 {
     impl Floats for Avx512 {
         #[inline(always)]
         fn float_add(self, a: __m512i, b: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let sum = _mm512_add_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
                 _mm512_castps_si512(sum)
@@ -136,6 +145,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_sub(self, a: __m512i, b: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let difference = _mm512_sub_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
                 _mm512_castps_si512(difference)
@@ -143,6 +153,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_mul(self, a: __m512i, b: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let product = _mm512_mul_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
                 _mm512_castps_si512(product)
@@ -150,6 +161,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_mul_add(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let (a, b) = (_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
                 _mm512_castps_si512(_mm512_fmadd_ps(a, b, _mm512_castsi512_ps(c)))
@@ -157,6 +169,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_min(self, a: __m512i, b: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let smaller = _mm512_min_ps(_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
                 _mm512_castps_si512(smaller)
@@ -164,6 +177,7 @@ mod x86 {
         }
         #[inline(always)]
         fn float_greater(self, a: __m512i, b: __m512i) -> __mmask16 {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe {
                 let (a, b) = (_mm512_castsi512_ps(a), _mm512_castsi512_ps(b));
                 _mm512_cmp_ps_mask::<_CMP_GT_OQ>(a, b)
@@ -171,10 +185,12 @@ mod x86 {
         }
         #[inline(always)]
         fn to_float(self, a: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe { _mm512_castps_si512(_mm512_cvtepi32_ps(a)) }
         }
         #[inline(always)]
         fn to_integer(self, a: __m512i) -> __m512i {
+            // SAFETY: `self` proves that the processor has the instructions.
             unsafe { _mm512_cvtps_epi32(_mm512_castsi512_ps(a)) }
         }
     }

@@ -195,6 +195,7 @@ mod x86 {
 
     macro_rules! op {
         ($call:expr) => {
+            // SAFETY: see the module.
             unsafe { $call }
         };
     }

@@ -72,8 +72,13 @@ pub fn from_toml(file: &str, text: &str) -> Result<Config, ConfigError> {
     let table: toml::Table = text
         .parse()
         .map_err(|error: toml::de::Error| malformed(error.to_string()))?;
+    from_table(file, text, &table)
+}
+
+/// A machine as its file's table; a message names `file` and the line of `text`.
+fn from_table(file: &str, text: &str, table: &toml::Table) -> Result<Config, ConfigError> {
     let mut config = Config::default();
-    for (section, value) in &table {
+    for (section, value) in table {
         let place = format!("{file}:{}", line_of(text, "", section));
         match value {
             toml::Value::Table(keys) if FIELDS.iter().any(|field| field.section == section) => {
@@ -258,6 +263,35 @@ impl Field {
     }
 }
 
+impl From<Config> for toml::Table {
+    fn from(config: Config) -> toml::Table {
+        let value = |field: &Field| {
+            let number = (field.get)(&config);
+            match field.range {
+                Range::Choice(_) => toml::Value::String(field.show(&config)),
+                _ => toml::Value::Integer(number.into()),
+            }
+        };
+        let mut sections = toml::Table::new();
+        for field in &FIELDS {
+            let empty = || toml::Value::Table(toml::Table::new());
+            let section = sections.entry(field.section).or_insert_with(empty);
+            if let toml::Value::Table(keys) = section {
+                keys.insert(field.key.to_owned(), value(field));
+            }
+        }
+        sections
+    }
+}
+
+impl TryFrom<toml::Table> for Config {
+    type Error = ConfigError;
+
+    fn try_from(table: toml::Table) -> Result<Config, ConfigError> {
+        from_table("machine", "", &table)
+    }
+}
+
 /// The whole configuration with a comment per field; reading it back gives the same configuration.
 pub fn to_toml(config: &Config) -> String {
     let mut text = String::from(
@@ -363,6 +397,17 @@ mod tests {
             .unwrap();
         assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
         assert_eq!(from_toml("m.toml", ""), Ok(Config::default()));
+    }
+
+    #[test]
+    fn a_reports_machine_reads_back() {
+        let mut config = Config::primitive(4);
+        config.set_words(&["memory.latency=17".into()]).unwrap();
+        let text = serde_json::to_string(&config).unwrap();
+        assert_eq!(serde_json::from_str::<Config>(&text).unwrap(), config);
+        let wrong = text.replace("17", "-17");
+        let error = serde_json::from_str::<Config>(&wrong).unwrap_err();
+        assert!(error.to_string().contains("latency"), "{error}");
     }
 
     #[test]

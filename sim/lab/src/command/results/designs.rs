@@ -1,18 +1,11 @@
 //! Speed against error three ways: host time, simulated cycles and error of every named design by both traversals.
 
 use super::{COMMAND, Subject};
-use splatline::format::Traversal;
-use splatline_sim::cli::Engine;
-use splatline_sim::cli::all_entries;
-use splatline_sim::cli::write;
-use splatline_sim::cli::{Entry, Manner, draw_all};
-use splatline_sim::cli::{Failure, say};
-use splatline_sim::cli::{View, threads};
+use splatline_sim::cli::{Failure, say, write};
 use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::Config;
+use splatline_sim::plan::{Effort, Prepared, all_entries, compare_all};
 use splatline_sim::report::plot::{Across, svg_across};
 use splatline_sim::report::table::markdown;
-use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -24,7 +17,7 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
         "# Speed against error, three ways\n\nPrinted by `{COMMAND}`. Errors are those of red, green and blue against the f64 EWA reference in units of \
          1.0; bias is the mean of fixed minus float. Times are of one run on a shared machine with {} threads: compare them within one table only. \
          Mcycles are those of the default machine: one raster unit of one lane.\n",
-        threads(None)
+        Effort::new(None, 1).threads
     );
     for subject in subjects {
         let Subject {
@@ -34,32 +27,9 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
             rules,
         } = subject;
         let design = DesignChoice::all().remove(2);
-        let chosen = Entry {
-            design: design.clone(),
-            traversal: Traversal::Spans,
-        };
-        let manner = Manner {
-            hybrid: None,
-            compositing: Compositing::FrontToBack,
-            threads: threads(None),
-            repeat: 1,
-            machine: Config::default(),
-        };
-        let view = View {
-            scene,
-            camera,
-            rules,
-            warnings: Vec::new(),
-            prepare_s: 0.0,
-        };
-        let report = draw_all(
-            &view,
-            &manner,
-            Engine::Float,
-            &chosen,
-            &all_entries(&design),
-        )?
-        .report;
+        let others = all_entries(&design);
+        let prepared = Prepared::of_splats(scene, camera, rules, design);
+        let report = compare_all(&prepared, &Effort::new(None, 1), &others)?.report;
         let file: String = name
             .chars()
             .filter(char::is_ascii_alphanumeric)

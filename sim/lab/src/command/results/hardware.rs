@@ -5,9 +5,9 @@
 use super::{designs, layouts, throughput};
 use anyhow::Result;
 use splatline_sim::camera::Camera;
-use splatline_sim::cli::Progress;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, say};
+use splatline_sim::progress::Progress;
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::points::{self, spheres};
 use splatline_sim::scene::{self, LoadOptions, Scene};

@@ -10,13 +10,13 @@ use splatline::format::Traversal;
 use splatline_lab::baseline::scene::Reach;
 use splatline_lab::baseline::{FloatScene, boxes, spans};
 use splatline_sim::cli::Failure;
-use splatline_sim::cli::Progress;
-use splatline_sim::cli::on_threads;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fast::lanes::{self, Choice};
 use splatline_sim::fixed::{Engine, Options, QuantisedScene, Times, draw_quantised};
 use splatline_sim::metrics::{self, ChannelError};
 use splatline_sim::picture::Picture;
+use splatline_sim::plan::draw::on_threads;
+use splatline_sim::progress::Progress;
 use splatline_sim::reference::float;
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{self, LoadOptions, synthetic};
@@ -210,9 +210,7 @@ fn total(times: &Times) -> f64 {
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+    metrics::median(&mut values.collect::<Vec<_>>()).unwrap_or(f64::NAN)
 }
 
 /// How many times as fast the second is, by rounds.

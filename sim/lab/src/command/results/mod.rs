@@ -12,10 +12,10 @@ use clap::ValueEnum;
 use hardware::Subject;
 use splatline_lab::results::check::differences;
 use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
-use splatline_sim::cli::Progress;
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, say};
+use splatline_sim::progress::Progress;
 use std::path::Path;
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {

@@ -7,16 +7,14 @@ use super::layouts::sweep_of;
 use super::throughput::workload;
 use super::{COMMAND, Subject};
 use splatline::format::Traversal;
-use splatline_sim::cli::Engine;
 use splatline_sim::cli::Failure;
-use splatline_sim::cli::all_entries;
-use splatline_sim::cli::{Entry, Manner, draw_all};
-use splatline_sim::cli::{View, threads};
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::explore::space::Space;
 use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::{Config, simulate};
+use splatline_sim::metrics::median;
 use splatline_sim::picture::{Backdrop, Depth};
+use splatline_sim::plan::{Effort, Prepared, all_entries, compare_all};
 use splatline_sim::reference::float;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
@@ -51,14 +49,14 @@ pub fn run(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<Strin
         "# Speed of the model\n\nPrinted by `{COMMAND} --only speed`. Guitar, 512 x 512, {} threads; medians of {RUNS} runs, of \
          {SIMULATIONS} for a simulation. Processor seconds are those of all threads together: on cores that other programs use as well, \
          they are the measure to compare, and divided by the threads the least that an idle machine can take.\n",
-        threads(None)
+        Effort::new(None, 1).threads
     );
     let Some(subject) = guitar()? else {
         text.push_str("\nNot measured, because the data folder has no guitar.\n");
         return Ok(text);
     };
     let space = Space::from_toml("speed", SPACE)?;
-    let compare = median_of(RUNS, || compare_all(guitar))?;
+    let compare = median_of(RUNS, || compare_guitar(guitar))?;
     let explore = median_of(RUNS, || explore_all(&subject, &space))?;
     text.push_str("\n| what | seconds | processor seconds | bar |\n|---|--:|--:|--:|\n");
     let mut line = |what: &str, seconds: Seconds, bar: &str| {
@@ -87,37 +85,21 @@ pub fn run(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<Strin
 }
 
 /// What the command `compare` does, files included.
-fn compare_all(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<(), Failure> {
+fn compare_guitar(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<(), Failure> {
     let Some(subject) = guitar()? else {
         return Ok(());
     };
-    let chosen = Entry {
-        design: DesignChoice::all().remove(2),
-        traversal: Traversal::Spans,
-    };
-    let manner = Manner {
-        hybrid: None,
-        compositing: Compositing::FrontToBack,
-        threads: threads(None),
-        repeat: 1,
-        machine: Config::default(),
-    };
-    let others = all_entries(&chosen.design);
-    let view = View {
-        scene: subject.scene,
-        camera: subject.camera,
-        rules: subject.rules,
-        warnings: Vec::new(),
-        prepare_s: 0.0,
-    };
-    let comparison = draw_all(&view, &manner, Engine::Float, &chosen, &others)?;
+    let design = DesignChoice::all().remove(2);
+    let others = all_entries(&design);
+    let prepared = Prepared::of_splats(subject.scene, subject.camera, subject.rules, design);
+    let comparison = compare_all(&prepared, &Effort::new(None, 1), &others)?;
     let folder = std::env::temp_dir().join(format!("splatline-speed-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
         .map_err(|error| anyhow::anyhow!("cannot create '{}': {error}", folder.display()))?;
-    let written = comparison.write_as(&folder, Depth::Eight, Backdrop::default());
+    let written = comparison.write(&folder, Depth::Eight, Backdrop::default());
     std::fs::remove_dir_all(&folder)
         .map_err(|error| anyhow::anyhow!("cannot remove '{}': {error}", folder.display()))?;
-    written
+    Ok(written?)
 }
 
 fn explore_all(subject: &Subject, space: &Space) -> Result<(), Failure> {
@@ -187,14 +169,9 @@ fn median_of(
         processor.extend(before.zip(after).map(|(before, after)| after - before));
     }
     Ok(Seconds {
-        wall: median(wall).unwrap_or(0.0),
-        processor: median(processor),
+        wall: median(&mut wall).unwrap_or(0.0),
+        processor: median(&mut processor),
     })
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 /// Seconds that this process has spent in user code and in the system; nothing where there is no /proc.

@@ -3,11 +3,11 @@
 use super::{COMMAND, Subject};
 use anyhow::Result;
 use splatline::format::Traversal;
-use splatline_sim::cli::Progress;
 use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::fixed::Options;
 use splatline_sim::machine::workload::{Workload, extract};
 use splatline_sim::machine::{Config, Timing, simulate_alone};
+use splatline_sim::progress::Progress;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 use std::time::Instant;

@@ -6,7 +6,7 @@ use crate::study::deep::{LAYERS, Stack, representation_name, rounding_name};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use splatline::blend::deep::{ChannelRounding, Representation};
-use splatline_sim::report::plot::{DESIGNS, INK};
+use splatline_sim::report::plot::{DESIGNS, INK, colour};
 
 /// Opacity of the left panel's stacks, as an exponent of 2, and opacity and width of the right panel's.
 const LEFT_LOG2_ALPHA: i32 = -12;
@@ -110,7 +110,7 @@ fn panel(
     curves: &[Curve],
     legend: SeriesLabelPosition,
 ) -> Result<(), DrawingError> {
-    let ink = colour(INK.light);
+    let ink = colour(INK);
     let text = ("sans-serif", 13).into_font().color(&ink);
     let mut chart = ChartBuilder::on(canvas)
         .margin(12)
@@ -152,7 +152,7 @@ fn draw(chart: &mut Chart, curve: &Curve) -> Result<(), DrawingError> {
         Representation::Transmittance => (3, 2),
         Representation::OpticalDepth => (2, 2),
     };
-    let tone = colour(DESIGNS[index].light);
+    let tone = colour(DESIGNS[index]);
     // Opacity to nearest lies under transmittance to nearest: a wide pale line shows beneath a thin one.
     let style = if line > 2 {
         tone.mix(0.45)
@@ -193,13 +193,4 @@ fn draw(chart: &mut Chart, curve: &Curve) -> Result<(), DrawingError> {
         }
     }
     Ok(())
-}
-
-/// `#RRGGBB`; black for what is none.
-fn colour(text: &str) -> RGBColor {
-    let part = |from: usize| {
-        let digits = text.get(from..from + 2).unwrap_or("0");
-        u8::from_str_radix(digits, 16).unwrap_or(0)
-    };
-    RGBColor(part(1), part(3), part(5))
 }

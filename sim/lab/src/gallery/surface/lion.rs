@@ -120,8 +120,7 @@ fn count_holes(exhibit: &mut Exhibit, size: usize, weights: &[f64]) {
 /// The median of the weight sums that are not 0.
 fn median(weights: &[f64]) -> f64 {
     let mut covered: Vec<f64> = weights.iter().copied().filter(|w| *w > 0.0).collect();
-    covered.sort_by(f64::total_cmp);
-    covered.get(covered.len() / 2).copied().unwrap_or(0.0)
+    splatline_sim::metrics::median(&mut covered).unwrap_or(0.0)
 }
 
 fn all(size: usize) -> Mask {

@@ -1,0 +1,93 @@
+//! How a command ends and what it says: results to stdout, all else to stderr, failures as exit codes.
+
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Stdout holds a file (`-o -`): what is said goes to stderr.
+static DIVERTED: AtomicBool = AtomicBool::new(false);
+
+/// Why a command failed, which decides the exit code.
+#[derive(Debug)]
+pub enum Failure {
+    /// The options make no sense together; exit code 2.
+    Usage(String),
+    /// A file or its contents; exit code 1.
+    Input(anyhow::Error),
+}
+
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Failure::Input(error.into())
+    }
+}
+
+/// The exit code of a command that has ended, its failure told on stderr.
+pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure::Input(error)) => {
+            complain(&format!("error: {}\n", explain(&error)));
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(message)) => {
+            complain(&format!(
+                "error: {message}\n\nFor more information, try '--help'.\n"
+            ));
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// The error and its causes, each said once: some errors already quote their cause.
+pub fn explain(error: &anyhow::Error) -> String {
+    error
+        .chain()
+        .map(ToString::to_string)
+        .fold(String::new(), |said, cause| {
+            if said.is_empty() {
+                cause
+            } else if said.contains(&cause) {
+                said
+            } else {
+                format!("{said}: {cause}")
+            }
+        })
+}
+
+/// From now on stdout is for a file alone.
+pub fn divert() {
+    DIVERTED.store(true, Ordering::Relaxed);
+}
+
+/// Prints a result.
+pub fn say(text: &str) -> Result<(), Failure> {
+    if DIVERTED.load(Ordering::Relaxed) {
+        complain(text);
+        return Ok(());
+    }
+    printed(std::io::stdout().write_all(text.as_bytes()))
+}
+
+/// What became of a result: a reader that has gone away (`splatline ... | head`) is no error, a full disk is one.
+pub fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
+    // Flushed here: what is still buffered when the process ends fails unseen.
+    match written.and_then(|()| std::io::stdout().flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(anyhow::Error::new(error)
+            .context("cannot write to the standard output")
+            .into()),
+        _ => Ok(()),
+    }
+}
+
+/// Warnings to stderr, one line each.
+pub fn warn(lines: &[String]) {
+    for line in lines {
+        complain(&format!("warning: {line}\n"));
+    }
+}
+
+/// Prints to stderr; if even that fails, nobody is left to tell.
+pub fn complain(text: &str) {
+    let _ = std::io::stderr().write_all(text.as_bytes());
+}

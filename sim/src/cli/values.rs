@@ -1,0 +1,351 @@
+//! The values that options have, as they are written on the command line.
+
+use crate::design;
+use crate::explore::sweep::Shard;
+use crate::framing::Orbit;
+use crate::hybrid::Points;
+use crate::machine::area::Family;
+use crate::picture::Depth;
+use crate::plan::Engine;
+use crate::rules::{Compositing, Kernel};
+use crate::surface::LAYERS;
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+use splatline::format::Traversal;
+use std::str::FromStr;
+
+/// Largest width and height of a picture.
+pub const LARGEST_SIDE: usize = 16_384;
+
+impl ValueEnum for Engine {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Engine::Fixed, Engine::Float, Engine::Exact]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let about = match self {
+            Engine::Fixed => "The fixed-point kernel",
+            Engine::Float => "EWA in double precision",
+            Engine::Exact => {
+                "The ray integral in double precision, without the affine approximation"
+            }
+        };
+        Some(PossibleValue::new(self.name()).help(about))
+    }
+}
+
+/// How the kernel walks a footprint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TraversalChoice {
+    /// Every pixel of the bounding box, as in the papers
+    Box,
+    /// Only the pixels of each row inside the ellipse
+    Spans,
+    /// Samples closer together than pixels by copying a precomputed footprint, others by spans; needs --antialias swan
+    Stamp,
+}
+
+/// Which samples become points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PointsChoice {
+    /// Those closer together than pixels
+    Auto,
+    /// All
+    All,
+    /// None
+    None,
+}
+
+impl From<PointsChoice> for Points {
+    fn from(choice: PointsChoice) -> Self {
+        match choice {
+            PointsChoice::Auto => Points::Auto,
+            PointsChoice::All => Points::All,
+            PointsChoice::None => Points::None,
+        }
+    }
+}
+
+impl From<TraversalChoice> for Traversal {
+    fn from(choice: TraversalChoice) -> Self {
+        match choice {
+            TraversalChoice::Box => Traversal::Box,
+            // Beyond the points, stamped drawings walk spans.
+            TraversalChoice::Spans | TraversalChoice::Stamp => Traversal::Spans,
+        }
+    }
+}
+
+/// Order and operator of blending.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompositingChoice {
+    /// Nearest splat first, finished pixels skip the rest
+    FrontToBack,
+    /// Farthest splat first
+    BackToFront,
+    /// Plain summation
+    #[value(name = "x-ray")]
+    XRay,
+}
+
+impl From<CompositingChoice> for Compositing {
+    fn from(choice: CompositingChoice) -> Self {
+        match choice {
+            CompositingChoice::FrontToBack => Compositing::FrontToBack,
+            CompositingChoice::BackToFront => Compositing::BackToFront,
+            CompositingChoice::XRay => Compositing::XRay,
+        }
+    }
+}
+
+/// The name of a design, or of a TOML file that holds one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DesignName(pub String);
+
+impl FromStr for DesignName {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        if design::NAMES.contains(&text) || text.ends_with(".toml") {
+            return Ok(DesignName(text.to_owned()));
+        }
+        Err(format!(
+            "expected one of {} or a file that ends in .toml",
+            design::NAMES.join(", ")
+        ))
+    }
+}
+
+/// Red, green and blue, 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Colour(pub [f64; 3]);
+
+pub fn colour(text: &str) -> Result<Colour, String> {
+    let expected =
+        "expected black, white, #rrggbb or three numbers from 0 to 1, for example 1,0.5,0";
+    if let Some(digits) = text.strip_prefix('#') {
+        let value = u32::from_str_radix(digits, 16)
+            .ok()
+            .filter(|_| digits.len() == 6);
+        let value = value.ok_or(expected)?;
+        return Ok(Colour(
+            [16, 8, 0].map(|shift| f64::from((value >> shift) & 255) / 255.0),
+        ));
+    }
+    match text {
+        "black" => Ok(Colour([0.0; 3])),
+        "white" => Ok(Colour([1.0; 3])),
+        _ => match text.parse() {
+            Ok(Vector(parts)) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => {
+                Ok(Colour(parts))
+            }
+            _ => Err(expected.to_owned()),
+        },
+    }
+}
+
+pub fn number(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if f64::is_finite(value) => Ok(value),
+        _ => Err(format!("'{text}' is not a finite number")),
+    }
+}
+
+pub fn layers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if LAYERS.contains(&count) => Ok(count),
+        _ => Err(format!(
+            "expected one of {}",
+            LAYERS.map(|count| count.to_string()).join(", ")
+        )),
+    }
+}
+
+pub fn positive(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        value if value > 0.0 => Ok(value),
+        _ => Err("must be larger than 0".to_owned()),
+    }
+}
+
+pub fn depth(text: &str) -> Result<Depth, String> {
+    match text {
+        "8" => Ok(Depth::Eight),
+        "16" => Ok(Depth::Sixteen),
+        _ => Err("expected 8 or 16".to_owned()),
+    }
+}
+
+/// Counts of threads and runs; the upper bound keeps a slip of the finger from asking for a million threads.
+pub fn at_least_one(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count) if (1..=1024).contains(&count) => Ok(count),
+        _ => Err("expected a whole number from 1 to 1024".to_owned()),
+    }
+}
+
+/// Protection against aliasing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AntialiasChoice {
+    /// No low-pass filter
+    None,
+    /// The low-pass filter of the rules
+    Ewa,
+    /// Distance scaling by the volume's sample spacing, without a low-pass filter
+    Swan,
+}
+
+/// Shape of footprints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum KernelChoice {
+    /// exp(-r/2)
+    Gaussian,
+    /// Footprint of the cubic spline of Crawfis and Max
+    Cubic,
+    /// 1 - r/6 (Epanechnikov)
+    Quadratic,
+    /// Constant
+    Disc,
+}
+
+impl From<KernelChoice> for Kernel {
+    fn from(choice: KernelChoice) -> Self {
+        match choice {
+            KernelChoice::Gaussian => Kernel::Gaussian,
+            KernelChoice::Cubic => Kernel::Cubic,
+            KernelChoice::Quadratic => Kernel::Quadratic,
+            KernelChoice::Disc => Kernel::Disc,
+        }
+    }
+}
+
+/// Three finite numbers parted by commas.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Vector(pub [f64; 3]);
+
+impl FromStr for Vector {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let parts: Vec<f64> = text
+            .split(',')
+            .map(|part| number(part.trim()))
+            .collect::<Result<_, _>>()?;
+        let count = parts.len();
+        let three = <[f64; 3]>::try_from(parts)
+            .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
+        Ok(Vector(three))
+    }
+}
+
+/// Azimuth and elevation in degrees, parted by a comma.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OrbitChoice(pub Orbit);
+
+impl FromStr for OrbitChoice {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (azimuth, elevation) = text
+            .split_once(',')
+            .ok_or("expected az,el in degrees, for example 30,15")?;
+        let elevation = number(elevation.trim())?;
+        if elevation.abs() > 89.0 {
+            return Err("the elevation must lie between -89 and 89 degrees".to_owned());
+        }
+        Ok(OrbitChoice(Orbit {
+            azimuth: number(azimuth.trim())?,
+            elevation,
+        }))
+    }
+}
+
+/// Columns and rows, 1 to [`LARGEST_SIDE`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (width, height) = text
+            .split_once(['x', 'X'])
+            .ok_or("expected WxH, for example 640x480")?;
+        Ok(Size {
+            width: side(width)?,
+            height: side(height)?,
+        })
+    }
+}
+
+fn side(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
+        _ => Err(format!(
+            "width and height must be whole numbers from 1 to {LARGEST_SIDE}, not '{text}'"
+        )),
+    }
+}
+
+pub fn field_of_view(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        degrees if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
+        _ => Err("the field of view must lie between 0 and 180 degrees".to_owned()),
+    }
+}
+
+/// When points that face away are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Backfaces {
+    /// On clouds of closed surfaces whose normals point outwards
+    Auto,
+    /// Always
+    On,
+    /// Never: they are turned towards the eye
+    Off,
+}
+
+/// What the points of a scene are taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SceneKind {
+    /// Points of a surface
+    Surface,
+}
+
+/// A family of FPGAs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum FamilyChoice {
+    /// Xilinx 7 series
+    Xilinx7,
+    /// Lattice ECP5
+    Ecp5,
+    /// Lattice iCE40
+    Ice40,
+}
+
+impl From<FamilyChoice> for Family {
+    fn from(choice: FamilyChoice) -> Family {
+        match choice {
+            FamilyChoice::Xilinx7 => Family::Xilinx7,
+            FamilyChoice::Ecp5 => Family::Ecp5,
+            FamilyChoice::Ice40 => Family::Ice40,
+        }
+    }
+}
+
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let numbers = text
+        .split_once('/')
+        .and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
+    match numbers {
+        Some((index, count)) if (1..=count).contains(&index) && count <= 100_000 => {
+            Ok(Shard { index, count })
+        }
+        _ => Err("expected i/n with i from 1 to n".to_owned()),
+    }
+}

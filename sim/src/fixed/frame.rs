@@ -1,0 +1,229 @@
+//! What all drawings of the kernel share: lists of tiles, tiles drawn side by side, and pixels made a picture.
+//!
+//! A drawing differs from another in what a pixel holds, in what order a tile meets its splats, and in what paints them. All of them cut the
+//! screen into a [`Grid`], list each tile's splats, paint the tiles on all cores and join them; the picture is the same whatever the tiles.
+
+use crate::camera::Camera;
+use crate::fast::TILE;
+use crate::fast::order::{Grid, Key, tile_lists};
+use crate::picture::Picture;
+use crate::rules::Compositing;
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::Coverage;
+use splatline::footprint::Footprint;
+use splatline::format::Widths;
+use splatline::kernel::{FootprintTable, entries, fill};
+use splatline::raster::Window;
+use splatline::rules as kernel;
+use splatline::setup::Cull;
+use splatline::target::Target;
+
+/// Rows of a band: a tile as wide as the screen, for compositing that keeps much memory per pixel.
+const BAND: u16 = 16;
+
+/// What stands for a splat when splats are ordered.
+pub(super) trait Placed: Sync {
+    /// Its footprint, if it has one.
+    fn footprint(&self) -> Option<&Footprint>;
+}
+
+impl Placed for Footprint {
+    fn footprint(&self) -> Option<&Footprint> {
+        Some(self)
+    }
+}
+
+impl Placed for Result<Footprint, Cull> {
+    fn footprint(&self) -> Option<&Footprint> {
+        self.as_ref().ok()
+    }
+}
+
+/// For every tile the footprints whose box touches it, in drawing order.
+pub(super) struct TileLists {
+    grid: Grid,
+    lists: Vec<Vec<u32>>,
+}
+
+impl TileLists {
+    /// By depth, nearest first (farthest first for back to front), ties by index.
+    pub(super) fn by_depth(
+        splats: &[impl Placed],
+        compositing: Compositing,
+        viewport: [u16; 2],
+    ) -> Self {
+        let grid = Grid::new(viewport, TILE);
+        let part = splats.len().div_ceil(rayon::current_num_threads()).max(1);
+        let keys_of = |(start, part): (usize, &[_])| keys(part, start);
+        let parts: Vec<Vec<Key>> = splats
+            .par_chunks(part)
+            .enumerate()
+            .map(|(number, chunk)| keys_of((number * part, chunk)))
+            .collect();
+        let mut lists = tile_lists(&grid, &parts);
+        if compositing == Compositing::BackToFront {
+            lists.iter_mut().for_each(|list| list.reverse());
+        }
+        TileLists { grid, lists }
+    }
+
+    /// In the order in which they are given, by tiles of this size.
+    pub(super) fn in_order<'a>(
+        footprints: impl Iterator<Item = &'a Footprint>,
+        viewport: [u16; 2],
+        tile: [u16; 2],
+    ) -> Self {
+        let grid = Grid::new(viewport, tile);
+        let mut lists = vec![Vec::new(); grid.len()];
+        for (index, footprint) in (0..).zip(footprints) {
+            let bounds = bounds(footprint);
+            if !bounds.is_empty() {
+                grid.touched(&bounds, |tile| lists[tile].push(index));
+            }
+        }
+        TileLists { grid, lists }
+    }
+
+    /// The same by bands of rows.
+    pub(super) fn in_bands<'a>(
+        footprints: impl Iterator<Item = &'a Footprint>,
+        viewport: [u16; 2],
+    ) -> Self {
+        TileLists::in_order(footprints, viewport, [viewport[0].max(1), BAND])
+    }
+}
+
+fn bounds(footprint: &Footprint) -> Window {
+    Window {
+        first: footprint.first,
+        last: footprint.last,
+    }
+}
+
+/// Keys of the splats that have a footprint, numbered from `start`.
+fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
+    let footprints = splats.iter().zip(start as u32..);
+    footprints
+        .filter_map(|(splat, index)| {
+            let footprint = splat.footprint()?;
+            let bounds = bounds(footprint);
+            (!bounds.is_empty()).then_some(Key {
+                depth: footprint.depth,
+                index,
+                bounds,
+            })
+        })
+        .collect()
+}
+
+/// The footprint table's entries for the rules' kernel.
+pub(crate) fn table_entries(widths: &Widths, rules: &kernel::Rules) -> Vec<u32> {
+    let mut memory = vec![0; entries(widths)];
+    fill(&mut memory, widths, rules.table_range, rules.kernel);
+    memory
+}
+
+/// The table over [`table_entries`].
+pub(crate) fn table<'a>(
+    memory: &'a [u32],
+    widths: &Widths,
+    rules: &kernel::Rules,
+) -> FootprintTable<'a> {
+    match FootprintTable::new(memory, widths, rules.table_range) {
+        Ok(table) => table,
+        Err(_) => unreachable!("the entries have been made for these widths"),
+    }
+}
+
+/// Every tile on some core: `paint` is given a thread's scratch memory, the tile's window, its list and its rows of the frame. The tiles'
+/// answers are in the order of the tiles.
+///
+/// Not inlined, so that a profiler can tell it from the rest.
+#[inline(never)]
+pub(super) fn paint_frame<P: Clone + Send, S, Answer: Send>(
+    clear: P,
+    tiles: &TileLists,
+    scratch: impl Fn() -> S + Send + Sync,
+    paint: impl Fn(&mut S, Window, &[u32], &mut [&mut [P]]) -> Answer + Sync,
+) -> (Vec<P>, Vec<Answer>) {
+    let [width, height] = tiles.grid.viewport().map(usize::from);
+    let mut frame = vec![clear; width * height];
+    let answers = tiles
+        .grid
+        .split(&mut frame)
+        .into_par_iter()
+        .zip(&tiles.lists)
+        .enumerate()
+        .map_init(scratch, |scratch, (tile, (mut rows, list))| {
+            paint(scratch, tiles.grid.window(tile), list, &mut rows)
+        })
+        .collect();
+    (frame, answers)
+}
+
+/// The same with each tile in memory of its own, row by row, which is then copied into the frame.
+pub(super) fn paint_apart<P: Clone + Send + Sync, Answer: Send>(
+    clear: P,
+    tiles: &TileLists,
+    paint: impl Fn(Window, &[u32], &mut [P]) -> Answer + Sync,
+) -> (Vec<P>, Vec<Answer>) {
+    paint_frame(
+        clear.clone(),
+        tiles,
+        || (),
+        |(), window, list, rows| {
+            let columns = usize::from(window.last[0] - window.first[0]);
+            let mut pixels = vec![clear.clone(); columns * rows.len()];
+            let answer = paint(window, list, &mut pixels);
+            for (row, painted) in rows.iter_mut().zip(pixels.chunks_exact(columns)) {
+                row.clone_from_slice(painted);
+            }
+            answer
+        },
+    )
+}
+
+/// Paints every tile by `paint`, which is given the tile's footprints in drawing order, and joins the tiles.
+pub(super) fn paint_tiles(
+    widths: &Widths,
+    tiles: &TileLists,
+    paint: impl Fn(&[u32], &mut Target) -> Coverage + Sync,
+) -> (Vec<Pixel>, Coverage) {
+    let clear = Pixel::clear(widths);
+    let (pixels, parts) = paint_apart(clear, tiles, |window, list, pixels| {
+        let columns = usize::from(window.last[0] - window.first[0]);
+        let Ok(mut target) = Target::new(pixels, window, columns) else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
+        paint(list, &mut target)
+    });
+    (pixels, total(parts))
+}
+
+/// What all tiles touched.
+pub(super) fn total(parts: Vec<Coverage>) -> Coverage {
+    parts
+        .into_iter()
+        .fold(Coverage::default(), |mut sum, part| {
+            sum += part;
+            sum
+        })
+}
+
+/// Colour and 1 - T in units of 1.0, colours multiplied by the unit that they were divided by.
+pub(super) fn to_picture(
+    pixels: &[Pixel],
+    camera: &Camera,
+    widths: &Widths,
+    colour_log2: i32,
+) -> Picture {
+    let colour_unit = f64::from(i32::from(widths.accumulator) - colour_log2).exp2();
+    let opaque = f64::from(widths.transmittance).exp2();
+    let mut picture = Picture::new(camera.width, camera.height);
+    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
+        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
+        *out = [r, g, b, 1.0 - f64::from(pixel.clear_share()) / opaque];
+    }
+    picture
+}

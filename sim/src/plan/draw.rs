@@ -1,0 +1,386 @@
+//! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
+
+use super::{Engine, Entry, Prepared, Splats, Subject};
+use crate::camera::Camera;
+use crate::fixed;
+use crate::hybrid::Hybrid;
+use crate::machine::workload::{Workload, extract_from, extract_if_room, room_for};
+use crate::machine::{Config, Timing, simulate_alone};
+use crate::picture::Picture;
+use crate::reference::compositor::Progress as Rows;
+use crate::reference::{self, Culled, PixelBox, exact, float};
+use crate::report::facts::{Counts, SceneFacts};
+use crate::report::{HostTimes, Pixels};
+use crate::scene::points::SurfaceScene;
+use crate::surface::Style;
+use anyhow::{Context, Error, Result, bail};
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
+use splatline::draw::Coverage;
+use splatline::footprint::{Footprint, depth};
+use splatline::format::{Traversal, Widths};
+use splatline::setup::Cull;
+
+/// One drawn picture and what drawing it took.
+#[derive(Clone, Debug)]
+pub struct Drawing {
+    /// The picture.
+    pub picture: Picture,
+    /// Splats that were not drawn, by reason.
+    pub culled: Counts,
+    /// Splats of which a value was clamped to the kernel's formats; they are drawn.
+    pub clamped: u64,
+    /// Unit of the kernel's colours as a power of two.
+    pub colour_log2: i32,
+    /// Work of the rasterizer; nothing for engines that do not count it.
+    pub pixels: Option<Pixels>,
+    /// Pixels at which more layers met than the style keeps.
+    pub merged: usize,
+    /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
+    /// total is measured around the engine by [`super::measure`].
+    pub stages: HostTimes,
+    /// Setup's results in the scene's order, for a machine to be timed on; empty for engines that no machine is modelled for.
+    pub footprints: Vec<Result<Footprint, Cull>>,
+}
+
+/// Where one splat lands. Pixels; the conic is that of the radial index `r = a dx^2 + 2 b dx dy + c dy^2`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FootprintLine {
+    /// Centre.
+    pub centre: [f64; 2],
+    /// Depth along the view.
+    pub depth: f64,
+    /// a, b, c.
+    pub conic: [f64; 3],
+    /// x0, y0, x1, y1: first pixel inside, first pixel beyond.
+    pub bounds: [usize; 4],
+    /// Radial index at which the footprint ends.
+    pub cutoff: f64,
+}
+
+/// Runs `work` on so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    Ok(pool
+        .with_context(|| format!("cannot start {threads} threads"))?
+        .install(work))
+}
+
+impl Prepared {
+    /// Draws through the kernel.
+    pub fn draw_fixed(&self, entry: &Entry) -> Result<Drawing> {
+        match self.subject()? {
+            Subject::Splats(splats) => match splats.hybrid {
+                Some(hybrid) => draw_hybrid(splats, entry, hybrid),
+                None => Ok(draw_splats(splats, entry)),
+            },
+            Subject::Surface(scene, style) => {
+                Ok(draw_surface(scene, &self.plan.camera, style, entry))
+            }
+        }
+    }
+
+    /// Draws by one of the double-precision engines.
+    pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
+        let drawing = match self.subject()? {
+            Subject::Splats(splats) => match splats.hybrid {
+                Some(hybrid) => draw_hybrid_reference(engine, splats, hybrid)?,
+                None => draw_splats_reference(engine, splats, rows)?,
+            },
+            Subject::Surface(scene, style) => {
+                let drawn = reference::surface::draw(scene, &self.plan.camera, style);
+                let culled = reference_culled(&drawn.counts);
+                return Ok(Drawing {
+                    culled: with_backfaces(culled, style, drawn.counts.backfaces),
+                    ..plain(drawn.picture)
+                });
+            }
+        };
+        Ok(Drawing {
+            culled: reference_culled(&drawing.counts),
+            ..plain(drawing.picture)
+        })
+    }
+
+    /// Footprints by the kernel's setup, in the scene's order; nothing for what is culled.
+    pub fn fixed_footprints(&self, entry: &Entry) -> Result<Vec<Option<FootprintLine>>> {
+        let widths = &entry.design.widths;
+        Ok(match self.subject()? {
+            Subject::Splats(splats) => {
+                let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
+                let line = |footprint: &Footprint| line_of(footprint, widths);
+                found.iter().map(|f| f.as_ref().ok().map(line)).collect()
+            }
+            Subject::Surface(scene, style) => {
+                let points = fixed::surface::QuantisedPoints::new(scene, &self.plan.camera);
+                let found = fixed::surface::footprints(&points, style, &entry.design);
+                let drawn = found.iter().map(|f| f.as_ref().ok());
+                drawn
+                    .map(|f| f.filter(|f| !(style.cull_backfaces && f.back)))
+                    .map(|f| f.map(|f| line_of(&f.footprint, widths)))
+                    .collect()
+            }
+        })
+    }
+
+    /// Footprints in double precision, in the scene's order; nothing for what is culled.
+    pub fn float_footprints(&self) -> Result<Vec<Option<FootprintLine>>> {
+        Ok(match self.subject()? {
+            Subject::Splats(splats) => float::footprints(splats.scene, splats.camera, splats.rules)
+                .iter()
+                .map(|f| f.as_ref().ok())
+                .map(|f| f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, f.cutoff)))
+                .collect(),
+            Subject::Surface(scene, style) => {
+                let project = |point| -> Result<_, Culled> {
+                    reference::surface::project(point, &self.plan.camera, style)
+                };
+                let found = scene.points.par_iter().map(|point| project(point).ok());
+                found
+                    .map(|f| f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, style.cutoff)))
+                    .collect()
+            }
+        })
+    }
+
+    /// What the kernel cannot take as it is given, for commands that make no report: the plan's own warnings and those of a setup.
+    pub fn setup_warnings(&self) -> Result<Vec<String>> {
+        let Subject::Splats(splats) = self.subject()? else {
+            // A surface's setup clamps and culls nothing that drawing it does not tell.
+            return Ok(self.warnings.clone());
+        };
+        let Splats {
+            scene,
+            camera,
+            rules,
+            ..
+        } = splats;
+        let found = fixed::footprints(scene, camera, &splats.options(&self.plan.entry));
+        let culled = fixed::culls(&found);
+        let quantised = fixed::QuantisedScene::new(scene, camera, rules);
+        let (clamped, colour_log2) = (quantised.clamped as u64, quantised.colour_log2);
+        let facts = SceneFacts::new(scene, cull_counts(culled), clamped, colour_log2);
+        Ok(facts.warnings(&self.warnings))
+    }
+
+    /// The work of the splats on a machine's tiles.
+    pub fn workload(&self) -> Result<Workload> {
+        let splats = self.splats()?;
+        let Config {
+            tile_width,
+            tile_height,
+            ..
+        } = self.plan.machine;
+        Ok(extract_if_room(
+            splats.scene,
+            splats.camera,
+            &splats.options(&self.plan.entry),
+            [tile_width, tile_height],
+        )?)
+    }
+
+    /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine does not know: points, stamps, surfaces.
+    pub fn cycles(&self, entry: &Entry, drawing: &Drawing) -> Result<Option<Timing>> {
+        let Subject::Splats(splats) = self.subject()? else {
+            return Ok(None);
+        };
+        if splats.hybrid.is_some() {
+            return Ok(None);
+        }
+        let (machine, camera) = (&self.plan.machine, splats.camera);
+        let tile = [machine.tile_width, machine.tile_height];
+        room_for(&drawing.footprints, [camera.width, camera.height], tile)?;
+        let workload = extract_from(&drawing.footprints, camera, &splats.options(entry), tile);
+        Ok(Some(simulate_alone(&workload, machine)))
+    }
+}
+
+/// A picture of which nothing else is known.
+fn plain(picture: Picture) -> Drawing {
+    Drawing {
+        picture,
+        culled: Counts::new(),
+        clamped: 0,
+        colour_log2: 0,
+        pixels: None,
+        merged: 0,
+        stages: HostTimes::default(),
+        footprints: Vec::new(),
+    }
+}
+
+fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<reference::Drawing> {
+    let Splats {
+        scene,
+        camera,
+        rules,
+        compositing,
+        ..
+    } = splats;
+    Ok(match engine {
+        Engine::Float => float::draw_with_progress(scene, camera, rules, compositing, rows),
+        Engine::Exact => exact::draw_with_progress(scene, camera, rules, compositing, rows),
+        Engine::Fixed => bail!("engine 'fixed' is not a reference"),
+    })
+}
+
+/// Points and splats in double precision, centres of points where they are and not at a stamp's phase.
+fn draw_hybrid_reference(
+    engine: Engine,
+    splats: Splats,
+    hybrid: &Hybrid,
+) -> Result<reference::Drawing> {
+    if engine != Engine::Float {
+        let engine = engine.name();
+        bail!("points and stamps have no engine '{engine}': use float");
+    }
+    let hybrid = Hybrid {
+        phase_bits: None,
+        ..*hybrid
+    };
+    let Splats {
+        scene,
+        camera,
+        rules,
+        ..
+    } = splats;
+    Ok(reference::hybrid::draw(scene, camera, rules, &hybrid))
+}
+
+fn draw_splats(splats: Splats, entry: &Entry) -> Drawing {
+    let options = splats.options(entry);
+    let (drawing, footprints) = fixed::draw_with_footprints(splats.scene, splats.camera, &options);
+    Drawing {
+        footprints,
+        ..described(drawing)
+    }
+}
+
+fn draw_hybrid(splats: Splats, entry: &Entry, hybrid: &Hybrid) -> Result<Drawing> {
+    let options = fixed::Options {
+        traversal: Traversal::Spans,
+        ..splats.options(entry)
+    };
+    let drawn = fixed::draw_hybrid(splats.scene, splats.camera, &options, hybrid);
+    Ok(described(drawn.map_err(Error::msg)?.drawing))
+}
+
+fn draw_surface(scene: &SurfaceScene, camera: &Camera, style: &Style, entry: &Entry) -> Drawing {
+    let drawing = fixed::surface::draw(scene, camera, style, &entry.design, entry.traversal);
+    let [setup_s, raster_s] = drawing.times;
+    let culled = cull_counts(drawing.culled);
+    Drawing {
+        culled: with_backfaces(culled, style, drawing.backfaces),
+        clamped: drawing.clamped as u64,
+        pixels: Some(pixels(drawing.coverage)),
+        merged: drawing.merged,
+        stages: HostTimes {
+            setup_s,
+            raster_s,
+            ..HostTimes::default()
+        },
+        ..plain(drawing.picture)
+    }
+}
+
+/// The kernel's drawing in these terms.
+fn described(drawing: fixed::Drawing) -> Drawing {
+    let fixed::Times {
+        setup: setup_s,
+        sort: sort_s,
+        raster: raster_s,
+    } = drawing.times;
+    Drawing {
+        culled: cull_counts(drawing.culled),
+        clamped: drawing.clamped as u64,
+        colour_log2: drawing.colour_log2,
+        pixels: Some(pixels(drawing.coverage)),
+        stages: HostTimes {
+            setup_s,
+            sort_s,
+            raster_s,
+            ..HostTimes::default()
+        },
+        ..plain(drawing.picture)
+    }
+}
+
+fn pixels(
+    Coverage {
+        covered, visited, ..
+    }: Coverage,
+) -> Pixels {
+    Pixels { covered, visited }
+}
+
+fn line(
+    centre: [f64; 2],
+    depth: f64,
+    conic: [f64; 3],
+    bounds: &PixelBox,
+    cutoff: f64,
+) -> FootprintLine {
+    FootprintLine {
+        centre,
+        depth,
+        conic,
+        bounds: [bounds.x0, bounds.y0, bounds.x1, bounds.y1],
+        cutoff,
+    }
+}
+
+/// A packet's integers as numbers: depth as a sort key, Q27.subpixel centre, conic mantissas with their exponent.
+fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
+    let depth = depth::number(footprint.depth);
+    let power_of_two = |power: i32| f64::from(power).exp2();
+    let step = power_of_two(-i32::from(widths.subpixel));
+    let ([x0, y0], [x1, y1]) = (footprint.first, footprint.last);
+    FootprintLine {
+        centre: footprint.centre.map(|coordinate| coordinate as f64 * step),
+        depth: depth.value as f64 * power_of_two(depth.exponent),
+        conic: footprint
+            .conic
+            .mantissa
+            .map(|m| f64::from(m) * power_of_two(footprint.conic.exponent)),
+        bounds: [x0, y0, x1, y1].map(usize::from),
+        cutoff: f64::from(footprint.cutoff) * power_of_two(-28),
+    }
+}
+
+/// The kernel's counts under the reports' names, in the order of [`Cull::ALL`].
+fn cull_counts(culled: [usize; Cull::ALL.len()]) -> Counts {
+    let name = |reason: &Cull| match reason {
+        Cull::Near => "near",
+        Cull::Far => "far",
+        Cull::Range => "out_of_range",
+        Cull::Degenerate => "degenerate",
+        Cull::Transparent => "transparent",
+        Cull::Outside => "outside",
+    };
+    let counts = Cull::ALL.iter().zip(culled);
+    counts
+        .map(|(reason, count)| (name(reason).to_owned(), count as u64))
+        .collect()
+}
+
+fn reference_culled(counts: &reference::Counts) -> Counts {
+    let reasons = [
+        ("near", counts.near),
+        ("far", counts.far),
+        ("outside", counts.outside),
+        ("transparent", counts.transparent),
+        ("degenerate", counts.degenerate),
+        ("non_finite", counts.non_finite),
+    ];
+    reasons
+        .map(|(reason, count)| (reason.to_owned(), count as u64))
+        .into()
+}
+
+/// Backs among the reasons for culling, where they are left out.
+fn with_backfaces(mut culled: Counts, style: &Style, backfaces: usize) -> Counts {
+    if style.cull_backfaces {
+        culled.insert("backface".to_owned(), backfaces as u64);
+    }
+    culled
+}

@@ -1,0 +1,207 @@
+//! From a source to a scene of any kind.
+
+use crate::framing::Frame;
+use crate::scene::points::height_field::{self, HeightField};
+use crate::scene::points::{self, SurfaceScene};
+use crate::scene::{self, LoadError, LoadOptions, Scene};
+use crate::surface::Style;
+use crate::texture::Texture;
+use crate::texture::coefficients::Method;
+use crate::texture::drape::drape;
+use crate::vector::Vector;
+use anyhow::{Context, Result};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// A file (or stdin, or a scene's name), and what its contents are taken for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// The file, from the folder in which the command ran.
+    pub path: PathBuf,
+    /// What its contents are.
+    pub taken: Taken,
+}
+
+/// What the contents of a file are taken for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Taken {
+    /// 3D Gaussians, or a volume's voxels.
+    Splats {
+        /// Transfer function of a volume.
+        transfer: Option<PathBuf>,
+        /// Direction towards the light that shades a volume.
+        light: Option<Vector>,
+    },
+    /// Points of a surface: a cloud, or a height field.
+    Surface {
+        /// Photograph over a height field, and how points get their colours from it.
+        texture: Option<(PathBuf, Method)>,
+        /// Distance of neighbouring heights, in units of height.
+        spacing: Option<f64>,
+    },
+}
+
+/// A scene of either kind.
+pub enum AnyScene {
+    /// Volume splats.
+    Splats(Scene),
+    /// Points of a surface.
+    Surface {
+        /// The points.
+        scene: SurfaceScene,
+        /// Do they lie on a grid, with a direction that is up?
+        is_height_field: bool,
+    },
+}
+
+/// What came of a source.
+pub struct Loaded {
+    /// The scene.
+    pub scene: AnyScene,
+    /// What its file says that is drawn otherwise here, or what had to be made up.
+    pub notes: Vec<String>,
+    /// Seconds it took.
+    pub seconds: f64,
+}
+
+impl Source {
+    /// Splats, a volume by its own transfer function.
+    pub fn splats(path: PathBuf) -> Source {
+        let taken = Taken::Splats {
+            transfer: None,
+            light: None,
+        };
+        Source { path, taken }
+    }
+
+    /// Are colours taken from a photograph?
+    pub fn is_textured(&self) -> bool {
+        matches!(
+            self.taken,
+            Taken::Surface {
+                texture: Some(_),
+                ..
+            }
+        )
+    }
+
+    /// Reads the scene; `doing` is told of what takes long.
+    pub fn load(&self, doing: &dyn Fn(String)) -> Result<Loaded> {
+        let started = Instant::now();
+        let (scene, notes) = match &self.taken {
+            Taken::Splats { transfer, light } => {
+                let options = LoadOptions {
+                    transfer: transfer.clone(),
+                    light: *light,
+                };
+                let (scene, notes) = scene::load_with_notes(&self.path, &options)?;
+                (AnyScene::Splats(scene), notes)
+            }
+            Taken::Surface { texture, spacing } => {
+                let scene = self.load_surface(texture.as_ref(), *spacing, doing)?;
+                let notes = scene.notes.clone();
+                let is_height_field = height_field::is_height_field(&self.path);
+                (
+                    AnyScene::Surface {
+                        scene,
+                        is_height_field,
+                    },
+                    notes,
+                )
+            }
+        };
+        Ok(Loaded {
+            scene,
+            notes,
+            seconds: started.elapsed().as_secs_f64(),
+        })
+    }
+
+    fn load_surface(
+        &self,
+        texture: Option<&(PathBuf, Method)>,
+        spacing: Option<f64>,
+        doing: &dyn Fn(String),
+    ) -> Result<SurfaceScene> {
+        if !height_field::is_height_field(&self.path) {
+            return Ok(points::load(&self.path)?);
+        }
+        let (field, name) = load_heights(&self.path, spacing)?;
+        let Some((photograph, method)) = texture else {
+            return Ok(field.scene(&name));
+        };
+        let texture = Texture::load(photograph)?;
+        let shown = photograph.display().to_string();
+        doing(format!("{} colours from {shown}", method.name()));
+        let cutoff = Style::opaque(0.0).cutoff;
+        let draped = drape(&field, &name, &texture, *method, cutoff).context(shown)?;
+        Ok(draped.scene)
+    }
+}
+
+/// A height field and its file's name.
+fn load_heights(path: &Path, spacing: Option<f64>) -> Result<(HeightField, String), LoadError> {
+    let field = HeightField::load(path, spacing.unwrap_or(height_field::USUAL_SPACING))?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    Ok((field, name.into_owned()))
+}
+
+/// A height field by its name, else splats, else points of a surface; the message of the splats' reader if it is neither.
+pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<Loaded> {
+    let surface = |scene: SurfaceScene, is_height_field| Loaded {
+        notes: scene.notes.clone(),
+        scene: AnyScene::Surface {
+            scene,
+            is_height_field,
+        },
+        seconds: 0.0,
+    };
+    if height_field::is_height_field(path) {
+        let (field, name) = load_heights(path, None)?;
+        return Ok(surface(field.scene(&name), true));
+    }
+    let taken = Taken::Splats {
+        transfer,
+        light: None,
+    };
+    let path = path.to_owned();
+    let source = Source { path, taken };
+    match source.load(&|_| ()) {
+        Ok(loaded) => Ok(loaded),
+        Err(error) => match points::load(&source.path) {
+            Ok(cloud) => Ok(surface(cloud, false)),
+            Err(_) => Err(error),
+        },
+    }
+}
+
+impl AnyScene {
+    /// File name without folders.
+    pub fn name(&self) -> &str {
+        match self {
+            AnyScene::Splats(scene) => &scene.name,
+            AnyScene::Surface { scene, .. } => &scene.name,
+        }
+    }
+
+    /// The direction that is up in it.
+    pub fn up(&self) -> Vector {
+        match self {
+            AnyScene::Splats(scene) => scene.up,
+            AnyScene::Surface { scene, .. } => scene.up,
+        }
+    }
+
+    /// How it is seen whole.
+    pub fn frame(&self, up: Option<Vector>) -> Frame {
+        match self {
+            AnyScene::Splats(scene) => Frame::of_scene(scene, up),
+            AnyScene::Surface {
+                scene,
+                is_height_field,
+            } => Frame::of_surface(scene, *is_height_field, up),
+        }
+    }
+}

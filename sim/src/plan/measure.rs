@@ -1,0 +1,254 @@
+//! Drawings repeated, timed and compared: a plan by several designs and traversals, each against the reference.
+
+use super::draw::on_threads;
+use super::record::{report_of_drawing, report_of_entry};
+use super::{Drawing, Engine, Entry, Prepared};
+use crate::atomic;
+use crate::design::DesignChoice;
+use crate::machine::Timing;
+use crate::metrics::{Errors, compare};
+use crate::picture::{Backdrop, Depth, Picture};
+use crate::progress::Progress;
+use crate::report::error_map::ErrorMap;
+use crate::report::{ErrorFacts, HostTimes, Report, Row, ScaleFacts, html};
+use anyhow::{Context, Result};
+use splatline::format::Traversal;
+use std::num::NonZero;
+use std::path::Path;
+use std::time::Instant;
+
+/// What drawing may take of this computer; it changes times and no picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Threads that draw.
+    pub threads: usize,
+    /// How often each is drawn; the times are medians.
+    pub repeat: usize,
+}
+
+impl Effort {
+    /// So many runs on the threads asked for, or one per processor.
+    pub fn new(threads: Option<usize>, repeat: usize) -> Effort {
+        let all = || std::thread::available_parallelism().map_or(1, NonZero::get);
+        Effort {
+            threads: threads.unwrap_or_else(all),
+            repeat,
+        }
+    }
+}
+
+/// A drawing and the median times of all its runs.
+pub struct Measured {
+    /// The last run's.
+    pub drawing: Drawing,
+    /// Medians.
+    pub host: HostTimes,
+}
+
+/// The plan's pictures and the report about all designs.
+pub struct Comparison {
+    /// By the plan's own design and traversal.
+    pub fixed: Picture,
+    /// By the reference.
+    pub float: Picture,
+    /// How they differ.
+    pub map: ErrorMap,
+    /// What came of it.
+    pub report: Report,
+    /// Pixels of `fixed` at which more layers met than the style keeps.
+    pub merged: usize,
+}
+
+/// Runs `draw` as often as asked and keeps the last drawing.
+fn measure(
+    effort: &Effort,
+    progress: &Progress,
+    mut draw: impl FnMut() -> Result<Drawing> + Send,
+) -> Result<Measured> {
+    let mut runs = Vec::with_capacity(effort.repeat);
+    on_threads(effort.threads, || {
+        loop {
+            let start = Instant::now();
+            let drawing = draw()?;
+            let total_s = start.elapsed().as_secs_f64();
+            runs.push(HostTimes {
+                total_s,
+                threads: effort.threads,
+                ..drawing.stages
+            });
+            progress.part(runs.len(), effort.repeat);
+            if runs.len() >= effort.repeat {
+                let host = HostTimes::median_of(&runs);
+                return Ok(Measured { drawing, host });
+            }
+        }
+    })?
+}
+
+/// Draws the plan by its own engine, with a report that compares it with nothing.
+pub fn draw_alone(
+    prepared: &Prepared,
+    effort: &Effort,
+    progress: &Progress,
+) -> Result<(Measured, Report)> {
+    let plan = &prepared.plan;
+    if plan.engine == Engine::Fixed {
+        let measured = measure_fixed(prepared, effort, &plan.entry, progress)?;
+        let report = report_of_entry(prepared, &plan.entry, &measured)?;
+        return Ok((measured, report));
+    }
+    let measured = measure_reference(prepared, effort, plan.engine, progress)?;
+    let report = report_of_drawing(prepared, plan.engine, &measured);
+    Ok((measured, report))
+}
+
+fn measure_fixed(
+    prepared: &Prepared,
+    effort: &Effort,
+    entry: &Entry,
+    progress: &Progress,
+) -> Result<Measured> {
+    measure(effort, progress, || prepared.draw_fixed(entry))
+}
+
+fn measure_reference(
+    prepared: &Prepared,
+    effort: &Effort,
+    engine: Engine,
+    progress: &Progress,
+) -> Result<Measured> {
+    let rows = |done, of| progress.part(done, of);
+    measure(effort, progress, || prepared.draw_reference(engine, &rows))
+}
+
+/// A drawing's errors and its cycles on the plan's machine.
+///
+/// Side by side, because each has parts that only one thread can do.
+fn judge(
+    prepared: &Prepared,
+    threads: usize,
+    entry: &Entry,
+    drawing: &Drawing,
+    float: &Picture,
+) -> Result<(Errors, Option<Timing>)> {
+    let (errors, timing) = on_threads(threads, || {
+        rayon::join(
+            || compare(&drawing.picture, float),
+            || prepared.cycles(entry, drawing),
+        )
+    })?;
+    let errors = errors.with_context(|| format!("design {} cannot be compared", entry.title()))?;
+    Ok((errors, timing?))
+}
+
+/// Every named design by both traversals, and the chosen design by both if it is none of them.
+pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
+    let mut designs = DesignChoice::all();
+    if !designs.contains(chosen) {
+        designs.push(chosen.clone());
+    }
+    let both = |design: &DesignChoice| {
+        [Traversal::Box, Traversal::Spans].map(|traversal| Entry {
+            design: design.clone(),
+            traversal,
+        })
+    };
+    designs.iter().flat_map(both).collect()
+}
+
+/// Draws the plan's own entry and `others`, which may hold it again, against the plan's reference.
+pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Result<Comparison> {
+    let chosen = &prepared.plan.entry;
+    let reference = prepared.plan.reference.unwrap_or(Engine::Float);
+    let entries = entries(chosen, others);
+    let progress = Progress::new(entries.len() + 1);
+    progress.doing(format!("{} reference", reference.name()));
+    // Once is enough: the reference's time is not reported.
+    let once = Effort {
+        repeat: 1,
+        ..*effort
+    };
+    let float = measure_reference(prepared, &once, reference, &progress)?;
+    let float = float.drawing.picture;
+    progress.advance();
+
+    let mut table = Vec::with_capacity(entries.len());
+    let mut kept = None;
+    for entry in &entries {
+        progress.doing(entry.title());
+        let measured = measure_fixed(prepared, effort, entry, &progress)?;
+        let (errors, cycles) = judge(prepared, effort.threads, entry, &measured.drawing, &float)?;
+        let pixels = measured.drawing.pixels.unwrap_or_default();
+        let traversal = prepared.traversal_name(entry);
+        let row = Row::new(
+            &entry.design.name,
+            traversal,
+            &errors,
+            pixels,
+            measured.host,
+        );
+        table.push(Row {
+            cycles: cycles.as_ref().map(|cycles| cycles.total),
+            ..row
+        });
+        if entry == chosen {
+            kept = Some((measured, errors, cycles));
+        }
+        progress.advance();
+    }
+    let (measured, errors, cycles) = kept.context("the chosen design was not drawn")?;
+    let map = ErrorMap::new(&measured.drawing.picture, &float);
+    let report = Report {
+        reference: Some(reference.name().to_owned()),
+        error: Some(ErrorFacts::from(&errors)),
+        error_map: Some(ScaleFacts::from(&map)),
+        cycles: cycles.map(serde_json::to_value).transpose()?,
+        table,
+        ..report_of_entry(prepared, chosen, &measured)?
+    };
+    Ok(Comparison {
+        merged: measured.drawing.merged,
+        fixed: measured.drawing.picture,
+        float,
+        map,
+        report,
+    })
+}
+
+/// All entries, the chosen one in its place among the others or else last.
+fn entries(chosen: &Entry, others: &[Entry]) -> Vec<Entry> {
+    let mut entries = others.to_vec();
+    if !entries.contains(chosen) {
+        entries.push(chosen.clone());
+    }
+    entries
+}
+
+/// What a comparison writes into its folder.
+pub const FILES: [&str; 5] = [
+    "fixed.png",
+    "float.png",
+    "error.png",
+    "report.json",
+    "report.html",
+];
+
+impl Comparison {
+    /// Writes fixed.png, float.png, error.png, report.json and report.html.
+    pub fn write(&self, folder: &Path, depth: Depth, backdrop: Backdrop) -> Result<()> {
+        let picture = |picture: &Picture, name: &str| {
+            picture.write_png_on(&folder.join(name), depth, backdrop)
+        };
+        let file = |name: &str, bytes: &[u8]| {
+            let path = folder.join(name);
+            atomic::write(&path, bytes)
+                .with_context(|| format!("cannot write '{}'", path.display()))
+        };
+        picture(&self.fixed, "fixed.png")?;
+        picture(&self.float, "float.png")?;
+        file("error.png", &self.map.to_rgb().to_png()?)?;
+        file("report.json", self.report.to_json()?.as_bytes())?;
+        let page = html::page(&self.report, &self.fixed, &self.float, &self.map)?;
+        file("report.html", page.as_bytes())
+    }
+}
