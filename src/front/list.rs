@@ -13,7 +13,7 @@ use crate::rules::Compositing;
 pub struct ListFull {
     /// Footprints for which the list has room.
     pub capacity: usize,
-    /// Footprints that the picture has so far, one at least more.
+    /// Footprints that the picture has: all of them from a renderer, one more than there is room for from [`DisplayList::push`].
     pub needed: usize,
 }
 
