@@ -11,6 +11,7 @@ use crate::design::{DesignChoice, NAMES};
 use crate::fixed::{self, Options};
 use crate::report::html::escape;
 use crate::report::scale::PERCENTILE;
+use crate::report::table::count;
 use crate::report::viewer::packed;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
@@ -85,7 +86,8 @@ pub fn html(shown: &Shown) -> Result<String, PageError> {
     let checksum = host_checksum(shown, &bytes).ok_or(PageError::Scene)?;
     let settings = settings(shown, checksum).to_string();
     let facts = format!(
-        "{splats} splats at {} × {}, rules {}.",
+        "{} splats at {} × {}, rules {}.",
+        count(splats as u64),
         shown.camera.width,
         shown.camera.height,
         escape(shown.rules.name)

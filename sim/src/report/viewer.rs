@@ -82,7 +82,7 @@ fn upper_half(value: f64) -> u16 {
 
 /// Bytes compressed and as text.
 pub fn packed(bytes: &[u8]) -> std::io::Result<String> {
-    let mut packer = GzEncoder::new(Vec::new(), Compression::best());
+    let mut packer = GzEncoder::new(Vec::new(), Compression::default());
     packer.write_all(bytes)?;
     Ok(STANDARD.encode(packer.finish()?))
 }
