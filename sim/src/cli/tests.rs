@@ -7,7 +7,7 @@ use super::*;
 use crate::picture::{Depth, Picture};
 use crate::plan::{Engine, NO_SURFACE_UNIT};
 use crate::report::Report;
-use clap::CommandFactory;
+use crate::rules::Compositing;
 use clap::error::ErrorKind;
 use std::path::Path;
 
@@ -99,7 +99,7 @@ fn defaults_are_those_of_the_help() {
     );
     assert_eq!(
         (work.traversal, work.compositing),
-        (None, CompositingChoice::FrontToBack)
+        (None, Compositing::FrontToBack)
     );
     assert!(options.view.rules.is_none() && options.view.size.is_none());
 }
