@@ -398,7 +398,8 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let cloud = path("c.xyz");
     write_cloud(Path::new(&cloud));
-    let scene = format!("{cloud} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0");
+    let scene =
+        format!("{cloud} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0");
     let lines = |engine: &str| -> Vec<Vec<f64>> {
         let csv = path("f.csv");
         run_line(&format!("footprints {scene} --engine {engine} -o {csv}")).unwrap();
