@@ -6,7 +6,7 @@ use super::machine_args;
 use super::page;
 use super::shell;
 use super::study_args;
-use super::values::DesignName;
+use super::values::{DesignName, ENGINES, one_of};
 use super::view_args::ViewOptions;
 use crate::plan::Engine;
 use clap::{Args, Parser, Subcommand};
@@ -145,7 +145,7 @@ pub struct FootprintsOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     /// Who computes the footprints: fixed or float
-    #[arg(long, value_enum, default_value = "fixed", conflicts_with = "from")]
+    #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
     /// Widths: classic8, lean18, standard24, deep32 or a TOML file
     #[arg(

@@ -2,11 +2,13 @@
 
 use super::output;
 use super::values::{
-    Colour, CompositingChoice, DesignName, PointsChoice, TraversalChoice, at_least_one, colour,
-    depth,
+    COMPOSITINGS, Colour, DesignName, ENGINES, POINTS, TraversalChoice, at_least_one, colour,
+    depth, one_of,
 };
+use crate::hybrid::Points;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Engine};
+use crate::rules::Compositing;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -28,11 +30,11 @@ pub struct WorkOptions {
     /// Order and operator of blending
     #[arg(
         long,
-        value_enum,
+        value_parser = one_of(COMPOSITINGS),
         default_value = "front-to-back",
         conflicts_with = "from"
     )]
-    pub compositing: CompositingChoice,
+    pub compositing: Compositing,
 }
 
 /// By what and how often it is drawn.
@@ -41,13 +43,13 @@ pub struct WorkOptions {
 pub struct DrawingOptions {
     /// fixed: the kernel; float: EWA in double precision; exact: the ray integral. `compare` always draws fixed, and
     /// against float unless this says exact
-    #[arg(long, value_enum, default_value = "fixed", conflicts_with = "from")]
+    #[arg(long, value_parser = one_of(ENGINES), default_value = "fixed", conflicts_with = "from")]
     pub engine: Engine,
     #[command(flatten)]
     pub work: WorkOptions,
     /// Which samples of a volume become points, gathered in depth ranges; needs --antialias swan
-    #[arg(long, value_enum, conflicts_with = "from")]
-    pub points: Option<PointsChoice>,
+    #[arg(long, value_parser = one_of(POINTS), conflicts_with = "from")]
+    pub points: Option<Points>,
     /// Phases per pixel and axis of --traversal stamp, as a power of two
     #[arg(long, value_name = "N", default_value = "3", conflicts_with = "from", value_parser = clap::value_parser!(u8).range(0..=6))]
     pub phase_bits: u8,

@@ -37,10 +37,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     let entry = &prepared.plan.entry;
     let recorded = options.view.from.is_some().then_some(entry.traversal);
     let subject = Subject {
-        scene: splats.scene,
-        camera: splats.camera,
-        rules: splats.rules,
-        compositing: splats.compositing,
+        splats,
         design: entry.design.clone(),
         // What nobody asked for, each design of the space decides.
         traversal: options.work.traversal.map(Traversal::from).or(recorded),

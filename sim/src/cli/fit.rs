@@ -1,6 +1,6 @@
 //! `splatline fit`: the smallest design within an error budget.
 
-use super::machine_args::{FitOptions, MetricChoice};
+use super::machine_args::FitOptions;
 use super::output::{self, write};
 use super::resolve::{Asked, COMPARED, room_for_picture};
 use super::say::{Failure, say, warn};
@@ -19,13 +19,9 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
         output::check(path, &["toml"], &inputs)?;
     }
     let prepared = Asked::work(&options.view, &options.work).prepare()?;
-    let metric = match options.metric {
-        MetricChoice::Largest => Metric::Largest,
-        MetricChoice::Rms => Metric::Rms,
-    };
     let Entry { design, traversal } = &prepared.plan.entry;
     warn(&prepared.setup_warnings()?);
-    let fitted = fitted(&prepared, metric, options.max_error)?;
+    let fitted = fitted(&prepared, options.metric, options.max_error)?;
     say(&text(design, &fitted))?;
     if let Some(path) = &options.output {
         let rounding = &design.resolved().rounding;

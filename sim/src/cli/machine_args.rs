@@ -1,9 +1,11 @@
 //! Options of the commands about the machine: model, explore, merge, fit, needs, trace.
 
 use super::drawing_args::WorkOptions;
-use super::values::{FamilyChoice, Size, positive, shard};
+use super::values::{FAMILIES, METRICS, Size, one_of, positive, shard};
 use super::view_args::ViewOptions;
+use crate::explore::fit::Metric;
 use crate::explore::sweep::Shard;
+use crate::machine::area::Family;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -34,8 +36,8 @@ pub struct MachineOptions {
 #[command(next_help_heading = "Area")]
 pub struct AreaOptions {
     /// FPGA whose resources the area estimate counts
-    #[arg(long, value_enum, default_value = "xilinx7")]
-    pub family: FamilyChoice,
+    #[arg(long, value_parser = one_of(FAMILIES), default_value = "xilinx7")]
+    pub family: Family,
     /// Prices of your own (TOML); what the file leaves out is that of its `family`
     #[arg(long, value_name = "file.toml", conflicts_with = "family")]
     pub calibration: Option<PathBuf>,
@@ -138,20 +140,11 @@ pub struct FitOptions {
     #[arg(long, value_name = "E", value_parser = positive)]
     pub max_error: f64,
     /// Which error
-    #[arg(long, value_enum, default_value = "largest")]
-    pub metric: MetricChoice,
+    #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
+    pub metric: Metric,
     /// Design file to write
     #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
     pub output: Option<PathBuf>,
-}
-
-/// Which error a budget is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum MetricChoice {
-    /// Largest absolute error
-    Largest,
-    /// Root mean square error
-    Rms,
 }
 
 #[derive(Debug, Args)]

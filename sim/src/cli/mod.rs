@@ -35,7 +35,7 @@ pub use output::{create_folder, write};
 pub use say::{Failure, finish, say};
 
 use args::{Cli, Command};
-use clap::Parser;
+use clap::{CommandFactory, Parser};
 use say::printed;
 use std::process::ExitCode;
 
@@ -57,8 +57,8 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Footprints(options)) => footprints::run(&options),
         Some(Command::Page(options)) => page::run(&options),
         Some(Command::Info(options)) => info::run(&options),
-        Some(Command::Completions(options)) => shell::completions(&options),
-        Some(Command::Man(options)) => shell::man(&options),
+        Some(Command::Completions(options)) => shell::completions(&options, Cli::command()),
+        Some(Command::Man(options)) => shell::man(&options, Cli::command()),
         Some(Command::Vectors { action }) => vectors::run(&action),
         Some(Command::Stability(options)) => stability::run(&options),
         Some(Command::Model(options)) => model::run(&options),

@@ -8,7 +8,7 @@ use super::say::{Failure, say, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
-use crate::plan::{AnyScene, Prepared};
+use crate::plan::{Prepared, Subject};
 use crate::progress::Progress;
 use crate::systems::Verdict;
 use serde_json::{Map, json};
@@ -29,14 +29,18 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     answer.insert("format".to_owned(), "splatline-needs/1".into());
     answer.insert("scene".to_owned(), name.into());
     answer.insert("systems".to_owned(), json!(systems));
-    match &prepared.scene {
-        AnyScene::Splats(_) => {
+    // Units and FIFOs are those of the machine, which draws plain splats.
+    match prepared.subject()? {
+        Subject::Splats(splats) if splats.hybrid.is_none() => {
             let found = examined(&prepared)?;
             say(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
         }
-        // Units and FIFOs are those of the machine for splats and are not examined.
-        AnyScene::Surface { scene, .. } => {
+        Subject::Splats(splats) => {
+            let count = splats.scene.splats.len();
+            say(&format!("{name}: {count} points and splats\n"))?;
+        }
+        Subject::Surface(scene, _) => {
             let count = scene.points.len();
             say(&format!("{name}: {count} points of a surface\n"))?;
         }

@@ -8,8 +8,7 @@ use super::machine_args::{AreaOptions, MachineOptions};
 use super::output::read_settings;
 use super::say::{Failure, complain, say};
 use super::values::{
-    AntialiasChoice, Backfaces, CompositingChoice, DesignName, KernelChoice, OrbitChoice,
-    PointsChoice, Size, TraversalChoice, Vector,
+    AntialiasChoice, Backfaces, DesignName, OrbitChoice, Size, TraversalChoice, Vector,
 };
 use super::view_args::{SurfaceOptions, ViewOptions};
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
@@ -17,12 +16,12 @@ use crate::cameras::{self, Pose};
 use crate::design::DesignChoice;
 use crate::framing::{Ball, Frame, USUAL_FOV, orbited};
 use crate::hybrid::{Hybrid, Points, spacing};
-use crate::machine::area::{Calibration, Family};
+use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
 use crate::memory;
 use crate::plan::{AnyScene, Engine, Entry, Look, Plan, Prepared, Source, Taken};
 use crate::progress::Progress;
-use crate::rules::{Antialias, Compositing, Rules};
+use crate::rules::{Antialias, Compositing, Kernel, Rules};
 use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::height_field::is_height_field;
@@ -50,8 +49,8 @@ pub struct Asked<'a> {
     engine: Engine,
     design: &'a DesignName,
     traversal: Option<TraversalChoice>,
-    compositing: CompositingChoice,
-    points: Option<PointsChoice>,
+    compositing: Compositing,
+    points: Option<Points>,
     phase_bits: u8,
     machine: Option<&'a MachineOptions>,
 }
@@ -64,7 +63,7 @@ impl<'a> Asked<'a> {
             engine: Engine::Fixed,
             design,
             traversal: None,
-            compositing: CompositingChoice::FrontToBack,
+            compositing: Compositing::FrontToBack,
             points: None,
             phase_bits: 3,
             machine: None,
@@ -185,7 +184,7 @@ impl<'a> Asked<'a> {
             (view.rules.is_some(), "--rules"),
             (view.transfer.is_some(), "--transfer"),
             (view.antialias.is_some(), "--antialias"),
-            (view.kernel != KernelChoice::Gaussian, "--kernel"),
+            (view.kernel != Kernel::Gaussian, "--kernel"),
         ];
         if let Some((_, option)) = refused.iter().find(|(given, _)| *given) {
             let message = format!("{option} has no meaning with --as surface");
@@ -203,7 +202,7 @@ impl<'a> Asked<'a> {
     /// Points and stamps need distance scaling, which tells which samples are closer together than pixels.
     fn splats_look(&self, scene: &Scene) -> Result<Look, Failure> {
         let rules = rules(self.view, scene);
-        let compositing = Compositing::from(self.compositing);
+        let compositing = self.compositing;
         let hybrid = self.hybrid(scene);
         if hybrid.is_some() && (rules.spacing <= 0.0 || !rules.cutoff.is_finite()) {
             let message = "--points and --traversal stamp need --rules ewa and --antialias swan";
@@ -227,7 +226,7 @@ impl<'a> Asked<'a> {
             return None;
         }
         Some(Hybrid {
-            points: self.points.map_or(Points::Auto, Points::from),
+            points: self.points.unwrap_or_default(),
             depth_range: self.points.map(|_| DEPTH_RANGE * spacing(scene)),
             phase_bits: stamped.then_some(self.phase_bits),
         })
@@ -258,7 +257,7 @@ fn refuse_height_field_options(path: &Path, surface: &SurfaceOptions) -> Result<
 /// The rules asked for, with the kernel and the protection against aliasing asked for.
 fn rules(options: &ViewOptions, scene: &Scene) -> Rules {
     let rules = options.rules.unwrap_or(scene.natural_rules);
-    let rules = rules.with_kernel(options.kernel.into());
+    let rules = rules.with_kernel(options.kernel);
     match options.antialias {
         None | Some(AntialiasChoice::Ewa) => rules,
         Some(AntialiasChoice::None) => rules.with_antialias(Antialias::None),
@@ -317,7 +316,7 @@ fn change_machine(options: &MachineOptions, unnamed: Config) -> Result<Config, F
 /// The prices that the options name.
 pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
     match &options.calibration {
-        None => Ok(Family::from(options.family).calibration()),
+        None => Ok(options.family.calibration()),
         Some(path) => {
             let text = read_settings(path)?;
             Ok(Calibration::from_toml(&path.display().to_string(), &text)

@@ -1,9 +1,8 @@
 //! `splatline completions` and `splatline man`: made from the options themselves, so that they cannot fall behind.
 
-use super::args::Cli;
 use super::output::{self, create_folder};
 use super::say::{Failure, say};
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 use std::path::PathBuf;
@@ -32,17 +31,16 @@ pub struct ManOptions {
     pub output: PathBuf,
 }
 
-/// Prints the script that a shell completes by.
-pub fn completions(options: &CompletionsOptions) -> Result<(), Failure> {
+/// Prints the script that a shell completes the command by.
+pub fn completions(options: &CompletionsOptions, mut command: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
-    clap_complete::generate(options.shell, &mut Cli::command(), "splatline", &mut script);
+    clap_complete::generate(options.shell, &mut command, "splatline", &mut script);
     say(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for the program and one for each command.
-pub fn man(options: &ManOptions) -> Result<(), Failure> {
+pub fn man(options: &ManOptions, mut command: Command) -> Result<(), Failure> {
     create_folder(&options.output)?;
-    let mut command = Cli::command();
     command.build();
     let pages = std::iter::once(command.clone()).chain(command.get_subcommands().cloned());
     for page in pages.filter(|page| !page.is_hide_set()) {

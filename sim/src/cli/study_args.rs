@@ -1,7 +1,7 @@
 //! The options of the commands that study the kernel: `stability`, `vectors`.
 
-use super::values::{CompositingChoice, DesignName, Size, TraversalChoice};
-use crate::rules::Rules;
+use super::values::{COMPOSITINGS, DesignName, Size, TraversalChoice, one_of};
+use crate::rules::{Compositing, Rules};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -50,8 +50,8 @@ pub struct VectorsExportOptions {
     #[arg(long, value_enum)]
     pub traversal: Option<TraversalChoice>,
     /// Order and operator of blending
-    #[arg(long, value_enum, default_value = "front-to-back")]
-    pub compositing: CompositingChoice,
+    #[arg(long, value_parser = one_of(COMPOSITINGS), default_value = "front-to-back")]
+    pub compositing: Compositing,
 }
 
 pub const STABILITY_EXAMPLES: &str = "\

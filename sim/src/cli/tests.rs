@@ -7,7 +7,7 @@ use super::*;
 use crate::picture::{Depth, Picture};
 use crate::plan::{Engine, NO_SURFACE_UNIT};
 use crate::report::Report;
-use clap::CommandFactory;
+use crate::rules::Compositing;
 use clap::error::ErrorKind;
 use std::path::Path;
 
@@ -99,7 +99,7 @@ fn defaults_are_those_of_the_help() {
     );
     assert_eq!(
         (work.traversal, work.compositing),
-        (None, CompositingChoice::FrontToBack)
+        (None, Compositing::FrontToBack)
     );
     assert!(options.view.rules.is_none() && options.view.size.is_none());
 }
@@ -398,7 +398,8 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     let cloud = path("c.xyz");
     write_cloud(Path::new(&cloud));
-    let scene = format!("{cloud} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0");
+    let scene =
+        format!("{cloud} --as surface --size 40x30 --eye 2.5,2.5,16 --target 2.5,2.5,0 --up 0,1,0");
     let lines = |engine: &str| -> Vec<Vec<f64>> {
         let csv = path("f.csv");
         run_line(&format!("footprints {scene} --engine {engine} -o {csv}")).unwrap();

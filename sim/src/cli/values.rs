@@ -1,6 +1,7 @@
 //! The values that options have, as they are written on the command line.
 
 use crate::design;
+use crate::explore::fit::Metric;
 use crate::explore::sweep::Shard;
 use crate::framing::Orbit;
 use crate::hybrid::Points;
@@ -10,29 +11,89 @@ use crate::plan::Engine;
 use crate::rules::{Compositing, Kernel};
 use crate::surface::LAYERS;
 use clap::ValueEnum;
-use clap::builder::PossibleValue;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use splatline::format::Traversal;
 use std::str::FromStr;
 
 /// Largest width and height of a picture.
 pub const LARGEST_SIDE: usize = 16_384;
 
-impl ValueEnum for Engine {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Engine::Fixed, Engine::Float, Engine::Exact]
-    }
+/// What an option may be: the word, what the help says of it, and the value.
+pub type Choices<T> = [(&'static str, &'static str, T)];
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let about = match self {
-            Engine::Fixed => "The fixed-point kernel",
-            Engine::Float => "EWA in double precision",
-            Engine::Exact => {
-                "The ray integral in double precision, without the affine approximation"
-            }
-        };
-        Some(PossibleValue::new(self.name()).help(about))
-    }
+/// Reads one of these words.
+pub fn one_of<T>(choices: &'static Choices<T>) -> impl TypedValueParser<Value = T>
+where
+    T: Clone + Send + Sync + 'static,
+{
+    let words = choices
+        .iter()
+        .map(|(word, about, _)| PossibleValue::new(*word).help(*about));
+    PossibleValuesParser::new(words).try_map(|found| {
+        let chosen = choices.iter().find(|(word, ..)| *word == found);
+        chosen
+            .map(|(.., value)| value.clone())
+            .ok_or("no such word")
+    })
 }
+
+/// Who draws.
+pub const ENGINES: &Choices<Engine> = &[
+    ("fixed", "The fixed-point kernel", Engine::Fixed),
+    ("float", "EWA in double precision", Engine::Float),
+    (
+        "exact",
+        "The ray integral in double precision, without the affine approximation",
+        Engine::Exact,
+    ),
+];
+
+/// Which samples become points.
+pub const POINTS: &Choices<Points> = &[
+    ("auto", "Those closer together than pixels", Points::Auto),
+    ("all", "All", Points::All),
+    ("none", "None", Points::None),
+];
+
+/// Order and operator of blending.
+pub const COMPOSITINGS: &Choices<Compositing> = &[
+    (
+        "front-to-back",
+        "Nearest splat first, finished pixels skip the rest",
+        Compositing::FrontToBack,
+    ),
+    (
+        "back-to-front",
+        "Farthest splat first",
+        Compositing::BackToFront,
+    ),
+    ("x-ray", "Plain summation", Compositing::XRay),
+];
+
+/// Shapes of footprints.
+pub const KERNELS: &Choices<Kernel> = &[
+    ("gaussian", "exp(-r/2)", Kernel::Gaussian),
+    (
+        "cubic",
+        "Footprint of the cubic spline of Crawfis and Max",
+        Kernel::Cubic,
+    ),
+    ("quadratic", "1 - r/6 (Epanechnikov)", Kernel::Quadratic),
+    ("disc", "Constant", Kernel::Disc),
+];
+
+/// Families of FPGAs.
+pub const FAMILIES: &Choices<Family> = &[
+    ("xilinx7", "Xilinx 7 series", Family::Xilinx7),
+    ("ecp5", "Lattice ECP5", Family::Ecp5),
+    ("ice40", "Lattice iCE40", Family::Ice40),
+];
+
+/// Which error a budget is about.
+pub const METRICS: &Choices<Metric> = &[
+    ("largest", "Largest absolute error", Metric::Largest),
+    ("rms", "Root mean square error", Metric::Rms),
+];
 
 /// How the kernel walks a footprint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -45,55 +106,12 @@ pub enum TraversalChoice {
     Stamp,
 }
 
-/// Which samples become points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PointsChoice {
-    /// Those closer together than pixels
-    Auto,
-    /// All
-    All,
-    /// None
-    None,
-}
-
-impl From<PointsChoice> for Points {
-    fn from(choice: PointsChoice) -> Self {
-        match choice {
-            PointsChoice::Auto => Points::Auto,
-            PointsChoice::All => Points::All,
-            PointsChoice::None => Points::None,
-        }
-    }
-}
-
 impl From<TraversalChoice> for Traversal {
     fn from(choice: TraversalChoice) -> Self {
         match choice {
             TraversalChoice::Box => Traversal::Box,
             // Beyond the points, stamped drawings walk spans.
             TraversalChoice::Spans | TraversalChoice::Stamp => Traversal::Spans,
-        }
-    }
-}
-
-/// Order and operator of blending.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum CompositingChoice {
-    /// Nearest splat first, finished pixels skip the rest
-    FrontToBack,
-    /// Farthest splat first
-    BackToFront,
-    /// Plain summation
-    #[value(name = "x-ray")]
-    XRay,
-}
-
-impl From<CompositingChoice> for Compositing {
-    fn from(choice: CompositingChoice) -> Self {
-        match choice {
-            CompositingChoice::FrontToBack => Compositing::FrontToBack,
-            CompositingChoice::BackToFront => Compositing::BackToFront,
-            CompositingChoice::XRay => Compositing::XRay,
         }
     }
 }
@@ -195,30 +213,6 @@ pub enum AntialiasChoice {
     Swan,
 }
 
-/// Shape of footprints.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum KernelChoice {
-    /// exp(-r/2)
-    Gaussian,
-    /// Footprint of the cubic spline of Crawfis and Max
-    Cubic,
-    /// 1 - r/6 (Epanechnikov)
-    Quadratic,
-    /// Constant
-    Disc,
-}
-
-impl From<KernelChoice> for Kernel {
-    fn from(choice: KernelChoice) -> Self {
-        match choice {
-            KernelChoice::Gaussian => Kernel::Gaussian,
-            KernelChoice::Cubic => Kernel::Cubic,
-            KernelChoice::Quadratic => Kernel::Quadratic,
-            KernelChoice::Disc => Kernel::Disc,
-        }
-    }
-}
-
 /// Three finite numbers parted by commas.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Vector(pub [f64; 3]);
@@ -315,27 +309,6 @@ pub enum Backfaces {
 pub enum SceneKind {
     /// Points of a surface
     Surface,
-}
-
-/// A family of FPGAs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum FamilyChoice {
-    /// Xilinx 7 series
-    Xilinx7,
-    /// Lattice ECP5
-    Ecp5,
-    /// Lattice iCE40
-    Ice40,
-}
-
-impl From<FamilyChoice> for Family {
-    fn from(choice: FamilyChoice) -> Family {
-        match choice {
-            FamilyChoice::Xilinx7 => Family::Xilinx7,
-            FamilyChoice::Ecp5 => Family::Ecp5,
-            FamilyChoice::Ice40 => Family::Ice40,
-        }
-    }
 }
 
 pub fn shard(text: &str) -> Result<Shard, String> {

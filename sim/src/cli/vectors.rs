@@ -48,7 +48,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
     let subject = Subject {
         design,
         rules: options.rules.unwrap_or(rules),
-        compositing: options.compositing.into(),
+        compositing: options.compositing,
         view,
         splats,
     };

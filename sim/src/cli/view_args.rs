@@ -2,10 +2,10 @@
 
 use super::output;
 use super::values::{
-    AntialiasChoice, Backfaces, KernelChoice, OrbitChoice, SceneKind, Size, Vector, field_of_view,
-    layers, positive,
+    AntialiasChoice, Backfaces, KERNELS, OrbitChoice, SceneKind, Size, Vector, field_of_view,
+    layers, one_of, positive,
 };
-use crate::rules::Rules;
+use crate::rules::{Kernel, Rules};
 use crate::texture::coefficients::Method;
 use clap::Args;
 use std::path::PathBuf;
@@ -82,8 +82,8 @@ pub struct ViewOptions {
     #[arg(long, help_heading = "Splats", value_enum)]
     pub antialias: Option<AntialiasChoice>,
     /// Shape of footprints
-    #[arg(long, help_heading = "Splats", value_enum, default_value = "gaussian")]
-    pub kernel: KernelChoice,
+    #[arg(long, help_heading = "Splats", value_parser = one_of(KERNELS), default_value = "gaussian")]
+    pub kernel: Kernel,
     /// Transfer function of a volume (TOML)
     #[arg(long, value_name = "file.toml", help_heading = "Splats")]
     pub transfer: Option<PathBuf>,

@@ -6,6 +6,7 @@ use crate::design::DesignChoice;
 use crate::machine::area::{Calibration, Family};
 use crate::machine::config::{Config, FIELDS, Range};
 use crate::picture::Picture;
+use crate::plan::Splats;
 use crate::rules::{Compositing, Rules};
 use crate::scene::synthetic;
 use proptest::prelude::*;
@@ -59,10 +60,13 @@ impl Facts {
             pixels: vec![[0.0; 4]],
         };
         let subject = Subject {
-            scene: &self.scene,
-            camera: &self.camera,
-            rules: &self.rules,
-            compositing: self.compositing,
+            splats: Splats {
+                scene: &self.scene,
+                camera: &self.camera,
+                rules: &self.rules,
+                compositing: self.compositing,
+                hybrid: None,
+            },
             design: DesignChoice::from_toml("d.toml", &self.design).unwrap(),
             traversal: self.traversal,
             machine: self.machine,

@@ -4,7 +4,6 @@
 use super::folder::Appender;
 use super::space::{Part, Space};
 use super::table::Table;
-use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
@@ -14,22 +13,15 @@ use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
 use crate::metrics::{ChannelError, compare};
 use crate::picture::Picture;
-use crate::rules::{Compositing, Rules};
-use crate::scene::Scene;
+use crate::plan::Splats;
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use splatline::format::Traversal;
 
 /// What is swept over: everything that the points have in common.
 pub struct Subject<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// Its camera.
-    pub camera: &'a Camera,
-    /// Rules of blending.
-    pub rules: &'a Rules,
-    /// Order and operator.
-    pub compositing: Compositing,
+    /// The splats, from where and how they are drawn.
+    pub splats: Splats<'a>,
     /// The design that points start from.
     pub design: DesignChoice,
     /// The traversal, unless the space or the design says otherwise.
@@ -70,7 +62,7 @@ pub fn run(
     out: &Appender,
     progress: &(dyn Fn() + Sync),
 ) -> Result<()> {
-    let all = space.points.len();
+    let (all, splats) = (space.points.len(), &subject.splats);
     let open: Vec<Point> = (0..)
         .zip(&space.points)
         .filter(|(number, _)| shard.holds(*number, all) && !done.lines.contains_key(number))
@@ -79,14 +71,14 @@ pub fn run(
     for group in open.chunk_by(|a, b| same(space, a.1, b.1, Part::Design)) {
         let design = design_of(subject, space, group[0].1)?;
         let options = Options {
-            rules: subject.rules,
-            compositing: subject.compositing,
+            rules: splats.rules,
+            compositing: splats.compositing,
             design: &design,
             traversal: traversal_of(subject, space, group[0].1, &design),
         };
         let error = match subject.reference {
             Some(reference) => {
-                let drawing = fixed::draw(subject.scene, subject.camera, &options);
+                let drawing = fixed::draw(splats.scene, splats.camera, &options);
                 Some(
                     compare(&drawing.picture, reference)
                         .context("the pictures cannot be compared")?
@@ -97,7 +89,7 @@ pub fn run(
         };
         for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
             let tile = tile_of(subject, space, tiles[0].1)?;
-            let workload = extract_if_room(subject.scene, subject.camera, &options, tile)?;
+            let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
             let run = Run {
                 subject,
                 space,
@@ -291,6 +283,7 @@ mod tests {
     use super::*;
     use crate::explore::table::heading;
     use crate::reference::float;
+    use crate::rules::Compositing;
     use crate::scene::synthetic;
 
     const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
@@ -308,10 +301,13 @@ mod tests {
         )
         .picture;
         let subject = Subject {
-            scene: &scene,
-            camera: &camera,
-            rules: &scene.natural_rules,
-            compositing: Compositing::FrontToBack,
+            splats: Splats {
+                scene: &scene,
+                camera: &camera,
+                rules: &scene.natural_rules,
+                compositing: Compositing::FrontToBack,
+                hybrid: None,
+            },
             design: DesignChoice::named("standard24").unwrap(),
             traversal: None,
             machine: Config::default(),

@@ -17,6 +17,7 @@ use anyhow::{Context, Error, Result, bail};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use splatline::draw::Coverage;
+use splatline::footprint::surface::SurfaceFootprint;
 use splatline::footprint::{Footprint, depth};
 use splatline::format::{Traversal, Widths};
 use splatline::setup::Cull;
@@ -113,11 +114,18 @@ impl Prepared {
             }
             Subject::Surface(scene, style) => {
                 let points = fixed::surface::QuantisedPoints::new(scene, &self.plan.camera);
+                // Surfaces are drawn in units in which their scene fills the depths' range.
+                let unit = f64::from(-points.scale_log2).exp2();
                 let found = fixed::surface::footprints(&points, style, &entry.design);
                 let drawn = found.iter().map(|f| f.as_ref().ok());
+                let line = |surface: &SurfaceFootprint| {
+                    let line = line_of(&surface.footprint, widths);
+                    let depth = line.depth * unit;
+                    FootprintLine { depth, ..line }
+                };
                 drawn
                     .map(|f| f.filter(|f| !(style.cull_backfaces && f.back)))
-                    .map(|f| f.map(|f| line_of(&f.footprint, widths)))
+                    .map(|f| f.map(line))
                     .collect()
             }
         })

@@ -98,7 +98,7 @@ pub fn draw_alone(
         return Ok((measured, report));
     }
     let measured = measure_reference(prepared, effort, plan.engine, progress)?;
-    let report = report_of_drawing(prepared, plan.engine, &measured);
+    let report = report_of_drawing(prepared, plan.engine, &measured)?;
     Ok((measured, report))
 }
 

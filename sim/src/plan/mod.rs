@@ -221,6 +221,10 @@ impl Prepared {
     /// The splats, for what the machine counts.
     pub fn splats(&self) -> Result<Splats<'_>> {
         match self.subject()? {
+            Subject::Splats(splats) if splats.hybrid.is_some() => bail!(
+                "{}: the machine draws neither points nor stamps: leave out --traversal stamp",
+                self.scene.name()
+            ),
             Subject::Splats(splats) => Ok(splats),
             Subject::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
         }

@@ -12,7 +12,7 @@ use crate::scene::Weight;
 use crate::scene::points::SurfaceScene;
 use crate::surface::{Buffer, Style};
 use crate::systems::{Use, Verdict, exercised};
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result, bail};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::Path;
@@ -72,9 +72,12 @@ impl Plan {
     /// The plan that the text of a report records.
     pub fn from_report(text: &str) -> Result<Plan> {
         let report: Report = serde_json::from_str(text).context("not a report.json")?;
-        report.plan.ok_or_else(|| {
-            anyhow!("it records no \"plan\": write it again with this version's render --json or compare")
-        })
+        if report.plan.is_null() {
+            bail!(
+                "it records no \"plan\": write it again with this version's render --json or compare"
+            );
+        }
+        serde_json::from_value(report.plan).context("its \"plan\" is none of this version")
     }
 
     /// How pixels gather, in a report's words.
@@ -94,15 +97,19 @@ pub fn report_of_entry(prepared: &Prepared, entry: &Entry, measured: &Measured) 
     Ok(Report {
         design: serde_json::to_value(entry.design.resolved())?,
         traversal: Some(prepared.traversal_name(entry).to_owned()),
-        ..report_of_drawing(prepared, Engine::Fixed, measured)
+        ..report_of_drawing(prepared, Engine::Fixed, measured)?
     })
 }
 
 /// The report of one picture by whatever engine, without design and traversal.
-pub fn report_of_drawing(prepared: &Prepared, engine: Engine, measured: &Measured) -> Report {
+pub fn report_of_drawing(
+    prepared: &Prepared,
+    engine: Engine,
+    measured: &Measured,
+) -> Result<Report> {
     let plan = &prepared.plan;
     let scene = scene_facts(prepared, measured);
-    Report {
+    Ok(Report {
         format: FORMAT.to_owned(),
         engine: engine.name().to_owned(),
         reference: None,
@@ -126,8 +133,8 @@ pub fn report_of_drawing(prepared: &Prepared, engine: Engine, measured: &Measure
             ..measured.host
         },
         table: Vec::new(),
-        plan: Some(plan.clone()),
-    }
+        plan: serde_json::to_value(plan)?,
+    })
 }
 
 fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {

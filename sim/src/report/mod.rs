@@ -16,7 +16,6 @@ pub(crate) mod viewer;
 
 use crate::atomic;
 use crate::metrics::{ChannelError, Errors};
-use crate::plan::Plan;
 use crate::systems::Verdict;
 use error_map::ErrorMap;
 use facts::{CameraFacts, RulesFacts, SceneFacts};
@@ -66,9 +65,9 @@ pub struct Report {
     pub host: HostTimes,
     /// The sweep of designs and traversals; empty if only one was drawn.
     pub table: Vec<Row>,
-    /// Everything that decided the picture, so that `--from` can draw it again.
+    /// Everything that decided the picture, so that `--from` can draw it again: a [`crate::plan::Plan`].
     #[serde(default)]
-    pub plan: Option<Plan>,
+    pub plan: serde_json::Value,
 }
 
 /// Errors per channel group.

@@ -136,6 +136,6 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         host: times(0.319),
         systems: Vec::new(),
         table: rows(),
-        plan: None,
+        plan: serde_json::Value::Null,
     }
 }

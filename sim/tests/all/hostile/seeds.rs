@@ -8,6 +8,7 @@ use splatline_sim::explore::sweep::Subject;
 use splatline_sim::explore::table::heading;
 use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::config::{self, Config};
+use splatline_sim::plan::Splats;
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
@@ -104,10 +105,13 @@ fn sweep() -> String {
     let scene = synthetic::random_gaussians(3, 1, 2.0);
     let space = Space::from_toml("space.toml", text).expect("a sound space");
     let subject = Subject {
-        scene: &scene,
-        camera: &synthetic::camera(16, 16),
-        rules: &Rules::GAUSSIAN_3D,
-        compositing: Compositing::FrontToBack,
+        splats: Splats {
+            scene: &scene,
+            camera: &synthetic::camera(16, 16),
+            rules: &Rules::GAUSSIAN_3D,
+            compositing: Compositing::FrontToBack,
+            hybrid: None,
+        },
         design: DesignChoice::named("lean18").expect("a named design"),
         traversal: None,
         machine: Config::default(),

@@ -14,6 +14,7 @@ use splatline_sim::explore::table::{Table, heading};
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Calibration, synthesis};
 use splatline_sim::picture::Picture;
+use splatline_sim::plan::Splats;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 use std::path::Path;
@@ -84,10 +85,13 @@ pub fn sweep_of(
     let path = folder.join("points.csv");
     let (out, _) = Appender::open(&path, &heading(space))?;
     let task = sweep::Subject {
-        scene: &subject.scene,
-        camera: &subject.camera,
-        rules: &subject.rules,
-        compositing: Compositing::FrontToBack,
+        splats: Splats {
+            scene: &subject.scene,
+            camera: &subject.camera,
+            rules: &subject.rules,
+            compositing: Compositing::FrontToBack,
+            hybrid: None,
+        },
         design: DesignChoice::all().remove(2),
         traversal: None,
         machine: Config::default(),
