@@ -100,13 +100,13 @@ impl<'a> Asked<'a> {
     /// The plan with its scene, from the options or from a report.
     pub fn prepare(&self) -> Result<Prepared, Failure> {
         match &self.view.from {
-            Some(report) => self.from_report(report),
-            None => self.from_options(),
+            Some(report) => self.read_report(report),
+            None => self.read_options(),
         }
     }
 
     /// A report's plan; the machine's options may change its machine, which no picture depends on.
-    fn from_report(&self, report: &Path) -> Result<Prepared, Failure> {
+    fn read_report(&self, report: &Path) -> Result<Prepared, Failure> {
         let progress = Progress::spinner(format!("loading what {} records", report.display()));
         let mut prepared = Prepared::from_report(report, &|what| progress.doing(what))?;
         if let Some(options) = self.machine {
@@ -115,7 +115,7 @@ impl<'a> Asked<'a> {
         Ok(prepared)
     }
 
-    fn from_options(&self) -> Result<Prepared, Failure> {
+    fn read_options(&self) -> Result<Prepared, Failure> {
         let view = self.view;
         let source = self.source()?;
         let machine = match self.machine {
