@@ -1,7 +1,7 @@
 //! Are the printed pages still true? A page is printed again and compared with the one in the tree.
 //!
 //! Counts, errors, cycles and bits must be the same to the last digit. Timings differ from run to run and from machine to machine: the columns
-//! that hold them ([`TIMINGS`]) are left out of the comparison, and pages that hold nothing else are not compared at all.
+//! that hold them (`TIMINGS`) are left out of the comparison, and pages that hold nothing else are not compared at all.
 
 /// Headings of columns that hold timings: their last word.
 const TIMINGS: [&str; 3] = ["ms", "host", "s"];
