@@ -10,7 +10,8 @@
 //! scene, texture                    what is drawn: readers of every format, colours of textured points
 //! surface, sheets, hybrid           settings of those systems
 //! picture, metrics                  pictures, their files, and how two of them differ
-//! engines                           the float reference and the exact integral
+//! engines                           the float reference and the exact integral; exact rationals and single precision for comparison
+//! hard                              scenes and splats that break arithmetic
 //! ```
 
 pub mod atomic;
@@ -18,6 +19,7 @@ pub mod camera;
 pub mod cameras;
 pub mod engines;
 pub mod framing;
+pub mod hard;
 pub mod hybrid;
 pub mod input;
 pub mod metrics;

@@ -15,20 +15,20 @@
 //! | picture | absolute, per channel, in units of 1.0, with its mean (bias) and PSNR; pixels on a threshold of the rules apart, see `pictures` |
 //! | decisions | pixels on a threshold that were decided otherwise, of all on a threshold |
 
-pub mod cases;
 mod bounds;
 mod errors;
-pub mod exact;
 mod pictures;
 pub mod scenes;
-pub mod single;
 pub mod steps;
 pub mod table;
 
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed;
+pub use crate::reference::{rational as exact, single};
 use crate::rules::Compositing;
 use bounds::Bounds;
+pub use splatline_reference::hard::cases;
+
 use cases::Case;
 pub use errors::{BOUNDED, StageErrors};
 use errors::{form_error_of_conic, form_error_of_scan, value, worse};

@@ -10,9 +10,7 @@
 //! | `f64, W u + d` | the reference again, its centres by W u + d instead of W (u - eye): what double precision itself loses out there |
 //! | a design's name | the kernel |
 
-pub mod classes;
 pub mod flips;
-mod hard;
 pub mod table;
 
 use super::single;
@@ -27,6 +25,8 @@ use crate::reference::{Culled, Drawing};
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
 use crate::vector;
+pub use splatline_reference::hard::classes;
+
 use classes::{Class, Size};
 use flips::{Decides, Double, Fixed, Flips, Single};
 

@@ -3,12 +3,12 @@
 //!
 //! Every number of a splat is one that single precision holds, in world coordinates, as a file would have it; cameras are double precision.
 
-use super::hard;
+use super::cases::rounded;
+use super::splats;
 use crate::camera::Camera;
 use crate::rules::Rules;
 use crate::scene::synthetic::{self, Random};
 use crate::scene::{Scene, Skipped, Splat, Weight};
-use crate::stability::cases::rounded;
 use crate::vector;
 
 /// How large a class is made.
@@ -75,7 +75,7 @@ pub fn all(size: Size, seed: u64) -> Vec<Class> {
         4,
     ));
     classes.push(deep_stack(size, seed));
-    classes.push(hard::mixed(size, seed));
+    classes.push(splats::mixed(size, seed));
     classes
 }
 

@@ -4,8 +4,8 @@
 //! conic per pixel, exp of the mathematical library. It is the yardstick of the stability tables, written for that alone.
 
 use crate::camera::Camera;
+use crate::engines::PixelBox;
 use crate::picture::Picture;
-use crate::reference::PixelBox;
 use crate::rules::Rules;
 use crate::scene::Splat;
 use rayon::prelude::*;

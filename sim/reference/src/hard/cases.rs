@@ -3,7 +3,7 @@
 //! All inputs are single-precision numbers, so that no arithmetic under test starts with an input that it cannot hold.
 
 use crate::camera::Camera;
-use crate::reference::golden::rotated_axes;
+use crate::engines::golden::rotated_axes;
 use crate::rules::Rules;
 use crate::scene::{Scene, Skipped, Splat, Weight};
 
