@@ -54,17 +54,16 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
         return Err(Failure::Usage(message.to_owned()));
     }
+    // Before anything is loaded or said; a camera's file has its own size, which is looked at when it is there.
+    if let Some(size) = options.view.size {
+        check_size(size.width, size.height)?;
+    }
     let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
     if let Some(traversal) = options.traversal {
         prepared.plan.entry.traversal = Traversal::from(traversal);
     }
     let camera = &prepared.plan.camera;
-    if camera.width.max(camera.height) > LARGEST_SIDE {
-        let message = format!(
-            "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
-        );
-        return Err(Failure::Usage(message));
-    }
+    check_size(camera.width, camera.height)?;
     warn(&prepared.warnings);
     let up = options.view.up.map(|Vector(up)| up);
     let bytes = write_page(&prepared, up, &options.output)?;
@@ -78,6 +77,15 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         bytes as f64 / 1e6,
         options.output.display()
     ))
+}
+
+fn check_size(width: usize, height: usize) -> Result<(), Failure> {
+    match width.max(height) > LARGEST_SIDE {
+        true => Err(Failure::Usage(format!(
+            "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// Writes the page of a view; how many bytes it has.
