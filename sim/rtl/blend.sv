@@ -5,7 +5,9 @@
 //
 // A name's number is the stage: 0 is the lane's pixel, and its weight arrives in stage 4. A pixel's transmittance is read in stage 6 and
 // written in stage 11, its colour in 11 and 14. So a pixel may come again INTERVAL = 6 cycles later and not before,
-// which the lane sees to (lane.sv).
+// which the lane sees to (lane.sv). The words that are written have their registers in the buffer's banks (tile_buffer.sv), of which there are two.
+//
+// Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry.
 module blend #(
     parameter ADDRESS = 10
 ) (
@@ -19,11 +21,12 @@ module blend #(
     input logic [splatline_pkg::PEAK+3:0] peak,
     input logic [3*(splatline_pkg::COLOUR+4)-1:0] colour,  // blue, green, red
     // Transmittance: flag and UQ1.transmittance; the word of `read_address` arrives a cycle later.
-    output logic [ADDRESS-1:0] depth_read_address,
-    input logic [splatline_pkg::TRANSMITTANCE+1:0] depth_read,
-    output logic depth_write,
-    output logic [ADDRESS-1:0] depth_write_address,
-    output logic [splatline_pkg::TRANSMITTANCE+1:0] depth_word,
+    output logic [ADDRESS-1:0] transmittance_read_address,
+    input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
+    // What is written in the next cycle.
+    output logic transmittance_write,
+    output logic [ADDRESS-1:0] transmittance_write_address,
+    output logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_word,
     // Colours: blue, green, red, UQ5.accumulator each.
     output logic [ADDRESS-1:0] colour_read_address,
     input logic [3*splatline_pkg::SUM_BITS-1:0] colour_read,
@@ -42,22 +45,24 @@ module blend #(
   localparam COLOUR_SHIFT = T + splatline_pkg::COLOUR - splatline_pkg::ACCUMULATOR;
 
   logic valid5, valid6, valid7, valid8, valid9, valid10, valid11, valid12, valid13, valid14;
-  logic [ADDRESS-1:0] address6, address11, address14;
+  logic [ADDRESS-1:0] address6, address10, address11, address13;
   logic [3*C-1:0] colour11;
   delay #(.BITS(ADDRESS), .STAGES(2)) hold_address6 (.clk, .rst, .advance, .in(pixel_address), .out(address6));
-  delay #(.BITS(ADDRESS), .STAGES(5)) hold_address11 (.clk, .rst, .advance, .in(address6), .out(address11));
-  delay #(.BITS(ADDRESS), .STAGES(3)) hold_address14 (.clk, .rst, .advance, .in(address11), .out(address14));
+  delay #(.BITS(ADDRESS), .STAGES(4)) hold_address10 (.clk, .rst, .advance, .in(address6), .out(address10));
+  delay #(.BITS(ADDRESS), .STAGES(1)) hold_address11 (.clk, .rst, .advance, .in(address10), .out(address11));
+  delay #(.BITS(ADDRESS), .STAGES(2)) hold_address13 (.clk, .rst, .advance, .in(address11), .out(address13));
   delay #(.BITS(3 * C), .STAGES(7)) hold_colour (.clk, .rst, .advance, .in(colour), .out(colour11));
 
   // Stages 4 to 8: opacity, clamped; what the rules skip by its product goes no further.
-  localparam [PEAK+WEIGHT:0] OPACITY_HALF = 1 << (OPACITY_SHIFT - 1);
+  localparam OPACITY = PEAK + WEIGHT + 1 - OPACITY_SHIFT;
   logic [PEAK+WEIGHT:0] product6;
-  logic [PEAK+WEIGHT-OPACITY_SHIFT:0] rounded7;
+  logic [OPACITY-1:0] rounded7;
   logic skipped7;
   logic [ALPHA:0] alpha8;
   multiply #(
       .LEFT (PEAK),
-      .RIGHT(WEIGHT + 1)
+      .RIGHT(WEIGHT + 1),
+      .UNIT (1)
   ) opacity (
       .clk,
       .advance,
@@ -67,70 +72,73 @@ module blend #(
   );
   always_ff @(posedge clk)
     if (advance) begin
-      rounded7 <= (PEAK + WEIGHT - OPACITY_SHIFT + 1)'((product6 + OPACITY_HALF) >> OPACITY_SHIFT);
+      rounded7 <= product6[PEAK+WEIGHT:OPACITY_SHIFT] + OPACITY'(product6[OPACITY_SHIFT-1]);
       skipped7 <= product6 < (PEAK + WEIGHT + 1)'(rules.least);
-      alpha8 <= rounded7 > (PEAK + WEIGHT - OPACITY_SHIFT + 1)'(rules.alpha_max) ? rules.alpha_max : rounded7[ALPHA:0];
+      alpha8 <= rounded7 > OPACITY'(rules.alpha_max) ? rules.alpha_max : rounded7[ALPHA:0];
     end
 
-  // Stages 6 to 8: the transmittance. Stages 8 to 10: the share of it that the splat takes.
-  localparam [T+ALPHA+1:0] SHARE_HALF = 1 << (ALPHA - 1);
-  logic [T+1:0] depth8, depth10;
+  // Stages 6 to 8: the transmittance. Stages 8 to 10: the share of it that the splat takes, without its rounding.
+  logic [T+1:0] transmittance8, transmittance9, transmittance10;
   logic [T+ALPHA+1:0] product10;
   logic [T:0] share10, rest10;
-  logic signed [T+1:0] beyond9, beyond10;
-  logic [T+1:0] depth9;
-  logic stop10;
-  assign depth_read_address = address6;
+  logic half10;
+  assign transmittance_read_address = address6;
   multiply #(
       .LEFT (T + 1),
       .RIGHT(ALPHA + 1),
-      .ADD  (SHARE_HALF)
+      .UNIT (1)
   ) share (
       .clk,
       .advance,
-      .left(depth8[T:0]),
+      .left(transmittance8[T:0]),
       .right(alpha8),
       .product(product10)
   );
   // An opacity of at most 1 takes at most all.
   assign share10 = product10[T+ALPHA:ALPHA];
-  // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= stop.
-  assign rest10 = depth10[T:0] - share10;
-  assign stop10 = beyond10 <= $signed({1'b0, share10});
+  assign half10 = product10[ALPHA-1];
+
+  // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= stop, or rest - stop - 1 < 0.
+  // a - b - c = a + ~b + !c.
+  logic [T+2:0] beyond9, beyond10, under10;
+  logic stop10;
+  logic carry_rest, carry_under, carry_share;
+  assign {rest10, carry_rest} = {transmittance10[T:0], 1'b1} + {~share10, !half10};
+  assign {under10, carry_under} = {beyond10, 1'b1} + {2'b11, ~share10, !half10};
+  assign stop10 = under10[T+2];
   always_ff @(posedge clk)
     if (advance) begin
-      depth8 <= depth_read;
-      depth9 <= depth8;
-      depth10 <= depth9;
-      beyond9 <= $signed({1'b0, depth8[T:0]}) - $signed({1'b0, rules.stop});
+      transmittance8 <= transmittance_read;
+      transmittance9 <= transmittance8;
+      transmittance10 <= transmittance9;
+      beyond9 <= {2'b00, transmittance8[T:0]} + {2'b11, ~rules.stop};
       beyond10 <= beyond9;
     end
 
-  // Stage 11: its new value.
-  logic [T:0] share11;
-  assign depth_write = advance && valid11;
-  assign depth_write_address = address11;
-  always_ff @(posedge clk)
-    if (advance) begin
-      depth_word <= stop10 && rules.stop_before ? {1'b1, depth10[T:0]} : {stop10, rest10};
-      share11 <= share10;
-    end
+  // Stage 11: its new value is written.
+  logic [T:0] share11, rounded10;
+  assign {rounded10, carry_share} = {share10, 1'b1} + {{(T + 1) {1'b0}}, half10};
+  assign transmittance_write = valid10 && !transmittance10[T+1];
+  assign transmittance_write_address = address10;
+  assign transmittance_word = stop10 && rules.stop_before ? {1'b1, transmittance10[T:0]} : {stop10, rest10};
+  always_ff @(posedge clk) if (advance) share11 <= rounded10;
 
   // Stages 11 to 14: the sums. A share of 1 in all and colours below 16, rounded up to double at most, stay below 32.
   logic coloured11;
   logic [3*SUM-1:0] colour13;
+  logic [2:0] carry_colour;
+  logic unused;
+  assign unused = &{1'b0, carry_rest, carry_under, carry_share, carry_colour};
   assign colour_read_address = address11;
-  assign colour_write = advance && valid14;
-  assign colour_write_address = address14;
+  assign colour_write = valid13;
+  assign colour_write_address = address13;
   genvar channel;
   generate
     for (channel = 0; channel < 3; channel = channel + 1) begin : gen_channel
-      localparam [T+C:0] COLOUR_HALF = 1 << (COLOUR_SHIFT - 1);
       logic [T+C:0] product13;
       multiply #(
           .LEFT (T + 1),
-          .RIGHT(C),
-          .ADD  (COLOUR_HALF)
+          .RIGHT(C)
       ) layer (
           .clk,
           .advance,
@@ -138,8 +146,7 @@ module blend #(
           .right(colour11[channel*C+:C]),
           .product(product13)
       );
-      always_ff @(posedge clk)
-        if (advance) colour_word[channel*SUM+:SUM] <= colour13[channel*SUM+:SUM] + product13[COLOUR_SHIFT+:SUM];
+      assign {colour_word[channel*SUM+:SUM], carry_colour[channel]} = {colour13[channel*SUM+:SUM], 1'b1} + product13[COLOUR_SHIFT-1+:SUM+1];
     end
   endgenerate
 
@@ -163,8 +170,8 @@ module blend #(
       valid8 <= valid7 && !skipped7;
       valid9 <= valid8;
       valid10 <= valid9;
-      valid11 <= valid10 && !depth10[T+1];
-      coloured11 <= valid10 && !depth10[T+1] && !(stop10 && rules.stop_before);
+      valid11 <= transmittance_write;
+      coloured11 <= transmittance_write && !(stop10 && rules.stop_before);
       valid12 <= coloured11;
       valid13 <= valid12;
       valid14 <= valid13;

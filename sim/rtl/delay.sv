@@ -22,7 +22,7 @@ module delay #(
       assign out = in;
     end else if (RING) begin : gen_ring
       localparam PLACE = $clog2(STAGES);
-      (* ram_style = "block" *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];
+      (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];
       logic [PLACE-1:0] place;
       logic [BITS-1:0] word;
       // What came in STAGES - 2 cycles ago: a cycle passes in `word`, another one in `out`.

@@ -20,7 +20,8 @@ module fifo #(
 );
   localparam INDEX = $clog2(PLACES);
 
-  (* ram_style = "block" *) logic [BITS-1:0] memory[0:PLACES-1];
+  // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to say what comes out then.
+  (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:PLACES-1];
   logic [INDEX:0] head, tail, claimed, claimed_next;
   logic [BITS-1:0] word;
   logic word_valid, word_moves, out_moves;

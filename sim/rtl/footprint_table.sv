@@ -20,7 +20,8 @@ module footprint_table (
   localparam WEIGHT = splatline_pkg::WEIGHT;
   localparam STEP = splatline_pkg::STEP_BITS;
 
-  logic [STEP+WEIGHT:0] entries[0:(1<<TABLE)-1];
+  // Loaded before anything is drawn: an entry that is read while it is written is nobody's.
+  (* no_rw_check *) logic [STEP+WEIGHT:0] entries[0:(1<<TABLE)-1];
   logic [STEP+WEIGHT:0] end_entry;
 
   // The position within an interval, KEPT bits of it. Ranges of 4 and 16 differ by two bits of the index.

@@ -35,7 +35,7 @@ module lane #(
   logic [LEFT+1:0] been_valid, meets;
   logic [PLACE*(LEFT+2)-1:0] been;
   logic [PLACE-1:0] first;
-  assign first = {run.row[splatline_pkg::TILE_ROW_BITS-1:0], run.column[COLUMN_BITS-1:0]};
+  assign first = {run.row, run.column};
   assign been_valid = {left_valid, active, active && !final_pixel};
   assign been = {left, address, address};
   always_ff @(posedge clk) begin
@@ -51,7 +51,7 @@ module lane #(
       logic [COLUMN_BITS:0] ahead;
       assign ahead = {1'b0, been[PLACE*i+:COLUMN_BITS]} - {1'b0, first[COLUMN_BITS-1:0]} + (COLUMN_BITS + 1)'(i == 0);
       assign meets[i] = been_valid[i] && been[PLACE*i+COLUMN_BITS+:PLACE-COLUMN_BITS] == first[PLACE-1:COLUMN_BITS]
-          && ahead < (COLUMN_BITS + 1)'(INTERVAL - 1 - i) && 7'(ahead) < run.count;
+          && ahead < (COLUMN_BITS + 1)'(INTERVAL - 1 - i) && ahead < run.count;
     end
   endgenerate
 
@@ -69,13 +69,13 @@ module lane #(
     if (advance) begin
       if (last) begin
         at <= run;
-        final_pixel <= run.count == 7'd1;
+        final_pixel <= run.count == (COLUMN_BITS + 1)'(1);
       end else begin
-        at.column <= at.column + 16'd1;
-        at.count <= at.count - 7'd1;
+        at.column <= at.column + 1'b1;
+        at.count <= at.count - 1'b1;
         at.radial <= at.radial + at.first;
         at.first <= at.first + at.second;
-        final_pixel <= at.count == 7'd2;
+        final_pixel <= at.count == (COLUMN_BITS + 1)'(2);
       end
     end
   end
@@ -85,7 +85,7 @@ module lane #(
   assign clamped = at.radial[31] ? 32'd0 : at.radial;
   assign pixel_valid = active && clamped < 32'(at.paint.cutoff);
   assign radial = clamped[RADIAL+3:0];
-  assign address = {at.row[splatline_pkg::TILE_ROW_BITS-1:0], at.column[COLUMN_BITS-1:0]};
+  assign address = {at.row, at.column};
   assign peak = at.paint.peak;
   assign colour = {at.paint.blue, at.paint.green, at.paint.red};
 endmodule

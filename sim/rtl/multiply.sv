@@ -1,11 +1,14 @@
-// left * right + ADD, two cycles later, unsigned: products of 18-bit parts in the first, their sum in the second.
+// left * right, two cycles later, unsigned: products of 18-bit parts in the first, their sum in the second.
 //
-// A multiplier of a board has some 18 bits; a wider product in one cycle would chain several of them and an adder. The addend is the
-// half that rounds. Parts of one or two bits (a fraction whose 1.0 is a value has a bit more than its multiplier) are gates.
+// A multiplier of a board has some 18 bits; a wider product in one cycle would chain several of them and an adder. The lowest part of a product
+// needs no adder, and of the others never more than three are added, two where a factor fits one multiplier.
+//
+// A fraction whose 1.0 is a value has a bit more than its multiplier. With UNIT, `right` is at most 1.0 = 2^(RIGHT-1): then its other bits are 0 where
+// the first is set, and that bit's product stands beside the others', not in their sum.
 module multiply #(
     parameter LEFT = 18,
     parameter RIGHT = 18,
-    parameter [LEFT+RIGHT-1:0] ADD = 0
+    parameter UNIT = 0
 ) (
     input logic clk,
     input logic advance,
@@ -14,8 +17,10 @@ module multiply #(
     output logic [LEFT+RIGHT-1:0] product
 );
   localparam PART = 18;
+  // Bits of `right` that multipliers take.
+  localparam FACTOR = UNIT ? RIGHT - 1 : RIGHT;
   localparam ROWS = (LEFT + PART - 1) / PART;
-  localparam COLUMNS = (RIGHT + PART - 1) / PART;
+  localparam COLUMNS = (FACTOR + PART - 1) / PART;
   localparam BITS = LEFT + RIGHT;
 
   // Each part's product at its place.
@@ -25,7 +30,7 @@ module multiply #(
     for (r = 0; r < ROWS; r = r + 1) begin : gen_row
       for (c = 0; c < COLUMNS; c = c + 1) begin : gen_column
         localparam A = LEFT - r * PART < PART ? LEFT - r * PART : PART;
-        localparam B = RIGHT - c * PART < PART ? RIGHT - c * PART : PART;
+        localparam B = FACTOR - c * PART < PART ? FACTOR - c * PART : PART;
         logic [A-1:0] a;
         logic [B-1:0] b;
         logic [A+B-1:0] part;
@@ -41,21 +46,35 @@ module multiply #(
         assign parts[(r*COLUMNS+c)*BITS+:BITS] = BITS'(part) << ((r + c) * PART);
       end
     end
+
+    // What the bit of 1.0 gives.
+    logic [BITS-1:0] whole;
+    if (UNIT) begin : gen_unit
+      logic [LEFT-1:0] gated;
+      always_ff @(posedge clk) if (advance) gated <= right[RIGHT-1] ? left : {LEFT{1'b0}};
+      assign whole = BITS'(gated) << (RIGHT - 1);
+    end else begin : gen_no_unit
+      assign whole = 0;
+    end
+
     if (ROWS == 1 && COLUMNS == 1) begin : gen_alone
-      always_ff @(posedge clk) if (advance) product <= parts + ADD;
-    end else if (ROWS * COLUMNS == 2) begin : gen_two
-      always_ff @(posedge clk) if (advance) product <= parts[0+:BITS] + parts[BITS+:BITS] + ADD;
-    end else if (ROWS * COLUMNS == 3) begin : gen_three
-      always_ff @(posedge clk) if (advance) product <= parts[0+:BITS] + parts[BITS+:BITS] + parts[2*BITS+:BITS] + ADD;
-    end else if (ROWS * COLUMNS == 4) begin : gen_four
-      // Parts that do not overlap stand in one word.
-      if (COLUMNS == 2) begin : gen_square
-        always_ff @(posedge clk) if (advance) product <= (parts[0+:BITS] | parts[3*BITS+:BITS]) + parts[BITS+:BITS] + parts[2*BITS+:BITS] + ADD;
-      end else begin : gen_row
-        always_ff @(posedge clk) if (advance) product <= (parts[0+:BITS] | parts[2*BITS+:BITS]) + (parts[BITS+:BITS] | parts[3*BITS+:BITS]) + ADD;
+      always_ff @(posedge clk) if (advance) product <= parts | whole;
+    end else begin : gen_sum
+      // The first part's lowest bits pass by the adder.
+      logic [BITS-PART-1:0] high;
+      if (ROWS * COLUMNS == 2) begin : gen_two
+        assign high = parts[BITS-1:PART] + (parts[2*BITS-1:BITS+PART] | whole[BITS-1:PART]);
+      end else if (ROWS * COLUMNS == 3) begin : gen_three
+        assign high = (parts[BITS-1:PART] | parts[3*BITS-1:2*BITS+PART]) + (parts[2*BITS-1:BITS+PART] | whole[BITS-1:PART]);
+      end else if (ROWS * COLUMNS == 4 && COLUMNS == 2) begin : gen_square
+        // Parts that do not overlap stand in one word.
+        assign high = (parts[BITS-1:PART] | parts[4*BITS-1:3*BITS+PART] | whole[BITS-1:PART]) + parts[2*BITS-1:BITS+PART] + parts[3*BITS-1:2*BITS+PART];
+      end else if (ROWS * COLUMNS == 4) begin : gen_line
+        assign high = (parts[BITS-1:PART] | parts[3*BITS-1:2*BITS+PART]) + (parts[2*BITS-1:BITS+PART] | parts[4*BITS-1:3*BITS+PART] | whole[BITS-1:PART]);
+      end else begin : gen_too_wide
+        $error("multiply: factors of so many bits have too many parts");
       end
-    end else begin : gen_too_wide
-      $error("multiply: factors of so many bits have too many parts");
+      always_ff @(posedge clk) if (advance) product <= {high, whole[PART-1:0] | parts[PART-1:0]};
     end
   endgenerate
 endmodule

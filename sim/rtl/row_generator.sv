@@ -23,6 +23,8 @@ module row_generator (
   localparam M = splatline_pkg::MANTISSA;
   localparam RADIAL = splatline_pkg::RADIAL;
   localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
+  localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
+  localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam STAGES = 32;
   // Rows from issue to the lanes' queues: twice the stages, so that the queue never runs dry while places come back.
   localparam PLACES = 64;
@@ -66,7 +68,7 @@ module row_generator (
 
   // Stage 1: the row; what is left of the cut-off, Q.52.
   logic signed [63:0] centre1, vertical1, rest1;
-  logic [15:0] row1, row32, odd_unused;
+  logic [ROW_BITS-1:0] row1, row32;
   logic [M-1:0] spread1;
   splatline_pkg::paint_t paint1, paint32;
   logic [15:0] box_first1, box_last1, first_column1, last_column1;
@@ -77,7 +79,7 @@ module row_generator (
   logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial26;
   logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
   always_ff @(posedge clk) begin
-    row1 <= at.row;
+    row1 <= at.row[ROW_BITS-1:0];
     centre1 <= at.centre;
     vertical1 <= at.vertical;
     rest1 <= $signed({8'd0, shape0.reach}) - at.vertical;
@@ -95,7 +97,7 @@ module row_generator (
     balance1 <= shape0.balance;
   end
   assign positive1 = !rest1[63] && rest1 != 0;
-  delay #(.BITS(16 + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
+  delay #(.BITS(ROW_BITS + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
   delay #(.BITS(1), .STAGES(2)) hold_odd (.clk, .rst, .advance(1'b1), .in(spread_odd1), .out(spread_odd3));
   delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(spread_power1), .out(spread_power7));
 
@@ -166,10 +168,10 @@ module row_generator (
     else clamp = value[15:0];
   endfunction
   logic [15:0] box_first16, box_last16, first_column16, last_column16, first_column17, last_column17, first_column18;
-  logic [15:0] low17, high17, block17, x18, end18, x19, length19, head19;
-  logic [15:0] x32;
+  logic [15:0] low17, high17, block17, x18, end18, length19, head19;
+  logic [COLUMN_BITS-1:0] x19, x32;
   logic [4:0] head20, head28;
-  logic [6:0] count20;
+  logic [COLUMN_BITS:0] count20;
   delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_last1, first_column1, last_column1}), .out({box_first16, box_last16, first_column16, last_column16}));
   assign block17 = {first_column17[15:BLOCK_BITS], BLOCK_BITS'(0)};
   assign fits19 = head19 < length19;
@@ -184,14 +186,14 @@ module row_generator (
     order19 <= x18 < end18;
     length19 <= end18 - x18;
     head19 <= x18 < first_column18 ? first_column18 - x18 : 16'd0;
-    x19 <= x18;
+    x19 <= x18[COLUMN_BITS-1:0];
     head20 <= head19[4:0];
-    count20 <= length19[6:0] - head19[6:0];
+    count20 <= length19[COLUMN_BITS:0] - head19[COLUMN_BITS:0];
   end
-  logic [15:0] column20;
-  logic [6:0] count32;
-  always_ff @(posedge clk) column20 <= x19 + head19;
-  delay #(.BITS(16 + 7), .STAGES(12)) hold_column (.clk, .rst, .advance(1'b1), .in({column20, count20}), .out({x32, count32}));
+  logic [COLUMN_BITS-1:0] column20;
+  logic [COLUMN_BITS:0] count32;
+  always_ff @(posedge clk) column20 <= x19 + head19[COLUMN_BITS-1:0];
+  delay #(.BITS(2 * COLUMN_BITS + 1), .STAGES(12)) hold_column (.clk, .rst, .advance(1'b1), .in({column20, count20}), .out({x32, count32}));
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
   // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
@@ -231,33 +233,34 @@ module row_generator (
   align #(.BITS(2 * M + 2)) align_radial (.clk, .negative(1'b0), .magnitude(across26), .shift(drop_radial26), .result(radial30));
   always_ff @(posedge clk) first28 <= first27[31:0] + unit27;
 
-  // C dy^2 and what balances the seed: stage 3. What is left of the window is skipped (`Run::skip`): stages 22 to 32.
-  logic [31:0] base2, base3, base23, sum24, sum30, sum31, radial32, head_second28, first29, first32, second32;
-  logic [36:0] head_second22, head_first30;
-  logic [8:0] pairs21;
-  logic [31:0] second21, head_first31;
-  logic [40:0] pairs_second23;
+  // C dy^2 and what balances the seed: stage 3. What is left of the window is skipped (`Run::skip`): stages 22 to 32. Over n pixels the index
+  // grows by n first + n (n - 1) / 2 second = n (2 first + (n - 1) second) / 2: one product more, and a bit more, since n (n - 1) is even.
+  logic [31:0] base2, base3, base30, sum31, radial32, first29, first32, second27, second32;
+  logic [36:0] head_second22;
+  logic [32:0] head_second27, less28, mean29;
+  logic [31:0] head_second28;
+  logic [4:0] head29;
+  logic [37:0] skipped31;
   always_ff @(posedge clk) begin
     base2 <= 32'(splatline_math::shift_round(vertical1, 7'(52 - RADIAL)));
     balance2 <= balance1;
     base3 <= base2 + balance2;
-    pairs21 <= 9'(({5'd0, head20} * ({5'd0, head20} - 10'd1)) >> 1);
-    second21 <= second20;
-    sum24 <= base23 + pairs_second23[31:0];
-    sum31 <= radial30[31:0] + sum30;
-    head_first31 <= head_first30[31:0];
-    radial32 <= sum31 + head_first31;
+    less28 <= head_second27 - {1'b0, second27};
+    head_second28 <= head_second27[31:0];
+    mean29 <= {first28, 1'b0} + less28;
+    head29 <= head28;
     first29 <= first28 + head_second28;
+    sum31 <= radial30[31:0] + base30;
+    radial32 <= sum31 + skipped31[32:1];
   end
-  delay #(.BITS(32), .STAGES(20)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base23));
-  delay #(.BITS(32), .STAGES(6)) hold_sum (.clk, .rst, .advance(1'b1), .in(sum24), .out(sum30));
+  delay #(.BITS(32), .STAGES(27)) hold_base (.clk, .rst, .advance(1'b1), .in(base3), .out(base30));
   delay #(.BITS(32), .STAGES(19)) hold_second20 (.clk, .rst, .advance(1'b1), .in(second1), .out(second20));
-  delay #(.BITS(32), .STAGES(11)) hold_second32 (.clk, .rst, .advance(1'b1), .in(second21), .out(second32));
-  delay #(.BITS(32), .STAGES(6)) hold_head_second (.clk, .rst, .advance(1'b1), .in(head_second22[31:0]), .out(head_second28));
+  delay #(.BITS(32), .STAGES(7)) hold_second27 (.clk, .rst, .advance(1'b1), .in(second20), .out(second27));
+  delay #(.BITS(32), .STAGES(5)) hold_second32 (.clk, .rst, .advance(1'b1), .in(second27), .out(second32));
+  delay #(.BITS(33), .STAGES(5)) hold_head_second (.clk, .rst, .advance(1'b1), .in(head_second22[32:0]), .out(head_second27));
   delay #(.BITS(32), .STAGES(3)) hold_first (.clk, .rst, .advance(1'b1), .in(first29), .out(first32));
   multiply #(.LEFT(32), .RIGHT(5)) multiply_head_second (.clk, .advance(1'b1), .left(second20), .right(head20), .product(head_second22));
-  multiply #(.LEFT(32), .RIGHT(9)) multiply_pairs (.clk, .advance(1'b1), .left(second21), .right(pairs21), .product(pairs_second23));
-  multiply #(.LEFT(32), .RIGHT(5)) multiply_head_first (.clk, .advance(1'b1), .left(first28), .right(head28), .product(head_first30));
+  multiply #(.LEFT(33), .RIGHT(5)) multiply_skipped (.clk, .advance(1'b1), .left(mean29), .right(head29), .product(skipped31));
 
   // Stage 32: the run, in the order of `run_t`.
   fifo #(

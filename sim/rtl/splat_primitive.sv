@@ -6,11 +6,13 @@
 // Lane l owns the tile's rows y with y mod LANES = l and the bank that holds them. So a pixel only ever meets one lane, splats
 // keep their order at every pixel, and lanes work on different rows, where short runs leave none idle.
 //
-// A tile: `tile` (the window, within one aligned TILE_COLUMNS x TILE_ROWS block) clears the buffer; packets follow, nearest first;
-// `finish` waits for the last pixel and starts the read-out, row by row; after its last pixel the next tile may begin.
+// A tile: `tile` (the window, within one aligned TILE_COLUMNS x TILE_ROWS block) begins it; packets follow, nearest first; `finish` waits for the
+// last pixel and for the read-out of the tile before. Then this tile is read out, row by row, and cleared behind, while the next one is drawn into
+// the other buffer. After a reset both are cleared once.
 module splat_primitive #(
     parameter LANES = 1,
-    parameter QUEUE = 8
+    parameter QUEUE = 8,
+    parameter SETUP_INTERVAL = 4
 ) (
     input logic clk,
     input logic rst,
@@ -30,7 +32,7 @@ module splat_primitive #(
     output logic finish_ready,
     output logic pixel_valid,
     input logic pixel_ready,
-    output logic [splatline_pkg::TRANSMITTANCE+1:0] pixel_depth,  // finished flag, UQ1.transmittance
+    output logic [splatline_pkg::TRANSMITTANCE+1:0] pixel_transmittance,  // finished flag, UQ1.transmittance
     output logic [3*splatline_pkg::SUM_BITS-1:0] pixel_colour,  // blue, green, red, UQ5.accumulator
     // Lanes move only in cycles that follow one in which this is set: where the tile buffer shares its memory's ports.
     input logic lanes_enable,
@@ -42,7 +44,7 @@ module splat_primitive #(
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
   localparam ADDRESS = COLUMN_BITS + ROW_BITS - LANE_BITS;
-  localparam DEPTH_BITS = splatline_pkg::TRANSMITTANCE + 2;
+  localparam TRANSMITTANCE_BITS = splatline_pkg::TRANSMITTANCE + 2;
   localparam COLOUR_BITS = 3 * splatline_pkg::SUM_BITS;
   localparam PEAK_BITS = splatline_pkg::PEAK + 4;
   localparam PAINT_BITS = 3 * (splatline_pkg::COLOUR + 4);
@@ -73,17 +75,18 @@ module splat_primitive #(
   endgenerate
 
   typedef enum logic [1:0] {
-    IDLE,
     CLEAR,
-    DRAW,
-    READ
+    IDLE,
+    DRAW
   } state_t;
   state_t state;
   splatline_pkg::window_t window;
+  // The buffer that is drawn into; the other one is read out, or clear.
+  logic side, reading;
 
   assign tile_ready = state == IDLE;
   // A packet offered together with `finish` still belongs to this tile: `finish` waits.
-  assign finish_ready = state == DRAW && idle && !packet_valid;
+  assign finish_ready = state == DRAW && idle && !packet_valid && !reading;
 
   // Packets to runs.
   logic footprint_valid, footprint_ready, splat_valid, splat_ready, slot_valid, slot_ready, slot_has_run, run_ready, setup_idle, rows_idle;
@@ -105,7 +108,9 @@ module splat_primitive #(
       .footprint,
       .foreign_packets
   );
-  splat_setup setup (
+  splat_setup #(
+      .INTERVAL(SETUP_INTERVAL)
+  ) setup (
       .clk,
       .rst,
       .window,
@@ -132,60 +137,67 @@ module splat_primitive #(
       .idle(rows_idle)
   );
 
-  // The scan of clearing and reading: row and column within the block.
-  logic [ROW_BITS-1:0] scan_row;
-  logic [COLUMN_BITS-1:0] scan_column;
+  // The scan that reads out and clears behind: row and column within the block. After a reset it clears all.
+  logic [ROW_BITS-1:0] scan_row, last_row;
+  logic [COLUMN_BITS-1:0] scan_column, first_column, last_column;
   logic [ADDRESS-1:0] clear_address;
-  logic scan_last_column, scan_last_row, scan_valid, scan_moves, window_has_pixels;
+  logic scan_last_column, scan_last_row, scan_valid, scan_moves, window_has_pixels, finishes;
   assign window_has_pixels = window.first_column < window.last_column && window.first_row < window.last_row;
-  assign scan_last_column = scan_column == COLUMN_BITS'(window.last_column - 16'd1);
-  assign scan_last_row = scan_row == ROW_BITS'(window.last_row - 16'd1);
+  assign scan_last_column = scan_column == last_column;
+  assign scan_last_row = scan_row == last_row;
   assign scan_moves = !pixel_valid || pixel_ready;
+  assign finishes = finish_valid && finish_ready;
+  assign reading = scan_valid || pixel_valid;
 
   always_ff @(posedge clk) begin
     if (rst) begin
-      state <= IDLE;
+      state <= CLEAR;
+      side <= 0;
+      clear_address <= 0;
       pixel_valid <= 0;
       scan_valid <= 0;
     end else begin
       case (state)
-        IDLE:
-        if (tile_valid) begin
-          state <= CLEAR;
-          window <= tile;
-          clear_address <= 0;
-        end
         CLEAR: begin
           clear_address <= clear_address + 1'b1;
-          if (&clear_address) state <= DRAW;
+          if (&clear_address) state <= IDLE;
         end
-        DRAW: begin
-          scan_row <= ROW_BITS'(window.first_row);
-          scan_column <= COLUMN_BITS'(window.first_column);
-          if (finish_valid && finish_ready) begin
-            state <= READ;
-            scan_valid <= window_has_pixels;
-          end
+        IDLE:
+        if (tile_valid) begin
+          state <= DRAW;
+          window <= tile;
         end
-        READ:
-        if (scan_moves) begin
-          pixel_valid <= scan_valid;
-          if (scan_last_column) begin
-            scan_column <= COLUMN_BITS'(window.first_column);
-            scan_row <= scan_row + 1'b1;
-          end else scan_column <= scan_column + 1'b1;
-          if (scan_last_column && scan_last_row) scan_valid <= 0;
-          if (!scan_valid) state <= IDLE;
+        DRAW:
+        if (finishes) begin
+          state <= IDLE;
+          side <= !side;
         end
+        default: state <= CLEAR;
       endcase
+      if (finishes) begin
+        scan_valid <= window_has_pixels;
+        scan_row <= ROW_BITS'(window.first_row);
+        scan_column <= COLUMN_BITS'(window.first_column);
+        first_column <= COLUMN_BITS'(window.first_column);
+        last_column <= COLUMN_BITS'(window.last_column - 16'd1);
+        last_row <= ROW_BITS'(window.last_row - 16'd1);
+      end else if (scan_moves) begin
+        pixel_valid <= scan_valid;
+        if (scan_last_column) begin
+          scan_column <= first_column;
+          scan_row <= scan_row + 1'b1;
+        end else scan_column <= scan_column + 1'b1;
+        if (scan_last_column && scan_last_row) scan_valid <= 0;
+      end
     end
   end
 
   // The lanes.
   logic [LANES-1:0] queue_ready, lane_idle, pixels_idle;
   assign slot_ready = !slot_has_run || run_ready;
-  logic [LANES*DEPTH_BITS-1:0] depths;
-  logic [LANES*COLOUR_BITS-1:0] colours;
+  // What the lane that owns the row being read out gives: transmittance and colour.
+  localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
+  logic [LANES*WORD_BITS-1:0] words;
   logic [ROW_BITS-1:0] read_row;
   always_ff @(posedge clk) if (scan_moves) read_row <= scan_row;
 
@@ -193,12 +205,10 @@ module splat_primitive #(
   generate
     if (LANES == 1) begin : gen_single
       assign run_ready = queue_ready[0];
-      assign pixel_depth = depths;
-      assign pixel_colour = colours;
+      assign {pixel_transmittance, pixel_colour} = words;
     end else begin : gen_banked
       assign run_ready = queue_ready[run.row[LANE_BITS-1:0]];
-      assign pixel_depth = depths[read_row[LANE_BITS-1:0]*DEPTH_BITS+:DEPTH_BITS];
-      assign pixel_colour = colours[read_row[LANE_BITS-1:0]*COLOUR_BITS+:COLOUR_BITS];
+      assign {pixel_transmittance, pixel_colour} = words[read_row[LANE_BITS-1:0]*WORD_BITS+:WORD_BITS];
     end
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
@@ -288,10 +298,12 @@ module splat_primitive #(
           .out({address4, peak4, colours4})
       );
 
-      logic depth_write, colour_write;
-      logic [ADDRESS-1:0] depth_read_address, depth_write_address, colour_read_address, colour_write_address;
-      logic [DEPTH_BITS-1:0] depth_word;
+      logic transmittance_write, colour_write;
+      logic [ADDRESS-1:0] transmittance_read_address, transmittance_write_address, colour_read_address, colour_write_address;
+      logic [TRANSMITTANCE_BITS-1:0] transmittance_word;
       logic [COLOUR_BITS-1:0] colour_word;
+      logic [2*TRANSMITTANCE_BITS-1:0] transmittances;
+      logic [2*COLOUR_BITS-1:0] colours;
       blend #(
           .ADDRESS(ADDRESS)
       ) over (
@@ -304,53 +316,69 @@ module splat_primitive #(
           .weight,
           .peak(peak4),
           .colour(colours4),
-          .depth_read_address,
-          .depth_read(depths[l*DEPTH_BITS+:DEPTH_BITS]),
-          .depth_write,
-          .depth_write_address,
-          .depth_word,
+          .transmittance_read_address,
+          .transmittance_read(side ? transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS] : transmittances[0+:TRANSMITTANCE_BITS]),
+          .transmittance_write,
+          .transmittance_write_address,
+          .transmittance_word,
           .colour_read_address,
-          .colour_read(colours[l*COLOUR_BITS+:COLOUR_BITS]),
+          .colour_read(side ? colours[COLOUR_BITS+:COLOUR_BITS] : colours[0+:COLOUR_BITS]),
           .colour_write,
           .colour_write_address,
           .colour_word,
           .idle(blend_quiet)
       );
+      assign words[l*WORD_BITS+:WORD_BITS] = side ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
 
-      // While drawing, the lane owns its bank; otherwise the scan does.
-      logic clearing, reads;
+      // The lane owns the bank of the side that is drawn, the scan the other one; it clears what it has read.
+      logic clears, mine_in_scan;
       logic [ADDRESS-1:0] scan_address;
-      assign clearing = state == CLEAR;
-      assign reads = state == READ ? scan_moves : moves;
       if (LANES == 1) begin : gen_scan_all
         assign scan_address = {scan_row, scan_column};
+        assign mine_in_scan = 1'b1;
       end else begin : gen_scan_own
         assign scan_address = {scan_row[ROW_BITS-1:LANE_BITS], scan_column};
+        assign mine_in_scan = scan_row[LANE_BITS-1:0] == l[LANE_BITS-1:0];
       end
-      tile_buffer #(
-          .BITS(DEPTH_BITS),
-          .ADDRESS(ADDRESS)
-      ) depth_bank (
-          .clk,
-          .advance(reads),
-          .write(depth_write || clearing),
-          .write_address(clearing ? clear_address : depth_write_address),
-          .write_word(clearing ? {2'b01, {(DEPTH_BITS - 2) {1'b0}}} : depth_word),
-          .read_address(state == READ ? scan_address : depth_read_address),
-          .read_word(depths[l*DEPTH_BITS+:DEPTH_BITS])
-      );
-      tile_buffer #(
-          .BITS(COLOUR_BITS),
-          .ADDRESS(ADDRESS)
-      ) colour_bank (
-          .clk,
-          .advance(reads),
-          .write(colour_write || clearing),
-          .write_address(clearing ? clear_address : colour_write_address),
-          .write_word(clearing ? '0 : colour_word),
-          .read_address(state == READ ? scan_address : colour_read_address),
-          .read_word(colours[l*COLOUR_BITS+:COLOUR_BITS])
-      );
+      assign clears = state == CLEAR || (scan_valid && scan_moves && mine_in_scan);
+      genvar b;
+      for (b = 0; b < 2; b = b + 1) begin : gen_side
+        logic scanned;
+        assign scanned = state == CLEAR || side != b[0];
+        tile_buffer #(
+            .BITS(TRANSMITTANCE_BITS),
+            .ADDRESS(ADDRESS),
+            .CLEAR({2'b01, {(TRANSMITTANCE_BITS - 2) {1'b0}}})
+        ) transmittance_bank (
+            .clk,
+            .clears(scanned),
+            .clear(clears),
+            .clear_address(state == CLEAR ? clear_address : scan_address),
+            .advance(moves),
+            .write(transmittance_write),
+            .write_address(transmittance_write_address),
+            .write_word(transmittance_word),
+            .read(scanned ? scan_moves : moves),
+            .read_address(scanned ? scan_address : transmittance_read_address),
+            .read_word(transmittances[b*TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS])
+        );
+        tile_buffer #(
+            .BITS(COLOUR_BITS),
+            .ADDRESS(ADDRESS)
+        ) colour_bank (
+            .clk,
+            .clears(scanned),
+            .clear(clears),
+            .clear_address(state == CLEAR ? clear_address : scan_address),
+            .advance(moves),
+            .write(colour_write),
+            .write_address(colour_write_address),
+            .write_word(colour_word),
+            .read(scanned ? scan_moves : moves),
+            .read_address(scanned ? scan_address : colour_read_address),
+            .read_word(colours[b*COLOUR_BITS+:COLOUR_BITS])
+        );
+      end
       assign lane_idle[l] = empty && lane_quiet;
       assign pixels_idle[l] = !inside1 && !inside2 && !inside3 && !inside4 && blend_quiet;
     end

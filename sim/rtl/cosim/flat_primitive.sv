@@ -55,13 +55,13 @@ module flat_primitive #(
   localparam SUM = splatline_pkg::SUM_BITS;
   splatline_pkg::rules_t rules;
   splatline_pkg::window_t tile;
-  logic [splatline_pkg::TRANSMITTANCE+1:0] depth;
+  logic [splatline_pkg::TRANSMITTANCE+1:0] word;
   logic [3*SUM-1:0] colour;
 
   assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[splatline_pkg::TRANSMITTANCE:0], stop_before, wide_table};
   assign tile = {first_column, first_row, last_column, last_row};
-  assign finished = depth[splatline_pkg::TRANSMITTANCE+1];
-  assign transmittance = 32'(depth[splatline_pkg::TRANSMITTANCE:0]);
+  assign finished = word[splatline_pkg::TRANSMITTANCE+1];
+  assign transmittance = 32'(word[splatline_pkg::TRANSMITTANCE:0]);
   assign {blue, green, red} = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM])};
 
   splat_primitive #(
@@ -84,7 +84,7 @@ module flat_primitive #(
       .finish_ready,
       .pixel_valid,
       .pixel_ready,
-      .pixel_depth(depth),
+      .pixel_transmittance(word),
       .pixel_colour(colour),
       .lanes_enable,
       .raster_idle,

@@ -311,9 +311,9 @@ package splatline_pkg;
 
   // Adjacent pixels of one row, at least one (`Run`).
   typedef struct packed {
-    logic [15:0] row;
-    logic [15:0] column;
-    logic [6:0] count;
+    logic [TILE_ROW_BITS-1:0] row;  // within the tile
+    logic [TILE_COLUMN_BITS-1:0] column;
+    logic [TILE_COLUMN_BITS:0] count;
     logic [31:0] radial;  // Q.radial, and its differences
     logic [31:0] first;
     logic [31:0] second;

@@ -207,6 +207,7 @@ impl Config {
             // Transmittance and three colours, a word each.
             pixel_bytes: 16,
             overlap: Overlap::Primitive,
+            splat_cycles: primitive::SETUP_INTERVAL,
             rows_at_once: 1,
             row_fifo: primitive::QUEUE,
             lanes,
@@ -215,10 +216,8 @@ impl Config {
             // From a lane's pixel to the reading of its transmittance, and with its colours to the end.
             table_latency: 9,
             blend_latency: primitive::INTERVAL as u32,
-            tile_buffers: 1,
+            tile_buffers: 2,
             write_back_cycles: 2,
-            // A cycle takes the tile over.
-            clear_cycles: 1 + u32::from(tile_width * tile_height) / lanes.max(1),
             ..Config::default()
         }
     }

@@ -1,10 +1,10 @@
 //! The clock of the splat primitive in `sim/rtl`, handshake by handshake: in which cycle each packet, row and run moves on.
 //!
 //! ```text
-//! packet -> setup, 19 stages -> queue -> rows, 32 stages -> queue -> queue of each lane -> lane, one pixel a cycle
+//! packet -> setup, 24 stages -> queue -> rows, 32 stages -> queue -> queue of each lane -> lane, one pixel a cycle
 //! ```
 //!
-//! A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is
+//! Stages of setup take turns at some units, so that packets are taken in every [`SETUP_INTERVAL`]th cycle since the reset alone. A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is
 //! only taken, and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free in the
 //! cycle after its entry left. A lane holds a run back while a pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one
 //! did. With t(s) the cycle in which packet s is taken, b(s) the one in which its rows are begun, q(i) the one in which
@@ -12,8 +12,8 @@
 //! the one in which it is popped, packets never running out, this is
 //!
 //! ```text
-//! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1)
-//! b(s) = max(t(s) + 22, q(last slot of s-1))
+//! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of the interval
+//! b(s) = max(t(s) + 27, q(last slot of s-1))
 //! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
 //! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: the run `queue` places before in the same lane, if slot i has a run
 //! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
@@ -47,6 +47,9 @@ const FRONT: u64 = 2;
 /// Splats between packet and rows; `PLACES` of splat_setup.sv.
 const SPLATS: usize = 32;
 
+/// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well, if a machine says so (`splat_cycles`).
+pub const SETUP_INTERVAL: u32 = 4;
+
 /// Slots between issue and the lanes' queues; `PLACES` of row_generator.sv.
 const SLOTS: usize = 64;
 
@@ -54,7 +57,7 @@ const SLOTS: usize = 64;
 const FIFO_STAGES: u64 = 3;
 
 /// From a packet's handshake until its rows may begin: the stages of splat_setup.sv and its queue.
-const SETUP: u64 = 19 + FIFO_STAGES;
+const SETUP: u64 = 24 + FIFO_STAGES;
 
 /// From a slot's issue until it may leave: the stages of row_generator.sv and its queue.
 const ROW: u64 = 32 + FIFO_STAGES;
@@ -88,6 +91,36 @@ impl<const PLACES: usize> Ring<PLACES> {
     fn leave(&mut self, cycle: u64) {
         self.cycles[self.count % PLACES] = cycle;
         self.count += 1;
+    }
+}
+
+/// When setup takes packets: in cycles that are `phase` and a multiple of `interval`.
+#[derive(Clone, Copy, Debug)]
+struct Turns {
+    interval: u64,
+    phase: u64,
+    /// The first cycle in which the next packet may be taken.
+    next: u64,
+}
+
+impl Turns {
+    const fn new(interval: u32, phase: u64) -> Turns {
+        let interval = if interval > 1 { interval as u64 } else { 1 };
+        let phase = phase % interval;
+        Turns {
+            interval,
+            phase,
+            next: phase,
+        }
+    }
+
+    /// The cycle in which a packet is taken that could be from `earliest` on.
+    #[inline(always)]
+    fn take(&mut self, earliest: u64) -> u64 {
+        let waited = earliest.max(self.next) - self.phase;
+        let taken = self.phase + waited.next_multiple_of(self.interval);
+        self.next = taken + 1;
+        taken
     }
 }
 
@@ -129,8 +162,8 @@ pub struct SlotStamp {
 /// The primitive's clock: feed it packets and their slots in order.
 #[derive(Clone, Debug)]
 pub struct PrimitiveClock {
-    /// First cycles in which the next packet may be taken, the next splat begun, the next slot issued and the next slot leave.
-    taken: u64,
+    turns: Turns,
+    /// First cycles in which the next splat may be begun, the next slot issued and the next slot leave.
     begun: u64,
     issued: u64,
     left: u64,
@@ -206,15 +239,20 @@ impl Flights {
 }
 
 impl PrimitiveClock {
-    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on.
+    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, as the circuit is usually built.
     pub fn new(lanes: usize, queue: u32) -> Self {
+        Self::with_interval(lanes, queue, SETUP_INTERVAL, 0)
+    }
+
+    /// The same with another number of cycles between two packets, and some cycle in which one may be taken.
+    pub fn with_interval(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
         let lane = Lane {
             moves: vec![0; queue.max(1) as usize],
             place: 0,
             flights: Flights::NEW,
         };
         PrimitiveClock {
-            taken: 0,
+            turns: Turns::new(interval, phase),
             begun: 0,
             issued: 0,
             left: 0,
@@ -227,9 +265,8 @@ impl PrimitiveClock {
 
     /// A packet that is offered from this cycle on. Its slots, at least one, must follow by [`PrimitiveClock::slot`].
     pub fn packet(&mut self, offered: u64) -> PacketStamp {
-        let taken = offered.max(self.taken).max(self.splats.free());
+        let taken = self.turns.take(offered.max(self.splats.free()));
         let begun = self.begun.max(taken + SETUP);
-        self.taken = taken + 1;
         self.splats.leave(begun);
         self.issued = self.issued.max(begun + 1);
         PacketStamp { taken, begun }
@@ -343,19 +380,19 @@ mod tests {
         clock.idle_at()
     }
 
-    /// Slots leave in cycles 58, 59, 60; the first run is popped in 61 and keeps its lane until 66, the second until 68.
+    /// Slots leave in cycles 63, 64, 65; the first run is popped in 66 and keeps its lane until 71, the second until 73.
     #[test]
     fn three_rows_of_which_one_is_empty() {
-        assert_eq!(LATENCY, 58);
-        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 70);
+        assert_eq!(LATENCY, 63);
+        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 75);
     }
 
-    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 64.
+    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 69.
     #[test]
     fn four_lanes_take_four_rows_at_once() {
         assert_eq!(
             alone(4, QUEUE, (0..4).map(|row| run(4, row, 5))),
-            64 + 5 + 2
+            69 + 5 + 2
         );
     }
 
@@ -365,9 +402,9 @@ mod tests {
         let mut clock = PrimitiveClock::new(1, 1);
         clock.packet(0);
         let left = [0, 1, 2, 3].map(|row| clock.slot(run(1, row, 10)).left);
-        assert_eq!(left, [58, 60, 62, 72]);
-        assert_eq!(clock.slot(None).left, 73);
-        assert_eq!(clock.idle_at(), 61 + 40 + 2);
+        assert_eq!(left, [63, 65, 67, 77]);
+        assert_eq!(clock.slot(None).left, 78);
+        assert_eq!(clock.idle_at(), 66 + 40 + 2);
     }
 
     #[test]
@@ -390,13 +427,13 @@ mod tests {
             }));
             (slot.popped, slot.held)
         };
-        assert_eq!(popped(0, 4, 2), (Some(61), 0));
+        assert_eq!(popped(0, 4, 2), (Some(66), 0));
         // Column 5 was visited a cycle after column 4.
-        assert_eq!(popped(0, 5, 2), (Some(68), 5));
+        assert_eq!(popped(0, 5, 2), (Some(73), 5));
         // Column 5 comes a cycle after column 4, too.
-        assert_eq!(popped(0, 4, 2), (Some(73), 3));
-        assert_eq!(popped(1, 4, 2), (Some(75), 0));
-        assert_eq!(popped(0, 6, 2), (Some(77), 0));
-        assert_eq!(popped(0, 0, 2), (Some(79), 0));
+        assert_eq!(popped(0, 4, 2), (Some(78), 3));
+        assert_eq!(popped(1, 4, 2), (Some(80), 0));
+        assert_eq!(popped(0, 6, 2), (Some(82), 0));
+        assert_eq!(popped(0, 0, 2), (Some(84), 0));
     }
 }

@@ -86,8 +86,14 @@ pub(super) struct RasterUnit {
     primitive: PrimitiveClock,
     /// Times at which tile buffers become free, oldest first.
     buffers: VecDeque<u64>,
+    /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the number of buffers. The first tile's
+    /// own handshake takes a cycle.
+    handed_over: u64,
     pub prefetched_in_vain: u64,
 }
+
+/// From the handshake that ends a tile until the circuit takes the next tile's first packet.
+const HAND_OVER: u64 = 2;
 
 /// A tile to be drawn.
 pub(super) struct Job<'a> {
@@ -145,11 +151,17 @@ impl RasterUnit {
             write_back: Account::default(),
             packets: Fifo::new(config.packet_fifo),
             splats: Fifo::new(config.splat_fifo),
-            primitive: PrimitiveClock::new(config.lanes as usize, config.row_fifo),
+            primitive: PrimitiveClock::with_interval(
+                config.lanes as usize,
+                config.row_fifo,
+                config.splat_cycles,
+                0,
+            ),
             buffers: VecDeque::from(vec![
                 u64::from(config.clear_cycles);
                 config.tile_buffers as usize
             ]),
+            handed_over: 1,
             prefetched_in_vain: 0,
         }
     }
@@ -171,7 +183,10 @@ impl RasterUnit {
 
     /// Draws one tile.
     pub fn draw<O: Observer>(&mut self, job: &Job, observer: &mut O) {
-        let buffer = self.buffers.pop_front().unwrap_or(0);
+        let mut buffer = self.buffers.pop_front().unwrap_or(0);
+        if self.costs.overlap == Overlap::Primitive {
+            buffer = buffer.max(self.handed_over);
+        }
         // Another tile's pixels lie in another buffer.
         self.sequencers
             .iter_mut()
@@ -380,6 +395,7 @@ impl RasterUnit {
         };
         self.write_back.wait(Cause::Lanes, blended);
         let start = self.write_back.at();
+        self.handed_over = start + HAND_OVER;
         let bytes = u64::from(job.pixels) * self.costs.pixel_bytes;
         let port = if primitive { job.pixels.into() } else { 0 };
         let transfer = bytes.div_ceil(self.costs.bandwidth).max(port);

@@ -1,6 +1,6 @@
 //! The bench: drives tiles through the verilated primitive, with or without back-pressure, and counts cycles.
 
-use crate::model::{Inputs, Missing, Model, Outputs, Packet, ReadOut};
+use crate::model::{Inputs, Missing, Model, Outputs, Packet, RESET_CYCLES, ReadOut};
 use crate::package::table;
 use crate::roots::Roots;
 use crate::stamps::Stamps;
@@ -92,6 +92,11 @@ impl Bench {
     /// Cycles simulated so far.
     pub fn cycles(&self) -> u64 {
         self.model.cycles()
+    }
+
+    /// Of these, those since the reset with which the circuit began.
+    pub fn cycles_since_reset(&self) -> u64 {
+        self.model.cycles() - RESET_CYCLES
     }
 
     /// Inputs that offer a tile.

@@ -6,6 +6,9 @@ use std::ffi::c_void;
 use std::fmt;
 use std::path::Path;
 
+/// Cycles for which a new circuit is reset.
+pub const RESET_CYCLES: u64 = 4;
+
 /// The circuit's inputs in one cycle; `Inputs` of shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
@@ -210,7 +213,7 @@ impl Model {
             rst: 1,
             ..Inputs::default()
         };
-        for _ in 0..4 {
+        for _ in 0..RESET_CYCLES {
             model.tick(&reset);
         }
         model

@@ -2,7 +2,7 @@
 
 use crate::check::Findings;
 use crate::model::Model;
-use crate::suite::{Extent, Loads, rules};
+use crate::suite::{Extent, Loads, PictureLine, rules};
 use anyhow::{Context, Result, ensure};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -38,24 +38,24 @@ const fn mutant(
 
 /// The mistakes. The truncated root changes no pixel, since the spans' slack hides it: only the row unit's own roots show it; and what no legal
 /// packet asks of the alignments only their own words do ([`crate::units`]).
-pub const MUTANTS: [Mutant; 32] = [
+pub const MUTANTS: [Mutant; 38] = [
     mutant(
         "share of the transmittance truncated",
         "blend.sv",
-        ".ADD  (SHARE_HALF)",
-        ".ADD  (0)",
+        "assign half10 = product10[ALPHA-1];",
+        "assign half10 = 1'b0;",
     ),
     mutant(
         "colour truncated",
         "blend.sv",
-        ".ADD  (COLOUR_HALF)",
-        ".ADD  (0)",
+        "SUM+:SUM], 1'b1} + product13",
+        "SUM+:SUM], 1'b0} + product13",
     ),
     mutant(
         "opacity truncated",
         "blend.sv",
-        "product6 + OPACITY_HALF",
-        "product6",
+        " + OPACITY'(product6[OPACITY_SHIFT-1])",
+        "",
     ),
     mutant(
         "opacities below the rules' are drawn",
@@ -66,14 +66,14 @@ pub const MUTANTS: [Mutant; 32] = [
     mutant(
         "finished pixels keep taking splats",
         "blend.sv",
-        "valid11 <= valid10 && !depth10[T+1];",
-        "valid11 <= valid10;",
+        "assign transmittance_write = valid10 && !transmittance10[T+1];",
+        "assign transmittance_write = valid10;",
     ),
     mutant(
         "stops a unit late",
         "blend.sv",
-        "beyond10 <= $signed",
-        "beyond10 < $signed",
+        "{2'b11, ~rules.stop}",
+        "{2'b11, ~rules.stop} + 1'b1",
     ),
     mutant(
         "pixels in flight meet",
@@ -90,7 +90,7 @@ pub const MUTANTS: [Mutant; 32] = [
     mutant(
         "runs held by pixels beyond their end",
         "lane.sv",
-        " && 7'(ahead) < run.count",
+        " && ahead < run.count",
         "",
     ),
     mutant(
@@ -132,8 +132,8 @@ pub const MUTANTS: [Mutant; 32] = [
     mutant(
         "first row off by one",
         "splat_setup.sv",
-        "row19 <= row18;",
-        "row19 <= row18 + 16'd1;",
+        "row24 <= row23;",
+        "row24 <= row23 + 16'd1;",
     ),
     mutant(
         "last column off by one",
@@ -174,14 +174,14 @@ pub const MUTANTS: [Mutant; 32] = [
     mutant(
         "jump over hidden rows one difference long",
         "splat_setup.sv",
-        "mean16 <= double15 + jump_unit15",
-        "mean16 <= double15 + unit15 + jump_unit15",
+        "mean20 <= double19 + jump_unit19",
+        "mean20 <= double19 + unit19 + jump_unit19",
     ),
     mutant(
         "head of a run off by one",
         "row_generator.sv",
-        "({5'd0, head20} - 10'd1)",
-        "{5'd0, head20}",
+        "head_second27 - {1'b0, second27}",
+        "head_second27",
     ),
     mutant(
         "seed's product truncated",
@@ -224,6 +224,42 @@ pub const MUTANTS: [Mutant; 32] = [
         "normalise.sv",
         "moved2[0] != negative2",
         "moved2[0] || negative2",
+    ),
+    mutant(
+        "what an opacity of 1 takes forgotten",
+        "multiply.sv",
+        "right[RIGHT-1] ? left",
+        "1'b0 ? left",
+    ),
+    mutant(
+        "turns of setup exchanged",
+        "turn.sv",
+        "(phase[0] ? in[3*BITS+:BITS] : in[2*BITS+:BITS])",
+        "(phase[0] ? in[2*BITS+:BITS] : in[3*BITS+:BITS])",
+    ),
+    mutant(
+        "packets taken out of turn",
+        "splat_setup.sv",
+        "INTERVAL == 1 || phase == 0",
+        "1'b1",
+    ),
+    mutant(
+        "read-out clears nothing",
+        "splat_primitive.sv",
+        "(scan_valid && scan_moves && mine_in_scan)",
+        "1'b0",
+    ),
+    mutant(
+        "one buffer for both",
+        "splat_primitive.sv",
+        "side <= !side;",
+        "side <= side;",
+    ),
+    mutant(
+        "finish does not wait for the read-out",
+        "splat_primitive.sv",
+        "&& !packet_valid && !reading",
+        "&& !packet_valid",
     ),
     mutant(
         "rows issued without a place",
@@ -270,6 +306,16 @@ impl Judge {
                     first_difference, ..
                 } = line.findings;
                 return Ok(Some(first_difference.unwrap_or_default()));
+            }
+            // What goes wrong between tiles alone shows where one is drawn while another is read out.
+            let model = Model::from_library(&library, "mutant", 1)?;
+            let pictures = loads.pictures(&mut loads.bench_around(model), LANES)?;
+            let worst = pictures.iter().find(|line| !line.cycles.agree());
+            if let Some(line) = worst {
+                let PictureLine {
+                    workload, cycles, ..
+                } = line;
+                return Ok(Some(format!("picture of {workload}: {cycles:?}")));
             }
         }
         Ok(None)

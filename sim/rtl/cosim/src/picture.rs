@@ -5,7 +5,7 @@
 //! one thing that the model does not know is whether a tile's last pixel changes its word: it waits fifteen cycles where the circuit may need fewer.
 
 use crate::bench::{Bench, pixel};
-use crate::model::Inputs;
+use crate::model::{Inputs, Outputs};
 use crate::workload::{Tile, Workload};
 use anyhow::{Context, Result, ensure};
 use splatline::blend::Pixel;
@@ -13,6 +13,7 @@ use splatline::footprint::packet::Layout;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use splatline_sim::machine::workload::extract_from;
 use splatline_sim::machine::{Config, simulate_alone};
 use splatline_sim::rules::{Compositing, Rules};
@@ -72,6 +73,11 @@ impl PictureCycles {
     pub fn deviation(&self) -> f64 {
         self.model as f64 / self.circuit as f64 - 1.0
     }
+
+    /// No word differs, and no more than a hundredth of the cycles.
+    pub fn agree(&self) -> bool {
+        self.mismatches == 0 && self.deviation().abs() <= 0.01
+    }
 }
 
 /// The machine around the primitive, with a memory's limits.
@@ -114,21 +120,162 @@ pub fn model_cycles(
     Ok(simulate_alone(&work, config).raster)
 }
 
-/// The circuit's cycles of the same picture, and its tiles' pixels.
+/// The circuit's cycles of the same picture until its last pixel is read out, and its tiles' pixels.
 pub fn circuit_cycles(
     bench: &mut Bench,
     layout: &Layout,
     workload: &Workload,
     config: &Config,
 ) -> Result<(u64, Vec<Vec<Pixel>>)> {
-    let order = workload.tiles.iter().flat_map(|tile| &tile.list).copied();
+    // Row by row, as the model draws them: with two buffers their order matters.
+    let mut places: Vec<usize> = (0..workload.tiles.len()).collect();
+    places.sort_by_key(|place| {
+        let [x, y] = workload.tiles[*place].window.first;
+        [y, x]
+    });
+    let tiles: Vec<Tile> = places
+        .iter()
+        .map(|place| workload.tiles[*place].clone())
+        .collect();
+    let order = tiles.iter().flat_map(|tile| &tile.list).copied();
     let mut memory = Memory::new(layout, config, order.collect());
+    // The circuit clears its buffers once, after its reset: before the picture.
+    // It begins in a cycle in which packets are taken, as the model does.
+    let interval = SETUP_INTERVAL.into();
+    while bench.step(&bench.pixel_offer(false)).tile_ready == 0
+        || !bench.cycles_since_reset().is_multiple_of(interval)
+    {}
     let start = bench.cycles();
-    let mut pictures = Vec::new();
-    for tile in &workload.tiles {
-        pictures.push(draw(bench, &mut memory, workload, tile, start)?);
+    let mut drawing = Drawing {
+        tiles: &tiles,
+        drawn: 0,
+        phase: Phase::Tile,
+    };
+    let mut reading = Reading {
+        pixel_cycles: memory.pixel_cycles,
+        pixels: Vec::new(),
+        written: None,
+    };
+    while !drawing.is_done() || reading.is_busy(&tiles) {
+        let now = bench.cycles() - start;
+        ensure!(now < PATIENCE, "the circuit hangs");
+        let packet = memory.begin(now);
+        let inputs = Inputs {
+            pixel_ready: reading.is_ready(now).into(),
+            ..drawing.offer(bench, workload, packet)
+        };
+        let out = bench.step(&inputs);
+        if taken(&inputs, out.packet_ready) {
+            memory.coming.pop_front();
+        }
+        reading.note(now, &inputs, &out);
+        if drawing.note(&inputs, &out) {
+            reading.pixels.push(Vec::new());
+        }
     }
+    let mut pictures: Vec<_> = places.into_iter().zip(reading.pixels).collect();
+    pictures.sort_by_key(|(place, _)| *place);
+    let pictures = pictures.into_iter().map(|(_, pixels)| pixels).collect();
     Ok((bench.cycles() - start, pictures))
+}
+
+/// The side of the bench that offers tiles, packets and their ends.
+struct Drawing<'a> {
+    tiles: &'a [Tile],
+    drawn: usize,
+    phase: Phase,
+}
+
+/// What the circuit is asked for.
+enum Phase {
+    Tile,
+    Packets(usize),
+    Finish,
+}
+
+impl Drawing<'_> {
+    fn is_done(&self) -> bool {
+        self.drawn == self.tiles.len()
+    }
+
+    fn offer(&self, bench: &Bench, workload: &Workload, packet: Option<u32>) -> Inputs {
+        match (&self.phase, packet) {
+            (Phase::Tile, _) => match self.tiles.get(self.drawn) {
+                Some(tile) => bench.tile_offer(tile),
+                None => bench.pixel_offer(false),
+            },
+            (Phase::Packets(_), Some(packet)) => {
+                bench.packet_offer(&workload.footprints[packet as usize])
+            }
+            (Phase::Packets(_), None) => bench.pixel_offer(false),
+            (Phase::Finish, _) => bench.finish_offer(),
+        }
+    }
+
+    /// Goes on with what the circuit answered; `true` if a tile has ended.
+    fn note(&mut self, inputs: &Inputs, out: &Outputs) -> bool {
+        match self.phase {
+            Phase::Tile if inputs.tile_valid == 1 && out.tile_ready == 1 => {
+                let count = self.tiles[self.drawn].list.len();
+                self.phase = packets(count);
+            }
+            Phase::Packets(left) if taken(inputs, out.packet_ready) => {
+                self.phase = packets(left - 1);
+            }
+            Phase::Finish if out.finish_ready == 1 => {
+                self.phase = Phase::Tile;
+                self.drawn += 1;
+                return true;
+            }
+            _ => {}
+        }
+        false
+    }
+}
+
+fn packets(left: usize) -> Phase {
+    if left == 0 {
+        Phase::Finish
+    } else {
+        Phase::Packets(left)
+    }
+}
+
+/// The side that takes pixels, as fast as the write channel does.
+struct Reading {
+    pixel_cycles: u64,
+    /// Of every tile that has ended.
+    pixels: Vec<Vec<Pixel>>,
+    /// The cycle in which the write channel has taken the next pixel, once that is known.
+    written: Option<u64>,
+}
+
+impl Reading {
+    fn is_ready(&self, now: u64) -> bool {
+        self.written == Some(now) || self.pixel_cycles == 1
+    }
+
+    fn is_busy(&self, tiles: &[Tile]) -> bool {
+        let last = self
+            .pixels
+            .last()
+            .zip(tiles.get(self.pixels.len().wrapping_sub(1)));
+        last.is_some_and(|(pixels, tile)| pixels.len() < tile.size().iter().product::<usize>())
+    }
+
+    fn note(&mut self, now: u64, inputs: &Inputs, out: &Outputs) {
+        if out.pixel_valid == 0 {
+            self.written = None;
+        } else if inputs.pixel_ready == 1 {
+            self.pixels
+                .last_mut()
+                .into_iter()
+                .for_each(|pixels| pixels.push(pixel(out)));
+            self.written = Some(now + self.pixel_cycles);
+        } else if self.written.is_none() {
+            self.written = Some(now + self.pixel_cycles - 1);
+        }
+    }
 }
 
 /// Packets on their way, and the channel of finished pixels.
@@ -172,73 +319,6 @@ impl Memory {
             .filter(|(_, arrival)| *arrival <= now)
             .map(|(packet, _)| *packet)
     }
-}
-
-/// What the circuit is asked for.
-enum Phase {
-    Tile,
-    Packets(usize),
-    Finish,
-    /// The cycle in which the write channel has taken the next pixel, once that is known.
-    Pixels(Option<u64>),
-}
-
-/// One tile, from its offer until the circuit has read out its last pixel and is ready for another.
-fn draw(
-    bench: &mut Bench,
-    memory: &mut Memory,
-    workload: &Workload,
-    tile: &Tile,
-    start: u64,
-) -> Result<Vec<Pixel>> {
-    let count = tile.size().iter().product();
-    let mut pixels = Vec::with_capacity(count);
-    let mut phase = Phase::Tile;
-    let begun = bench.cycles();
-    while pixels.len() < count || !matches!(phase, Phase::Tile) {
-        ensure!(bench.cycles() - begun < PATIENCE, "the circuit hangs");
-        let now = bench.cycles() - start;
-        let packet = memory.begin(now);
-        let inputs = match (&phase, packet) {
-            (Phase::Tile, _) => bench.tile_offer(tile),
-            (Phase::Packets(_), Some(packet)) => {
-                bench.packet_offer(&workload.footprints[packet as usize])
-            }
-            (Phase::Packets(_), None) => bench.pixel_offer(false),
-            (Phase::Finish, _) => bench.finish_offer(),
-            (Phase::Pixels(written), _) => {
-                bench.pixel_offer(*written == Some(now) || memory.pixel_cycles == 1)
-            }
-        };
-        let out = bench.step(&inputs);
-        let left = tile.list.len();
-        phase = match phase {
-            Phase::Tile if out.tile_ready == 1 && left == 0 => Phase::Finish,
-            Phase::Tile if out.tile_ready == 1 => Phase::Packets(left),
-            Phase::Packets(left) if taken(&inputs, out.packet_ready) => {
-                memory.coming.pop_front();
-                if left == 1 {
-                    Phase::Finish
-                } else {
-                    Phase::Packets(left - 1)
-                }
-            }
-            Phase::Finish if out.finish_ready == 1 => Phase::Pixels(None),
-            Phase::Pixels(_) if out.pixel_valid == 1 && inputs.pixel_ready == 1 => {
-                pixels.push(pixel(&out));
-                if pixels.len() == count {
-                    Phase::Tile
-                } else {
-                    Phase::Pixels(Some(now + memory.pixel_cycles))
-                }
-            }
-            Phase::Pixels(None) if out.pixel_valid == 1 => {
-                Phase::Pixels(Some(now + memory.pixel_cycles - 1))
-            }
-            same => same,
-        };
-    }
-    Ok(pixels)
 }
 
 fn taken(inputs: &Inputs, packet_ready: u8) -> bool {

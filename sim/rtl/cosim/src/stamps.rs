@@ -5,7 +5,7 @@ use crate::workload::{Tile, Workload};
 use splatline::format::Design;
 use splatline_sim::fast::lanes::Choice;
 use splatline_sim::machine::primitive::{
-    LaneRun, PacketStamp, PrimitiveClock, QUEUE, for_each_slot, tile_cycles,
+    LaneRun, PacketStamp, PrimitiveClock, QUEUE, SETUP_INTERVAL, for_each_slot, tile_cycles,
 };
 
 /// Lanes that a circuit may have.
@@ -69,9 +69,9 @@ impl Stamps {
         workload: &Workload,
     ) -> Timed {
         let mut timed = Timed::default();
-        let mut clock = PrimitiveClock::new(lanes, QUEUE);
-        // The first packet is offered while the tile is still being cleared; time is counted from its handshake.
+        // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
         let first = self.taken.first().copied().unwrap_or(0);
+        let mut clock = PrimitiveClock::with_interval(lanes, QUEUE, SETUP_INTERVAL, first);
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {

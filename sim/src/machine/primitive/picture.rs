@@ -12,7 +12,10 @@
 //! rows, is the definition.
 
 use super::spans::Spans;
-use super::{FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SLOTS, SPLATS, TILE};
+use super::{
+    FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SETUP_INTERVAL, SLOTS, SPLATS, TILE,
+    Turns,
+};
 use crate::fast::lanes::{Choice, Floats, Job, dispatch};
 use rayon::prelude::*;
 use splatline::footprint::Footprint;
@@ -247,7 +250,7 @@ fn lengths(first: &[u16; ROWS], end: &[u16; ROWS], part: &Window, count: usize) 
 #[derive(Clone, Debug)]
 struct Unit<const LANES: usize> {
     /// As in [`super::PrimitiveClock`].
-    taken: u64,
+    turns: Turns,
     begun: u64,
     issued: u64,
     left: u64,
@@ -261,7 +264,7 @@ struct Unit<const LANES: usize> {
 impl<const LANES: usize> Unit<LANES> {
     fn new() -> Self {
         Unit {
-            taken: 0,
+            turns: Turns::new(SETUP_INTERVAL, 0),
             begun: 0,
             issued: 0,
             left: 0,
@@ -282,9 +285,8 @@ impl<const LANES: usize> Unit<LANES> {
         lengths: &[u16; ROWS],
         count: usize,
     ) -> PacketStamp {
-        let taken = self.taken.max(self.splats.free());
+        let taken = self.turns.take(self.splats.free());
         let begun = self.begun.max(taken + SETUP);
-        self.taken = taken + 1;
         self.splats.leave(begun);
         self.issued = self.issued.max(begun + 1);
         let rows = (row..).zip(columns.iter().zip(lengths));

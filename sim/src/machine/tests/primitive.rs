@@ -103,8 +103,8 @@ impl Lane {
     }
 }
 
-fn clocked(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
-    let mut setup: [Option<usize>; 19] = [None; 19];
+fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Handshakes {
+    let mut setup: [Option<usize>; 19] = [None; 24];
     let mut splats = Buffer::NEW;
     let mut issued: Option<(usize, usize)> = None;
     let mut rows: [Option<Option<LaneRun>>; 32] = [None; 32];
@@ -136,7 +136,9 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
         let takes_splat = issued.is_none() || last;
         let begins: Option<usize> = splats.out.filter(|_| takes_splat);
         let packet = Some(seen.taken.len()).filter(|next| {
-            splats.taken < 32 && packets.get(*next).is_some_and(|(from, _)| *from <= now)
+            now % interval == 0
+                && splats.taken < 32
+                && packets.get(*next).is_some_and(|(from, _)| *from <= now)
         });
         says_idle = splats.taken == 0
             && issued.is_none()
@@ -153,7 +155,7 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
         slots.edge(issues.is_some(), rows[31], leaves);
         rows.rotate_right(1);
         rows[0] = issues.map(|(splat, row)| packets[splat].1[row]);
-        splats.edge(packet.is_some(), setup[18], begins.is_some());
+        splats.edge(packet.is_some(), setup[23], begins.is_some());
         setup.rotate_right(1);
         setup[0] = packet;
         issued = if takes_splat {
@@ -167,8 +169,8 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
     seen
 }
 
-fn recurrence(packets: &[Packet], lanes: usize, queue: usize) -> Handshakes {
-    let mut clock = PrimitiveClock::new(lanes, queue as u32);
+fn recurrence(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Handshakes {
+    let mut clock = PrimitiveClock::with_interval(lanes, queue as u32, interval as u32, 0);
     let mut seen = Handshakes {
         popped: vec![Vec::new(); lanes],
         ..Handshakes::default()
@@ -222,7 +224,10 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
     #[test]
     fn the_clock_is_that_of_the_registers((packets, lanes, queue) in packets()) {
-        prop_assert_eq!(recurrence(&packets, lanes, queue), clocked(&packets, lanes, queue));
+        for interval in [1, 4] {
+            let [clock, registers] = [recurrence, clocked].map(|run| run(&packets, lanes, queue, interval));
+            prop_assert_eq!(clock, registers);
+        }
     }
 
     /// Accounts add up (asserted inside), and nothing gets faster with less memory.

@@ -1,0 +1,150 @@
+"""The shell's bench, for cocotb: tiles of the C interface's example picture, by the buses of a board, against the kernel.
+
+The kernel is the shared library that `run.py` builds from `sim/capi`: it gives rules, table, packets and, pixel by pixel, the verdict. Packets and
+pixels are held back at random, and the next tile is sent while the one before is read out.
+"""
+
+import ctypes
+import os
+import random
+
+import cocotb
+from cocotb.clock import Clock
+from cocotb.triggers import ClockCycles
+from cocotbext.axi import AxiLiteBus, AxiLiteMaster, AxiStreamBus, AxiStreamFrame, AxiStreamSink, AxiStreamSource
+
+CONTROL, VERSION, FIRST, LAST, ALPHA_MAX, STOP, LEAST, LEAST_HIGH, FLAGS = range(0, 0x24, 4)
+TABLE_INDEX, TABLE_LOW, TABLE_STEP, PACKETS, FOREIGN, BROKEN, PIXELS, CYCLES = range(0x24, 0x44, 4)
+BEGIN, FINISH = 1, 2
+
+
+class Kernel:
+    """The functions of sim/capi/cosim/dpi_model.c."""
+
+    def __init__(self, path):
+        self.library = ctypes.CDLL(path)
+        self.library.model_rules.restype = None
+        self.library.model_table.restype = None
+        self.packets = self.library.model_begin()
+        assert self.packets > 0, "the example picture cannot be set up"
+
+    def integers(self, function, *arguments, count):
+        """What a function writes through `count` pointers to int, as 32-bit words; its result first."""
+        values = [ctypes.c_int() for _ in range(count)]
+        result = function(*arguments, *map(ctypes.byref, values))
+        return result, [value.value & 0xFFFFFFFF for value in values]
+
+    def rules(self):
+        values = [ctypes.c_int(), ctypes.c_longlong(), ctypes.c_int(), ctypes.c_int(), ctypes.c_int()]
+        self.library.model_rules(*map(ctypes.byref, values))
+        return [value.value for value in values]
+
+    def table(self, index):
+        return self.integers(self.library.model_table, index, count=2)[1]
+
+    def tile(self, index):
+        return self.integers(self.library.model_tile, index, count=4)[1]
+
+    def packet(self, index, words):
+        packet = (ctypes.c_uint32 * 64)()
+        assert self.library.model_packet(index, packet) >= 0
+        return list(packet)[:words]
+
+    def is_pixel(self, x, y, word):
+        red, green, blue, last = [(word >> (32 * i)) & 0xFFFFFFFF for i in range(4)]
+        signed = [ctypes.c_int(value) for value in (last & 0x7FFFFFFF, red, green, blue)]
+        return self.library.model_pixel_is(x, y, last >> 31, *signed) == 1
+
+
+def pauses(seed, share):
+    """True in `share` of 100 cycles: the bus waits."""
+    numbers = random.Random(seed)
+    while True:
+        yield numbers.randrange(100) < share
+
+
+class Board:
+    """The buses around the circuit."""
+
+    def __init__(self, dut):
+        reset = {"reset": dut.aresetn, "reset_active_level": False}
+        self.dut = dut
+        self.registers = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.aclk, **reset)
+        self.packets = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis_packet"), dut.aclk, **reset)
+        self.pixels = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_pixel"), dut.aclk, **reset)
+
+    async def reset(self):
+        self.dut.aresetn.value = 0
+        await ClockCycles(self.dut.aclk, 8)
+        self.dut.aresetn.value = 1
+        await ClockCycles(self.dut.aclk, 4)
+
+    async def write(self, address, value):
+        await self.registers.write_dword(address, value)
+
+    async def read(self, address):
+        return await self.registers.read_dword(address)
+
+    async def load(self, kernel, entries):
+        alpha_max, least, stop, stop_before, wide_table = kernel.rules()
+        await self.write(ALPHA_MAX, alpha_max)
+        await self.write(STOP, stop & 0xFFFFFFFF)
+        await self.write(LEAST, least & 0xFFFFFFFF)
+        await self.write(LEAST_HIGH, (least >> 32) & 0xFFFFFFFF)
+        await self.write(FLAGS, stop_before | wide_table << 1)
+        await self.write(TABLE_INDEX, 0)
+        for index in range(entries):
+            low, step = kernel.table(index)
+            await self.write(TABLE_LOW, low)
+            await self.write(TABLE_STEP, step)
+
+    async def begin(self, tile):
+        first_column, first_row, last_column, last_row = tile
+        await self.write(FIRST, first_column | first_row << 16)
+        await self.write(LAST, last_column | last_row << 16)
+        await self.write(CONTROL, BEGIN)
+        while await self.read(CONTROL) & BEGIN:
+            pass
+
+    async def send(self, words):
+        data = b"".join(word.to_bytes(4, "little") for word in words)
+        await self.packets.send(AxiStreamFrame(data))
+
+
+@cocotb.test()
+async def tiles_of_the_example_picture(dut):
+    kernel = Kernel(os.environ["SPLATLINE_KERNEL"])
+    words = int(os.environ["SPLATLINE_PACKET_WORDS"])
+    tiles = [int(tile) for tile in os.environ["SPLATLINE_TILES"].split(",")]
+    cocotb.start_soon(Clock(dut.aclk, 10, units="ns").start())
+    board = Board(dut)
+    await board.reset()
+    await board.load(kernel, int(os.environ["SPLATLINE_TABLE"]))
+    board.packets.set_pause_generator(pauses(1, 10))
+    board.pixels.set_pause_generator(pauses(2, 30))
+
+    # A packet without its last words is counted and leaves no trace.
+    await board.send(kernel.packet(0, words)[:3])
+    await board.packets.wait()
+    for tile in tiles:
+        await board.begin(kernel.tile(tile))
+        for index in range(kernel.packets):
+            await board.send(kernel.packet(index, words))
+        await board.packets.wait()
+        await board.write(CONTROL, FINISH)
+        while await board.read(CONTROL) & FINISH:
+            pass
+
+    compared = 0
+    for tile in tiles:
+        first_column, first_row, last_column, last_row = kernel.tile(tile)
+        data = bytes((await board.pixels.recv()).tdata)
+        places = [(x, y) for y in range(first_row, last_row) for x in range(first_column, last_column)]
+        assert len(data) == 16 * len(places), f"tile {tile}: {len(data) // 16} pixels before its last one, {len(places)} in its window"
+        for place, (x, y) in enumerate(places):
+            word = int.from_bytes(data[16 * place : 16 * place + 16], "little")
+            assert kernel.is_pixel(x, y, word), f"tile {tile}: pixel ({x}, {y}) is {word:032x}"
+        compared += len(places)
+    counted = [await board.read(address) for address in (PACKETS, FOREIGN, BROKEN, PIXELS)]
+    assert counted == [kernel.packets * len(tiles), 0, 1, compared], counted
+    dut._log.info("cocotb bench: %d pixels of %d tiles, 0 mismatches", compared, len(tiles))
