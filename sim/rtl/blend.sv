@@ -3,8 +3,8 @@
 //   4-6 product of peak and weight | 7 skip, rounding | 8 opacity | 9-10 share of the transmittance | 11 its new value |
 //   12-13 what the splat adds to each colour | 14 the sums
 //
-// A name's number is the stage: 0 is the lane's pixel, and its weight arrives in stage 4. A pixel's transmittance is read in stage 6 and
-// written in stage 11, its colour in 11 and 14. So a pixel may come again INTERVAL = 6 cycles later and not before,
+// A name's number is the stage; the weight arrives in stage 4. A pixel's transmittance is read from stage 5 on and written in stage 11, its colour
+// from 10 on and in 14. So a pixel may come again INTERVAL = 7 cycles later and not before,
 // which the lane sees to (lane.sv). The words that are written have their registers in the buffer's banks (tile_buffer.sv), of which there are two.
 //
 // Where a product is rounded and then added to something, its half rides on that addition: the bit below the result is a carry.
@@ -20,7 +20,7 @@ module blend #(
     input logic [splatline_pkg::WEIGHT:0] weight,
     input logic [splatline_pkg::PEAK+3:0] peak,
     input logic [3*(splatline_pkg::COLOUR+4)-1:0] colour,  // blue, green, red
-    // Transmittance: flag and UQ1.transmittance; the word of `read_address` arrives a cycle later.
+    // Transmittance: flag and UQ1.transmittance; the word of `read_address` arrives two cycles later.
     output logic [ADDRESS-1:0] transmittance_read_address,
     input logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance_read,
     // What is written in the next cycle.
@@ -45,12 +45,11 @@ module blend #(
   localparam COLOUR_SHIFT = T + splatline_pkg::COLOUR - splatline_pkg::ACCUMULATOR;
 
   logic valid5, valid6, valid7, valid8, valid9, valid10, valid11, valid12, valid13, valid14;
-  logic [ADDRESS-1:0] address6, address10, address11, address13;
+  logic [ADDRESS-1:0] address5, address10, address13;
   logic [3*C-1:0] colour11;
-  delay #(.BITS(ADDRESS), .STAGES(2)) hold_address6 (.clk, .rst, .advance, .in(pixel_address), .out(address6));
-  delay #(.BITS(ADDRESS), .STAGES(4)) hold_address10 (.clk, .rst, .advance, .in(address6), .out(address10));
-  delay #(.BITS(ADDRESS), .STAGES(1)) hold_address11 (.clk, .rst, .advance, .in(address10), .out(address11));
-  delay #(.BITS(ADDRESS), .STAGES(2)) hold_address13 (.clk, .rst, .advance, .in(address11), .out(address13));
+  delay #(.BITS(ADDRESS), .STAGES(1)) hold_address5 (.clk, .rst, .advance, .in(pixel_address), .out(address5));
+  delay #(.BITS(ADDRESS), .STAGES(5)) hold_address10 (.clk, .rst, .advance, .in(address5), .out(address10));
+  delay #(.BITS(ADDRESS), .STAGES(3)) hold_address13 (.clk, .rst, .advance, .in(address10), .out(address13));
   delay #(.BITS(3 * C), .STAGES(7)) hold_colour (.clk, .rst, .advance, .in(colour), .out(colour11));
 
   // Stages 4 to 8: opacity, clamped; what the rules skip by its product goes no further.
@@ -77,12 +76,12 @@ module blend #(
       alpha8 <= rounded7 > OPACITY'(rules.alpha_max) ? rules.alpha_max : rounded7[ALPHA:0];
     end
 
-  // Stages 6 to 8: the transmittance. Stages 8 to 10: the share of it that the splat takes, without its rounding.
+  // Stages 5 to 8: the transmittance. Stages 8 to 10: the share of it that the splat takes, without its rounding.
   logic [T+1:0] transmittance8, transmittance9, transmittance10;
   logic [T+ALPHA+1:0] product10;
   logic [T:0] share10, rest10;
   logic half10;
-  assign transmittance_read_address = address6;
+  assign transmittance_read_address = address5;
   multiply #(
       .LEFT (T + 1),
       .RIGHT(ALPHA + 1),
@@ -129,7 +128,7 @@ module blend #(
   logic [2:0] carry_colour;
   logic unused;
   assign unused = &{1'b0, carry_rest, carry_under, carry_share, carry_colour};
-  assign colour_read_address = address11;
+  assign colour_read_address = address10;
   assign colour_write = valid13;
   assign colour_write_address = address13;
   genvar channel;

@@ -1,4 +1,4 @@
-// The footprint table with interpolation (src/kernel/mod.rs): radial index in, kernel weight out, four cycles later.
+// The footprint table with interpolation (src/kernel/mod.rs): radial index in, kernel weight out, five cycles later.
 //
 // An entry holds the kernel at the start of its interval and the step down to its end, so that one read serves the
 // interpolator. Entries are written from outside: another kernel or range is another table, not another circuit. The entry at the
@@ -30,18 +30,18 @@ module footprint_table (
   assign index = wide_table ? {2'b00, radial[RADIAL+3:RADIAL+4-TABLE]} : radial[RADIAL+3:RADIAL+2-TABLE];
   assign aligned = wide_table ? radial : radial << 2;
 
-  // Stage 1: memory. Stage 2: what the table says. Stage 3: the product.
-  logic [STEP+WEIGHT:0] entry1;
-  logic at_end1, beyond1;
-  logic [KEPT-1:0] fraction1, fraction2;
-  logic [WEIGHT:0] low2, low3;
-  logic [STEP-1:0] step2;
-  logic [STEP+KEPT-1:0] product3;
+  // Stages 1 and 2: memory, and a register, since block RAM is slow. Stage 3: what the table says. Stage 4: the product.
+  logic [STEP+WEIGHT:0] entry1, entry2;
+  logic at_end1, at_end2, beyond1, beyond2;
+  logic [KEPT-1:0] fraction1, fraction2, fraction3;
+  logic [WEIGHT:0] low3, low4;
+  logic [STEP-1:0] step3;
+  logic [STEP+KEPT-1:0] product4;
 
   // Rounded to nearest as the kernel does: low + ((-step fraction + half) >> KEPT).
   // -floor((half - product) / 2^KEPT) = ceil((product - half) / 2^KEPT), halves of the fall thus round down.
-  logic [STEP+KEPT:0] fall3;
-  assign fall3 = ({1'b0, product3} + {{(STEP + 2) {1'b0}}, {(KEPT - 1) {1'b1}}}) >> KEPT;
+  logic [STEP+KEPT:0] fall4;
+  assign fall4 = ({1'b0, product4} + {{(STEP + 2) {1'b0}}, {(KEPT - 1) {1'b1}}}) >> KEPT;
 
   always_ff @(posedge clk) begin
     if (write_valid && write_index[TABLE]) end_entry <= {write_step, write_low};
@@ -51,11 +51,15 @@ module footprint_table (
       at_end1 <= index == (1 << TABLE);
       beyond1 <= index > (1 << TABLE);
       fraction1 <= aligned[RADIAL+3-TABLE:RADIAL+4-TABLE-KEPT];
-      {step2, low2} <= beyond1 ? '0 : at_end1 ? end_entry : entry1;
+      entry2 <= entry1;
+      at_end2 <= at_end1;
+      beyond2 <= beyond1;
       fraction2 <= fraction1;
-      low3 <= low2;
-      product3 <= step2 * fraction2;
-      weight <= low3 - fall3[WEIGHT:0];
+      {step3, low3} <= beyond2 ? '0 : at_end2 ? end_entry : entry2;
+      fraction3 <= fraction2;
+      low4 <= low3;
+      product4 <= step3 * fraction3;
+      weight <= low4 - fall4[WEIGHT:0];
     end
   end
 endmodule

@@ -6,7 +6,7 @@
 // so that nothing has to be compared but the last pixels of the runs before with the columns of the run to come. A run waits for
 // that comparison in the cycle after it came to the queue's front, so that runs of a single pixel take two cycles.
 module lane #(
-    parameter INTERVAL = 6
+    parameter INTERVAL = 7
 ) (
     input logic clk,
     input logic rst,

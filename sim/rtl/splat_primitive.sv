@@ -141,13 +141,13 @@ module splat_primitive #(
   logic [ROW_BITS-1:0] scan_row, last_row;
   logic [COLUMN_BITS-1:0] scan_column, first_column, last_column;
   logic [ADDRESS-1:0] clear_address;
-  logic scan_last_column, scan_last_row, scan_valid, scan_moves, window_has_pixels, finishes;
+  logic scan_last_column, scan_last_row, scan_valid, word_valid, scan_moves, window_has_pixels, finishes;
   assign window_has_pixels = window.first_column < window.last_column && window.first_row < window.last_row;
   assign scan_last_column = scan_column == last_column;
   assign scan_last_row = scan_row == last_row;
   assign scan_moves = !pixel_valid || pixel_ready;
   assign finishes = finish_valid && finish_ready;
-  assign reading = scan_valid || pixel_valid;
+  assign reading = scan_valid || word_valid || pixel_valid;
 
   always_ff @(posedge clk) begin
     if (rst) begin
@@ -155,6 +155,7 @@ module splat_primitive #(
       side <= 0;
       clear_address <= 0;
       pixel_valid <= 0;
+      word_valid <= 0;
       scan_valid <= 0;
     end else begin
       case (state)
@@ -182,7 +183,8 @@ module splat_primitive #(
         last_column <= COLUMN_BITS'(window.last_column - 16'd1);
         last_row <= ROW_BITS'(window.last_row - 16'd1);
       end else if (scan_moves) begin
-        pixel_valid <= scan_valid;
+        pixel_valid <= word_valid;
+        word_valid <= scan_valid;
         if (scan_last_column) begin
           scan_column <= first_column;
           scan_row <= scan_row + 1'b1;
@@ -198,8 +200,12 @@ module splat_primitive #(
   // What the lane that owns the row being read out gives: transmittance and colour.
   localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
   logic [LANES*WORD_BITS-1:0] words;
-  logic [ROW_BITS-1:0] read_row;
-  always_ff @(posedge clk) if (scan_moves) read_row <= scan_row;
+  logic [ROW_BITS-1:0] word_row, read_row;
+  always_ff @(posedge clk)
+    if (scan_moves) begin
+      word_row <= scan_row;
+      read_row <= word_row;
+    end
 
   genvar l;
   generate
@@ -212,15 +218,15 @@ module splat_primitive #(
     end
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
-      logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, lane_quiet, blend_quiet;
+      logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, inside5, lane_quiet, blend_quiet;
       // A register for each lane: none has to reach all of them.
       logic moves;
       splatline_pkg::run_t queued_run;
       logic [splatline_pkg::RADIAL+3:0] radial;
       logic [ROW_BITS+COLUMN_BITS-1:0] place;
-      logic [ADDRESS-1:0] address0, address4;
-      logic [PEAK_BITS-1:0] peak0, peak4;
-      logic [PAINT_BITS-1:0] colours0, colours4;
+      logic [ADDRESS-1:0] address0, address5;
+      logic [PEAK_BITS-1:0] peak0, peak5;
+      logic [PAINT_BITS-1:0] colours0, colours5;
       logic [splatline_pkg::WEIGHT:0] weight;
 
       if (LANES == 1) begin : gen_all_rows
@@ -280,22 +286,24 @@ module splat_primitive #(
           inside2 <= 0;
           inside3 <= 0;
           inside4 <= 0;
+          inside5 <= 0;
         end else if (moves) begin
           inside1 <= inside0;
           inside2 <= inside1;
           inside3 <= inside2;
           inside4 <= inside3;
+          inside5 <= inside4;
         end
       end
       delay #(
           .BITS(ADDRESS + PEAK_BITS + PAINT_BITS),
-          .STAGES(4)
+          .STAGES(5)
       ) hold_paint (
           .clk,
           .rst,
           .advance(moves),
           .in({address0, peak0, colours0}),
-          .out({address4, peak4, colours4})
+          .out({address5, peak5, colours5})
       );
 
       logic transmittance_write, colour_write;
@@ -311,11 +319,11 @@ module splat_primitive #(
           .rst,
           .advance(moves),
           .rules,
-          .pixel_valid(inside4),
-          .pixel_address(address4),
+          .pixel_valid(inside5),
+          .pixel_address(address5),
           .weight,
-          .peak(peak4),
-          .colour(colours4),
+          .peak(peak5),
+          .colour(colours5),
           .transmittance_read_address,
           .transmittance_read(side ? transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS] : transmittances[0+:TRANSMITTANCE_BITS]),
           .transmittance_write,
@@ -380,7 +388,7 @@ module splat_primitive #(
         );
       end
       assign lane_idle[l] = empty && lane_quiet;
-      assign pixels_idle[l] = !inside1 && !inside2 && !inside3 && !inside4 && blend_quiet;
+      assign pixels_idle[l] = !inside1 && !inside2 && !inside3 && !inside4 && !inside5 && blend_quiet;
     end
   endgenerate
 

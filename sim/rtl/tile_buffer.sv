@@ -1,6 +1,8 @@
 // One bank of the tile buffer: a memory with one read and one write port, and the write port's registers. There are two of each bank, one
 // that is drawn into while the other is read out. The read-out clears behind itself, so that a bank is clear whenever a tile begins.
 //
+// A word comes two cycles after its address: block RAM is slow, so that its word goes into a register before anything chooses between two buffers.
+//
 // The word to be written has its register here, so that clearing is that register's reset and costs no gate for each bit. What a read in the
 // cycle of a write to the same word gives is left open: the lane holds a pixel back until its last value is written, the read-out clears a
 // cycle after it has read, and memories that promise more cost a register and a gate for each bit.
@@ -24,7 +26,7 @@ module tile_buffer #(
   (* no_rw_check *) logic [BITS-1:0] words[0:(1<<ADDRESS)-1];
   logic writes;
   logic [ADDRESS-1:0] address;
-  logic [BITS-1:0] word;
+  logic [BITS-1:0] word, found;
 
   always_ff @(posedge clk) begin
     if (clears) begin
@@ -36,6 +38,9 @@ module tile_buffer #(
     end
     if (clears || advance) address <= clears ? clear_address : write_address;
     if (writes) words[address] <= word;
-    if (read) read_word <= words[read_address];
+    if (read) begin
+      found <= words[read_address];
+      read_word <= found;
+    end
   end
 endmodule

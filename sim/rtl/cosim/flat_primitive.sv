@@ -1,7 +1,8 @@
 // The splat primitive with one C integer for each port, for simulation; the handshakes inside it whose cycles are compared; and the
 // row unit's root, whose last bit no pixel shows.
 module flat_primitive #(
-    parameter LANES = 1
+    parameter LANES = 1,
+    parameter SETUP_INTERVAL = 4
 ) (
     input logic clk,
     input logic rst,
@@ -65,7 +66,8 @@ module flat_primitive #(
   assign {blue, green, red} = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM])};
 
   splat_primitive #(
-      .LANES(LANES)
+      .LANES(LANES),
+      .SETUP_INTERVAL(SETUP_INTERVAL)
   ) splats (
       .clk,
       .rst,

@@ -217,7 +217,7 @@ impl Config {
             table_latency: 9,
             blend_latency: primitive::INTERVAL as u32,
             tile_buffers: 2,
-            write_back_cycles: 2,
+            write_back_cycles: 3,
             ..Config::default()
         }
     }

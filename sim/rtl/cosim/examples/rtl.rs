@@ -1,12 +1,15 @@
 //! Commands around the RTL: `cargo run --release -p splatline-rtl --example rtl -- COMMAND`.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use splatline::format::Traversal;
+use splatline_rtl::circuit::{self, Spec};
+use splatline_rtl::model::Model;
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
 use splatline_rtl::{area, fmax, formal, layouts, mutants, package, speed};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -15,6 +18,7 @@ const USAGE: &str = "usage: rtl COMMAND
   package FILE.toml FOLDER   the package of a design of your own into a folder
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
+  cosim shapes  the quick part for 1 to 16 lanes, a packet in every cycle, and a third design: circuits that are built for it (an hour)
   area          LUT, FF, DSP and memory of all circuits by Yosys (15 minutes): calibrates the estimate, writes docs/area.md
   area DESIGN   one design's lines of it
   area page     docs/area.md again without synthesis
@@ -36,6 +40,7 @@ fn main() -> ExitCode {
         ["package", design, folder] => write_package(design, Path::new(folder)),
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
+        ["cosim", "shapes"] => cosim_shapes(),
         ["area"] => area::report(),
         ["area", "page"] => area::page(),
         ["area", "fmax"] => fmax::report(),
@@ -123,6 +128,81 @@ fn cosim(extent: Extent) -> Result<()> {
     }
     print_pictures(&pictures);
     summary(&lines, &pictures)
+}
+
+/// Shapes that are not linked in: design, lanes, cycles between two packets.
+const SHAPES: [(&str, usize, u32); 11] = [
+    ("lean18", 2, 4),
+    ("lean18", 8, 4),
+    ("lean18", 16, 4),
+    ("lean18", 4, 1),
+    ("standard24", 2, 4),
+    ("standard24", 8, 4),
+    ("standard24", 16, 4),
+    ("standard24", 1, 1),
+    (THIRD, 1, 4),
+    (THIRD, 4, 4),
+    (THIRD, 16, 4),
+];
+
+/// Widths between the two designs, of `rtl -- area`.
+const THIRD: &str = "24-bit mantissa";
+
+/// The same for other numbers of lanes, for setup in every cycle, and for a third design, each built for it.
+fn cosim_shapes() -> Result<()> {
+    println!(
+        "| design | lanes | cycles between packets | pixels, three times | mismatches | splats timed | in another cycle | pictures: model / circuit - 1, at most |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    let (mut lines, mut pictures) = (Vec::new(), Vec::new());
+    for (design, lanes, interval) in SHAPES {
+        let (found, drawn) = shape(design, lanes, interval)?;
+        let sum = |of: fn(&Line) -> u64| found.iter().map(of).sum::<u64>();
+        let worst = drawn.iter().map(|line| line.cycles.deviation().abs());
+        println!(
+            "| {design} | {lanes} | {interval} | {} | {} | {} | {} | {:.4} % |",
+            sum(|line| line.findings.visited),
+            sum(|line| line.findings.mismatches),
+            sum(|line| line.findings.timed),
+            sum(|line| line.findings.wrong_cycles),
+            100.0 * worst.fold(0.0, f64::max)
+        );
+        lines.extend(found);
+        pictures.extend(drawn);
+    }
+    summary(&lines, &pictures)
+}
+
+fn shape(
+    design: &'static str,
+    lanes: usize,
+    interval: u32,
+) -> Result<(Vec<Line>, Vec<PictureLine>)> {
+    let subject = synthesis::subjects()
+        .into_iter()
+        .find(|subject| subject.name == design)
+        .context("no such design")?;
+    let mut choice = DesignChoice::load("standard24")?.at_run_time();
+    choice.name = design.to_owned();
+    choice.widths = subject.widths;
+    let folder = tempfile::tempdir()?;
+    let spec = Spec {
+        setup_interval: interval,
+        effort: "-O2",
+        ..Spec::new(design, &subject.widths, lanes)
+    };
+    let library = spec.library(folder.path())?;
+    let (mut lines, mut pictures) = (Vec::new(), Vec::new());
+    for rules in rules() {
+        let loads = Loads::of(design, choice.clone(), rules, Extent::Quick)?;
+        let mut bench = loads.bench_around(Model::from_library(&library, circuit::NAME, 1)?);
+        bench.setup_interval = interval;
+        lines.extend(loads.check(&mut bench, lanes));
+        if interval == SETUP_INTERVAL {
+            pictures.extend(loads.pictures(&mut bench, lanes)?);
+        }
+    }
+    Ok((lines, pictures))
 }
 
 /// One workload's passes: at full speed, with late packets, with back-pressure everywhere.

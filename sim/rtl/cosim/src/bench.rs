@@ -10,6 +10,7 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::Widths;
 use splatline::rules::Rules;
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 
 /// Cycles within which a handshake must answer; beyond it the circuit hangs.
 const PATIENCE: u32 = 1 << 22;
@@ -49,6 +50,8 @@ pub struct Bench {
     /// Were the lanes allowed to move in the cycle before?
     enabled: bool,
     broken: Option<String>,
+    /// Cycles between two packets for which the circuit is built.
+    pub setup_interval: u32,
 }
 
 impl Bench {
@@ -75,6 +78,7 @@ impl Bench {
             roots: Roots::default(),
             enabled: true,
             broken: None,
+            setup_interval: SETUP_INTERVAL,
         };
         for (index, entry) in table(widths, rules).iter().enumerate() {
             let inputs = Inputs {
@@ -147,7 +151,10 @@ impl Bench {
     ) -> Result<Outcome, String> {
         let offer = self.tile_offer(tile);
         self.wait("tile_ready", pauses, &offer, |out| out.tile_ready == 1)?;
-        self.stamps = Stamps::default();
+        self.stamps = Stamps {
+            setup_interval: self.setup_interval,
+            ..Stamps::default()
+        };
         self.roots = Roots::default();
         self.packets(tile, footprints, pauses)?;
         let stamps = std::mem::take(&mut self.stamps);

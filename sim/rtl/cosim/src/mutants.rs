@@ -1,13 +1,11 @@
 //! The mutation check: would the co-simulation notice? Each mutant is the circuit with one small mistake; each must be caught.
 
 use crate::check::Findings;
+use crate::circuit::{self, Spec};
 use crate::model::Model;
 use crate::suite::{Extent, Loads, PictureLine, rules};
 use anyhow::{Context, Result, ensure};
-use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
 
 /// One mistake: in `file`, the text `from` (which occurs once) becomes `to`.
 #[derive(Clone, Copy, Debug)]
@@ -276,7 +274,6 @@ const LANES: usize = 4;
 /// The mistakes' judge: workloads set up once.
 pub struct Judge {
     loads: Vec<Loads>,
-    rtl: PathBuf,
 }
 
 impl Judge {
@@ -286,19 +283,19 @@ impl Judge {
             .iter()
             .map(|(name, rules)| Loads::new(DESIGN, name, rules, Extent::Quick))
             .collect::<Result<_>>()?;
-        let rtl = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .parent()
-            .context("the crate lies in sim/rtl")?
-            .to_owned();
-        Ok(Judge { loads, rtl })
+        Ok(Judge { loads })
     }
 
     /// What the suite says of a mutant: its first difference, or nothing if it survives.
     pub fn verdict(&self, mutant: &Mutant) -> Result<Option<String>> {
         let folder = tempfile::tempdir()?;
-        let library = self.build(mutant, folder.path())?;
+        let spec = Spec {
+            mistake: Some(mutant),
+            ..Spec::new(DESIGN, self.loads[0].widths(), LANES)
+        };
+        let library = spec.library(folder.path())?;
         for loads in &self.loads {
-            let model = Model::from_library(&library, "mutant", 1)?;
+            let model = Model::from_library(&library, circuit::NAME, 1)?;
             let lines = loads.check(&mut loads.bench_around(model), LANES);
             let worst = lines.into_iter().find(|line| !line.findings.agree());
             if let Some(line) = worst {
@@ -308,7 +305,7 @@ impl Judge {
                 return Ok(Some(first_difference.unwrap_or_default()));
             }
             // What goes wrong between tiles alone shows where one is drawn while another is read out.
-            let model = Model::from_library(&library, "mutant", 1)?;
+            let model = Model::from_library(&library, circuit::NAME, 1)?;
             let pictures = loads.pictures(&mut loads.bench_around(model), LANES)?;
             let worst = pictures.iter().find(|line| !line.cycles.agree());
             if let Some(line) = worst {
@@ -319,80 +316,6 @@ impl Judge {
             }
         }
         Ok(None)
-    }
-
-    /// The mutant as a shared library.
-    fn build(&self, mutant: &Mutant, folder: &Path) -> Result<PathBuf> {
-        let cosim = self.rtl.join("cosim");
-        let mut sources = vec![self.rtl.join(DESIGN).join("splatline_pkg.sv")];
-        for unit in fs::read_to_string(self.rtl.join("files.txt"))?.lines() {
-            let mut text = fs::read_to_string(self.rtl.join(unit))?;
-            if unit == mutant.file {
-                let places = text.matches(mutant.from).count();
-                ensure!(
-                    places == 1,
-                    "{unit}: '{}' occurs {places} times, not once; adapt the mutant",
-                    mutant.from
-                );
-                text = text.replace(mutant.from, mutant.to);
-            }
-            let path = folder.join(unit);
-            fs::write(&path, text)?;
-            sources.push(path);
-        }
-        sources.push(cosim.join("flat_primitive.sv"));
-        let verilator = env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
-        let root = run(Command::new(&verilator).args(["--getenv", "VERILATOR_ROOT"]))?;
-        let include = Path::new(root.trim()).join("include");
-        let model = folder.join("model");
-        run(Command::new(&verilator)
-            .args([
-                "--cc",
-                "--x-assign",
-                "unique",
-                "--x-initial",
-                "unique",
-                "--prefix",
-                "Vmutant",
-                "--top-module",
-                "flat_primitive",
-            ])
-            .arg(format!("-GLANES={LANES}"))
-            .args([OsStr::new("--Mdir"), model.as_os_str()])
-            .args(sources))?;
-        let library = folder.join("mutant.so");
-        let generated = fs::read_dir(&model)?.flatten().map(|file| file.path());
-        run(
-            Command::new(env::var("CXX").unwrap_or_else(|_| "c++".to_owned()))
-                .args([
-                    "-std=c++17",
-                    "-O0",
-                    "-w",
-                    "-shared",
-                    "-fPIC",
-                    "-DMODEL=Vmutant",
-                    "-DNAME=mutant",
-                ])
-                .args([
-                    "-I".as_ref(),
-                    model.as_os_str(),
-                    "-I".as_ref(),
-                    include.as_os_str(),
-                ])
-                .args(["-I".as_ref(), include.join("vltstd").as_os_str()])
-                .args(
-                    generated.filter(|path| {
-                        path.extension().is_some_and(|extension| extension == "cpp")
-                    }),
-                )
-                .args([
-                    include.join("verilated.cpp"),
-                    include.join("verilated_threads.cpp"),
-                ])
-                .args([cosim.join("shim.cpp"), cosim.join("runtime.cpp")])
-                .args([OsStr::new("-o"), library.as_os_str()]),
-        )?;
-        Ok(library)
     }
 }
 

@@ -14,6 +14,8 @@ const MOST_LANES: usize = 16;
 /// Cycles of a tile's handshakes, in the order in which they took place.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Stamps {
+    /// Cycles between two packets for which the circuit is built.
+    pub setup_interval: u32,
     /// From which cycle on each packet was offered.
     pub offered: Vec<u64>,
     /// Each packet's handshake.
@@ -71,7 +73,7 @@ impl Stamps {
         let mut timed = Timed::default();
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
         let first = self.taken.first().copied().unwrap_or(0);
-        let mut clock = PrimitiveClock::with_interval(lanes, QUEUE, SETUP_INTERVAL, first);
+        let mut clock = PrimitiveClock::with_interval(lanes, QUEUE, self.setup_interval, first);
         let mut left = self.left.iter();
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {
@@ -111,7 +113,11 @@ impl Stamps {
         tile: &Tile,
         workload: &Workload,
     ) -> Option<String> {
-        let first = self.taken.first()?;
+        // Which is that of the circuit as it usually is.
+        let first = self
+            .taken
+            .first()
+            .filter(|_| self.setup_interval == SETUP_INTERVAL)?;
         let list = tile.list.iter();
         let footprints = list.map(|index| &workload.footprints[*index as usize]);
         let mut same = Same(None);

@@ -8,7 +8,7 @@ use crate::workload::{self, GuitarView, Workload};
 use anyhow::Result;
 use splatline::blend::Pixel;
 use splatline::footprint::packet::Layout;
-use splatline::format::Design;
+use splatline::format::{Design, Widths};
 use splatline_sim::design::{DesignChoice, DesignJob};
 use splatline_sim::fixed::kernel_rules;
 use splatline_sim::rules::Rules;
@@ -117,6 +117,17 @@ impl Loads {
         extent: Extent,
     ) -> Result<Loads> {
         let choice = DesignChoice::named(design).expect("the suite names existing designs");
+        Self::of(design, choice, (rules_name, *rules), extent)
+    }
+
+    /// The same for a design of any widths.
+    pub fn of(
+        design: &'static str,
+        choice: DesignChoice,
+        (rules_name, rules): (&'static str, Rules),
+        extent: Extent,
+    ) -> Result<Loads> {
+        let rules = &rules;
         let widths = choice.widths;
         let full = extent == Extent::Full;
         let (random, size) = if full { (40_000, 512) } else { (1_200, 256) };
@@ -152,6 +163,11 @@ impl Loads {
             workloads,
             missing,
         })
+    }
+
+    /// The design's widths.
+    pub fn widths(&self) -> &Widths {
+        &self.choice.widths
     }
 
     /// Draws everything by a circuit with so many lanes: as fast as it goes, with packets that come late, with back-pressure everywhere.

@@ -57,7 +57,7 @@ struct Lane {
     queue: VecDeque<LaneRun>,
     front: Option<LaneRun>,
     at: Option<(u16, u16, u16)>,
-    been: [Option<(u16, u16)>; 4],
+    been: [Option<(u16, u16)>; 5],
     /// Was the run at the front there in the cycle before?
     compared: bool,
 }
@@ -69,11 +69,11 @@ impl Lane {
         let run = self.front.filter(|_| last && self.compared)?;
         let here = self.at.map(|(row, column, _)| (row, column));
         let places = std::iter::once(here).chain(self.been);
-        // Its pixel at a place left `age` cycles ago would come at least 6 cycles after that.
+        // Its pixel at a place left `age` cycles ago would come at least 7 cycles after that.
         let meets = (1..).zip(places).any(|(age, place)| {
             place.is_some_and(|(row, column)| {
                 let ahead = column.wrapping_sub(run.column);
-                row == run.row && ahead < run.length && ahead + age < 6
+                row == run.row && ahead < run.length && ahead + age < 7
             })
         });
         (!meets).then_some(run)
@@ -113,7 +113,7 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Han
         queue: VecDeque::new(),
         front: None,
         at: None,
-        been: [None; 4],
+        been: [None; 5],
         compared: false,
     };
     let mut units: Vec<Lane> = (0..lanes).map(|_| lane()).collect();
