@@ -15,7 +15,7 @@ module dpi_bench;
     logic rst = 1;
     logic table_valid = 0, tile_valid = 0, packet_valid = 0, finish_valid = 0, pixel_ready = 0;
     logic tile_ready, packet_ready, finish_ready, pixel_valid;
-    logic [T+1:0] depth;
+    logic [T+1:0] transmittance;
     logic [3*SUM-1:0] colour;
     longint least;
     int alpha_max, stop, stop_before, wide_table, index, low, step;
@@ -35,7 +35,7 @@ module dpi_bench;
         .tile_valid, .tile_ready,
         .packet_valid, .packet_ready, .packet(words[splatline_pkg::PACKET_BITS-1:0]),
         .finish_valid, .finish_ready,
-        .pixel_valid, .pixel_ready, .pixel_depth(depth), .pixel_colour(colour),
+        .pixel_valid, .pixel_ready, .pixel_transmittance(transmittance), .pixel_colour(colour),
         .lanes_enable(1'b1), .raster_idle(), .idle(), .foreign_packets()
     );
 
@@ -49,8 +49,8 @@ module dpi_bench;
         for (int y = first_row; y < last_row; y++)
             for (int x = first_column; x < last_column; x++) begin
                 while (!pixel_valid) clock();
-                if (model_pixel_is(x, y, 32'(depth[T+1]), 32'(depth[T:0]), 32'(colour[0+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[2*SUM+:SUM])) == 0)
-                    $fatal(1, "pixel (%0d, %0d): the circuit has %h, transmittance %h", x, y, colour, depth);
+                if (model_pixel_is(x, y, 32'(transmittance[T+1]), 32'(transmittance[T:0]), 32'(colour[0+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[2*SUM+:SUM])) == 0)
+                    $fatal(1, "pixel (%0d, %0d): the circuit has %h, transmittance %h", x, y, colour, transmittance);
                 pixels = pixels + 1;
                 pixel_ready = 1;
                 clock();

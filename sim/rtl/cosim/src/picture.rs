@@ -2,7 +2,7 @@
 //!
 //! The memory is the model's (`docs/hardware-model.md`, section 2), clocked here beside the circuit: packets are read in order at so many
 //! bytes a cycle, arrive some cycles later and wait in a queue; finished pixels are written at so many bytes a cycle. The
-//! one thing that the model does not know is whether a tile's last pixel changes its word: it waits fifteen cycles where the circuit may need fewer.
+//! one thing that the model does not know is whether a tile's last pixel changes its word: it waits sixteen cycles where the circuit may need fewer.
 
 use crate::bench::{Bench, pixel};
 use crate::model::{Inputs, Outputs};

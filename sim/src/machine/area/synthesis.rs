@@ -204,13 +204,22 @@ impl Synthesised {
         let Part::Lanes(lanes) = self.part else {
             return None;
         };
-        let config = Config::primitive(lanes);
+        let config = counted(lanes);
         Some(raster_unit(
             &self.widths,
             Traversal::Spans,
             &config,
             calibration,
         ))
+    }
+}
+
+/// The machine whose circuit `synthesised.csv` counts: the primitive with one tile buffer and setup of a packet in every cycle, as it was then.
+pub fn counted(lanes: u32) -> Config {
+    Config {
+        splat_cycles: 1,
+        tile_buffers: 1,
+        ..Config::primitive(lanes)
     }
 }
 

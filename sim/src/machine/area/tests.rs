@@ -76,7 +76,7 @@ fn the_estimate_of_a_machine_is_that_of_its_circuits() {
         if line.widths != widths {
             continue;
         }
-        let mut config = Config::primitive(lanes);
+        let mut config = synthesis::counted(lanes);
         config.raster_units = 3;
         let three = area(&widths, &config, line.family).raster;
         let error = three.worst_error(&(line.fabric * 3));

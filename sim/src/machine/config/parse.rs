@@ -184,7 +184,6 @@ impl Config {
         let wanted = Config::primitive(self.lanes);
         let fixed = [
             "layout",
-            "splat_cycles",
             "row_cycles",
             "rows_at_once",
             "pixel_termination",
@@ -198,6 +197,13 @@ impl Config {
                 let allowed = format!("overlap = \"primitive\" needs {needed}");
                 return Err((field.key, found, allowed));
             }
+        }
+        if ![1, primitive::SETUP_INTERVAL].contains(&self.splat_cycles) {
+            let allowed = format!(
+                "overlap = \"primitive\" allows 1 and {}",
+                primitive::SETUP_INTERVAL
+            );
+            return Err(("splat_cycles", self.splat_cycles.to_string(), allowed));
         }
         if self.tile_width > primitive::TILE[0] {
             let allowed = format!(
@@ -421,6 +427,10 @@ mod tests {
         let mut config = Config::primitive(4);
         let error = config.set_words(&["rows_at_once=2".into()]).unwrap_err();
         assert!(error.to_string().contains("needs 1"), "{error}");
+        let mut config = Config::primitive(4);
+        config.set_words(&["splat_cycles=1".into()]).unwrap();
+        let error = config.set_words(&["splat_cycles=2".into()]).unwrap_err();
+        assert!(error.to_string().contains("allows 1 and 4"), "{error}");
     }
 
     #[test]
