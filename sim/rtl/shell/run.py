@@ -39,7 +39,7 @@ def kernel():
     svdpi = Path(subprocess.check_output(["verilator", "--getenv", "VERILATOR_ROOT"], text=True).strip()) / "include" / "vltstd"
     includes = [f"-I{folder}" for folder in (CAPI / "include", CAPI / "examples", CAPI / "cosim", svdpi)]
     sources = [CAPI / "examples" / "picture.c", CAPI / "cosim" / "tiles.c", CAPI / "cosim" / "dpi_model.c"]
-    archive = ROOT / "target" / "release" / "libsplatline_capi.a"
+    archive = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "libsplatline_capi.a"
     run("cc", "-std=c99", "-O1", "-fPIC", "-shared", *includes, *sources, archive, "-o", library, "-lm", "-ldl", "-lpthread")
     return library
 
@@ -60,10 +60,10 @@ def main():
     os.environ["SPLATLINE_TABLE"] = str((1 << number("TABLE")) + 1)
     os.environ["SPLATLINE_TILES"] = ",".join(sys.argv[1:] or ["0", "2"])
     runner = get_runner("icarus")
-    runner.build(verilog_sources=[verilog()], hdl_toplevel="splat_axi", build_dir=BUILD, build_args=["-g2012"], always=True)
-    results = runner.test(hdl_toplevel="splat_axi", test_module="test_splat_axi", build_dir=BUILD, test_dir=HERE)
+    runner.build(verilog_sources=[verilog()], hdl_toplevel="splat_axi", build_dir=BUILD, timescale=("1ns", "1ps"), always=True)
+    results = runner.test(hdl_toplevel="splat_axi", test_module="test_splat_axi", build_dir=BUILD, test_dir=BUILD)
     if "<failure" in Path(results).read_text():
-        raise SystemExit("the bench found a difference")
+        raise SystemExit("the bench failed: see above")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ pixels are held back at random, and the next tile is sent while the one before i
 """
 
 import ctypes
+import logging
 import os
 import random
 
@@ -69,6 +70,9 @@ class Board:
     def __init__(self, dut):
         reset = {"reset": dut.aresetn, "reset_active_level": False}
         self.dut = dut
+        # A line for each of twenty thousand words would be no log.
+        for bus in ("s_axil", "s_axis_packet", "m_axis_pixel"):
+            logging.getLogger(f"cocotb.{dut._name}.{bus}").setLevel(logging.WARNING)
         self.registers = AxiLiteMaster(AxiLiteBus.from_prefix(dut, "s_axil"), dut.aclk, **reset)
         self.packets = AxiStreamSource(AxiStreamBus.from_prefix(dut, "s_axis_packet"), dut.aclk, **reset)
         self.pixels = AxiStreamSink(AxiStreamBus.from_prefix(dut, "m_axis_pixel"), dut.aclk, **reset)
