@@ -104,7 +104,7 @@ impl Lane {
 }
 
 fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Handshakes {
-    let mut setup: [Option<usize>; 19] = [None; 24];
+    let mut setup: [Option<usize>; 24] = [None; 24];
     let mut splats = Buffer::NEW;
     let mut issued: Option<(usize, usize)> = None;
     let mut rows: [Option<Option<LaneRun>>; 32] = [None; 32];
