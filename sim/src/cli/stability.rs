@@ -20,7 +20,7 @@ const SCENES: &str = "## Scenes as people have them\n\nDrawn at 512x512 under th
 sample (at least 1), and no sample is clamped. \"Added\"\nand \"removed\" count pairs of a splat and a pixel that were decided \
 otherwise at the smallest opacity, 1/255, of all pairs that the reference\nblends; \"stopped early\" and \"late\" count pixels that another \
 splat than the reference's finished; \"lost\" are splats that were culled although the reference \
-draws them. Engines are explained in `sim/src/stability/scenes/mod.rs`,\nthe scenes in `sim/src/stability/scenes/classes.rs`.\n\n";
+draws them. Engines are explained in `sim/src/stability/scenes/mod.rs`,\nthe scenes in `sim/reference/src/hard/classes.rs`.\n\n";
 
 /// Everything measured, as JSON.
 #[derive(serde::Serialize)]
