@@ -1,18 +1,18 @@
-//! `cargo bench -p splatline-sim`: whole pictures by the kernel and by both single-precision baselines, one thread.
+//! `cargo bench -p splatline-lab --bench host`: whole pictures by the kernel and by the single-precision baselines, one thread.
 //!
 //! `splatline-lab results --only host` prints the comparison with ratios; this bench is for watching one engine change, and for comparing the
 //! vectors: AVX-512, AVX2, arrays that the compiler may vectorise, and the kernel itself.
 
 use divan::Bencher;
 use rayon::ThreadPoolBuilder;
-use splatline::format::Traversal;
 use splatline_lab::baseline::scene::Reach;
-use splatline_lab::baseline::{FloatScene, boxes, spans};
+use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fast::lanes::Choice;
-use splatline_sim::fixed::{Engine, Options, QuantisedScene, draw_quantised};
-use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::fixed::Engine;
+use splatline_sim::renderer::{Renderer, Settings};
+use splatline_sim::rules::Rules;
 use splatline_sim::scene::{self, LoadOptions, Scene, synthetic};
 use std::path::Path;
 
@@ -55,7 +55,14 @@ fn floats(name: &str) -> Option<FloatScene> {
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn baseline_boxes(bencher: Bencher, what: &str) {
     if let Some(floats) = floats(what) {
-        bencher.bench(|| boxes::draw(&floats, Reach::Sigmas));
+        bencher.bench(|| boxes::draw(&floats, Reach::Sigmas, Choice::Eight));
+    }
+}
+
+#[divan::bench(args = SCENES, sample_count = 3)]
+fn baseline_textbook(bencher: Bencher, what: &str) {
+    if let Some(floats) = floats(what) {
+        bencher.bench(|| textbook::draw(&floats, Reach::Sigmas));
     }
 }
 
@@ -70,15 +77,14 @@ fn kernel(bencher: Bencher, what: &str, design: &str, engine: Engine) {
     let Some((scene, camera, rules)) = scene(what) else {
         return;
     };
-    let quantised = QuantisedScene::new(&scene, &camera, &rules);
-    let design = DesignChoice::named(design).expect("the bench names a design");
-    let options = Options {
-        rules: &rules,
-        compositing: Compositing::FrontToBack,
-        design: &design,
-        traversal: Traversal::Spans,
+    let settings = Settings {
+        design: DesignChoice::named(design).expect("the bench names a design"),
+        engine,
+        ..Settings::new(rules)
     };
-    bencher.bench(|| draw_quantised(&quantised, &camera, &options, engine));
+    let mut renderer = Renderer::new(&scene, &camera, settings);
+    let mut pixels = vec![[0.0; 4]; 512 * 512];
+    bencher.bench_local(|| renderer.draw_floats(&mut pixels, &|_, _| true));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]

@@ -2,16 +2,18 @@
 //!
 //! | baseline | what it is |
 //! |---|---|
-//! | (a) [`boxes`] | what open CPU rasterizers do: conic, bounding box, 16 x 16 tiles, sorted duplicates, library `exp` |
+//! | (a) [`boxes`] | the best that open CPU rasterizers do: boxes of three sigmas, 16 x 16 tiles, rows in vectors, an approximate `exp` |
 //! | (b) [`spans`] | the kernel's own traversal, tiles, order and vectors with floating-point pixels and a polynomial `exp` |
+//! | [`textbook`] | many of them: conic, bounding box, 16 x 16 tiles, sorted duplicates, library `exp`, pixel by pixel |
 //!
 //! Between (a) and the kernel lies the gain of the algorithm and of the arithmetic together; between (b) and the kernel that of the
-//! arithmetic alone. Both share [`scene`], the usual single-precision setup, and draw by the same [`Rules`](splatline_sim::rules::Rules): the same footprints end where
+//! arithmetic alone. All share [`scene`], the usual single-precision setup, and draw by the same [`Rules`](splatline_sim::rules::Rules): the same footprints end where
 //! the same cut-off says, opacities are clamped, skipped and finished alike. They draw front to back only.
 
 pub mod boxes;
 pub mod scene;
 pub mod spans;
+pub mod textbook;
 
 pub use scene::FloatScene;
 

@@ -31,7 +31,7 @@ pub fn draw(scene: &FloatScene, choice: Choice) -> FloatDrawing {
         .enumerate()
         .map(|(number, footprints)| keys(footprints, number * part))
         .collect();
-    let lists = tile_lists(&grid, &parts);
+    let lists = tile_lists(&grid, parts);
     let sorted_at = started.elapsed().as_secs_f64();
     let frame = raster(scene, &grid, &footprints, &lists, choice);
     FloatDrawing {
@@ -44,7 +44,8 @@ pub fn draw(scene: &FloatScene, choice: Choice) -> FloatDrawing {
     }
 }
 
-fn keys(footprints: &[Option<FloatFootprint>], start: usize) -> Vec<Key> {
+/// What orders the splats that are seen, numbered from `start`.
+pub(super) fn keys(footprints: &[Option<FloatFootprint>], start: usize) -> Vec<Key> {
     let numbered = footprints.iter().zip(start as u32..);
     numbered
         .filter_map(|(footprint, index)| {

@@ -1,7 +1,7 @@
 //! The lab's commands: `gallery`, `results` and `lines`.
 
 mod gallery;
-mod options;
+pub mod options;
 mod results;
 
 use clap::Parser;
@@ -15,6 +15,7 @@ pub fn run() -> ExitCode {
     finish(match Lab::parse().command {
         Command::Gallery(options) => gallery::run(&options),
         Command::Results(options) => results::run(&options),
+        Command::DrawOnce(options) => results::host::draw_once(&options),
         Command::Lines(options) => compared(&options.before)
             .map_err(Failure::from)
             .and_then(|table| say(&table)),

@@ -1,6 +1,7 @@
 //! The lab's command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use splatline_sim::fast::lanes::Choice;
 use std::path::PathBuf;
 
 /// Measures and prints splatline's own documentation.
@@ -19,6 +20,9 @@ pub enum Command {
     /// Measure every figure that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
+    /// Draw a random scene and print its covered pixels, for a counter of instructions
+    #[command(hide = true)]
+    DrawOnce(DrawOnceOptions),
     /// Print how long the host crates are, by folder and without tests, beside an earlier commit.
     #[command(after_help = LINES_EXAMPLES)]
     Lines(LinesOptions),
@@ -39,7 +43,8 @@ pub struct LinesOptions {
 pub const RESULTS_EXAMPLES: &str = "\
 Examples:
   splatline-lab results -o docs/results
-  splatline-lab results --only golden -o /tmp/results";
+  splatline-lab results --only golden -o /tmp/results
+  splatline-lab results --only host --vectors avx2 -o /tmp/results";
 pub const GALLERY_EXAMPLES: &str = "\
 Examples:
   splatline-lab gallery all -o docs/gallery
@@ -125,6 +130,9 @@ pub struct ResultsOptions {
     /// Only the pages named.
     #[arg(long, value_enum, value_name = "PAGE")]
     pub only: Vec<ResultsPage>,
+    /// Vectors of the page about the host: avx2, avx512 or portable [default: avx2 and avx512, where the processor has them]
+    #[arg(long, value_name = "LEVEL", value_parser = <Choice as std::str::FromStr>::from_str)]
+    pub vectors: Vec<Choice>,
     /// Print the pages again and compare them with those in the folder, timings left out, instead of writing there
     #[arg(long)]
     pub check: bool,
@@ -135,6 +143,15 @@ impl ResultsPage {
     pub fn is_timing(self) -> bool {
         matches!(self, ResultsPage::Host | ResultsPage::Speed)
     }
+}
+
+/// What is drawn under a counter of instructions.
+#[derive(Debug, Args)]
+pub struct DrawOnceOptions {
+    /// Random splats
+    pub splats: usize,
+    /// The design's name
+    pub design: String,
 }
 
 /// Pages of results.

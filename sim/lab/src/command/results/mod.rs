@@ -2,7 +2,7 @@
 
 mod designs;
 mod hardware;
-mod host;
+pub mod host;
 mod layouts;
 mod speed;
 mod throughput;
@@ -50,6 +50,7 @@ fn check(options: &ResultsOptions) -> Result<(), Failure> {
             output: again.clone(),
             only: vec![*page],
             check: false,
+            vectors: Vec::new(),
         })?;
     }
     let found = compare_folders(&options.output, &again);
@@ -101,7 +102,7 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
             Ok(None)
         }
         ResultsPage::Host => {
-            let text = host::run(&options.data)?;
+            let text = host::run(&options.data, &options.vectors)?;
             Ok(Some(Page {
                 file: "fast.md",
                 text,
