@@ -90,7 +90,7 @@ pub trait DesignJob {
     /// The result.
     type Output;
     /// The work itself.
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output;
+    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output;
 }
 
 impl DesignChoice {

@@ -2,7 +2,7 @@
 //! are held against a float reference.
 //!
 //! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is seen by a [`camera`]
-//! under [`rules`]); [`fixed`] draws it through the kernel and [`reference`](mod@reference) in double precision, both into a [`picture`];
+//! under [`rules`]); [`fixed`] draws it through the kernel, a [`Renderer`] many frames of it fast, and [`reference`](mod@reference) in double precision, both into a [`picture`];
 //! [`metrics`] compares two pictures; [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
 //! what other tools read, and [`report`] and the live [`page`] tell people about it. [`cli`] is the command line over all of them.
 
@@ -24,8 +24,11 @@ pub mod memory;
 pub mod page;
 pub mod plan;
 pub mod progress;
+pub mod renderer;
 pub mod report;
 pub mod stability;
 pub mod systems;
 pub mod trace;
 pub mod vectors;
+
+pub use renderer::Renderer;

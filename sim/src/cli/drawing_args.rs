@@ -5,12 +5,14 @@ use super::values::{
     COMPOSITINGS, Colour, DesignName, ENGINES, POINTS, TraversalChoice, at_least_one, colour,
     depth, one_of,
 };
+use crate::fast::lanes::Choice;
 use crate::hybrid::Points;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Engine};
 use crate::rules::Compositing;
 use clap::Args;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 /// Which pixels, in which order.
 #[derive(Debug, Args)]
@@ -65,6 +67,9 @@ pub struct DrawingOptions {
     /// Threads [default: all processors]
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
+    /// Vectors of the engine fixed: avx2, avx512 or portable; the picture is the same [default: the best of this processor]
+    #[arg(long, value_name = "LEVEL", value_parser = <Choice as FromStr>::from_str)]
+    pub vectors: Option<Choice>,
     /// Draw N times and report median times
     #[arg(long, value_name = "N", default_value = "1", value_parser = at_least_one)]
     pub repeat: usize,
@@ -85,7 +90,10 @@ impl DrawingOptions {
 
     /// What of this computer drawing may take.
     pub fn effort(&self) -> Effort {
-        Effort::new(self.threads, self.repeat)
+        Effort {
+            vectors: self.vectors,
+            ..Effort::new(self.threads, self.repeat)
+        }
     }
 }
 

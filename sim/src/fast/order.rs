@@ -110,8 +110,8 @@ struct Packing {
 }
 
 impl Packing {
-    fn new(parts: &[Vec<Key>]) -> Self {
-        let keys = || parts.iter().flatten();
+    fn new(parts: &[Part]) -> Self {
+        let keys = || parts.iter().flat_map(|part| &part.keys);
         let bits = |largest: u64| u64::BITS - largest.leading_zeros();
         let nearest = keys().map(|key| key.depth).min().unwrap_or(0);
         let farthest = keys().map(|key| key.depth).max().unwrap_or(0);
@@ -137,7 +137,7 @@ impl Packing {
     }
 
     /// Puts entries that are equal to the radix sort in their order.
-    fn settle(&self, entries: &mut [u64], parts: &[Vec<Key>]) {
+    fn settle(&self, entries: &mut [u64], parts: &[Part]) {
         let by_whole_key = |a: &u64, b: &u64| {
             let key = |entry: u64| (whole_key(parts, self.index(entry)), entry);
             key(*a).cmp(&key(*b))
@@ -147,51 +147,63 @@ impl Packing {
                 equal.sort_unstable();
             }
             if self.dropped > 0 && equal.len() > 1 {
-                equal.sort_by(by_whole_key);
+                equal.sort_unstable_by(by_whole_key);
             }
         }
     }
 }
 
 /// The sort key of a splat; the indices of the parts ascend.
-fn whole_key(parts: &[Vec<Key>], index: u32) -> u64 {
+fn whole_key(parts: &[Part], index: u32) -> u64 {
     let part = parts
         .iter()
-        .find(|part| part.last().is_some_and(|key| key.index >= index));
+        .find(|part| part.keys.last().is_some_and(|key| key.index >= index));
     let place = part.and_then(|part| {
-        let place = part.binary_search_by_key(&index, |key| key.index).ok()?;
-        part.get(place)
+        let place = part
+            .keys
+            .binary_search_by_key(&index, |key| key.index)
+            .ok()?;
+        part.keys.get(place)
     });
     place.map_or(0, |key| key.depth)
 }
 
-/// Splats of one part of the scene, by tile.
-struct Bins {
+/// Splats of one part of the scene: what orders them, and their entries by tile.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    /// Of the part's splats that are seen, indices ascending.
+    pub keys: Vec<Key>,
     /// Where each tile's entries end.
     ends: Vec<u32>,
     entries: Vec<u64>,
 }
 
-impl Bins {
-    /// Two passes: counting, then placing.
-    fn new(grid: &Grid, keys: &[Key], packing: Packing) -> Self {
-        let mut ends = vec![0u32; grid.len()];
-        for key in keys {
+impl Part {
+    /// Bins the keys in two passes: counting, then placing.
+    fn bin(&mut self, grid: &Grid, packing: Packing) {
+        let Part {
+            keys,
+            ends,
+            entries,
+        } = self;
+        ends.clear();
+        ends.resize(grid.len(), 0);
+        for key in &*keys {
             grid.touched(&key.bounds, |tile| ends[tile] += 1);
         }
         let mut next = 0;
-        for end in &mut ends {
+        for end in &mut *ends {
             next += std::mem::replace(end, next);
         }
-        let mut entries = vec![0; next as usize];
-        for key in keys {
+        entries.clear();
+        entries.resize(next as usize, 0);
+        for key in &*keys {
             let entry = packing.entry(key);
             grid.touched(&key.bounds, |tile| {
                 entries[ends[tile] as usize] = entry;
                 ends[tile] += 1;
             });
         }
-        Bins { ends, entries }
     }
 
     fn of(&self, tile: usize) -> &[u64] {
@@ -200,26 +212,88 @@ impl Bins {
     }
 }
 
-/// For every tile the splats that touch it, nearest first. The parts of `keys` are binned side by side.
-pub fn tile_lists(grid: &Grid, parts: &[Vec<Key>]) -> Vec<Vec<u32>> {
-    let packing = Packing::new(parts);
-    let bins: Vec<Bins> = parts
-        .par_iter()
-        .map(|part| Bins::new(grid, part, packing))
-        .collect();
-    (0..grid.len())
-        .into_par_iter()
-        .map_init(Vec::new, |spare, tile| {
-            let total = bins.iter().map(|bins| bins.of(tile).len()).sum();
-            let mut entries = Vec::with_capacity(total);
-            for bins in &bins {
-                entries.extend_from_slice(bins.of(tile));
+/// A tile's splats, nearest first, and what sorting them needs.
+#[derive(Clone, Debug, Default)]
+struct List {
+    entries: Vec<u64>,
+    spare: Vec<u64>,
+    indices: Vec<u32>,
+}
+
+/// Lists of all tiles. Its memory is used again for the next picture.
+#[derive(Clone, Debug, Default)]
+pub struct TileOrder {
+    /// The scene's splats in parts, indices ascending: to be filled, then [sorted](TileOrder::sort).
+    pub parts: Vec<Part>,
+    lists: Vec<List>,
+}
+
+impl TileOrder {
+    /// Puts the splats of all parts into their tiles' lists, nearest first. Parts are binned side by side, and tiles sorted.
+    pub fn sort(&mut self, grid: &Grid) {
+        let TileOrder { parts, lists } = self;
+        let packing = Packing::new(parts);
+        parts
+            .par_iter_mut()
+            .for_each(|part| part.bin(grid, packing));
+        lists.resize_with(grid.len(), List::default);
+        let parts = &*parts;
+        lists.par_iter_mut().enumerate().for_each(|(tile, list)| {
+            let List {
+                entries,
+                spare,
+                indices,
+            } = list;
+            entries.clear();
+            entries.reserve(parts.iter().map(|part| part.of(tile).len()).sum());
+            for part in parts {
+                entries.extend_from_slice(part.of(tile));
             }
-            sort_by_depth(&mut entries, spare, packing.first);
-            packing.settle(&mut entries, parts);
-            entries.iter().map(|entry| packing.index(*entry)).collect()
-        })
-        .collect()
+            sort_by_depth(entries, spare, packing.first);
+            packing.settle(entries, parts);
+            indices.clear();
+            indices.extend(entries.iter().map(|entry| packing.index(*entry)));
+        });
+    }
+
+    /// Turns every list around: farthest first.
+    pub fn reverse(&mut self) {
+        let lists = self.lists.iter_mut();
+        lists.for_each(|list| list.indices.reverse());
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let part = |part: &Part| {
+            part.keys.capacity() * size_of::<Key>()
+                + part.ends.capacity() * size_of::<u32>()
+                + part.entries.capacity() * size_of::<u64>()
+        };
+        let list = |list: &List| {
+            (list.entries.capacity() + list.spare.capacity()) * size_of::<u64>()
+                + list.indices.capacity() * size_of::<u32>()
+        };
+        self.parts.iter().map(part).sum::<usize>() + self.lists.iter().map(list).sum::<usize>()
+    }
+
+    /// The splats of a tile.
+    pub fn list(&self, tile: usize) -> &[u32] {
+        self.lists.get(tile).map_or(&[], |list| &list.indices)
+    }
+}
+
+/// For every tile the splats that touch it, nearest first. The parts of `keys` are binned side by side.
+pub fn tile_lists(grid: &Grid, keys: Vec<Vec<Key>>) -> Vec<Vec<u32>> {
+    let part = |keys| Part {
+        keys,
+        ..Part::default()
+    };
+    let mut order = TileOrder {
+        parts: keys.into_iter().map(part).collect(),
+        lists: Vec::new(),
+    };
+    order.sort(grid);
+    order.lists.into_iter().map(|list| list.indices).collect()
 }
 
 /// Lists shorter than this are sorted by comparison.
@@ -291,7 +365,7 @@ mod tests {
             }).collect();
             let grid = Grid::new(VIEWPORT, [32, 16]);
             let (head, tail) = keys.split_at(cut.min(keys.len()));
-            let lists = tile_lists(&grid, &[head.to_vec(), tail.to_vec()]);
+            let lists = tile_lists(&grid, vec![head.to_vec(), tail.to_vec()]);
             prop_assert_eq!(lists.len(), 4 * 4);
             for (tile, list) in lists.iter().enumerate() {
                 let window = grid.window(tile);

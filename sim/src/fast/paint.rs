@@ -1,16 +1,14 @@
-//! Painting a tile: the kernel's rows, the vectors' pixels, and the scalar painter for what they cannot do.
+//! What paints a tile: cells of fused or short products, words of 64 bits, or the kernel's own painter, by what processor and design allow.
 
 use super::cells::{FusedPainter, NarrowPainter, Tiles};
-use super::lanes::{Choice, Floats, Job, Lanes, dispatch, prefetch};
-use super::pixels::{Counts, Intervals, PixelPath, supports};
-use super::rows::RowBatch;
-use super::tile::Tile;
+use super::lanes::Choice;
+use super::words::{WordPainter, WordTile};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Classic8, Design, Lean18, Standard24, Traversal};
-use splatline::kernel::FootprintTable;
-use splatline::raster::{SpanRows, Window};
+use splatline::format::{Design, Traversal, Widths};
+use splatline::kernel::{FootprintTable, entries, fill};
+use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -18,23 +16,39 @@ use splatline::target::Target;
 /// Footprints painted between two checks whether the tile has finished.
 pub const CHECK_INTERVAL: usize = 64;
 
-/// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
-const AHEAD: usize = 4;
-
-/// Everything that is constant for a picture.
+/// A footprint table with the memory that it lies in: painters outlive the picture that they were made for.
 #[derive(Clone, Debug)]
-pub struct FastPainter<'a, D> {
-    design: D,
-    rules: Rules,
-    intervals: Intervals,
-    scalar: Painter<'a, D>,
-    choice: Choice,
+pub struct TableMemory {
+    entries: Vec<u32>,
+    widths: Widths,
+    range: u8,
+}
+
+impl TableMemory {
+    /// The table of the rules' kernel.
+    pub fn new(widths: &Widths, rules: &Rules) -> Self {
+        let mut memory = vec![0; entries(widths)];
+        fill(&mut memory, widths, rules.table_range, rules.kernel);
+        TableMemory {
+            entries: memory,
+            widths: *widths,
+            range: rules.table_range,
+        }
+    }
+
+    /// The table.
+    pub fn table(&self) -> FootprintTable<'_> {
+        match FootprintTable::new(&self.entries, &self.widths, self.range) {
+            Ok(table) => table,
+            Err(_) => unreachable!("the entries have been made for these widths"),
+        }
+    }
 }
 
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
-    words: Option<Tile>,
+    pub(super) words: Option<WordTile>,
     pub(super) cells: Tiles,
 }
 
@@ -42,197 +56,94 @@ pub struct Scratch {
 pub type Results = [Result<Footprint, Cull>];
 
 /// Paints tiles front to back along spans, whatever the design.
-pub trait TilePainter: Sync {
-    /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `rows`.
+pub trait TilePainter: Send + Sync {
+    /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `pixels`, row by row.
     fn paint(
         &self,
         scratch: &mut Scratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
-        rows: &mut [&mut [Pixel]],
+        pixels: &mut [Pixel],
     ) -> Coverage;
 }
 
-/// A painter on vectors for a design and rules; `None` where only the scalar painter can.
+/// The fastest painter for a design and rules on such vectors: the kernel's own where vectors cannot draw.
 ///
-/// One compiled copy exists for each named design with 32-bit lanes, because its shifts are constants of the instructions.
-pub fn tile_painter<'a, D: Design + Sync + 'a>(
+/// Only where `counts` asks for it are all pixels counted; a painter that need not may leave out those that have finished.
+pub fn tile_painter<D: Design + Send + Sync + 'static>(
     design: D,
     rules: &Rules,
-    table: FootprintTable<'a>,
+    order: Compositing,
+    traversal: Traversal,
+    choice: Option<Choice>,
+    counts: bool,
+) -> Box<dyn TilePainter> {
+    let usual = (order, traversal) == (Compositing::FrontToBack, Traversal::Spans);
+    let vectors = choice.filter(|_| usual);
+    if let Some(painter) = vectors.and_then(|choice| on_vectors(design, rules, choice, counts)) {
+        return painter;
+    }
+    Box::new(ScalarPainter {
+        design,
+        rules: *rules,
+        table: TableMemory::new(&design.widths(), rules),
+        order,
+        traversal,
+    })
+}
+
+/// A painter front to back along spans; `None` where only the kernel's can.
+fn on_vectors<D: Design + Send + Sync + 'static>(
+    design: D,
+    rules: &Rules,
     choice: Choice,
-) -> Option<Box<dyn TilePainter + 'a>> {
-    if let Some(painter) = NarrowPainter::new(design, rules, table, choice) {
+    counts: bool,
+) -> Option<Box<dyn TilePainter>> {
+    if let Some(painter) = NarrowPainter::new(design, rules, choice) {
         return Some(Box::new(painter));
     }
-    if let Some(painter) = FusedPainter::new(design, rules, table, choice) {
+    if let Some(painter) = FusedPainter::new(design, rules, choice) {
         return Some(Box::new(painter));
     }
-    // Lanes of 64 bits do not wrap where those of 32 do.
-    if size_of::<D::Lane>() != size_of::<i32>() {
-        return None;
-    }
-    match design.widths() {
-        Classic8::WIDTHS => boxed(FastPainter::new(Classic8, rules, table, choice)),
-        Lean18::WIDTHS => boxed(FastPainter::new(Lean18, rules, table, choice)),
-        Standard24::WIDTHS => boxed(FastPainter::new(Standard24, rules, table, choice)),
-        _ => None,
-    }
+    let painter = WordPainter::new(design, rules, choice, counts)?;
+    Some(Box::new(painter))
 }
 
-fn boxed<'a, D: Design<Lane = i32> + Sync + 'a>(
-    painter: Option<FastPainter<'a, D>>,
-) -> Option<Box<dyn TilePainter + 'a>> {
-    painter.map(|painter| Box::new(painter) as Box<dyn TilePainter>)
+/// The kernel's own painter.
+struct ScalarPainter<D> {
+    design: D,
+    rules: Rules,
+    table: TableMemory,
+    order: Compositing,
+    traversal: Traversal,
 }
 
-impl<'a, D: Design<Lane = i32>> FastPainter<'a, D> {
-    /// A painter for widths and rules that vectors can do.
-    pub fn new(
-        design: D,
-        rules: &Rules,
-        table: FootprintTable<'a>,
-        choice: Choice,
-    ) -> Option<Self> {
-        let intervals = Intervals::new(&table);
-        let known = matches!(
-            (rules.stop_before, rules.table_range),
-            (true, 4) | (false, 2)
-        );
-        let fits = known && supports(&design.widths(), rules, &intervals);
-        fits.then(|| FastPainter {
-            design,
-            rules: *rules,
-            intervals,
-            scalar: Painter::new(
-                design,
-                rules,
-                table,
-                Compositing::FrontToBack,
-                Traversal::Spans,
-            ),
-            choice,
-        })
-    }
-}
-
-impl<D: Design<Lane = i32> + Sync> TilePainter for FastPainter<'_, D> {
+impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
     fn paint(
         &self,
-        scratch: &mut Scratch,
+        _: &mut Scratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
-        rows: &mut [&mut [Pixel]],
+        pixels: &mut [Pixel],
     ) -> Coverage {
-        let tile = scratch.words.get_or_insert_with(Tile::new);
-        tile.open(window, Pixel::clear(&self.design.widths()));
-        let painting = Painting {
-            painter: self,
-            tile,
-            footprints,
-            list,
-        };
-        let coverage = dispatch(self.choice, painting);
-        for (y, row) in rows.iter_mut().enumerate() {
-            tile.copy_row(y, row);
-        }
-        coverage
-    }
-}
-
-/// A tile to be painted, by whatever vectors.
-struct Painting<'p, 'a, D> {
-    painter: &'p FastPainter<'a, D>,
-    tile: &'p mut Tile,
-    footprints: &'p Results,
-    list: &'p [u32],
-}
-
-impl<D: Design<Lane = i32>> Job for Painting<'_, '_, D> {
-    type Output = Coverage;
-
-    #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) -> Coverage {
-        if self.painter.rules.stop_before {
-            self.paint::<L, true, 4>(lanes)
-        } else {
-            self.paint::<L, false, 2>(lanes)
-        }
-    }
-}
-
-impl<D: Design<Lane = i32>> Painting<'_, '_, D> {
-    #[inline(always)]
-    fn paint<L: Lanes, const STOP_BEFORE: bool, const RANGE: u32>(self, lanes: L) -> Coverage {
-        let Painting {
-            painter,
-            tile,
-            footprints,
-            list,
-        } = self;
-        let widths = painter.design.widths();
-        let path = PixelPath::<L, STOP_BEFORE, RANGE>::new(
-            lanes,
-            widths,
-            &painter.rules,
-            &painter.intervals,
-        );
-        let mut counts = Counts::new(lanes);
-        let mut batch = RowBatch::new();
+        let (table, order) = (self.table.table(), self.order);
+        let painter = Painter::new(self.design, &self.rules, table, order, self.traversal);
+        pixels.fill(Pixel::clear(&self.design.widths()));
         let mut coverage = Coverage::default();
-        let window = tile.window();
+        let columns = usize::from(window.last[0] - window.first[0]);
+        let Ok(mut target) = Target::new(pixels, window, columns) else {
+            return coverage;
+        };
         for part in list.chunks(CHECK_INTERVAL) {
-            for (number, index) in part.iter().enumerate() {
-                if let Some(next) = part.get(number + AHEAD) {
-                    prefetch(&footprints[*next as usize]);
-                }
-                let Ok(footprint) = &footprints[*index as usize] else {
-                    continue;
-                };
-                let rows = SpanRows::new(painter.design, footprint, &window)
-                    .constants()
-                    .widened();
-                let brush = path.brush(footprint, rows.second as i32);
-                let fits = batch.fill(lanes, &rows, window.first[0]);
-                let (Some(brush), true) = (brush, fits) else {
-                    coverage += paint_scalar(&painter.scalar, footprint, tile);
-                    continue;
-                };
-                for row in 0..batch.rows() {
-                    for block in batch.touched() {
-                        if let Some(run) = batch.run(&rows, row, block) {
-                            let x = run.x - window.first[0];
-                            path.paint(&brush, &run, x, tile.row(run.y), &mut counts);
-                        }
-                    }
-                }
+            for footprint in part.iter().flat_map(|index| &footprints[*index as usize]) {
+                coverage += painter.draw(footprint, &mut target);
             }
-            if tile.is_finished() {
+            if target.is_finished() {
                 break;
             }
         }
-        coverage += counts.coverage(lanes);
         coverage
     }
-}
-
-/// The scalar painter on the tile's pixels.
-#[cold]
-#[inline(never)]
-fn paint_scalar<D: Design>(
-    painter: &Painter<D>,
-    footprint: &Footprint,
-    tile: &mut Tile,
-) -> Coverage {
-    let mut pixels = tile.to_pixels();
-    let window = tile.window();
-    let stride = usize::from(window.last[0] - window.first[0]);
-    let Ok(mut target) = Target::new(&mut pixels, window, stride) else {
-        return Coverage::default();
-    };
-    let coverage = painter.draw(footprint, &mut target);
-    tile.set_pixels(&pixels);
-    coverage
 }

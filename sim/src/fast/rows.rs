@@ -11,7 +11,7 @@ use super::recurrence::is_zero;
 use super::setup::number::Arithmetic;
 use super::tile::TILE;
 use core::ops::Range;
-use splatline::raster::{BLOCK, RowConstants, Run, VERTICAL_FRACTION};
+use splatline::raster::{BLOCK, RowConstants, VERTICAL_FRACTION};
 
 /// Most rows of a footprint in a tile.
 const ROWS: usize = TILE[1] as usize;
@@ -115,18 +115,25 @@ impl Spans {
 
     /// The run of row number `row`, if it has pixels in the block.
     #[inline(always)]
-    pub fn run(&self, constants: &RowConstants<i64>, row: usize) -> Option<Run<i32>> {
+    pub fn run(&self, row: usize) -> Option<RunWords> {
         let row = row % ROWS;
-        let (x, end) = (self.x[row], self.end[row]);
-        (x < end).then(|| Run {
-            y: constants.rows[0] + row as u16,
-            x: x as u16,
-            length: (end - x) as u16,
-            radial: self.radial[row] as i32,
-            first: self.first[row] as i32,
-            second: constants.second as i32,
-        })
+        let run = RunWords {
+            x: self.x[row],
+            end: self.end[row],
+            radial: self.radial[row],
+            first: self.first[row],
+        };
+        (run.x < run.end).then_some(run)
     }
+}
+
+/// A run as vectors leave it: first column and one past the last, radial index and first difference not cut to the lanes' word yet.
+#[derive(Clone, Copy, Debug)]
+pub struct RunWords {
+    pub x: i64,
+    pub end: i64,
+    pub radial: i64,
+    pub first: i64,
 }
 
 /// All rows of one footprint in a tile: memory that is used again for every footprint.
@@ -179,8 +186,8 @@ impl RowBatch {
 
     /// The run in one row and block, if it has pixels.
     #[inline(always)]
-    pub fn run(&self, constants: &RowConstants<i64>, row: usize, block: usize) -> Option<Run<i32>> {
-        self.blocks[block].run(constants, row)
+    pub fn run(&self, row: usize, block: usize) -> Option<RunWords> {
+        self.blocks[block].run(row)
     }
 }
 

@@ -16,7 +16,6 @@ use splatline::format::Widths;
 use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::rules as kernel;
-use splatline::setup::Cull;
 use splatline::target::Target;
 
 /// Rows of a band: a tile as wide as the screen, for compositing that keeps much memory per pixel.
@@ -31,12 +30,6 @@ pub(super) trait Placed: Sync {
 impl Placed for Footprint {
     fn footprint(&self) -> Option<&Footprint> {
         Some(self)
-    }
-}
-
-impl Placed for Result<Footprint, Cull> {
-    fn footprint(&self) -> Option<&Footprint> {
-        self.as_ref().ok()
     }
 }
 
@@ -61,7 +54,7 @@ impl TileLists {
             .enumerate()
             .map(|(number, chunk)| keys_of((number * part, chunk)))
             .collect();
-        let mut lists = tile_lists(&grid, &parts);
+        let mut lists = tile_lists(&grid, parts);
         if compositing == Compositing::BackToFront {
             lists.iter_mut().for_each(|list| list.reverse());
         }
@@ -218,12 +211,31 @@ pub(super) fn to_picture(
     widths: &Widths,
     colour_log2: i32,
 ) -> Picture {
-    let colour_unit = f64::from(i32::from(widths.accumulator) - colour_log2).exp2();
-    let opaque = f64::from(widths.transmittance).exp2();
+    let convert = converter(widths, colour_log2);
     let mut picture = Picture::new(camera.width, camera.height);
-    for (out, pixel) in picture.pixels.iter_mut().zip(pixels) {
-        let [r, g, b] = pixel.colour.map(|c| f64::from(c) / colour_unit);
-        *out = [r, g, b, 1.0 - f64::from(pixel.clear_share()) / opaque];
-    }
+    let chunks = picture.pixels.par_chunks_mut(CONVERTED);
+    chunks
+        .zip(pixels.par_chunks(CONVERTED))
+        .for_each(|(out, pixels)| {
+            out.iter_mut()
+                .zip(pixels)
+                .for_each(|(out, pixel)| *out = convert(pixel));
+        });
     picture
+}
+
+/// Pixels converted by one task.
+const CONVERTED: usize = 16384;
+
+/// Gives a pixel's colour and 1 - T in units of 1.0. The units are powers of two, so that products with their inverses are exact.
+pub(crate) fn converter(
+    widths: &Widths,
+    colour_log2: i32,
+) -> impl Fn(&Pixel) -> [f64; 4] + Send + Sync + use<> {
+    let colour_unit = f64::from(colour_log2 - i32::from(widths.accumulator)).exp2();
+    let opaque = f64::from(-i32::from(widths.transmittance)).exp2();
+    move |pixel| {
+        let [r, g, b] = pixel.colour.map(|c| f64::from(c) * colour_unit);
+        [r, g, b, 1.0 - f64::from(pixel.clear_share()) * opaque]
+    }
 }

@@ -13,11 +13,12 @@ pub mod sheets;
 mod sphere;
 pub mod surface;
 
-pub(crate) use frame::{table, table_entries};
+pub(crate) use frame::{converter, table, table_entries};
 pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
-    Drawing, Engine, Options, Times, conics, culls, draw, draw_quantised, draw_with_footprints,
-    footprints, variances,
+    Drawing, Engine, Options, Times, best_engine, conics, culls, draw, draw_quantised,
+    draw_with_footprints, footprints, variances,
 };
+pub(crate) use render::{painter, set_up_part};
 pub use sphere::draw_spheres;

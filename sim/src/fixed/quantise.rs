@@ -8,7 +8,8 @@
 use crate::camera::Camera;
 use crate::metrics::median;
 use crate::rules::{Compositing, Kernel, Rules};
-use crate::scene::Scene;
+use crate::scene::{Scene, Splat};
+use rayon::prelude::*;
 use splatline::float;
 pub(super) use splatline::float::exp2;
 pub use splatline::float::scaled;
@@ -46,36 +47,47 @@ impl QuantisedScene {
 
     fn scaled_by(scene: &Scene, camera: &Camera, rules: &Rules, scale_log2: i32) -> Self {
         let weight_log2 = if rules.normalised { 2 * scale_log2 } else { 0 };
-        let (colours, weights) = (scene.colours(camera), scene.weights_for(rules));
+        let (colours, weights) = (colours(scene, camera), scene.weights_for(rules));
         let colour_log2 = colour_log2(&colours);
         let unit = exp2(-colour_log2);
-        let mut clamped = 0;
-        let splats = scene
+        let seen = scene
             .splats
-            .iter()
-            .zip(colours.iter().zip(&weights))
-            .map(|(splat, (colour, weight))| {
-                let finite = splat
-                    .centre
-                    .iter()
-                    .chain(colour)
-                    .all(|value| value.is_finite());
-                clamped += usize::from(!finite);
-                VolumeSplat {
-                    centre: position(splat.centre, scale_log2),
-                    axes: splat.axes.map(|axis| self::axis(axis, scale_log2)),
-                    weight: scaled(*weight).scaled_by(weight_log2),
-                    colour: colour.map(|value| float::colour(finite_or_zero(value) * unit)),
-                }
-            })
-            .collect();
+            .par_iter()
+            .zip(colours.par_iter().zip(&weights));
+        let quantised = seen.clone().map(|(splat, (colour, weight))| VolumeSplat {
+            centre: position(splat.centre, scale_log2),
+            axes: splat.axes.map(|axis| self::axis(axis, scale_log2)),
+            weight: scaled(*weight).scaled_by(weight_log2),
+            colour: colour.map(|value| float::colour(finite_or_zero(value) * unit)),
+        });
+        let beyond = |splat: &Splat, colour: &[f64; 3]| {
+            let mut values = splat.centre.iter().chain(colour);
+            !values.all(|value| value.is_finite())
+        };
         QuantisedScene {
             view: view(camera, scale_log2),
-            splats,
+            splats: quantised.collect(),
             scale_log2,
             colour_log2,
-            clamped,
+            clamped: seen
+                .filter(|(splat, (colour, _))| beyond(splat, colour))
+                .count(),
         }
+    }
+
+    /// The same scene seen by another camera: only the view, and colours where they depend on it.
+    pub fn set_camera(&mut self, scene: &Scene, camera: &Camera) {
+        self.view = view(camera, self.scale_log2);
+        if scene.harmonics.is_none() {
+            return;
+        }
+        let colours = colours(scene, camera);
+        self.colour_log2 = colour_log2(&colours);
+        let unit = exp2(-self.colour_log2);
+        let splats = self.splats.par_iter_mut();
+        splats.zip(&colours).for_each(|(splat, colour)| {
+            splat.colour = colour.map(|value| float::colour(finite_or_zero(value) * unit));
+        });
     }
 
     /// The kernel's statement of the rules, lengths in the kernel's scene units.
@@ -86,6 +98,12 @@ impl QuantisedScene {
             ..stated
         }
     }
+}
+
+/// All splats' colours, on all cores.
+fn colours(scene: &Scene, camera: &Camera) -> Vec<[f64; 3]> {
+    let indices = (0..scene.splats.len()).into_par_iter();
+    indices.map(|index| scene.colour(index, camera)).collect()
 }
 
 /// The least power of two, at least 1, by which all colours come below the format's 16.

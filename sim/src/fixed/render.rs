@@ -1,25 +1,27 @@
 //! Drawing a quantised scene: setup of every splat, depth order, tiles on all cores.
 
-use super::frame::{TileLists, paint_frame, paint_tiles, table, table_entries, to_picture, total};
+use super::frame::to_picture;
 use super::quantise::{QuantisedScene, kernel_compositing};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
+pub use crate::fast::frame::Times;
+use crate::fast::frame::{FrameMemory, FramePlan};
 use crate::fast::lanes::{Choice, has_vectors};
-use crate::fast::setup as fast;
-use crate::fast::{Scratch, tile_painter};
+use crate::fast::setup::{self as fast, Outcome};
+use crate::fast::{TilePainter, tile_painter};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::{Coverage, Painter};
+use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal, Widths};
 use splatline::rules as kernel;
 use splatline::setup::{Cull, Variance, columns, conic, distance, project, scan, setup, variance};
 use splatline::splat::VolumeSplat;
-use std::time::Instant;
+use splatline::view::View;
 
 /// Which implementation paints. All give the same pixels and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +33,7 @@ pub enum Engine {
 }
 
 /// What draws unless something else is asked for.
-fn best_engine() -> Engine {
+pub fn best_engine() -> Engine {
     if has_vectors() {
         Engine::Vectors(Choice::Best)
     } else {
@@ -50,17 +52,6 @@ pub struct Options<'a> {
     pub design: &'a DesignChoice,
     /// Order of the pixels.
     pub traversal: Traversal,
-}
-
-/// Wall-clock seconds of each part.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Times {
-    /// Quantised splats to footprints.
-    pub setup: f64,
-    /// Depth order and tile lists.
-    pub sort: f64,
-    /// Footprints to pixels.
-    pub raster: f64,
 }
 
 /// What a drawing gives.
@@ -164,6 +155,24 @@ fn kernel_variances(
     quantised.splats.iter().map(variance_of).collect()
 }
 
+/// Setup of some splats into as many places.
+pub(crate) fn set_up_part<D: Design>(
+    design: D,
+    view: &View,
+    rules: &kernel::Rules,
+    engine: Engine,
+    (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
+) {
+    match engine {
+        Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
+        Engine::Scalar => {
+            for (splat, outcome) in splats.iter().zip(outcomes) {
+                *outcome = setup(design, view, rules, splat);
+            }
+        }
+    }
+}
+
 /// Splats set up by one task.
 const BATCH: usize = 1024;
 
@@ -172,23 +181,16 @@ fn set_up<D: Design + Send + Sync>(
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
     engine: Engine,
-) -> Vec<Result<Footprint, Cull>> {
+) -> Vec<Outcome> {
     let QuantisedScene { view, splats, .. } = quantised;
-    if let Engine::Vectors(choice) = engine {
-        // Filled in parallel: most of its time is the first touch of its memory.
-        let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
-        outcomes
-            .par_chunks_mut(BATCH)
-            .zip(splats.par_chunks(BATCH))
-            .for_each(|(outcomes, splats)| {
-                fast::set_up(design, view, rules, splats, outcomes, choice);
-            });
-        return outcomes;
-    }
-    splats
-        .par_iter()
-        .map(|splat| setup(design, view, rules, splat))
-        .collect()
+    let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
+    outcomes
+        .par_chunks_mut(BATCH)
+        .zip(splats.par_chunks(BATCH))
+        .for_each(|(outcomes, splats)| {
+            set_up_part(design, view, rules, engine, (splats, outcomes));
+        });
+    outcomes
 }
 
 /// Draws `scene` as `camera` sees it.
@@ -216,7 +218,7 @@ pub fn draw_quantised(
     struct Job<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, Engine);
     impl DesignJob for Job<'_> {
         type Output = (Drawing, Vec<Result<Footprint, Cull>>);
-        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+        fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
             draw_with(design, self.0, self.1, self.2, self.3)
         }
     }
@@ -225,38 +227,56 @@ pub fn draw_quantised(
         .dispatch(Job(quantised, camera, options, engine))
 }
 
-fn draw_with<D: Design + Send + Sync>(
+fn draw_with<D: Design + Send + Sync + 'static>(
     design: D,
     quantised: &QuantisedScene,
     camera: &Camera,
     options: &Options,
     engine: Engine,
-) -> (Drawing, Vec<Result<Footprint, Cull>>) {
+) -> (Drawing, Vec<Outcome>) {
+    let QuantisedScene { view, splats, .. } = quantised;
     let rules = quantised.rules(options.rules);
-    let started = Instant::now();
-    let results = set_up(design, quantised, &rules, engine);
-    let set_up_at = started.elapsed().as_secs_f64();
-    let tiles = TileLists::by_depth(&results, options.compositing, quantised.view.viewport);
-    let sorted_at = started.elapsed().as_secs_f64();
-    let (pixels, coverage) = raster(design, &rules, &results, &tiles, options, engine);
-    let times = Times {
-        setup: set_up_at,
-        sort: sorted_at - set_up_at,
-        raster: started.elapsed().as_secs_f64() - sorted_at,
+    let painter = painter(design, &rules, options, engine, true);
+    let plan = FramePlan {
+        viewport: view.viewport,
+        back_to_front: options.compositing == Compositing::BackToFront,
+        set_up: &|splats, outcomes| set_up_part(design, view, &rules, engine, (splats, outcomes)),
+        painter: &*painter,
+        progress: &|_, _| true,
     };
-    let picture = to_picture(&pixels, camera, &design.widths(), quantised.colour_log2);
-    let (splats, clamped) = (quantised.splats.len(), quantised.clamped);
+    let mut memory = FrameMemory::default();
+    let Ok(facts) = memory.draw(splats, &plan) else {
+        unreachable!("nobody cancels")
+    };
+    let mut pixels = vec![Pixel::default(); camera.width * camera.height];
+    memory.copy(&mut pixels, |pixel| *pixel);
     let drawing = Drawing {
-        picture,
+        picture: to_picture(&pixels, camera, &design.widths(), quantised.colour_log2),
         pixels,
-        splats,
-        culled: culls(&results),
-        clamped,
+        splats: splats.len(),
+        culled: facts.culled,
+        clamped: quantised.clamped,
         colour_log2: quantised.colour_log2,
-        coverage,
-        times,
+        coverage: facts.coverage,
+        times: facts.times,
     };
-    (drawing, results)
+    (drawing, memory.into_outcomes())
+}
+
+/// What paints tiles under these options.
+pub(crate) fn painter<D: Design + Send + Sync + 'static>(
+    design: D,
+    rules: &kernel::Rules,
+    options: &Options,
+    engine: Engine,
+    counts: bool,
+) -> Box<dyn TilePainter> {
+    let order = kernel_compositing(options.compositing);
+    let choice = match engine {
+        Engine::Scalar => None,
+        Engine::Vectors(choice) => Some(choice),
+    };
+    tile_painter(design, rules, order, options.traversal, choice, counts)
 }
 
 /// How many results were culled, by reason, in the order of [`Cull::ALL`].
@@ -266,46 +286,4 @@ pub fn culls<T>(results: &[Result<T, Cull>]) -> [usize; Cull::ALL.len()] {
         culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1;
     }
     culled
-}
-
-fn raster<D: Design + Send + Sync>(
-    design: D,
-    rules: &kernel::Rules,
-    results: &[Result<Footprint, Cull>],
-    tiles: &TileLists,
-    options: &Options,
-    engine: Engine,
-) -> (Vec<Pixel>, Coverage) {
-    let widths = design.widths();
-    let memory = table_entries(&widths, rules);
-    let table = table(&memory, &widths, rules);
-    let footprint = |index: u32| results[index as usize].as_ref().ok();
-    let spans_in_order =
-        options.compositing == Compositing::FrontToBack && options.traversal == Traversal::Spans;
-    if let Engine::Vectors(choice) = engine
-        && spans_in_order
-        && let Some(painter) = tile_painter(design, rules, table, choice)
-    {
-        let (pixels, parts) = paint_frame(
-            Pixel::clear(&widths),
-            tiles,
-            Scratch::default,
-            |scratch, window, list, rows| painter.paint(scratch, window, results, list, rows),
-        );
-        return (pixels, total(parts));
-    }
-    let compositing = kernel_compositing(options.compositing);
-    let painter = Painter::new(design, rules, table, compositing, options.traversal);
-    paint_tiles(&widths, tiles, |list, target| {
-        let mut coverage = Coverage::default();
-        for part in list.chunks(CHECK_INTERVAL) {
-            for footprint in part.iter().filter_map(|index| footprint(*index)) {
-                coverage += painter.draw(footprint, target);
-            }
-            if target.is_finished() {
-                break;
-            }
-        }
-        coverage
-    })
 }

@@ -8,9 +8,10 @@
 
 use super::frame::{TileLists, paint_apart, table, table_entries, to_picture, total};
 use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
-use super::render::culls;
+use super::render::{Engine, best_engine};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
+use crate::fast::setup::{SurfaceOutcome, set_up_surface};
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
 use crate::surface::{Buffer, Style};
@@ -58,9 +59,13 @@ impl QuantisedPoints {
         let beyond = |p: &&SurfacePoint| p.centre.iter().any(|c| !c.is_finite());
         QuantisedPoints {
             view: view(camera, scale_log2),
-            splats: scene.points.iter().map(|p| splat(p, scale_log2)).collect(),
+            splats: scene
+                .points
+                .par_iter()
+                .map(|p| splat(p, scale_log2))
+                .collect(),
             scale_log2,
-            clamped: scene.points.iter().filter(beyond).count(),
+            clamped: scene.points.par_iter().filter(beyond).count(),
         }
     }
 }
@@ -118,6 +123,78 @@ pub fn footprints(
     design.dispatch(Job(points, kernel_rules(style)))
 }
 
+/// Points set up by one task: their footprints fit the second-level cache.
+const BATCH: usize = 1024;
+
+/// What setup makes of some points.
+#[derive(Default)]
+struct SetUp {
+    drawn: Vec<SurfaceFootprint>,
+    culled: [usize; Cull::ALL.len()],
+    backfaces: usize,
+}
+
+impl SetUp {
+    fn of(outcomes: &[SurfaceOutcome], cull_backfaces: bool) -> Self {
+        let mut all = SetUp::default();
+        all.drawn.reserve_exact(outcomes.len());
+        for outcome in outcomes {
+            match outcome {
+                Ok(footprint) if cull_backfaces && footprint.back => all.backfaces += 1,
+                Ok(footprint) => all.drawn.push(*footprint),
+                Err(reason) => {
+                    let place = Cull::ALL.iter().position(|r| r == reason);
+                    all.culled[place.unwrap_or(0)] += 1;
+                }
+            }
+        }
+        all
+    }
+
+    fn join(parts: &[SetUp]) -> Self {
+        let mut all = SetUp::default();
+        all.drawn
+            .reserve_exact(parts.iter().map(|part| part.drawn.len()).sum());
+        for part in parts {
+            all.drawn.extend_from_slice(&part.drawn);
+            all.backfaces += part.backfaces;
+            let culled = all.culled.iter_mut().zip(part.culled);
+            culled.for_each(|(sum, part)| *sum += part);
+        }
+        all
+    }
+}
+
+/// Setup of all points, batch by batch, so that the many that are not drawn leave nothing in memory.
+fn set_up(points: &QuantisedPoints, style: &Style, design: &DesignChoice, engine: Engine) -> SetUp {
+    struct Job<'a>(&'a QuantisedPoints, kernel::Rules, bool, Engine);
+    impl DesignJob for Job<'_> {
+        type Output = SetUp;
+        fn run<D: Design + Send + Sync>(self, design: D) -> SetUp {
+            let Job(QuantisedPoints { view, splats, .. }, rules, cull_backfaces, engine) = self;
+            let batch = |splats: &[SurfaceSplat]| {
+                let mut outcomes = [const { Err(Cull::Near) }; BATCH];
+                let outcomes = &mut outcomes[..splats.len()];
+                match engine {
+                    Engine::Vectors(choice) => {
+                        set_up_surface(design, view, &rules, splats, outcomes, choice);
+                    }
+                    Engine::Scalar => {
+                        for (splat, outcome) in splats.iter().zip(&mut *outcomes) {
+                            *outcome = setup_surface(design, view, &rules, splat);
+                        }
+                    }
+                }
+                SetUp::of(outcomes, cull_backfaces)
+            };
+            let parts: Vec<SetUp> = splats.par_chunks(BATCH).map(batch).collect();
+            SetUp::join(&parts)
+        }
+    }
+    let cull_backfaces = style.cull_backfaces;
+    design.dispatch(Job(points, kernel_rules(style), cull_backfaces, engine))
+}
+
 /// The rules of surfaces with the style's filter and cut-off.
 pub fn kernel_rules(style: &Style) -> kernel::Rules {
     let cutoff = (style.cutoff * exp2(28))
@@ -139,14 +216,48 @@ pub fn draw(
     design: &DesignChoice,
     traversal: Traversal,
 ) -> SurfaceDrawing {
-    let started = Instant::now();
     let points = QuantisedPoints::new(scene, camera);
-    let results = footprints(&points, style, design);
-    let culled = culls(&results);
-    let mut drawn: Vec<SurfaceFootprint> = results.into_iter().flatten().collect();
-    let visible = drawn.len();
-    drawn.retain(|footprint| !(style.cull_backfaces && footprint.back));
-    let backfaces = visible - drawn.len();
+    let options = SurfaceOptions {
+        style,
+        design,
+        traversal,
+        engine: best_engine(),
+    };
+    draw_quantised(&points, scene, camera, &options)
+}
+
+/// How a surface is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceOptions<'a> {
+    /// Filter, buffer and light.
+    pub style: &'a Style,
+    /// Widths.
+    pub design: &'a DesignChoice,
+    /// Order of the pixels.
+    pub traversal: Traversal,
+    /// Which implementation sets up; all give the same bits.
+    pub engine: Engine,
+}
+
+/// Draws points of `scene` that have been quantised for `camera`.
+pub fn draw_quantised(
+    points: &QuantisedPoints,
+    scene: &SurfaceScene,
+    camera: &Camera,
+    options: &SurfaceOptions,
+) -> SurfaceDrawing {
+    let SurfaceOptions {
+        style,
+        design,
+        traversal,
+        engine,
+    } = *options;
+    let started = Instant::now();
+    let SetUp {
+        drawn,
+        culled,
+        backfaces,
+    } = set_up(points, style, design, engine);
     let setup_time = started.elapsed().as_secs_f64();
     let frame = Frame {
         view: &points.view,

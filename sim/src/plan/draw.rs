@@ -2,15 +2,19 @@
 
 use super::{Engine, Entry, Prepared, Splats, Subject};
 use crate::camera::Camera;
+use crate::fast::lanes::Choice;
 use crate::fixed;
+use crate::fixed::surface::{QuantisedPoints, SurfaceOptions};
 use crate::hybrid::Hybrid;
 use crate::machine::workload::{Workload, extract_from, extract_if_room, room_for};
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
 use crate::reference::compositor::Progress as Rows;
 use crate::reference::{self, Culled, PixelBox, exact, float};
+use crate::renderer::{Drawn, Renderer, Settings};
 use crate::report::facts::{Counts, SceneFacts};
 use crate::report::{HostTimes, Pixels};
+use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::surface::Style;
 use anyhow::{Context, Error, Result, bail};
@@ -70,15 +74,32 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 impl Prepared {
     /// Draws through the kernel.
     pub fn draw_fixed(&self, entry: &Entry) -> Result<Drawing> {
-        match self.subject()? {
+        let mut kernel = self.kernel(entry, None)?;
+        let mut drawing = kernel.draw(&|_, _| ())?;
+        kernel.finish(&mut drawing);
+        Ok(drawing)
+    }
+
+    /// What draws through the kernel again and again: the scene in its formats.
+    pub fn kernel<'a>(&'a self, entry: &'a Entry, vectors: Option<Choice>) -> Result<Kernel<'a>> {
+        let engine = vectors.map_or(fixed::best_engine(), fixed::Engine::Vectors);
+        Ok(match self.subject()? {
             Subject::Splats(splats) => match splats.hybrid {
-                Some(hybrid) => draw_hybrid(splats, entry, hybrid),
-                None => Ok(draw_splats(splats, entry)),
+                Some(hybrid) => Kernel::Hybrid(splats, entry, hybrid),
+                None => Kernel::splats(splats, entry, engine),
             },
-            Subject::Surface(scene, style) => {
-                Ok(draw_surface(scene, &self.plan.camera, style, entry))
-            }
-        }
+            Subject::Surface(scene, style) => Kernel::Surface(SurfaceKernel {
+                points: QuantisedPoints::new(scene, &self.plan.camera),
+                scene,
+                camera: &self.plan.camera,
+                options: SurfaceOptions {
+                    style,
+                    design: &entry.design,
+                    traversal: entry.traversal,
+                    engine,
+                },
+            }),
+        })
     }
 
     /// Draws by one of the double-precision engines.
@@ -255,13 +276,78 @@ fn draw_hybrid_reference(
     Ok(reference::hybrid::draw(scene, camera, rules, &hybrid))
 }
 
-fn draw_splats(splats: Splats, entry: &Entry) -> Drawing {
-    let options = splats.options(entry);
-    let (drawing, footprints) = fixed::draw_with_footprints(splats.scene, splats.camera, &options);
-    Drawing {
-        footprints,
-        ..described(drawing)
+/// A scene in the kernel's formats, to be drawn again and again.
+pub enum Kernel<'a> {
+    /// Splats, into a picture that is used again.
+    Splats(Box<Renderer<&'a Scene>>, Picture),
+    /// Points and splats.
+    Hybrid(Splats<'a>, &'a Entry, &'a Hybrid),
+    /// Points of a surface.
+    Surface(SurfaceKernel<'a>),
+}
+
+/// Points of a surface in the kernel's formats.
+pub struct SurfaceKernel<'a> {
+    points: QuantisedPoints,
+    scene: &'a SurfaceScene,
+    camera: &'a Camera,
+    options: SurfaceOptions<'a>,
+}
+
+impl<'a> Kernel<'a> {
+    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::Engine) -> Self {
+        let settings = Settings {
+            rules: *splats.rules,
+            compositing: splats.compositing,
+            design: entry.design.clone(),
+            traversal: entry.traversal,
+            engine,
+            counts: true,
+        };
+        let renderer = Renderer::new(splats.scene, splats.camera, settings);
+        Kernel::Splats(Box::new(renderer), Picture::new(0, 0))
     }
+
+    /// Draws once. The drawing lacks its picture and footprints until it is [finished](Kernel::finish).
+    pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
+        match self {
+            Kernel::Splats(renderer, picture) => draw_splats(renderer, picture, progress),
+            Kernel::Hybrid(splats, entry, hybrid) => draw_hybrid(*splats, entry, hybrid),
+            Kernel::Surface(surface) => Ok(draw_surface(surface)),
+        }
+    }
+
+    /// Gives the last drawing what was kept for the next one.
+    pub fn finish(self, drawing: &mut Drawing) {
+        if let Kernel::Splats(renderer, picture) = self {
+            drawing.picture = picture;
+            drawing.footprints = renderer.into_outcomes();
+        }
+    }
+}
+
+fn draw_splats(
+    renderer: &mut Renderer<&Scene>,
+    picture: &mut Picture,
+    progress: Rows,
+) -> Result<Drawing> {
+    let going_on = |done, of| {
+        progress(done, of);
+        true
+    };
+    let Drawn { facts, convert } = renderer.draw_picture(picture, &going_on)?;
+    let quantised = renderer.quantised();
+    Ok(Drawing {
+        culled: cull_counts(facts.culled),
+        clamped: quantised.clamped as u64,
+        colour_log2: quantised.colour_log2,
+        pixels: Some(pixels(facts.coverage)),
+        stages: HostTimes {
+            convert_s: convert,
+            ..stages(facts.times)
+        },
+        ..plain(Picture::new(0, 0))
+    })
 }
 
 fn draw_hybrid(splats: Splats, entry: &Entry, hybrid: &Hybrid) -> Result<Drawing> {
@@ -273,8 +359,15 @@ fn draw_hybrid(splats: Splats, entry: &Entry, hybrid: &Hybrid) -> Result<Drawing
     Ok(described(drawn.map_err(Error::msg)?.drawing))
 }
 
-fn draw_surface(scene: &SurfaceScene, camera: &Camera, style: &Style, entry: &Entry) -> Drawing {
-    let drawing = fixed::surface::draw(scene, camera, style, &entry.design, entry.traversal);
+fn draw_surface(surface: &SurfaceKernel) -> Drawing {
+    let SurfaceKernel {
+        points,
+        scene,
+        camera,
+        options,
+    } = surface;
+    let drawing = fixed::surface::draw_quantised(points, scene, camera, options);
+    let style = options.style;
     let [setup_s, raster_s] = drawing.times;
     let culled = cull_counts(drawing.culled);
     Drawing {
@@ -293,23 +386,22 @@ fn draw_surface(scene: &SurfaceScene, camera: &Camera, style: &Style, entry: &En
 
 /// The kernel's drawing in these terms.
 fn described(drawing: fixed::Drawing) -> Drawing {
-    let fixed::Times {
-        setup: setup_s,
-        sort: sort_s,
-        raster: raster_s,
-    } = drawing.times;
     Drawing {
         culled: cull_counts(drawing.culled),
         clamped: drawing.clamped as u64,
         colour_log2: drawing.colour_log2,
         pixels: Some(pixels(drawing.coverage)),
-        stages: HostTimes {
-            setup_s,
-            sort_s,
-            raster_s,
-            ..HostTimes::default()
-        },
+        stages: stages(drawing.times),
         ..plain(drawing.picture)
+    }
+}
+
+fn stages(times: fixed::Times) -> HostTimes {
+    HostTimes {
+        setup_s: times.setup,
+        sort_s: times.sort,
+        raster_s: times.raster,
+        ..HostTimes::default()
     }
 }
 

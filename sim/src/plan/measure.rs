@@ -5,6 +5,7 @@ use super::record::{report_of_drawing, report_of_entry};
 use super::{Drawing, Engine, Entry, Prepared};
 use crate::atomic;
 use crate::design::DesignChoice;
+use crate::fast::lanes::Choice;
 use crate::machine::Timing;
 use crate::metrics::{Errors, compare};
 use crate::picture::{Backdrop, Depth, Picture};
@@ -24,6 +25,8 @@ pub struct Effort {
     pub threads: usize,
     /// How often each is drawn; the times are medians.
     pub repeat: usize,
+    /// Vectors of the engine `fixed`; the processor's best if none are named.
+    pub vectors: Option<Choice>,
 }
 
 impl Effort {
@@ -33,6 +36,7 @@ impl Effort {
         Effort {
             threads: threads.unwrap_or_else(all),
             repeat,
+            vectors: None,
         }
     }
 }
@@ -102,13 +106,27 @@ pub fn draw_alone(
     Ok((measured, report))
 }
 
+/// The scene is brought into the kernel's formats once, before the first picture.
 fn measure_fixed(
     prepared: &Prepared,
     effort: &Effort,
     entry: &Entry,
     progress: &Progress,
 ) -> Result<Measured> {
-    measure(effort, progress, || prepared.draw_fixed(entry))
+    let started = Instant::now();
+    let prepare = || prepared.kernel(entry, effort.vectors);
+    let mut kernel = on_threads(effort.threads, prepare)??;
+    let prepare_s = started.elapsed().as_secs_f64();
+    let mut measured = measure(effort, progress, || {
+        kernel.draw(&|done, of| {
+            if effort.repeat == 1 {
+                progress.part(done, of);
+            }
+        })
+    })?;
+    kernel.finish(&mut measured.drawing);
+    measured.host.prepare_s = prepare_s;
+    Ok(measured)
 }
 
 fn measure_reference(

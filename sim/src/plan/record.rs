@@ -129,7 +129,7 @@ pub fn report_of_drawing(
         cycles: None,
         pixels: measured.drawing.pixels,
         host: HostTimes {
-            prepare_s: prepared.prepare_s,
+            prepare_s: prepared.prepare_s + measured.host.prepare_s,
             ..measured.host
         },
         table: Vec::new(),

@@ -4,6 +4,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::{DesignChoice, NAMES};
 use splatline_sim::fast::lanes::Choice;
 use splatline_sim::fixed::{Engine, Options, QuantisedScene, draw_quantised};
+use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{self, LoadOptions, Scene, synthetic};
 use std::path::Path;
@@ -37,6 +38,8 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
                     .position(|(a, b)| a != b);
                 assert_eq!(differ, None, "{what}: first pixel that differs");
                 assert_eq!(fast.coverage, scalar.coverage, "{what}");
+                let uncounted = uncounted(scene, camera, &rules, &design, choice);
+                assert!(uncounted == scalar.pixels, "{what}, without counts");
             }
         }
     }
@@ -101,6 +104,26 @@ fn the_front_door_draws_what_the_host_draws() {
         .collect();
         assert!(read == bytes, "{what}, in 8 bits");
     }
+}
+
+/// The pixels of a renderer that leaves out what has finished.
+fn uncounted(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    design: &DesignChoice,
+    choice: Choice,
+) -> Vec<splatline::Pixel> {
+    let settings = Settings {
+        design: design.clone(),
+        traversal: splatline::format::Traversal::Spans,
+        engine: Engine::Vectors(choice),
+        ..Settings::new(*rules)
+    };
+    let mut pixels = vec![splatline::Pixel::default(); camera.width * camera.height];
+    let mut renderer = Renderer::new(scene, camera, settings);
+    renderer.draw(&mut pixels, &|_, _| true).unwrap();
+    pixels
 }
 
 const BOTH: [Rules; 2] = [Rules::GAUSSIAN_3D, Rules::EWA];

@@ -1,6 +1,7 @@
 //! All integration tests of the simulator in one binary, which compiles and links once. `cargo test -p splatline-sim --test all hostile`
 //! runs one module of them.
 
+mod allocations;
 mod command_line;
 mod documents;
 mod fast;

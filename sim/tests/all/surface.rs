@@ -375,3 +375,47 @@ fn scanned_clouds_load() {
     );
     assert!((0.005..0.03).contains(&lion.radius), "{}", lion.radius);
 }
+
+/// Setup on vectors is the kernel's: whole drawings, word for word, with backs and without, at an eye near enough to cull some points.
+#[test]
+fn surfaces_set_up_by_vectors_are_the_kernels() {
+    use splatline_sim::fast::lanes::Choice;
+    use splatline_sim::fixed::Engine;
+    use splatline_sim::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
+    let scene = ball_and_sheet();
+    let near = Camera::look_at([0.3, -0.9, -0.4], [0.0; 3], [0.0, -1.0, 0.0], 70.0, 157, 93);
+    for camera in [camera(160), near.unwrap()] {
+        let points = QuantisedPoints::new(&scene, &camera);
+        for (name, cull_backfaces) in [
+            ("classic8", true),
+            ("lean18", false),
+            ("standard24", true),
+            ("deep32", false),
+        ] {
+            let design = DesignChoice::named(name).unwrap();
+            let style = Style {
+                cull_backfaces,
+                ..Style::layered(0.1, 4)
+            };
+            let draw = |engine| {
+                let options = SurfaceOptions {
+                    style: &style,
+                    design: &design,
+                    traversal: Traversal::Spans,
+                    engine,
+                };
+                draw_quantised(&points, &scene, &camera, &options)
+            };
+            let expected = draw(Engine::Scalar);
+            for choice in [Choice::Best, Choice::Eight] {
+                let drawn = draw(Engine::Vectors(choice));
+                let what = format!("{name}, {choice:?}");
+                assert!(drawn.pixels == expected.pixels, "{what}");
+                assert!(drawn.weights == expected.weights, "{what}");
+                assert_eq!(drawn.culled, expected.culled, "{what}");
+                assert_eq!(drawn.backfaces, expected.backfaces, "{what}");
+                assert_eq!(drawn.coverage, expected.coverage, "{what}");
+            }
+        }
+    }
+}

@@ -111,19 +111,25 @@ impl Scene {
     /// Harmonics are evaluated once per splat, for the direction from the eye to its centre, or for the direction of
     /// view if the projection is parallel.
     pub fn colours(&self, camera: &Camera) -> Vec<[f64; 3]> {
+        let indices = 0..self.splats.len();
+        indices.map(|index| self.colour(index, camera)).collect()
+    }
+
+    /// The colour of one splat; black if there is none of this number.
+    pub fn colour(&self, index: usize, camera: &Camera) -> [f64; 3] {
+        let Some(splat) = self.splats.get(index) else {
+            return [0.0; 3];
+        };
         let Some(harmonics) = &self.harmonics else {
-            return self.splats.iter().map(|splat| splat.colour).collect();
+            return splat.colour;
         };
         let count = gaussian::coefficient_count(harmonics.degree);
-        let seen = self.splats.iter().zip(&harmonics.base).enumerate();
-        seen.map(|(index, (splat, &base))| {
-            let coefficients = harmonics
-                .coefficients
-                .get(index * count..(index + 1) * count)
-                .unwrap_or_default();
-            gaussian::colour(base, coefficients, direction_of_view(camera, splat.centre))
-        })
-        .collect()
+        let coefficients = harmonics
+            .coefficients
+            .get(index * count..(index + 1) * count)
+            .unwrap_or_default();
+        let base = harmonics.base.get(index).copied().unwrap_or_default();
+        gaussian::colour(base, coefficients, direction_of_view(camera, splat.centre))
     }
 }
 

@@ -7,7 +7,7 @@
 //!
 //! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
 
-use super::intervals::{Intervals, Reach};
+use super::intervals::{Intervals, TableReach};
 use super::parts::Part;
 use super::scale::Scale;
 use super::tile::{COLUMNS, Cell, Word};
@@ -47,7 +47,7 @@ impl super::Palette for Palette {
     /// For widths that have a scale and a table within the kernel's range.
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
-        let reach = Reach::new(table, widths, &constants, lane_bits)?;
+        let reach = TableReach::new(table, widths, &constants, lane_bits)?;
         Some(Palette {
             widths: *widths,
             scale: Scale::new(widths, &constants)?,

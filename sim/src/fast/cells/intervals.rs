@@ -9,7 +9,7 @@ use splatline::kernel::FootprintTable;
 
 /// How far a table reaches, in lanes of a design.
 #[derive(Clone, Copy, Debug)]
-pub struct Reach {
+pub struct TableReach {
     intervals: u64,
     /// Bits of the radial index below an interval's number.
     pub rest_bits: u32,
@@ -18,7 +18,7 @@ pub struct Reach {
     pub deep: bool,
 }
 
-impl Reach {
+impl TableReach {
     /// Of this table; `None` if an entry exceeds 1, or a constant or the lanes' radial index its format.
     pub fn new(
         table: &FootprintTable,
@@ -32,7 +32,7 @@ impl Reach {
             && u64::from(constants.stop) < 1 << widths.transmittance
             && constants.alpha_max <= 1 << widths.alpha
             && (deep || widths.radial <= 27);
-        fits.then_some(Reach {
+        fits.then_some(TableReach {
             intervals: entries.len().saturating_sub(1) as u64,
             rest_bits: table.rest_bits(),
             radial: widths.radial,
@@ -57,12 +57,12 @@ impl Reach {
 pub struct Intervals {
     pub pairs: Pairs,
     pub factors: Option<Factors>,
-    pub reach: Reach,
+    pub reach: TableReach,
 }
 
 impl Intervals {
     /// Every interval of `table`, which reaches so far.
-    pub fn new(table: &FootprintTable, reach: Reach, widths: &Widths, range: u8) -> Self {
+    pub fn new(table: &FootprintTable, reach: TableReach, widths: &Widths, range: u8) -> Self {
         let entries = table.entries();
         let interpolates = widths.interpolation > 0;
         let pair = |pair: &[u32]| {

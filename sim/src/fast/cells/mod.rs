@@ -17,9 +17,10 @@ mod tile;
 use super::lanes::fused::{FusedJob, dispatch_fused, has_fused};
 use super::lanes::narrow::Narrow;
 use super::lanes::{Choice, prefetch};
-use super::paint::{CHECK_INTERVAL, Results, Scratch, TilePainter};
+use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
 use super::rows::is_tame;
 use batch::{Batch, Prepared};
+pub use intervals::TableReach;
 use parts::Part;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
@@ -33,9 +34,9 @@ use splatline::target::Target;
 use tile::{Format, Tile, TileCell};
 
 /// Painters for any design, and for narrow ones.
-pub type FusedPainter<'a, D> = CellPainter<'a, D, fused::Palette>;
+pub type FusedPainter<D> = CellPainter<D, fused::Palette>;
 /// See [`FusedPainter`].
-pub type NarrowPainter<'a, D> = CellPainter<'a, D, narrow::Palette>;
+pub type NarrowPainter<D> = CellPainter<D, narrow::Palette>;
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
 const AHEAD: usize = 4;
@@ -98,32 +99,27 @@ pub trait PixelPath<L: Narrow>: Copy {
 }
 
 /// Paints tiles with one palette.
-pub struct CellPainter<'a, D, P> {
-    scalar: Painter<'a, D>,
+pub struct CellPainter<D, P> {
+    table: TableMemory,
     design: D,
     rules: Rules,
     palette: P,
     portable: bool,
 }
 
-impl<'a, D: Design + Sync, P: Palette> CellPainter<'a, D, P> {
+impl<D: Design, P: Palette> CellPainter<D, P> {
     /// A painter for a design and rules; `None` under widths or on a processor that the palette cannot do.
-    pub fn new(
-        design: D,
-        rules: &Rules,
-        table: FootprintTable<'a>,
-        choice: Choice,
-    ) -> Option<Self> {
+    pub fn new(design: D, rules: &Rules, choice: Choice) -> Option<Self> {
         (choice == Choice::Best && has_fused()).then_some(())?;
-        Self::on(design, rules, table, false)
+        Self::on(design, rules, false)
     }
 
     /// The same, on arrays if asked for.
-    pub fn on(design: D, rules: &Rules, table: FootprintTable<'a>, portable: bool) -> Option<Self> {
-        let palette = P::new(&design.widths(), rules, &table, D::Lane::BITS)?;
-        let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
+    pub fn on(design: D, rules: &Rules, portable: bool) -> Option<Self> {
+        let table = TableMemory::new(&design.widths(), rules);
+        let palette = P::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
         Some(CellPainter {
-            scalar: Painter::new(design, rules, table, order, traversal),
+            table,
             design,
             rules: *rules,
             palette,
@@ -132,14 +128,14 @@ impl<'a, D: Design + Sync, P: Palette> CellPainter<'a, D, P> {
     }
 }
 
-impl<D: Design + Sync, P: Palette> TilePainter for CellPainter<'_, D, P> {
+impl<D: Design + Send + Sync, P: Palette> TilePainter for CellPainter<D, P> {
     fn paint(
         &self,
         scratch: &mut Scratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
-        rows: &mut [&mut [Pixel]],
+        pixels: &mut [Pixel],
     ) -> Coverage {
         let format = self.palette.format();
         let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| Tile::new(format));
@@ -154,13 +150,13 @@ impl<D: Design + Sync, P: Palette> TilePainter for CellPainter<'_, D, P> {
                 window,
                 clear: Pixel::clear(&self.design.widths()),
                 list,
-                frame: rows,
+                pixels,
             },
         )
     }
 }
 
-impl<D: Design, P: Palette> CellPainter<'_, D, P> {
+impl<D: Design, P: Palette> CellPainter<D, P> {
     /// What the list's first footprint is computed from within the window, if it has one and vectors can draw it.
     fn prepare(
         &self,
@@ -191,7 +187,9 @@ impl<D: Design, P: Palette> CellPainter<'_, D, P> {
         let (Ok(footprint), Ok(mut target)) = (footprint, target) else {
             return Coverage::default();
         };
-        let coverage = self.scalar.draw(footprint, &mut target);
+        let (table, order) = (self.table.table(), Compositing::FrontToBack);
+        let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
+        let coverage = painter.draw(footprint, &mut target);
         tile.set_pixels(&pixels);
         coverage
     }
@@ -201,7 +199,7 @@ impl<D: Design, P: Palette> CellPainter<'_, D, P> {
 pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<Prepared<B>> + 'a;
 
 /// A tile to be painted, by whatever vectors.
-pub struct Painting<'a, 'f, P: Palette> {
+pub struct Painting<'a, P: Palette> {
     palette: &'a P,
     rules: &'a Rules,
     prepare: &'a Prepare<'a, P::Brush>,
@@ -211,11 +209,11 @@ pub struct Painting<'a, 'f, P: Palette> {
     window: Window,
     clear: Pixel,
     list: &'a [u32],
-    /// The tile's rows of the frame.
-    frame: &'a mut [&'f mut [Pixel]],
+    /// The tile's pixels, row by row.
+    pixels: &'a mut [Pixel],
 }
 
-impl<P: Palette> FusedJob for Painting<'_, '_, P> {
+impl<P: Palette> FusedJob for Painting<'_, P> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -224,7 +222,7 @@ impl<P: Palette> FusedJob for Painting<'_, '_, P> {
     }
 }
 
-impl<P: Palette> Painting<'_, '_, P> {
+impl<P: Palette> Painting<'_, P> {
     /// Paints the tile, with pixels of this path.
     #[inline(always)]
     fn paint<L, Path, const DEEP: bool, const ROWS: usize>(self, lanes: L, path: &Path) -> Coverage
@@ -240,7 +238,7 @@ impl<P: Palette> Painting<'_, '_, P> {
             window,
             clear,
             list,
-            frame,
+            pixels,
             ..
         } = self;
         const { assert!(<P::Cell as TileCell>::ROWS == ROWS) };
@@ -269,7 +267,8 @@ impl<P: Palette> Painting<'_, '_, P> {
                 break;
             }
         }
-        tile.copy(frame.iter_mut().map(|row| &mut **row));
+        let columns = usize::from(window.last[0] - window.first[0]).max(1);
+        tile.copy(pixels.chunks_exact_mut(columns));
         coverage
     }
 }

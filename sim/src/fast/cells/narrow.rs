@@ -4,7 +4,7 @@
 //! designs that have [`Products`] and a Gaussian table in factors of single precision; `lean18` and `classic8` do. As in
 //! [`fused`](super::fused), conditions stay in the words as their most significant bits, and an opacity of 0 changes no pixel.
 
-use super::intervals::Reach;
+use super::intervals::TableReach;
 use super::parts::Part;
 use super::products::{Products, Split};
 use super::tile::{COLUMNS, Cell, Word};
@@ -38,7 +38,7 @@ pub struct Palette {
     widths: Widths,
     products: Products,
     factors: NarrowFactors,
-    reach: Reach,
+    reach: TableReach,
     /// Bits of the position within an interval that the interpolator sees.
     kept: u32,
 }
@@ -50,7 +50,7 @@ impl super::Palette for Palette {
 
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
-        let reach = Reach::new(table, widths, &constants, lane_bits)?;
+        let reach = TableReach::new(table, widths, &constants, lane_bits)?;
         let kept = u32::from(widths.interpolation).min(reach.rest_bits);
         let entries = table.entries();
         let steepest = entries.windows(2).map(|pair| pair[0].abs_diff(pair[1]));

@@ -6,6 +6,7 @@
 
 #![allow(unsafe_code)]
 
+use super::words::PixelTask;
 use super::{Drop, Job, Lanes};
 use std::arch::x86_64::*;
 
@@ -30,6 +31,20 @@ impl Avx2 {
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
 fn run_with<J: Job>(lanes: Avx2, job: J) -> J::Output {
     job.run(lanes)
+}
+
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
+fn run_pixels_with<T: PixelTask>(lanes: Avx2, task: T) -> T::Output {
+    task.run(lanes)
+}
+
+impl Avx2 {
+    /// Runs a task on pixels compiled for this processor.
+    #[inline(always)]
+    pub fn run_pixels<T: PixelTask>(self, task: T) -> T::Output {
+        // SAFETY: `self` proves that the processor has what the function is compiled for.
+        unsafe { run_pixels_with(self, task) }
+    }
 }
 
 /// Bit patterns of which an unaligned part starts with so many true words.

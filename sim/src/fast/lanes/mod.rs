@@ -21,10 +21,13 @@ pub mod fused;
 pub mod narrow;
 mod portable;
 mod wide;
+pub mod words;
 
 pub use floats::Floats;
 pub use portable::Portable;
 pub use wide::Wide;
+
+use std::str::FromStr;
 
 /// How a product is brought back to 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,6 +134,42 @@ pub enum Choice {
     Eight,
     /// Portable arrays.
     Portable,
+}
+
+impl Choice {
+    /// The levels that this processor tells apart, by their names on the command line: what most people's processors have comes first.
+    pub fn levels() -> Vec<(&'static str, Choice)> {
+        let mut levels = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            if avx2::Avx2::detect().is_some() {
+                levels.push(("avx2", Choice::Eight));
+            }
+            if avx512::Avx512::detect().is_some() {
+                levels.push(("avx512", Choice::Best));
+            }
+        }
+        levels.push(("portable", Choice::Portable));
+        levels
+    }
+}
+
+impl FromStr for Choice {
+    type Err = String;
+
+    /// A level by its name; the error says what this processor has.
+    fn from_str(name: &str) -> Result<Self, String> {
+        let levels = Choice::levels();
+        if let Some((_, choice)) = levels.iter().find(|(known, _)| *known == name) {
+            return Ok(*choice);
+        }
+        let known: Vec<&str> = levels.iter().map(|(name, _)| *name).collect();
+        let here = known.join(", ");
+        match ["avx2", "avx512"].contains(&name) {
+            true => Err(format!("this processor has no {name}: give one of {here}")),
+            false => Err(format!("there are no vectors '{name}': give one of {here}")),
+        }
+    }
 }
 
 /// Runs the job on the vectors chosen.

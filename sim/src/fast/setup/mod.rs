@@ -11,6 +11,9 @@
 pub(crate) mod number;
 mod position;
 mod stages;
+mod surface;
+
+pub use surface::{SurfaceOutcome, set_up_surface};
 
 use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
 use number::{Arithmetic, Number};
@@ -19,7 +22,7 @@ use splatline::format::{Custom, Design, Widths};
 use splatline::math::Scaled;
 use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, colour, setup};
-use splatline::splat::VolumeSplat;
+use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View};
 use stages::{Footprints, Splats, Stages};
 
@@ -74,9 +77,27 @@ fn covers(view: &View, rules: &Rules) -> bool {
         && (rules.alpha_min > 1 || !by_opacity)
 }
 
+/// What vectors read of a splat.
+#[derive(Clone, Copy)]
+struct Parts {
+    centre: [Scaled; 3],
+    axes: [Axis; 3],
+    weight: Scaled,
+}
+
+impl Parts {
+    fn of(splat: &VolumeSplat) -> Self {
+        Parts {
+            centre: splat.centre,
+            axes: splat.axes,
+            weight: splat.weight,
+        }
+    }
+}
+
 /// Is the splat one of those that vectors take? Its exponents must not come near the end of their word, and its coordinates be normalised.
 #[inline(always)]
-fn is_mild(splat: &VolumeSplat) -> bool {
+fn is_mild_part(splat: &Parts) -> bool {
     let normalised = |number: &Scaled| {
         let magnitude = number.mantissa.unsigned_abs();
         let length = u32::BITS - magnitude.leading_zeros();
@@ -113,13 +134,17 @@ impl Job for Batch<'_> {
         };
         let groups = self.splats.chunks(L::WIDE);
         for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
-            if splats.len() < L::WIDE || !splats.iter().all(is_mild) {
+            let is_mild = splats.iter().all(|splat| is_mild_part(&Parts::of(splat)));
+            if splats.len() < L::WIDE || !is_mild {
                 for (splat, outcome) in splats.iter().zip(outcomes) {
                     *outcome = setup(self.design, self.view, self.rules, splat);
                 }
                 continue;
             }
-            let footprints = Lists::new(lanes, &stages.setup(&read(lanes, splats)));
+            let footprints = Lists::new(
+                lanes,
+                &stages.setup(&read(lanes, splats.iter().map(Parts::of))),
+            );
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
                 *outcome = footprints.get(k, splat, &widths);
             }
@@ -129,9 +154,9 @@ impl Job for Batch<'_> {
 
 /// Splats to words.
 #[inline(always)]
-fn read<L: Lanes>(lanes: L, splats: &[VolumeSplat]) -> Splats<L> {
+fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = Parts>) -> Splats<L> {
     let mut lists = [[0; 8]; 20];
-    for (k, splat) in splats.iter().take(L::WIDE).enumerate() {
+    for (k, splat) in splats.take(L::WIDE).enumerate() {
         let [a, b, c] = splat.axes;
         let parts = [a.mantissa, b.mantissa, c.mantissa];
         for i in 0..3 {
@@ -242,15 +267,28 @@ impl Lists {
     /// What setup makes of splat `k`.
     #[inline(always)]
     fn get(&self, k: usize, splat: &VolumeSplat, widths: &Widths) -> Outcome {
-        if let Some(reason) = (self.culled[k] as usize).checked_sub(1) {
-            return Err(Cull::ALL.get(reason).copied().unwrap_or(Cull::Degenerate));
+        self.reason(k)?;
+        Ok(self.footprint(k, colour(widths, splat.colour)))
+    }
+
+    /// Why splat `k` is culled, if it is.
+    #[inline(always)]
+    fn reason(&self, k: usize) -> Result<(), Cull> {
+        match (self.culled[k] as usize).checked_sub(1) {
+            Some(reason) => Err(Cull::ALL.get(reason).copied().unwrap_or(Cull::Degenerate)),
+            None => Ok(()),
         }
+    }
+
+    /// The footprint of splat `k`.
+    #[inline(always)]
+    fn footprint(&self, k: usize, colour: [u32; 3]) -> Footprint {
         let scaled = |[mantissa, exponent]: &[[i64; 8]; 2]| Scaled {
             mantissa: mantissa[k] as i32,
             exponent: exponent[k] as i32,
         };
         let [curvature, spread, slope, stretch] = &self.scan;
-        Ok(Footprint {
+        Footprint {
             depth: self.depth[k] as u64,
             centre: [self.centre[0][k], self.centre[1][k]],
             first: [self.first[0][k] as u16, self.first[1][k] as u16],
@@ -267,8 +305,8 @@ impl Lists {
             },
             cutoff: self.cutoff[k] as u32,
             peak: self.peak[k] as u32,
-            colour: colour(widths, splat.colour),
-        })
+            colour,
+        }
     }
 }
 

@@ -53,19 +53,21 @@ pub struct Stages<'a, W: Wide> {
 
 /// A projected centre with what the Jacobian needs of it.
 #[derive(Clone, Copy)]
-struct Projected<W: Wide> {
-    depth: Word<W>,
-    centre: [Word<W>; 2],
-    ratio: [Number<W>; 2],
+pub struct Projected<W: Wide> {
+    /// Camera-space depth, not rounded, and its sort key.
+    pub depth: Number<W>,
+    pub key: Word<W>,
+    pub centre: [Word<W>; 2],
+    pub ratio: [Number<W>; 2],
     gain: [Number<W>; 2],
 }
 
 #[derive(Clone, Copy)]
-struct Variance<W: Wide> {
-    xx: Number<W>,
-    xy: Number<W>,
-    yy: Number<W>,
-    determinant: Number<W>,
+pub struct Variance<W: Wide> {
+    pub xx: Number<W>,
+    pub xy: Number<W>,
+    pub yy: Number<W>,
+    pub determinant: Number<W>,
 }
 
 impl<W: Wide> Stages<'_, W> {
@@ -96,7 +98,7 @@ impl<W: Wide> Stages<'_, W> {
         let peak = self.peak_fixed(peak, &mut culled);
         Footprints {
             culled,
-            depth: projected.depth,
+            depth: projected.key,
             centre: projected.centre,
             first,
             last,
@@ -109,7 +111,7 @@ impl<W: Wide> Stages<'_, W> {
     }
 
     #[inline(always)]
-    fn bits(&self) -> u32 {
+    pub fn bits(&self) -> u32 {
         self.widths.mantissa.into()
     }
 
@@ -158,7 +160,7 @@ impl<W: Wide> Stages<'_, W> {
     }
 
     #[inline(always)]
-    fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
+    pub fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
         let (math, bits) = (self.math, u32::from(self.widths.view));
         let CameraPoint { value, exponent } =
             math.to_camera(self.view, &self.widths, &splats.centre);
@@ -168,7 +170,7 @@ impl<W: Wide> Stages<'_, W> {
         let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
         self.cull_unless(culled, Cull::Near, behind_near);
         self.cull_unless(culled, Cull::Far, before_far);
-        let depth = math.depth_key(value[2], exponent);
+        let key = math.depth_key(value[2], exponent);
         let inverse = math.reciprocal(z, bits);
         let on_plane = [
             math.multiply(x, inverse, bits),
@@ -192,7 +194,11 @@ impl<W: Wide> Stages<'_, W> {
         ];
         let ratio = [self.ratio(0, on_plane[0]), self.ratio(1, on_plane[1])];
         Projected {
-            depth,
+            depth: Number {
+                mantissa: value[2],
+                exponent,
+            },
+            key,
             centre,
             ratio,
             gain,
@@ -221,22 +227,39 @@ impl<W: Wide> Stages<'_, W> {
     /// Axis `k` on the screen.
     #[inline(always)]
     fn column(&self, splats: &Splats<W>, k: usize, projected: &Projected<W>) -> [Number<W>; 2] {
-        let math = self.math;
-        let exponent = splats.exponents[k];
-        let exponent = math.max(math.min(exponent, math.splat(511)), math.splat(-512));
-        let exponent = math.plus(exponent, -30);
+        self.column_and_depth(splats, k, projected).0
+    }
+
+    /// Axis `k` on the screen, and its depth.
+    #[inline(always)]
+    pub fn column_and_depth(
+        &self,
+        splats: &Splats<W>,
+        k: usize,
+        projected: &Projected<W>,
+    ) -> ([Number<W>; 2], Number<W>) {
+        let exponent = self.axis_exponent(splats, k);
         let x = self.turned(splats, k, 0, exponent);
         let y = self.turned(splats, k, 1, exponent);
         let z = self.turned(splats, k, 2, exponent);
-        [
+        let column = [
             self.shear(projected, 0, x, z),
             self.shear(projected, 1, y, z),
-        ]
+        ];
+        (column, z)
+    }
+
+    /// Exponent of axis `k` times W.
+    #[inline(always)]
+    pub fn axis_exponent(&self, splats: &Splats<W>, k: usize) -> Word<W> {
+        let (math, exponent) = (self.math, splats.exponents[k]);
+        let exponent = math.max(math.min(exponent, math.splat(511)), math.splat(-512));
+        math.plus(exponent, -30)
     }
 
     /// One row of W a.
     #[inline(always)]
-    fn turned(&self, splats: &Splats<W>, k: usize, row: usize, exponent: Word<W>) -> Number<W> {
+    pub fn turned(&self, splats: &Splats<W>, k: usize, row: usize, exponent: Word<W>) -> Number<W> {
         let mantissa = self.rotate(row, &splats.axes[k]);
         self.math
             .normalise(Number { mantissa, exponent }, self.bits())
@@ -302,18 +325,24 @@ impl<W: Wide> Stages<'_, W> {
         }
     }
 
+    /// A 2x2 minor.
+    #[inline(always)]
+    pub fn minor(&self, j: &[Number<W>; 2], k: &[Number<W>; 2]) -> Number<W> {
+        let math = self.math;
+        let crossed = math.opposite(math.times(j[1], k[0]));
+        math.sum([math.times(j[0], k[1]), crossed], self.bits())
+    }
+
     /// The square of a 2x2 minor.
     #[inline(always)]
     fn minor_squared(&self, j: &[Number<W>; 2], k: &[Number<W>; 2]) -> Number<W> {
-        let math = self.math;
-        let crossed = math.opposite(math.times(j[1], k[0]));
-        let minor = math.sum([math.times(j[0], k[1]), crossed], self.bits());
-        math.times(minor, minor)
+        let minor = self.minor(j, k);
+        self.math.times(minor, minor)
     }
 
     /// Curvature, spread, slope and stretch.
     #[inline(always)]
-    fn scan(
+    pub fn scan(
         &self,
         variance: &Variance<W>,
         inverse: Number<W>,
@@ -351,7 +380,7 @@ impl<W: Wide> Stages<'_, W> {
     }
 
     #[inline(always)]
-    fn conic(
+    pub fn conic(
         &self,
         variance: &Variance<W>,
         curvature: Number<W>,
@@ -403,20 +432,24 @@ impl<W: Wide> Stages<'_, W> {
             let integral = math.number(self.rules.kernel.inverse_integral());
             peak = math.multiply(peak, integral, bits);
         }
+        self.where_positive(weight.mantissa, peak)
+    }
+
+    /// The number where the word is positive, else 0.
+    #[inline(always)]
+    pub fn where_positive(&self, word: Word<W>, number: Number<W>) -> Number<W> {
+        let math = self.math;
         let zero = math.splat(0);
-        let positive = math.greater(weight.mantissa, zero);
+        let positive = math.greater(word, zero);
+        let none = math.splat(Scaled::ZERO.exponent.into());
         Number {
-            mantissa: math.select(zero, peak.mantissa, positive),
-            exponent: math.select(
-                math.splat(Scaled::ZERO.exponent.into()),
-                peak.exponent,
-                positive,
-            ),
+            mantissa: math.select(zero, number.mantissa, positive),
+            exponent: math.select(none, number.exponent, positive),
         }
     }
 
     #[inline(always)]
-    fn cutoff(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
+    pub fn cutoff(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
         // As in the kernel's `cutoff`.
         const END: i64 = 15 << 28;
         let (math, end) = (self.math, self.rules.kernel.end());
@@ -436,7 +469,7 @@ impl<W: Wide> Stages<'_, W> {
 
     /// First and one past the last pixel on one axis.
     #[inline(always)]
-    fn bounds(
+    pub fn bounds(
         &self,
         axis: usize,
         centre: Word<W>,
@@ -470,7 +503,7 @@ impl<W: Wide> Stages<'_, W> {
     }
 
     #[inline(always)]
-    fn peak_fixed(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
+    pub fn peak_fixed(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
         let (math, fraction) = (self.math, u32::from(self.widths.peak));
         let fixed = math.to_fixed(peak, fraction);
         // An odd result of a half was rounded up: halves go to even.

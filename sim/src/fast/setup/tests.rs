@@ -7,7 +7,8 @@ use crate::scene::synthetic;
 use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::format::{Classic8, Deep32, Lean18, Standard24};
-use splatline::splat::Axis;
+use splatline::setup::setup_surface;
+use splatline::splat::surface::SurfaceSplat;
 
 fn bits() -> impl Strategy<Value = i32> {
     prop_oneof![
@@ -71,6 +72,56 @@ proptest! {
         check(Standard24, &splats, &rules);
         check(Deep32, &splats, &rules);
     }
+}
+
+/// A surface splat of a volume splat's bits: two of its axes, and the third as the normal.
+fn surface_splat(splat: &VolumeSplat) -> SurfaceSplat {
+    let [first, second, normal] = splat.axes;
+    SurfaceSplat {
+        centre: splat.centre,
+        frame: [first, second],
+        normal,
+        weight: splat.weight,
+        colour: splat.colour,
+        opacity: splat.colour[0],
+        material: 3,
+    }
+}
+
+fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
+    let rules = Rules::SURFACE;
+    for choice in [Choice::Best, Choice::Eight] {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        set_up_surface(design, view, &rules, splats, &mut outcomes, choice);
+        for (splat, outcome) in splats.iter().zip(outcomes) {
+            let expected = setup_surface(design, view, &rules, splat);
+            assert_eq!(outcome, expected, "{choice:?} {splat:?}");
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn surfaces_of_arbitrary_bits(splats in prop::collection::vec(splat(), 8..40)) {
+        let scene = synthetic::random_gaussians(10, 1, 1.0);
+        let camera = synthetic::camera(320, 200);
+        let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
+        let splats: Vec<SurfaceSplat> = splats.iter().map(surface_splat).collect();
+        check_surface(Classic8, &splats, &view);
+        check_surface(Lean18, &splats, &view);
+        check_surface(Standard24, &splats, &view);
+        check_surface(Deep32, &splats, &view);
+    }
+}
+
+#[test]
+fn ordinary_surfaces() {
+    let scene = synthetic::random_gaussians(4_000, 5, 3.0);
+    let camera = synthetic::camera(320, 200);
+    let quantised = QuantisedScene::with_depths(&scene, &camera, &rules::Rules::GAUSSIAN_3D);
+    let splats: Vec<SurfaceSplat> = quantised.splats.iter().map(surface_splat).collect();
+    check_surface(Standard24, &splats, &quantised.view);
+    check_surface(Deep32, &splats, &quantised.view);
 }
 
 #[test]

@@ -1,0 +1,298 @@
+//! A picture's way through the stages, in memory that the next picture uses again.
+//!
+//! ```text
+//! parts of the scene: setup, keys -> tile lists -> tiles, each in a place of its own -> frame of the caller's pixels
+//! ```
+//!
+//! Fresh memory costs as much as drawing: its first touch is a trap for every 4 KB. So nothing is allocated once a frame has been drawn, and setup
+//! notes what ordering needs while the footprints are still in the cache. Tiles are painted one after the other in memory and brought into the frame's
+//! rows afterwards, because the caller's pixels are converted there anyway.
+
+use super::TILE;
+use super::order::{Grid, Key, TileOrder};
+use super::paint::{Results, Scratch, TilePainter};
+use super::setup::Outcome;
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::draw::Coverage;
+use splatline::raster::Window;
+use splatline::setup::Cull;
+use splatline::splat::VolumeSplat;
+use std::cell::RefCell;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Splats set up at once: their footprints fit the second-level cache.
+const BATCH: usize = 1024;
+
+/// Parts of the scene per thread: enough that none waits long for the last one.
+const PARTS: usize = 4;
+
+/// Pixels of a tile.
+const AREA: usize = TILE[0] as usize * TILE[1] as usize;
+
+thread_local! {
+    /// A thread's memory for the tile that it paints, kept from frame to frame.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// Wall-clock seconds of each part.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Times {
+    /// Quantised splats to footprints.
+    pub setup: f64,
+    /// Depth order and tile lists.
+    pub sort: f64,
+    /// Footprints to pixels.
+    pub raster: f64,
+}
+
+/// Splats culled, by reason, in the order of [`Cull::ALL`].
+pub type CullCounts = [usize; Cull::ALL.len()];
+
+/// What a frame did beside its pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FrameFacts {
+    /// Splats culled, by reason.
+    pub culled: CullCounts,
+    /// Pixels visited and covered.
+    pub coverage: Coverage,
+    /// Time taken.
+    pub times: Times,
+}
+
+/// The caller did not want the frame to be finished.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("drawing was cancelled")]
+pub struct Cancelled;
+
+/// Is told how many of how many steps are done; `false` leaves the rest of the frame undone. Called from any thread.
+pub type Progress<'a> = dyn Fn(usize, usize) -> bool + Sync + 'a;
+
+/// How splats become pixels: the same for all frames of a scene but for the view.
+#[derive(Clone, Copy)]
+pub struct FramePlan<'a> {
+    /// Columns and rows of the frame.
+    pub viewport: [u16; 2],
+    /// Are the farthest splats painted first?
+    pub back_to_front: bool,
+    /// Setup of some splats into as many places.
+    pub set_up: &'a (dyn Fn(&[VolumeSplat], &mut [Outcome]) + Sync),
+    /// Paints a tile.
+    pub painter: &'a dyn TilePainter,
+    /// Is told about the frame's progress.
+    pub progress: &'a Progress<'a>,
+}
+
+/// The memory of frames.
+#[derive(Clone, Debug, Default)]
+pub struct FrameMemory {
+    outcomes: Vec<Outcome>,
+    order: TileOrder,
+    /// Tile after tile, each row by row.
+    pixels: Vec<Pixel>,
+    viewport: [u16; 2],
+}
+
+/// Counts steps and notes when the caller has had enough.
+struct Steps<'a> {
+    progress: &'a Progress<'a>,
+    done: AtomicUsize,
+    of: usize,
+    cancelled: AtomicBool,
+}
+
+impl Steps<'_> {
+    /// Does one step, unless the frame has been cancelled.
+    fn step<T: Default>(&self, work: impl FnOnce() -> T) -> T {
+        if self.cancelled.load(Ordering::Relaxed) {
+            return T::default();
+        }
+        let result = work();
+        let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
+        if !(self.progress)(done, self.of) {
+            self.cancelled.store(true, Ordering::Relaxed);
+        }
+        result
+    }
+
+    fn check(&self) -> Result<(), Cancelled> {
+        match self.cancelled.load(Ordering::Relaxed) {
+            true => Err(Cancelled),
+            false => Ok(()),
+        }
+    }
+}
+
+impl FrameMemory {
+    /// Draws a frame of the splats, which [`copy`](FrameMemory::copy) hands out. The caller's rayon pool decides the number of threads.
+    pub fn draw(
+        &mut self,
+        splats: &[VolumeSplat],
+        plan: &FramePlan,
+    ) -> Result<FrameFacts, Cancelled> {
+        let started = Instant::now();
+        let grid = Grid::new(plan.viewport, TILE);
+        let parts = PARTS * rayon::current_num_threads();
+        let length = splats.len().div_ceil(parts).max(BATCH);
+        let steps = Steps {
+            progress: plan.progress,
+            done: AtomicUsize::new(0),
+            of: splats.len().div_ceil(length) + grid.len(),
+            cancelled: AtomicBool::new(false),
+        };
+        let culled = self.set_up(splats, length, plan, &steps);
+        steps.check()?;
+        let set_up_at = started.elapsed().as_secs_f64();
+        self.order.sort(&grid);
+        if plan.back_to_front {
+            self.order.reverse();
+        }
+        let sorted_at = started.elapsed().as_secs_f64();
+        let coverage = self.paint(&grid, plan, &steps);
+        steps.check()?;
+        Ok(FrameFacts {
+            culled,
+            coverage,
+            times: Times {
+                setup: set_up_at,
+                sort: sorted_at - set_up_at,
+                raster: started.elapsed().as_secs_f64() - sorted_at,
+            },
+        })
+    }
+
+    /// What setup made of every splat of the last frame, in the scene's order.
+    pub fn outcomes(&self) -> &Results {
+        &self.outcomes
+    }
+
+    /// The same, to keep.
+    pub fn into_outcomes(self) -> Vec<Outcome> {
+        self.outcomes
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.outcomes.capacity() * size_of::<Outcome>()
+            + self.pixels.capacity() * size_of::<Pixel>()
+            + self.order.bytes()
+    }
+
+    fn set_up(
+        &mut self,
+        splats: &[VolumeSplat],
+        length: usize,
+        plan: &FramePlan,
+        steps: &Steps,
+    ) -> CullCounts {
+        if self.outcomes.len() != splats.len() {
+            // In parallel: most of its time is the first touch of its memory.
+            self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
+        }
+        let parts = &mut self.order.parts;
+        parts.resize_with(splats.len().div_ceil(length), Default::default);
+        let outcomes = self.outcomes.par_chunks_mut(length);
+        let work = parts
+            .par_iter_mut()
+            .zip(outcomes.zip(splats.par_chunks(length)));
+        work.enumerate()
+            .map(|(number, (part, (outcomes, splats)))| {
+                part.keys.clear();
+                steps.step(|| {
+                    let mut culled = CullCounts::default();
+                    let mut first = number * length;
+                    let batches = outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH));
+                    for (outcomes, splats) in batches {
+                        (plan.set_up)(splats, outcomes);
+                        note(outcomes, first, &mut part.keys, &mut culled);
+                        first += splats.len();
+                    }
+                    culled
+                })
+            })
+            .reduce(CullCounts::default, |mut sum, part| {
+                sum.iter_mut()
+                    .zip(part)
+                    .for_each(|(sum, part)| *sum += part);
+                sum
+            })
+    }
+
+    /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
+    #[inline(never)]
+    fn paint(&mut self, grid: &Grid, plan: &FramePlan, steps: &Steps) -> Coverage {
+        let FrameMemory {
+            outcomes,
+            order,
+            pixels,
+            viewport,
+        } = self;
+        *viewport = plan.viewport;
+        pixels.resize(grid.len() * AREA, Pixel::default());
+        let tiles = pixels.par_chunks_mut(AREA).enumerate();
+        tiles
+            .map(|(tile, pixels)| {
+                let window = grid.window(tile);
+                let pixels = &mut pixels[..area(&window)];
+                steps.step(|| {
+                    SCRATCH.with_borrow_mut(|scratch| {
+                        let list = order.list(tile);
+                        plan.painter.paint(scratch, window, outcomes, list, pixels)
+                    })
+                })
+            })
+            .reduce(Coverage::default, |mut sum, part| {
+                sum += part;
+                sum
+            })
+    }
+
+    /// The last frame's pixels, row by row, as the caller wants them. A frame of another size is filled as far as it goes.
+    pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel) -> T + Sync) {
+        let grid = Grid::new(self.viewport, TILE);
+        let width = usize::from(self.viewport[0]).max(1);
+        let columns = self.viewport[0].div_ceil(TILE[0]).into();
+        let bands = frame.par_chunks_mut(width * usize::from(TILE[1]));
+        bands.enumerate().for_each(|(band, rows)| {
+            for tile in (band * columns..).take(columns) {
+                let window = grid.window(tile);
+                let pixels = self.pixels.get(tile * AREA..).unwrap_or_default();
+                let across = usize::from(window.last[0] - window.first[0]);
+                let from = pixels.chunks_exact(across.max(1));
+                for (row, from) in rows.chunks_mut(width).zip(from) {
+                    let to = row.iter_mut().skip(window.first[0].into());
+                    to.zip(from).for_each(|(to, from)| *to = convert(from));
+                }
+            }
+        });
+    }
+}
+
+fn area(window: &Window) -> usize {
+    usize::from(window.last[0] - window.first[0]) * usize::from(window.last[1] - window.first[1])
+}
+
+/// Lists the keys of the splats that have a footprint, numbered from `first`, and counts the others.
+fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>, culled: &mut CullCounts) {
+    for (outcome, index) in outcomes.iter().zip(first as u32..) {
+        match outcome {
+            Ok(footprint) => {
+                let bounds = Window {
+                    first: footprint.first,
+                    last: footprint.last,
+                };
+                if !bounds.is_empty() {
+                    keys.push(Key {
+                        depth: footprint.depth,
+                        index,
+                        bounds,
+                    });
+                }
+            }
+            Err(reason) => {
+                culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1;
+            }
+        }
+    }
+}

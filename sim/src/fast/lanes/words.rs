@@ -1,0 +1,262 @@
+//! Vectors of 64-bit words for pixels where there are no fused products: a word for each pixel, so that a product of 32 bits by 32 needs neither
+//! taking apart nor interleaving.
+//!
+//! Shifts and constants are words in memory and not of the instructions: one compiled copy draws every design.
+
+#![allow(unsafe_code)]
+
+use super::{Choice, Portable, Wide};
+
+/// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
+#[derive(Clone, Debug)]
+pub struct Falls(Box<[u64]>);
+
+impl Falls {
+    /// The intervals between these entries; `None` if they rise anywhere.
+    pub fn new(entries: &[u32]) -> Option<Self> {
+        let interval = |pair: &[u32]| {
+            let fall = pair[0].checked_sub(pair[1])?;
+            Some(u64::from(pair[0]) << 32 | u64::from(fall))
+        };
+        let mut intervals: Vec<u64> = entries.windows(2).map(interval).collect::<Option<_>>()?;
+        intervals.resize(intervals.len().next_power_of_two(), 0);
+        Some(Falls(intervals.into()))
+    }
+
+    /// The interval of this number, modulo the table's length.
+    #[inline(always)]
+    fn at(&self, index: i64) -> i64 {
+        self.0[index as usize & (self.0.len() - 1)] as i64
+    }
+}
+
+/// Operations on pixels of one word each.
+pub trait PixelWords: Wide {
+    /// The words from place `at` on; zeros if there are too few.
+    fn read(self, from: &[u64], at: usize) -> Self::Word;
+    /// Stores words from place `at` on; nothing if there is no room.
+    fn write(self, to: &mut [u64], at: usize, value: Self::Word);
+    /// Words whose most significant bit is set.
+    fn marked(self, a: Self::Word) -> Self::Truth;
+    /// The first `count` words.
+    fn first(self, count: usize) -> Self::Truth;
+    /// Both.
+    fn both(self, a: Self::Truth, b: Self::Truth) -> Self::Truth;
+    /// a and not b.
+    fn except(self, a: Self::Truth, b: Self::Truth) -> Self::Truth;
+    /// A bit for every word.
+    fn flags(self, truth: Self::Truth) -> u32;
+    /// a where it is true, else 0.
+    fn keep(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// a where it is false, else 0.
+    fn clear(self, a: Self::Word, truth: Self::Truth) -> Self::Word;
+    /// a | b.
+    fn join(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// The smaller one of words below 2^32.
+    fn min_short(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// 0, a, 2 a, 3 a and so on, of a vector of equal words.
+    fn multiples(self, a: Self::Word) -> Self::Word;
+    /// The intervals of these numbers, modulo the table's length.
+    fn intervals(self, table: &Falls, index: Self::Word) -> Self::Word;
+}
+
+/// Work on pixels. Implement `run` and all that it calls with `#[inline(always)]`.
+pub trait PixelTask {
+    /// The result.
+    type Output;
+    /// The work.
+    fn run<L: PixelWords>(self, lanes: L) -> Self::Output;
+}
+
+/// Runs the task on AVX2 if the processor has it and arrays are not asked for.
+#[inline]
+pub fn dispatch_pixels<T: PixelTask>(choice: Choice, task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    if choice != Choice::Portable
+        && let Some(lanes) = super::avx2::Avx2::detect()
+    {
+        return lanes.run_pixels(task);
+    }
+    let _ = choice;
+    task.run(Portable)
+}
+
+type Words = [i64; 8];
+
+impl PixelWords for Portable {
+    #[inline(always)]
+    fn read(self, from: &[u64], at: usize) -> Words {
+        let words = from.get(at..).and_then(|rest| rest.first_chunk::<8>());
+        words.map_or([0; 8], |words| words.map(|word| word as i64))
+    }
+    #[inline(always)]
+    fn write(self, to: &mut [u64], at: usize, value: Words) {
+        if let Some(words) = to
+            .get_mut(at..)
+            .and_then(|rest| rest.first_chunk_mut::<8>())
+        {
+            *words = value.map(|word| word as u64);
+        }
+    }
+    #[inline(always)]
+    fn marked(self, a: Words) -> [bool; 8] {
+        a.map(|a| a < 0)
+    }
+    #[inline(always)]
+    fn first(self, count: usize) -> [bool; 8] {
+        std::array::from_fn(|k| k < count)
+    }
+    #[inline(always)]
+    fn both(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
+        std::array::from_fn(|k| a[k] && b[k])
+    }
+    #[inline(always)]
+    fn except(self, a: [bool; 8], b: [bool; 8]) -> [bool; 8] {
+        std::array::from_fn(|k| a[k] && !b[k])
+    }
+    #[inline(always)]
+    fn flags(self, truth: [bool; 8]) -> u32 {
+        let bits = truth.iter().enumerate();
+        bits.fold(0, |all, (k, truth)| all | u32::from(*truth) << k)
+    }
+    #[inline(always)]
+    fn keep(self, a: Words, truth: [bool; 8]) -> Words {
+        std::array::from_fn(|k| if truth[k] { a[k] } else { 0 })
+    }
+    #[inline(always)]
+    fn clear(self, a: Words, truth: [bool; 8]) -> Words {
+        std::array::from_fn(|k| if truth[k] { 0 } else { a[k] })
+    }
+    #[inline(always)]
+    fn join(self, a: Words, b: Words) -> Words {
+        std::array::from_fn(|k| a[k] | b[k])
+    }
+    #[inline(always)]
+    fn min_short(self, a: Words, b: Words) -> Words {
+        std::array::from_fn(|k| a[k].min(b[k]))
+    }
+    #[inline(always)]
+    fn multiples(self, a: Words) -> Words {
+        std::array::from_fn(|k| a[k].wrapping_mul(k as i64))
+    }
+    #[inline(always)]
+    fn intervals(self, table: &Falls, index: Words) -> Words {
+        index.map(|index| table.at(index))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    //! SAFETY of all intrinsics on registers: `self` proves that the processor has the instruction. Loads and stores are of whole arrays,
+    //! look-ups of numbers that have been brought into the table.
+
+    use super::super::Wide;
+    use super::super::avx2::Avx2;
+    use super::{Falls, PixelWords};
+    use std::arch::x86_64::*;
+
+    macro_rules! op {
+        ($call:expr) => {
+            unsafe { $call }
+        };
+    }
+
+    /// Words of which an unaligned part starts with so many true ones.
+    static FIRST: [i64; 8] = [-1, -1, -1, -1, 0, 0, 0, 0];
+
+    impl PixelWords for Avx2 {
+        #[inline(always)]
+        fn read(self, from: &[u64], at: usize) -> __m256i {
+            match from.get(at..).and_then(|rest| rest.first_chunk::<4>()) {
+                Some(words) => op!(_mm256_loadu_si256(words.as_ptr().cast())),
+                None => self.wide_splat(0),
+            }
+        }
+        #[inline(always)]
+        fn write(self, to: &mut [u64], at: usize, value: __m256i) {
+            if let Some(words) = to
+                .get_mut(at..)
+                .and_then(|rest| rest.first_chunk_mut::<4>())
+            {
+                op!(_mm256_storeu_si256(words.as_mut_ptr().cast(), value))
+            }
+        }
+        #[inline(always)]
+        fn marked(self, a: __m256i) -> __m256i {
+            op!(_mm256_cmpgt_epi64(_mm256_setzero_si256(), a))
+        }
+        #[inline(always)]
+        fn first(self, count: usize) -> __m256i {
+            let start = 4 - count.min(4);
+            match FIRST[start..].first_chunk::<4>() {
+                Some(words) => op!(_mm256_loadu_si256(words.as_ptr().cast())),
+                None => self.wide_splat(0),
+            }
+        }
+        #[inline(always)]
+        fn both(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_and_si256(a, b))
+        }
+        #[inline(always)]
+        fn except(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_andnot_si256(b, a))
+        }
+        #[inline(always)]
+        fn flags(self, truth: __m256i) -> u32 {
+            op!(_mm256_movemask_pd(_mm256_castsi256_pd(truth))) as u32
+        }
+        #[inline(always)]
+        fn keep(self, a: __m256i, truth: __m256i) -> __m256i {
+            op!(_mm256_and_si256(a, truth))
+        }
+        #[inline(always)]
+        fn clear(self, a: __m256i, truth: __m256i) -> __m256i {
+            op!(_mm256_andnot_si256(truth, a))
+        }
+        #[inline(always)]
+        fn join(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_or_si256(a, b))
+        }
+        #[inline(always)]
+        fn min_short(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_min_epu32(a, b))
+        }
+        #[inline(always)]
+        fn multiples(self, a: __m256i) -> __m256i {
+            op!({
+                let odd = _mm256_and_si256(a, _mm256_setr_epi64x(0, -1, 0, -1));
+                let upper = _mm256_and_si256(a, _mm256_setr_epi64x(0, 0, -1, -1));
+                _mm256_add_epi64(odd, _mm256_add_epi64(upper, upper))
+            })
+        }
+        /// Four loads: a gather of four takes longer on most processors.
+        #[inline(always)]
+        fn intervals(self, table: &Falls, index: __m256i) -> __m256i {
+            let last = table.0.len() as i64 - 1;
+            // SAFETY: the length is a power of two, so that every masked number lies in the table.
+            unsafe {
+                let index = _mm256_and_si256(index, _mm256_set1_epi64x(last));
+                let (low, high) = (
+                    _mm256_castsi256_si128(index),
+                    _mm256_extracti128_si256::<1>(index),
+                );
+                let places = [
+                    _mm_cvtsi128_si64(low),
+                    _mm_extract_epi64::<1>(low),
+                    _mm_cvtsi128_si64(high),
+                    _mm_extract_epi64::<1>(high),
+                ];
+                let words = table.0.as_ptr();
+                let low = _mm_set_epi64x(
+                    *words.add(places[1] as usize) as i64,
+                    *words.add(places[0] as usize) as i64,
+                );
+                let high = _mm_set_epi64x(
+                    *words.add(places[3] as usize) as i64,
+                    *words.add(places[2] as usize) as i64,
+                );
+                _mm256_inserti128_si256::<1>(_mm256_castsi128_si256(low), high)
+            }
+        }
+    }
+}

@@ -1,0 +1,340 @@
+//! Setup of many surface splats at once, bit for bit the kernel's [`setup_surface`].
+//!
+//! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces add: the
+//! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
+
+use super::stages::{Footprints, Projected, Splats, Stages, Variance};
+use super::{
+    Choice, Custom, Floats, Job, Lists, Number, Parts, covers, dispatch, is_mild_part, list, read,
+};
+use crate::fast::lanes::{Lanes, Wide};
+use splatline::footprint::surface::{
+    Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
+};
+use splatline::format::{Design, Widths};
+use splatline::math::shift_unsigned;
+use splatline::rules::Rules;
+use splatline::setup::{Cull, setup_surface};
+use splatline::splat::surface::SurfaceSplat;
+use splatline::view::View;
+
+/// What setup makes of a surface splat.
+pub type SurfaceOutcome = Result<SurfaceFootprint, Cull>;
+
+/// Setup of `splats` into as many places of `outcomes`.
+pub fn set_up_surface<D: Design>(
+    design: D,
+    view: &View,
+    rules: &Rules,
+    splats: &[SurfaceSplat],
+    outcomes: &mut [SurfaceOutcome],
+    choice: Choice,
+) {
+    match Custom::new(design.widths()) {
+        Ok(widths) if choice != Choice::Portable && covers(view, rules) => {
+            let batch = Batch {
+                design: widths,
+                view,
+                rules,
+                splats,
+                outcomes,
+            };
+            dispatch(choice, batch);
+        }
+        _ => {
+            for (splat, outcome) in splats.iter().zip(outcomes) {
+                *outcome = setup_surface(design, view, rules, splat);
+            }
+        }
+    }
+}
+
+fn parts(splat: &SurfaceSplat) -> Parts {
+    let [first, second] = splat.frame;
+    Parts {
+        centre: splat.centre,
+        axes: [first, second, splat.normal],
+        weight: splat.weight,
+    }
+}
+
+struct Batch<'a> {
+    design: Custom,
+    view: &'a View,
+    rules: &'a Rules,
+    splats: &'a [SurfaceSplat],
+    outcomes: &'a mut [SurfaceOutcome],
+}
+
+impl Job for Batch<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Floats>(self, lanes: L) {
+        let widths = self.design.widths();
+        let stages = Stages {
+            math: super::Arithmetic { lanes },
+            widths,
+            view: self.view,
+            rules: self.rules,
+        };
+        let groups = self.splats.chunks(L::WIDE);
+        for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
+            let is_mild = splats.iter().all(|splat| is_mild_part(&parts(splat)));
+            if splats.len() < L::WIDE || !is_mild {
+                for (splat, outcome) in splats.iter().zip(outcomes) {
+                    *outcome = setup_surface(self.design, self.view, self.rules, splat);
+                }
+                continue;
+            }
+            let words = stages.surface(&read(lanes, splats.iter().map(parts)));
+            let lists = SurfaceLists::new(lanes, &words);
+            for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
+                *outcome = lists.get(k, splat, &widths);
+            }
+        }
+    }
+}
+
+/// Surface footprints, one per word, without their colours.
+struct SurfaceWords<W: Wide> {
+    footprints: Footprints<W>,
+    /// Depth at the centre, and what leads from there to the box's first sample point.
+    origin: [W::Word; 3],
+    step: [W::Word; 2],
+    normal: [W::Word; 3],
+    /// 1 where the normal was turned.
+    back: W::Word,
+}
+
+impl<W: Wide> Stages<'_, W> {
+    /// `splatline::setup::setup_surface`.
+    #[inline(always)]
+    fn surface(&self, splats: &Splats<W>) -> SurfaceWords<W> {
+        let math = self.math;
+        let mut culled = math.splat(0);
+        let projected = self.project(splats, &mut culled);
+        let (first, z1) = self.column_and_depth(splats, 0, &projected);
+        let (second, z2) = self.column_and_depth(splats, 1, &projected);
+        let area = self.minor(&first, &second);
+        let variance = self.flat_variance(&first, &second, area);
+        let inverse = math.reciprocal(variance.determinant, self.bits());
+        let scan = self.scan(&variance, inverse, &mut culled);
+        let (conic, conic_exponent) = self.conic(&variance, scan[0], inverse, &mut culled);
+        let peak = self.surface_peak(splats.weight, area, &variance);
+        let cutoff = self.cutoff(peak, &mut culled);
+        let peak = self.peak_fixed(peak, &mut culled);
+        let [u, v] = projected.centre;
+        let (left, right) = self.bounds(0, u, variance.xx, cutoff, &mut culled);
+        let (top, bottom) = self.bounds(1, v, variance.yy, cutoff, &mut culled);
+        let gradient = [
+            self.slope(
+                area,
+                inverse,
+                [second[1], first[1]],
+                [first[0], second[0]],
+                [z1, z2],
+            ),
+            self.slope(
+                area,
+                inverse,
+                [first[0], second[0]],
+                [second[1], first[1]],
+                [z2, z1],
+            ),
+        ];
+        let origin = [
+            math.to_fixed(projected.depth, DEPTH_FRACTION),
+            self.rise(left, u, gradient[0]),
+            self.rise(top, v, gradient[1]),
+        ];
+        let (normal, back) = self.facing_normal(splats, &projected);
+        SurfaceWords {
+            footprints: Footprints {
+                culled,
+                depth: projected.key,
+                centre: projected.centre,
+                first: [left, top],
+                last: [right, bottom],
+                scan,
+                conic,
+                conic_exponent,
+                cutoff,
+                peak,
+            },
+            origin,
+            step: [
+                math.to_fixed(gradient[0], DEPTH_FRACTION),
+                math.to_fixed(gradient[1], DEPTH_FRACTION),
+            ],
+            normal,
+            back,
+        }
+    }
+
+    /// `variance` of columns of which the third is 0.
+    #[inline(always)]
+    fn flat_variance(
+        &self,
+        a: &[Number<W>; 2],
+        b: &[Number<W>; 2],
+        area: Number<W>,
+    ) -> Variance<W> {
+        let (math, bits) = (self.math, self.bits());
+        let h = math.number(self.rules.low_pass);
+        let xx = math.sum([math.times(a[0], a[0]), math.times(b[0], b[0]), h], bits);
+        let yy_sharp = math.sum([math.times(a[1], a[1]), math.times(b[1], b[1])], bits);
+        let xy = math.sum([math.times(a[0], a[1]), math.times(b[0], b[1])], bits);
+        let trace = math.sum([xx, yy_sharp], bits);
+        let terms = [math.times(area, area), math.times(h, trace)];
+        Variance {
+            xx,
+            xy,
+            yy: math.sum([yy_sharp, h], bits),
+            determinant: math.sum(terms, bits),
+        }
+    }
+
+    /// `surface_peak`.
+    #[inline(always)]
+    fn surface_peak(
+        &self,
+        weight: Number<W>,
+        area: Number<W>,
+        variance: &Variance<W>,
+    ) -> Number<W> {
+        let (math, bits) = (self.math, self.bits());
+        let root = math.square_root(variance.determinant, bits);
+        let inverse = math.reciprocal(root, bits);
+        let magnitude = Number {
+            mantissa: math.magnitude(area.mantissa),
+            ..area
+        };
+        let peak = math.multiply(math.multiply(weight, magnitude, bits), inverse, bits);
+        self.where_positive(weight.mantissa, peak)
+    }
+
+    /// One component of `depth_gradient`: area (s0 z0 - s1 z1) + h (f0 z0 + f1 z1) over the determinant.
+    #[inline(always)]
+    fn slope(
+        &self,
+        area: Number<W>,
+        inverse: Number<W>,
+        sharp: [Number<W>; 2],
+        filtered: [Number<W>; 2],
+        z: [Number<W>; 2],
+    ) -> Number<W> {
+        let (math, bits) = (self.math, self.bits());
+        let crossed = math.opposite(math.times(sharp[1], z[1]));
+        let sharp_sum = math.sum([math.times(sharp[0], z[0]), crossed], bits);
+        let terms = [math.times(filtered[0], z[0]), math.times(filtered[1], z[1])];
+        let filtered_sum = math.sum(terms, bits);
+        let h = math.number(self.rules.low_pass);
+        let both = [math.times(area, sharp_sum), math.times(h, filtered_sum)];
+        math.multiply(math.sum(both, bits), inverse, bits)
+    }
+
+    /// What the plane rises from the centre to the sample point of a pixel.
+    #[inline(always)]
+    fn rise(&self, pixel: W::Word, centre: W::Word, slope: Number<W>) -> W::Word {
+        let math = self.math;
+        let subpixel = i64::from(self.widths.subpixel);
+        let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
+        let distance = Number {
+            mantissa: math.sub(sample, centre),
+            exponent: math.splat(-subpixel),
+        };
+        let distance = math.normalise(distance, self.bits());
+        math.to_fixed(math.times(slope, distance), DEPTH_FRACTION)
+    }
+
+    /// `facing_normal`: the third axis turned towards the eye, and 1 where that turned it around.
+    #[inline(always)]
+    fn facing_normal(
+        &self,
+        splats: &Splats<W>,
+        projected: &Projected<W>,
+    ) -> ([W::Word; 3], W::Word) {
+        let math = self.math;
+        let exponent = self.axis_exponent(splats, 2);
+        let normal = [
+            self.turned(splats, 2, 0, exponent),
+            self.turned(splats, 2, 1, exponent),
+            self.turned(splats, 2, 2, exponent),
+        ];
+        let [ratio_x, ratio_y] = projected.ratio;
+        let terms = [
+            math.times(normal[0], ratio_x),
+            math.times(normal[1], ratio_y),
+            normal[2],
+        ];
+        let along = math.sum(terms, self.bits()).mantissa;
+        let away = math.greater(along, math.splat(0));
+        let fraction = attribute_fraction(&self.widths);
+        let limit = math.splat(1 << fraction);
+        let mut facing = [math.splat(0); 3];
+        for (facing, component) in facing.iter_mut().zip(normal) {
+            let fixed = math.to_fixed(component, fraction.into());
+            let fixed = math.max(math.min(fixed, limit), math.negate(limit));
+            *facing = math.select(fixed, math.negate(fixed), away);
+        }
+        (facing, math.select(math.splat(0), math.splat(1), away))
+    }
+}
+
+/// Words to surface footprints.
+struct SurfaceLists {
+    footprints: Lists,
+    origin: [[i64; 8]; 3],
+    step: [[i64; 8]; 2],
+    normal: [[i64; 8]; 3],
+    back: [i64; 8],
+}
+
+impl SurfaceLists {
+    #[inline(always)]
+    fn new<L: Lanes>(lanes: L, words: &SurfaceWords<L>) -> Self {
+        let ([a, b, c], [x, y, z]) = (words.origin, words.normal);
+        SurfaceLists {
+            footprints: Lists::new(lanes, &words.footprints),
+            origin: [list(lanes, a), list(lanes, b), list(lanes, c)],
+            step: [list(lanes, words.step[0]), list(lanes, words.step[1])],
+            normal: [list(lanes, x), list(lanes, y), list(lanes, z)],
+            back: list(lanes, words.back),
+        }
+    }
+
+    /// What setup makes of splat `k`.
+    #[inline(always)]
+    fn get(&self, k: usize, splat: &SurfaceSplat, widths: &Widths) -> SurfaceOutcome {
+        self.footprints.reason(k)?;
+        let fraction = i32::from(attribute_fraction(widths));
+        let one = 1u64 << fraction;
+        let unit = |value: u32| {
+            let value = shift_unsigned(value.into(), 28 - fraction, widths.rounding);
+            value.min(one)
+        };
+        let opacity = unit(splat.opacity.to_bits());
+        let colour = splat.colour.map(|channel| {
+            let product = unit(channel.to_bits()) * opacity;
+            shift_unsigned(product, fraction, widths.rounding) as u32
+        });
+        let drop = fraction - i32::from(widths.colour);
+        let rounded = colour.map(|c| shift_unsigned(c.into(), drop, widths.rounding) as u32);
+        let [depth, across, down] = [0, 1, 2].map(|part| self.origin[part][k]);
+        Ok(SurfaceFootprint {
+            footprint: self.footprints.footprint(k, rounded),
+            plane: Plane {
+                origin: depth.saturating_add(across).saturating_add(down),
+                step: [self.step[0][k], self.step[1][k]],
+            },
+            attributes: Attributes {
+                colour,
+                opacity: opacity as u32,
+                normal: [0, 1, 2].map(|axis| self.normal[axis][k] as i32),
+                material: splat.material,
+            },
+            back: self.back[k] != 0,
+        })
+    }
+}

@@ -1,0 +1,329 @@
+//! The pixel path on 64-bit words: radial index, footprint table, opacity, "over" front to back.
+//!
+//! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] give, pixel by pixel, for values within
+//! their formats. Four things make it short:
+//!
+//! - r(x + w) = r(x) + w f(x) + w (w - 1) / 2 s with the differences f and s: w pixels on, the radial index still costs two additions,
+//!   exactly, because integers that wrap have no order of summation. Lanes of 32 bits lie in the upper half of a word, so that they wrap as
+//!   lanes of 64 do.
+//! - Every product is of 32 bits by 32 and stays in its word.
+//! - An opacity of 0 leaves a pixel as it is, whatever its state: T - 0 = T > stop for a pixel in work, and a finished pixel's word
+//!   is negative, hence below stop, hence marked again. So pixels outside or finished need no selection, only opacity 0.
+//! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half - 1) >> k).
+
+use super::tile::Row;
+use crate::fast::cells::TableReach;
+use crate::fast::lanes::words::{Falls, PixelWords};
+use crate::fast::tile::TILE;
+use splatline::blend::Blend;
+use splatline::draw::Coverage;
+use splatline::footprint::Footprint;
+use splatline::format::{Rounding, Widths};
+use splatline::kernel::FootprintTable;
+use splatline::rules::Rules;
+
+/// A product's right shift, and what rounds it.
+#[derive(Clone, Copy, Debug)]
+struct Shift {
+    by: u32,
+    half: u64,
+}
+
+impl Shift {
+    fn new(by: i32, rounding: Rounding) -> Option<Self> {
+        let by = u32::try_from(by).ok().filter(|by| *by < 64)?;
+        let half = match rounding {
+            Rounding::Nearest => (1 << by) >> 1,
+            Rounding::Truncate => 0,
+        };
+        Some(Shift { by, half })
+    }
+}
+
+/// Everything about the pixel path that is constant for a picture, as numbers.
+#[derive(Clone, Debug)]
+pub struct PathNumbers {
+    widths: Widths,
+    falls: Falls,
+    reach: TableReach,
+    /// Left shift of lanes that have 32 bits.
+    raise: u32,
+    /// Fraction bits of the position within an interval.
+    kept: u32,
+    opacity: Shift,
+    share: Shift,
+    colour: Shift,
+    alpha_max: u32,
+    /// Products of peak and kernel below this are skipped.
+    opacity_min: i64,
+    /// Transmittances below this finish a pixel.
+    stop: i64,
+    pub stop_before: bool,
+}
+
+/// What a footprint's pixels need beside its rows.
+#[derive(Clone, Copy, Debug)]
+pub struct SplatNumbers {
+    /// One past the largest radial index inside, raised.
+    end: i64,
+    peak: u32,
+    colour: [u32; 3],
+}
+
+impl PathNumbers {
+    /// For widths and a table that words can do, in lanes of so many bits.
+    pub fn new(
+        widths: &Widths,
+        rules: &Rules,
+        table: &FootprintTable,
+        lane_bits: u32,
+    ) -> Option<Self> {
+        let constants = Blend::new(widths, rules).constants();
+        let reach = TableReach::new(table, widths, &constants, lane_bits)?;
+        let shift = |by| Shift::new(by, constants.rounding);
+        Some(PathNumbers {
+            widths: *widths,
+            falls: Falls::new(table.entries())?,
+            kept: u32::from(widths.interpolation).min(reach.rest_bits),
+            raise: if reach.deep { 0 } else { 32 },
+            opacity: shift(constants.opacity_shift)?,
+            share: shift(constants.share_shift)?,
+            colour: shift(constants.colour_shift)?,
+            alpha_max: constants.alpha_max,
+            opacity_min: i64::try_from(constants.opacity_min).ok()?,
+            stop: i64::from(constants.stop) + 1,
+            stop_before: constants.stop_before,
+            reach,
+        })
+    }
+
+    /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
+    #[inline(always)]
+    pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+        let end = self.reach.end(footprint.cutoff)?;
+        let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
+        let fits = in_format(footprint.peak, self.widths.peak)
+            && footprint
+                .colour
+                .iter()
+                .all(|c| in_format(*c, self.widths.colour));
+        fits.then(|| SplatNumbers {
+            end: end << self.raise,
+            peak: footprint.peak,
+            colour: footprint.colour,
+        })
+    }
+}
+
+/// The same on vectors.
+#[derive(Clone, Copy)]
+pub struct PixelPath<'a, L: PixelWords, const STOP_BEFORE: bool> {
+    lanes: L,
+    falls: &'a Falls,
+    raise: u32,
+    /// Right shift from a raised radial index to its interval.
+    interval: L::Word,
+    /// Right shift and mask that leave the position within it.
+    position: L::Word,
+    position_mask: L::Word,
+    /// Right shift from an interval's word to its entry.
+    entry: L::Word,
+    kept: L::Word,
+    kept_half: L::Word,
+    opacity: [L::Word; 2],
+    share: [L::Word; 2],
+    colour: [L::Word; 2],
+    alpha_max: L::Word,
+    opacity_min: L::Word,
+    stop: L::Word,
+    mark: L::Word,
+}
+
+/// What is constant for a footprint.
+#[derive(Clone, Copy)]
+pub struct SplatWords<L: PixelWords> {
+    end: L::Word,
+    peak: L::Word,
+    colour: [L::Word; 3],
+    /// k (k - 1) / 2 s and w (w - 1) / 2 s + w k s for pixel k of a vector of w.
+    ahead: [L::Word; 2],
+    /// w^2 s.
+    second: L::Word,
+}
+
+/// Some adjacent pixels of a row: columns of the tile, and lanes not cut to their word yet.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixels {
+    pub x: usize,
+    pub length: usize,
+    pub radial: i64,
+    pub first: i64,
+}
+
+impl Pixels {
+    /// The same without the first `count` pixels.
+    #[inline(always)]
+    pub fn skip(self, count: usize, second: i64) -> Self {
+        let n = count as i64;
+        let moved = n
+            .wrapping_mul(self.first)
+            .wrapping_add((n * (n - 1) / 2).wrapping_mul(second));
+        Pixels {
+            x: self.x + count,
+            length: self.length - count,
+            radial: self.radial.wrapping_add(moved),
+            first: self.first.wrapping_add(n.wrapping_mul(second)),
+        }
+    }
+}
+
+impl<'a, L: PixelWords, const STOP_BEFORE: bool> PixelPath<'a, L, STOP_BEFORE> {
+    /// On these vectors.
+    #[inline(always)]
+    pub fn new(lanes: L, numbers: &'a PathNumbers) -> Self {
+        let word = |value: u64| lanes.wide_splat(value as i64);
+        let shift = |shift: Shift| [word(shift.by.into()), word(shift.half)];
+        let (rest, kept) = (numbers.reach.rest_bits, numbers.kept);
+        PixelPath {
+            lanes,
+            falls: &numbers.falls,
+            raise: numbers.raise,
+            interval: word(u64::from(numbers.raise + rest)),
+            position: word(u64::from(numbers.raise + rest - kept)),
+            position_mask: word((1 << kept) - 1),
+            entry: word(32),
+            kept: word(kept.into()),
+            // Half of a unit less one; an entry that is not interpolated loses nothing.
+            kept_half: word(((1u64 << kept) >> 1).saturating_sub(1)),
+            opacity: shift(numbers.opacity),
+            share: shift(numbers.share),
+            colour: shift(numbers.colour),
+            alpha_max: word(numbers.alpha_max.into()),
+            opacity_min: lanes.wide_splat(numbers.opacity_min),
+            stop: lanes.wide_splat(numbers.stop),
+            mark: word(super::tile::MARK),
+        }
+    }
+
+    /// A footprint's constants, for rows with this second difference.
+    #[inline(always)]
+    pub fn splat(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
+        let lanes = self.lanes;
+        let width = L::WIDE as i64;
+        let second = second << self.raise;
+        let seconds = lanes.wide_splat(second);
+        let pairs: [i64; 8] = [0, 0, 1, 3, 6, 10, 15, 21];
+        let along = lanes.multiples(lanes.wide_splat(second.wrapping_mul(width)));
+        let whole = lanes.wide_splat(second.wrapping_mul(width * (width - 1) / 2));
+        SplatWords {
+            end: lanes.wide_splat(numbers.end),
+            peak: lanes.wide_splat(numbers.peak.into()),
+            colour: [
+                lanes.wide_splat(numbers.colour[0].into()),
+                lanes.wide_splat(numbers.colour[1].into()),
+                lanes.wide_splat(numbers.colour[2].into()),
+            ],
+            ahead: [
+                lanes.wide_mul_whole(lanes.wide_load(&pairs), seconds),
+                lanes.wide_add(whole, along),
+            ],
+            second: lanes.wide_splat(second.wrapping_mul(width * width)),
+        }
+    }
+
+    /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted.
+    #[inline(always)]
+    pub fn paint(
+        &self,
+        splat: &SplatWords<L>,
+        pixels: &Pixels,
+        row: &mut Row,
+        counts: &mut Coverage,
+    ) {
+        let lanes = self.lanes;
+        let first = lanes.wide_splat(pixels.first << self.raise);
+        let start = lanes.wide_splat(pixels.radial << self.raise);
+        let start = lanes.wide_add(start, splat.ahead[0]);
+        let mut radial = lanes.wide_add(start, lanes.multiples(first));
+        let width = lanes.wide_splat((pixels.first << self.raise).wrapping_mul(L::WIDE as i64));
+        let mut difference = lanes.wide_add(width, splat.ahead[1]);
+        let (mut x, mut rest) = (pixels.x, pixels.length);
+        while rest > L::WIDE {
+            let inside = lanes.wide_greater(splat.end, radial);
+            self.blend(splat, radial, inside, x, row, counts);
+            radial = lanes.wide_add(radial, difference);
+            difference = lanes.wide_add(difference, splat.second);
+            x += L::WIDE;
+            rest -= L::WIDE;
+        }
+        let inside = lanes.wide_greater(splat.end, radial);
+        let inside = lanes.both(inside, lanes.first(rest));
+        self.blend(splat, radial, inside, x, row, counts);
+    }
+
+    /// One vector of pixels.
+    #[inline(always)]
+    fn blend(
+        &self,
+        splat: &SplatWords<L>,
+        radial: L::Word,
+        inside: L::Truth,
+        x: usize,
+        row: &mut Row,
+        counts: &mut Coverage,
+    ) {
+        let lanes = self.lanes;
+        // Never changes x; tells the compiler that a vector fits.
+        let x = x % usize::from(TILE[0]);
+        let [plane_of_light, colours @ ..] = row;
+        let light = lanes.read(plane_of_light, x);
+        let live = lanes.except(inside, lanes.marked(light));
+        let flags = lanes.flags(live);
+        let covered = lanes.flags(inside).count_ones();
+        counts.covered += u64::from(covered);
+        counts.finished += u64::from(covered - flags.count_ones());
+        if flags == 0 {
+            return;
+        }
+        let product = lanes.wide_mul_unsigned(splat.peak, self.weight(radial));
+        let product = lanes.keep(product, live);
+        let product = lanes.clear(product, lanes.wide_greater(self.opacity_min, product));
+        let alpha = lanes.min_short(self.rounded(product, self.opacity), self.alpha_max);
+        let share = self.rounded(lanes.wide_mul_unsigned(light, alpha), self.share);
+        let rest = lanes.wide_sub(light, share);
+        let stop = lanes.wide_greater(self.stop, rest);
+        let marks = lanes.keep(self.mark, stop);
+        let (share, after) = if STOP_BEFORE {
+            let share = lanes.clear(share, stop);
+            (share, lanes.wide_sub(light, share))
+        } else {
+            (share, rest)
+        };
+        lanes.write(plane_of_light, x, lanes.join(after, marks));
+        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
+            let layer = self.rounded(lanes.wide_mul_unsigned(share, colour), self.colour);
+            let sum = lanes.wide_add(lanes.read(plane, x), layer);
+            lanes.write(plane, x, sum);
+        }
+    }
+
+    /// A product brought back to its format.
+    #[inline(always)]
+    fn rounded(&self, product: L::Word, [shift, half]: [L::Word; 2]) -> L::Word {
+        let lanes = self.lanes;
+        lanes.wide_shr(lanes.wide_add(product, half), shift)
+    }
+
+    /// The kernel at raised radial indices inside the footprint; anything elsewhere.
+    #[inline(always)]
+    fn weight(&self, radial: L::Word) -> L::Word {
+        let lanes = self.lanes;
+        let radial = lanes.clear(radial, lanes.marked(radial));
+        let interval = lanes.intervals(self.falls, lanes.wide_shr(radial, self.interval));
+        let position = lanes.wide_and(lanes.wide_shr(radial, self.position), self.position_mask);
+        // The product sees the lower half, the fall.
+        let fall = lanes.wide_add(lanes.wide_mul_unsigned(interval, position), self.kept_half);
+        let fall = lanes.wide_shr(fall, self.kept);
+        lanes.wide_sub(lanes.wide_shr(interval, self.entry), fall)
+    }
+}

@@ -1,0 +1,312 @@
+//! Drawing many frames of one scene fast, from a program.
+//!
+//! ```
+//! use splatline_sim::renderer::{Renderer, Settings};
+//! use splatline_sim::rules::Rules;
+//! use splatline_sim::scene::synthetic;
+//!
+//! let scene = synthetic::random_gaussians(1000, 1, 1.0);
+//! let camera = synthetic::camera(160, 120);
+//! let settings = Settings::new(Rules::GAUSSIAN_3D);
+//! let mut renderer = Renderer::new(&scene, &camera, settings).with_threads(2).unwrap();
+//! let mut frame = vec![[0.0f32; 4]; 160 * 120];
+//! for step in 1..4 {
+//!     renderer.set_camera(&camera.zoomed(1.0 + 0.1 * f64::from(step)).unwrap());
+//!     // The callback hears how far the frame is; `false` would cancel it.
+//!     let drawn = renderer.draw_floats(&mut frame, &|_done, _of| true).unwrap();
+//!     assert!(drawn.facts.times.raster > 0.0);
+//! }
+//! ```
+//!
+//! What depends on the scene alone is computed when the renderer is made, what depends on the camera when one is set, and a frame allocates
+//! nothing once the first one has been drawn. Frames are the kernel's, bit for bit, whatever the vectors and threads.
+
+use crate::camera::Camera;
+use crate::design::{DesignChoice, DesignJob};
+use crate::fast::TilePainter;
+use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, FramePlan, Progress};
+use crate::fast::setup::Outcome;
+use crate::fixed::{Engine, Options, QuantisedScene, best_engine, converter, painter, set_up_part};
+use crate::picture::Picture;
+use crate::rules::{Compositing, Rules};
+use crate::scene::{self, LoadError, LoadOptions, Scene};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use splatline::blend::Pixel;
+use splatline::format::{Design, Traversal};
+use splatline::rules as kernel;
+use splatline::splat::VolumeSplat;
+use std::borrow::Borrow;
+use std::path::Path;
+use std::time::Instant;
+
+/// How frames are drawn.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Rules of blending.
+    pub rules: Rules,
+    /// Order and operator.
+    pub compositing: Compositing,
+    /// Widths.
+    pub design: DesignChoice,
+    /// Order of the pixels.
+    pub traversal: Traversal,
+    /// Which implementation draws; all give the same bits.
+    pub engine: Engine,
+    /// Are visited and covered pixels counted? If not, finished ones may be left out, and the counts are anything.
+    pub counts: bool,
+}
+
+impl Settings {
+    /// `standard24` along spans, front to back, by the best vectors of this processor.
+    pub fn new(rules: Rules) -> Self {
+        let Some(design) = DesignChoice::named("standard24") else {
+            unreachable!("standard24 is a named design")
+        };
+        Settings {
+            rules,
+            compositing: Compositing::FrontToBack,
+            traversal: design.traversal,
+            design,
+            engine: best_engine(),
+            counts: false,
+        }
+    }
+
+    fn options(&self) -> Options<'_> {
+        Options {
+            rules: &self.rules,
+            compositing: self.compositing,
+            design: &self.design,
+            traversal: self.traversal,
+        }
+    }
+}
+
+/// Why there is no frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DrawError {
+    /// The caller's memory is not the camera's picture.
+    #[error(
+        "the frame has {pixels} pixels, but the camera's picture {columns} x {rows}: give a slice of as many"
+    )]
+    Size {
+        /// Pixels of the slice.
+        pixels: usize,
+        /// Columns of the camera's picture.
+        columns: usize,
+        /// Its rows.
+        rows: usize,
+    },
+    /// The callback wanted no more of it.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// What a frame did beside its pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// Splats culled, pixels covered, and times of the stages.
+    pub facts: FrameFacts,
+    /// Seconds that bringing the pixels into the caller's memory took.
+    pub convert: f64,
+}
+
+/// A scene, loaded and quantised, with all that its frames need. The scene may be borrowed or owned.
+pub struct Renderer<S = Scene> {
+    scene: S,
+    settings: Settings,
+    quantised: QuantisedScene,
+    /// The kernel's statement of the rules.
+    rules: kernel::Rules,
+    painter: Box<dyn TilePainter>,
+    memory: FrameMemory,
+    /// The renderer's own threads; the caller's if it has none.
+    pool: Option<ThreadPool>,
+    size: [usize; 2],
+}
+
+impl Renderer<Scene> {
+    /// A scene from a file, under the rules that are natural for its kind, seen by `camera`.
+    pub fn load(path: &Path, camera: &Camera) -> Result<Self, LoadError> {
+        let scene = scene::load(path, &LoadOptions::default())?;
+        let settings = Settings::new(scene.natural_rules);
+        Ok(Renderer::new(scene, camera, settings))
+    }
+}
+
+impl<S: Borrow<Scene>> Renderer<S> {
+    /// A scene seen by `camera`. Frames are drawn by the rayon pool that they are asked for in, unless the renderer is given threads of its own.
+    pub fn new(scene: S, camera: &Camera, settings: Settings) -> Self {
+        let quantised = QuantisedScene::new(scene.borrow(), camera, &settings.rules);
+        let rules = quantised.rules(&settings.rules);
+        let job = PainterJob(&rules, &settings);
+        Renderer {
+            painter: settings.design.dispatch(job),
+            scene,
+            quantised,
+            rules,
+            memory: FrameMemory::default(),
+            pool: None,
+            size: [camera.width, camera.height],
+            settings,
+        }
+    }
+
+    /// The same with so many threads of its own.
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, ThreadPoolBuildError> {
+        let pool = ThreadPoolBuilder::new()
+            .num_threads(threads.max(1))
+            .build()?;
+        self.pool = Some(pool);
+        Ok(self)
+    }
+
+    /// Looks from elsewhere. Only what depends on the view is computed again: the view, and colours that depend on it.
+    pub fn set_camera(&mut self, camera: &Camera) {
+        self.size = [camera.width, camera.height];
+        self.quantised.set_camera(self.scene.borrow(), camera);
+    }
+
+    /// The scene in the kernel's formats.
+    pub fn quantised(&self) -> &QuantisedScene {
+        &self.quantised
+    }
+
+    /// What setup made of every splat of the last frame, in the scene's order.
+    pub fn outcomes(&self) -> &[Outcome] {
+        self.memory.outcomes()
+    }
+
+    /// The same, to keep when the last frame has been drawn.
+    pub fn into_outcomes(self) -> Vec<Outcome> {
+        self.memory.into_outcomes()
+    }
+
+    /// Bytes held for splats and frames, without the scene itself.
+    pub fn bytes(&self) -> usize {
+        self.memory.bytes() + self.quantised.splats.capacity() * size_of::<VolumeSplat>()
+    }
+
+    /// Draws a frame of the kernel's pixels, row by row.
+    pub fn draw(&mut self, frame: &mut [Pixel], progress: &Progress) -> Result<Drawn, DrawError> {
+        self.draw_as(frame, progress, |pixel| *pixel)
+    }
+
+    /// Draws a frame in single precision: red, green, blue, premultiplied, and opacity.
+    pub fn draw_floats(
+        &mut self,
+        frame: &mut [[f32; 4]],
+        progress: &Progress,
+    ) -> Result<Drawn, DrawError> {
+        let convert = converter(&self.settings.design.widths, self.quantised.colour_log2);
+        let convert = move |pixel: &Pixel| convert(pixel).map(|value| value as f32);
+        self.draw_as(frame, progress, convert)
+    }
+
+    /// Draws a picture in double precision; one of another size is replaced.
+    pub fn draw_picture(
+        &mut self,
+        picture: &mut Picture,
+        progress: &Progress,
+    ) -> Result<Drawn, DrawError> {
+        let [width, height] = self.size;
+        if [picture.width, picture.height] != self.size {
+            *picture = Picture::new(width, height);
+        }
+        let convert = converter(&self.settings.design.widths, self.quantised.colour_log2);
+        self.draw_as(&mut picture.pixels, progress, convert)
+    }
+
+    fn draw_as<T: Send>(
+        &mut self,
+        frame: &mut [T],
+        progress: &Progress,
+        convert: impl Fn(&Pixel) -> T + Send + Sync,
+    ) -> Result<Drawn, DrawError> {
+        let [columns, rows] = self.size;
+        let pixels = frame.len();
+        if pixels != columns * rows {
+            return Err(DrawError::Size {
+                pixels,
+                columns,
+                rows,
+            });
+        }
+        let Renderer {
+            settings,
+            quantised: QuantisedScene { view, splats, .. },
+            rules,
+            painter,
+            memory,
+            pool,
+            ..
+        } = self;
+        let painter = &**painter;
+        let work = || {
+            let job = FrameJob {
+                splats,
+                memory,
+                plan: FramePlan {
+                    viewport: view.viewport,
+                    back_to_front: settings.compositing == Compositing::BackToFront,
+                    set_up: &|_, _| {},
+                    painter,
+                    progress,
+                },
+                view,
+                rules,
+                engine: settings.engine,
+            };
+            let facts = settings.design.dispatch(job)?;
+            let started = Instant::now();
+            memory.copy(frame, convert);
+            let convert = started.elapsed().as_secs_f64();
+            Ok(Drawn { facts, convert })
+        };
+        match pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
+
+struct PainterJob<'a>(&'a kernel::Rules, &'a Settings);
+
+impl DesignJob for PainterJob<'_> {
+    type Output = Box<dyn TilePainter>;
+
+    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Box<dyn TilePainter> {
+        let Settings { engine, counts, .. } = *self.1;
+        painter(design, self.0, &self.1.options(), engine, counts)
+    }
+}
+
+/// A frame whose setup depends on the design's type.
+struct FrameJob<'a> {
+    splats: &'a [VolumeSplat],
+    memory: &'a mut FrameMemory,
+    plan: FramePlan<'a>,
+    view: &'a splatline::view::View,
+    rules: &'a kernel::Rules,
+    engine: Engine,
+}
+
+impl DesignJob for FrameJob<'_> {
+    type Output = Result<FrameFacts, Cancelled>;
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+        let FrameJob {
+            splats,
+            memory,
+            plan,
+            view,
+            rules,
+            engine,
+        } = self;
+        let set_up = |splats: &[VolumeSplat], outcomes: &mut [Outcome]| {
+            set_up_part(design, view, rules, engine, (splats, outcomes));
+        };
+        let set_up = &set_up;
+        memory.draw(splats, &FramePlan { set_up, ..plan })
+    }
+}

@@ -1,0 +1,93 @@
+//! Frames of a renderer allocate nothing once their memory is there, whatever paints them.
+
+use rayon::ThreadPoolBuilder;
+use splatline_sim::design::{DesignChoice, NAMES};
+use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fixed::Engine;
+use splatline_sim::renderer::{Renderer, Settings};
+use splatline_sim::rules::Rules;
+use splatline_sim::scene::synthetic;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+thread_local! {
+    /// Allocations of this thread: other tests run at the same time.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
+
+/// The system's allocator, which counts.
+struct Counting;
+
+// SAFETY: everything is left to the system's allocator.
+#[allow(unsafe_code)]
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(memory, layout) }
+    }
+
+    unsafe fn realloc(&self, memory: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        let _ = COUNT.try_with(|count| count.set(count.get() + 1));
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(memory, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn frames_after_the_first_walk_along_a_path_allocate_nothing() {
+    let scene = synthetic::random_gaussians(5_000, 1, 2.0);
+    let cameras = [1.0, 1.3, 1.1].map(|zoom| synthetic::camera(301, 203).zoomed(zoom).unwrap());
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for (design, choice) in NAMES
+        .iter()
+        .flat_map(|name| [Choice::Best, Choice::Eight].map(|choice| (*name, choice)))
+    {
+        let settings = Settings {
+            design: DesignChoice::named(design).unwrap(),
+            engine: Engine::Vectors(choice),
+            ..Settings::new(Rules::GAUSSIAN_3D)
+        };
+        let mut renderer = Renderer::new(&scene, &cameras[0], settings);
+        let mut frame = vec![[0.0f32; 4]; 301 * 203];
+        let mut walk = || {
+            for camera in &cameras {
+                renderer.set_camera(camera);
+                renderer.draw_floats(&mut frame, &|_, _| true).unwrap();
+            }
+            COUNT.get()
+        };
+        // Both walks by the pool's thread, so that it counts all of them.
+        let [first, second] = pool.install(|| [walk(), walk()]);
+        assert_eq!(second - first, 0, "{design} on {choice:?}");
+    }
+}
+
+#[test]
+fn a_cancelled_frame_is_an_error_and_the_next_one_is_whole() {
+    let scene = synthetic::random_gaussians(3_000, 1, 2.0);
+    let camera = synthetic::camera(301, 203);
+    let settings = Settings::new(Rules::GAUSSIAN_3D);
+    let mut renderer = Renderer::new(&scene, &camera, settings)
+        .with_threads(2)
+        .unwrap();
+    let mut expected = vec![[0.0f32; 4]; 301 * 203];
+    renderer.draw_floats(&mut expected, &|_, _| true).unwrap();
+    let mut frame = vec![[0.0f32; 4]; 301 * 203];
+    let cancelled = renderer.draw_floats(&mut frame, &|done, _| done < 3);
+    assert_eq!(cancelled.unwrap_err().to_string(), "drawing was cancelled");
+    assert!(frame.iter().all(|pixel| *pixel == [0.0; 4]));
+    renderer.draw_floats(&mut frame, &|_, _| true).unwrap();
+    assert!(frame == expected);
+    let short = renderer.draw_floats(&mut frame[1..], &|_, _| true);
+    let message = short.unwrap_err().to_string();
+    assert!(message.contains("301 x 203"), "{message}");
+}
