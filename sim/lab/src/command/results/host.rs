@@ -179,11 +179,10 @@ fn subjects(data: &Path) -> Result<Vec<Subject>> {
     Ok(subjects)
 }
 
-/// What a frame took, and its picture if asked for; covered and finished pixels of the kernel.
+/// What a frame took, and its picture if asked for.
 struct Drawn {
     frame: Frame,
     picture: Option<Picture>,
-    counts: Option<[u64; 2]>,
 }
 
 /// One frame by one engine.
@@ -202,7 +201,6 @@ fn draw(
         Contender::Kernel(renderer) => {
             let drawn = renderer.draw_floats(pixels, &|_, _| true)?;
             let total = started.elapsed().as_secs_f64();
-            let coverage = drawn.facts.coverage;
             let mut picture = keep.then(|| Picture::new(0, 0));
             if let Some(picture) = &mut picture {
                 renderer.draw_picture(picture, &|_, _| true)?;
@@ -213,7 +211,6 @@ fn draw(
                     total,
                 },
                 picture,
-                counts: Some([coverage.covered, coverage.finished]),
             });
         }
     };
@@ -224,8 +221,19 @@ fn draw(
             total,
         },
         picture: keep.then(|| drawing.picture(floats.viewport)),
-        counts: None,
     })
+}
+
+/// Pixels that the scene covers, and those of them that had finished: what is timed need not count them.
+fn count_pixels(subject: &Subject, choice: Choice, pixels: &mut [[f32; 4]]) -> Result<[u64; 2]> {
+    let settings = Settings {
+        engine: Engine::Vectors(choice),
+        counts: true,
+        ..Settings::new(subject.rules)
+    };
+    let mut renderer = Renderer::new(&subject.scene, &subject.camera, settings);
+    let coverage = renderer.draw_floats(pixels, &|_, _| true)?.facts.coverage;
+    Ok([coverage.covered, coverage.finished])
 }
 
 fn measure(subject: &Subject, choice: Choice) -> Result<Measured> {
@@ -239,11 +247,10 @@ fn measure(subject: &Subject, choice: Choice) -> Result<Measured> {
     let reference = float::draw(scene, camera, rules, Compositing::FrontToBack).picture;
     let mut contenders = contenders(subject, choice);
     let mut pixels = vec![[0.0; 4]; SIZE * SIZE];
-    let (mut runs, mut counts) = (Vec::new(), [0; 2]);
+    let mut runs = Vec::new();
     for (name, contender) in &mut contenders {
         let drawn = draw(contender, &floats, choice, &mut pixels, true)?;
         let picture = drawn.picture.context("no picture was kept")?;
-        counts = drawn.counts.unwrap_or(counts);
         runs.push(Runs {
             name,
             one: Vec::new(),
@@ -267,7 +274,7 @@ fn measure(subject: &Subject, choice: Choice) -> Result<Measured> {
             Ok(())
         })??;
     }
-    let [covered, finished] = counts;
+    let [covered, finished] = count_pixels(subject, choice, &mut pixels)?;
     Ok(Measured {
         name,
         // A tenth of the splats leaves half of the frame to what does not depend on them.
