@@ -5,11 +5,11 @@
 
 use divan::Bencher;
 use rayon::ThreadPoolBuilder;
-use splatline_lab::baseline::scene::Reach;
+use splatline_lab::baseline::scene::BoxExtent;
 use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::fixed::Engine;
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::Rules;
@@ -55,21 +55,21 @@ fn floats(name: &str) -> Option<FloatScene> {
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn baseline_boxes(bencher: Bencher, what: &str) {
     if let Some(floats) = floats(what) {
-        bencher.bench(|| boxes::draw(&floats, Reach::Sigmas, Choice::Eight));
+        bencher.bench(|| boxes::draw(&floats, BoxExtent::Sigmas, VectorLevel::Avx2));
     }
 }
 
 #[divan::bench(args = SCENES, sample_count = 3)]
 fn baseline_textbook(bencher: Bencher, what: &str) {
     if let Some(floats) = floats(what) {
-        bencher.bench(|| textbook::draw(&floats, Reach::Sigmas));
+        bencher.bench(|| textbook::draw(&floats, BoxExtent::Sigmas));
     }
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn baseline_spans(bencher: Bencher, what: &str) {
     if let Some(floats) = floats(what) {
-        bencher.bench(|| spans::draw(&floats, Choice::Best));
+        bencher.bench(|| spans::draw(&floats, VectorLevel::Best));
     }
 }
 
@@ -89,17 +89,27 @@ fn kernel(bencher: Bencher, what: &str, design: &str, engine: Engine) {
 
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn lean18(bencher: Bencher, what: &str) {
-    kernel(bencher, what, "lean18", Engine::Vectors(Choice::Best));
+    kernel(bencher, what, "lean18", Engine::Vectors(VectorLevel::Best));
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn standard24(bencher: Bencher, what: &str) {
-    kernel(bencher, what, "standard24", Engine::Vectors(Choice::Best));
+    kernel(
+        bencher,
+        what,
+        "standard24",
+        Engine::Vectors(VectorLevel::Best),
+    );
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn standard24_eight_words(bencher: Bencher, what: &str) {
-    kernel(bencher, what, "standard24", Engine::Vectors(Choice::Eight));
+    kernel(
+        bencher,
+        what,
+        "standard24",
+        Engine::Vectors(VectorLevel::Avx2),
+    );
 }
 
 #[divan::bench(args = SCENES, sample_count = 5)]
@@ -108,7 +118,7 @@ fn standard24_arrays(bencher: Bencher, what: &str) {
         bencher,
         what,
         "standard24",
-        Engine::Vectors(Choice::Portable),
+        Engine::Vectors(VectorLevel::Portable),
     );
 }
 

@@ -5,7 +5,7 @@
 //! `RUSTFLAGS="-C target-cpu=native"` they have all of the processor's. docs/host-speed.md says what follows.
 
 use divan::Bencher;
-use splatline_sim::fast::lanes::{Choice, Drop, Floats, Job, dispatch};
+use splatline_sim::fast::lanes::{Floats, ProductShift, VectorLevel, VectorTask, dispatch};
 use wide::u32x8;
 
 /// Pixels, few enough for the first-level cache.
@@ -74,15 +74,15 @@ impl Planes {
     }
 
     fn by_arrays(&mut self) {
-        dispatch(Choice::Portable, OnLanes(self));
+        dispatch(VectorLevel::Portable, OnLanes(self));
     }
 
     fn by_eight(&mut self) {
-        dispatch(Choice::Eight, OnLanes(self));
+        dispatch(VectorLevel::Avx2, OnLanes(self));
     }
 
     fn by_best(&mut self) {
-        dispatch(Choice::Best, OnLanes(self));
+        dispatch(VectorLevel::Best, OnLanes(self));
     }
 
     fn by_crate(&mut self) {
@@ -111,12 +111,12 @@ fn wide_product(a: u32x8, b: u32x8, shift: u32) -> u32x8 {
 
 struct OnLanes<'a>(&'a mut Planes);
 
-impl Job for OnLanes<'_> {
+impl VectorTask for OnLanes<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Floats>(self, lanes: L) {
-        let drop = |shift: u32| Drop {
+        let drop = |shift: u32| ProductShift {
             shift,
             half: 1 << (shift - 1),
             narrow: false,

@@ -5,7 +5,7 @@ use super::values::{
     COMPOSITINGS, Colour, DesignName, ENGINES, POINTS, TraversalChoice, at_least_one, colour,
     depth, one_of,
 };
-use crate::fast::lanes::Choice;
+use crate::fast::lanes::VectorLevel;
 use crate::hybrid::Points;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Engine};
@@ -68,8 +68,8 @@ pub struct DrawingOptions {
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub threads: Option<usize>,
     /// Vectors of the engine fixed: avx2, avx512 or portable; the picture is the same [default: the best of this processor]
-    #[arg(long, value_name = "LEVEL", value_parser = <Choice as FromStr>::from_str)]
-    pub vectors: Option<Choice>,
+    #[arg(long, value_name = "LEVEL", value_parser = <VectorLevel as FromStr>::from_str)]
+    pub vectors: Option<VectorLevel>,
     /// Draw N times and report median times
     #[arg(long, value_name = "N", default_value = "1", value_parser = at_least_one)]
     pub repeat: usize,

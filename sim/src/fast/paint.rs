@@ -1,7 +1,7 @@
 //! What paints a tile: cells of fused or short products, words of 64 bits, or the kernel's own painter, by what processor and design allow.
 
 use super::cells::{FusedPainter, NarrowPainter, Tiles};
-use super::lanes::Choice;
+use super::lanes::VectorLevel;
 use super::words::{WordPainter, WordTile};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
@@ -76,7 +76,7 @@ pub fn tile_painter<D: Design + Send + Sync + 'static>(
     rules: &Rules,
     order: Compositing,
     traversal: Traversal,
-    choice: Option<Choice>,
+    choice: Option<VectorLevel>,
     counts: bool,
 ) -> Box<dyn TilePainter> {
     let usual = (order, traversal) == (Compositing::FrontToBack, Traversal::Spans);
@@ -97,7 +97,7 @@ pub fn tile_painter<D: Design + Send + Sync + 'static>(
 fn on_vectors<D: Design + Send + Sync + 'static>(
     design: D,
     rules: &Rules,
-    choice: Choice,
+    choice: VectorLevel,
     counts: bool,
 ) -> Option<Box<dyn TilePainter>> {
     if let Some(painter) = NarrowPainter::new(design, rules, choice) {

@@ -2,7 +2,7 @@
 
 use super::TILE;
 use super::cells::{FusedPainter, NarrowPainter};
-use super::lanes::Choice;
+use super::lanes::VectorLevel;
 use super::paint::{Scratch, TilePainter};
 use super::words::WordPainter;
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
@@ -212,10 +212,10 @@ fn agree(
         expected += scalar.draw(footprint, &mut target);
     }
     for (choice, counts) in [
-        (Choice::Eight, true),
-        (Choice::Eight, false),
-        (Choice::Portable, true),
-        (Choice::Portable, false),
+        (VectorLevel::Avx2, true),
+        (VectorLevel::Avx2, false),
+        (VectorLevel::Portable, true),
+        (VectorLevel::Portable, false),
     ] {
         let Some(painter) = WordPainter::new(Narrow(widths), rules, choice, counts) else {
             return false;

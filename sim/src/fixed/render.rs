@@ -7,7 +7,7 @@ use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
 pub use crate::fast::frame::Times;
 use crate::fast::frame::{FrameMemory, FramePlan};
-use crate::fast::lanes::{Choice, has_vectors};
+use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
 use crate::fast::{TilePainter, tile_painter};
 use crate::picture::Picture;
@@ -29,13 +29,13 @@ pub enum Engine {
     /// The kernel's scalar painter, which is the definition.
     Scalar,
     /// Vectors where they can, else the scalar painter.
-    Vectors(Choice),
+    Vectors(VectorLevel),
 }
 
 /// What draws unless something else is asked for.
 pub fn best_engine() -> Engine {
     if has_vectors() {
-        Engine::Vectors(Choice::Best)
+        Engine::Vectors(VectorLevel::Best)
     } else {
         Engine::Scalar
     }

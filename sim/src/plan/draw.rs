@@ -2,7 +2,7 @@
 
 use super::{Engine, Entry, Prepared, Splats, Subject};
 use crate::camera::Camera;
-use crate::fast::lanes::Choice;
+use crate::fast::lanes::VectorLevel;
 use crate::fixed;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions};
 use crate::hybrid::Hybrid;
@@ -81,7 +81,11 @@ impl Prepared {
     }
 
     /// What draws through the kernel again and again: the scene in its formats.
-    pub fn kernel<'a>(&'a self, entry: &'a Entry, vectors: Option<Choice>) -> Result<Kernel<'a>> {
+    pub fn kernel<'a>(
+        &'a self,
+        entry: &'a Entry,
+        vectors: Option<VectorLevel>,
+    ) -> Result<Kernel<'a>> {
         let engine = vectors.map_or(fixed::best_engine(), fixed::Engine::Vectors);
         Ok(match self.subject()? {
             Subject::Splats(splats) => match splats.hybrid {

@@ -5,7 +5,7 @@ use super::record::{report_of_drawing, report_of_entry};
 use super::{Drawing, Engine, Entry, Prepared};
 use crate::atomic;
 use crate::design::DesignChoice;
-use crate::fast::lanes::Choice;
+use crate::fast::lanes::VectorLevel;
 use crate::machine::Timing;
 use crate::metrics::{Errors, compare};
 use crate::picture::{Backdrop, Depth, Picture};
@@ -26,7 +26,7 @@ pub struct Effort {
     /// How often each is drawn; the times are medians.
     pub repeat: usize,
     /// Vectors of the engine `fixed`; the processor's best if none are named.
-    pub vectors: Option<Choice>,
+    pub vectors: Option<VectorLevel>,
 }
 
 impl Effort {

@@ -2,7 +2,7 @@
 
 use rayon::ThreadPoolBuilder;
 use splatline_sim::design::{DesignChoice, NAMES};
-use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::fixed::Engine;
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::Rules;
@@ -49,7 +49,7 @@ fn frames_after_the_first_walk_along_a_path_allocate_nothing() {
     let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for (design, choice) in NAMES
         .iter()
-        .flat_map(|name| [Choice::Best, Choice::Eight].map(|choice| (*name, choice)))
+        .flat_map(|name| [VectorLevel::Best, VectorLevel::Avx2].map(|choice| (*name, choice)))
     {
         let settings = Settings {
             design: DesignChoice::named(design).unwrap(),

@@ -2,7 +2,7 @@
 
 use splatline_sim::camera::Camera;
 use splatline_sim::design::{DesignChoice, NAMES};
-use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::fixed::{Engine, Options, QuantisedScene, draw_quantised};
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::{Compositing, Rules};
@@ -22,7 +22,7 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
             let quantised = QuantisedScene::new(scene, camera, &rules);
             let (scalar, scalar_setup) =
                 draw_quantised(&quantised, camera, &options, Engine::Scalar);
-            for choice in [Choice::Best, Choice::Eight, Choice::Portable] {
+            for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
                 let engine = Engine::Vectors(choice);
                 let (fast, fast_setup) = draw_quantised(&quantised, camera, &options, engine);
                 let what = format!("{name}, {}, {}, {choice:?}", rules.name, design.name);
@@ -64,8 +64,12 @@ fn the_front_door_draws_what_the_host_draws() {
             traversal: Traversal::Spans,
         };
         let quantised = QuantisedScene::new(&scene, &camera, rules);
-        let (host, _) =
-            draw_quantised(&quantised, &camera, &options, Engine::Vectors(Choice::Best));
+        let (host, _) = draw_quantised(
+            &quantised,
+            &camera,
+            &options,
+            Engine::Vectors(VectorLevel::Best),
+        );
         let (view, what) = (&quantised.view, format!("{}, {order:?}", rules.name));
         let renderer = Renderer::with_rules(Standard24, quantised.rules(rules)).unwrap();
         let renderer = renderer.with_compositing(order);
@@ -112,7 +116,7 @@ fn uncounted(
     camera: &Camera,
     rules: &Rules,
     design: &DesignChoice,
-    choice: Choice,
+    choice: VectorLevel,
 ) -> Vec<splatline::Pixel> {
     let settings = Settings {
         design: design.clone(),

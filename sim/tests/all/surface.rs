@@ -379,7 +379,7 @@ fn scanned_clouds_load() {
 /// Setup on vectors is the kernel's: whole drawings, word for word, with backs and without, at an eye near enough to cull some points.
 #[test]
 fn surfaces_set_up_by_vectors_are_the_kernels() {
-    use splatline_sim::fast::lanes::Choice;
+    use splatline_sim::fast::lanes::VectorLevel;
     use splatline_sim::fixed::Engine;
     use splatline_sim::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
     let scene = ball_and_sheet();
@@ -407,7 +407,7 @@ fn surfaces_set_up_by_vectors_are_the_kernels() {
                 draw_quantised(&points, &scene, &camera, &options)
             };
             let expected = draw(Engine::Scalar);
-            for choice in [Choice::Best, Choice::Eight] {
+            for choice in [VectorLevel::Best, VectorLevel::Avx2] {
                 let drawn = draw(Engine::Vectors(choice));
                 let what = format!("{name}, {choice:?}");
                 assert!(drawn.pixels == expected.pixels, "{what}");

@@ -2,18 +2,18 @@
 //!
 //! Bounding boxes of three sigmas and 16 x 16 tiles as in [`textbook`](super::textbook), and everything that makes the fastest of them fast: splats are
 //! binned by counting and sorted by integer keys tile by tile, a row's pixels are vectors chosen at run time, everything that is constant
-//! along a row is computed once, pixels beyond the cut-off never reach the exponential, which is an integer trick with a parabola and no
+//! along a row is computed once, pixels beyond the cut-off never extent the exponential, which is an integer trick with a parabola and no
 //! more accurate than eight bits of colour need, and a tile is left when its pixels have finished.
 //!
 //! What makes the kernel's engine fast is not in it: spans instead of boxes, large tiles, rows in vectors.
 
 use super::FloatDrawing;
-use super::scene::{FloatFootprint, FloatScene, Reach};
+use super::scene::{BoxExtent, FloatFootprint, FloatScene};
 use super::spans::keys;
 use rayon::prelude::*;
 use splatline::blend::FINISHED;
 use splatline::raster::Window;
-use splatline_sim::fast::lanes::{Choice, Floats, Job, dispatch, prefetch};
+use splatline_sim::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch, prefetch};
 use splatline_sim::fast::order::{Grid, Key, tile_lists};
 use splatline_sim::fixed::Times;
 use std::time::Instant;
@@ -33,9 +33,9 @@ const AHEAD: usize = 4;
 type Row = [[u32; COLUMNS]; 4];
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &FloatScene, reach: Reach, choice: Choice) -> FloatDrawing {
+pub fn draw(scene: &FloatScene, extent: BoxExtent, choice: VectorLevel) -> FloatDrawing {
     let started = Instant::now();
-    let footprints = scene.footprints(reach);
+    let footprints = scene.footprints(extent);
     let set_up_at = started.elapsed().as_secs_f64();
     let grid = Grid::new(scene.viewport, [TILE; 2]);
     let part = footprints
@@ -67,7 +67,7 @@ fn raster(
     grid: &Grid,
     footprints: &[Option<FloatFootprint>],
     lists: &[Vec<u32>],
-    choice: Choice,
+    choice: VectorLevel,
 ) -> Vec<[f32; 4]> {
     let [width, height] = scene.viewport.map(usize::from);
     let mut frame = vec![[0.0, 0.0, 0.0, 1.0]; width * height];
@@ -125,7 +125,7 @@ struct Painting<'a> {
     list: &'a [u32],
 }
 
-impl Job for Painting<'_> {
+impl VectorTask for Painting<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -137,7 +137,7 @@ impl Job for Painting<'_> {
             footprints,
             list,
         } = self;
-        let path = PixelPath::new(lanes, scene);
+        let path = PixelMethod::new(lanes, scene);
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
                 if let Some(next) = part.get(number + AHEAD) {
@@ -155,7 +155,7 @@ impl Job for Painting<'_> {
 }
 
 /// What is constant for a picture, on vectors.
-struct PixelPath<L: Floats> {
+struct PixelMethod<L: Floats> {
     lanes: L,
     iota: L::Words,
     alpha_max: L::Words,
@@ -172,10 +172,10 @@ struct SplatConstants<L: Floats> {
     colour: [L::Words; 3],
 }
 
-impl<L: Floats> PixelPath<L> {
+impl<L: Floats> PixelMethod<L> {
     #[inline(always)]
     fn new(lanes: L, scene: &FloatScene) -> Self {
-        PixelPath {
+        PixelMethod {
             lanes,
             iota: lanes.to_float(lanes.iota()),
             alpha_max: lanes.splat(scene.alpha_max.to_bits()),

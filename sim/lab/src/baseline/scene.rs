@@ -49,7 +49,7 @@ pub struct FloatScene {
 
 /// How far a splat's bounding box reaches.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reach {
+pub enum BoxExtent {
     /// The square of three sigmas of the longer axis (or of the rules' cut-off, where that is nearer), rounded up: the reference
     /// implementation of 3D Gaussian splatting and most that follow it.
     Sigmas,
@@ -131,15 +131,15 @@ impl FloatScene {
     }
 
     /// Footprints of all splats, in the scene's order, side by side on all cores.
-    pub fn footprints(&self, reach: Reach) -> Vec<Option<FloatFootprint>> {
+    pub fn footprints(&self, extent: BoxExtent) -> Vec<Option<FloatFootprint>> {
         self.splats
             .par_iter()
-            .map(|splat| self.footprint(splat, reach))
+            .map(|splat| self.footprint(splat, extent))
             .collect()
     }
 
     /// Projects one splat; `None` if nothing of it is seen.
-    fn footprint(&self, splat: &FloatSplat, reach: Reach) -> Option<FloatFootprint> {
+    fn footprint(&self, splat: &FloatSplat, extent: BoxExtent) -> Option<FloatFootprint> {
         let [x, y, z] =
             [0, 1, 2].map(|row| dot(self.rotation[row], splat.centre) + self.translation[row]);
         if z <= self.near || z >= self.far {
@@ -182,9 +182,9 @@ impl FloatScene {
             return None;
         }
         let centre = [0, 1].map(|axis| self.focal[axis] * slope[axis] + self.principal[axis]);
-        let extent = match reach {
-            Reach::Cutoff => [(cutoff * xx).sqrt(), (cutoff * yy).sqrt()],
-            Reach::Sigmas => {
+        let extent = match extent {
+            BoxExtent::Cutoff => [(cutoff * xx).sqrt(), (cutoff * yy).sqrt()],
+            BoxExtent::Sigmas => {
                 let mean = 0.5 * (xx + yy);
                 let largest = mean + (mean * mean - determinant).max(0.1).sqrt();
                 let end = self.cutoff.min(9.0);

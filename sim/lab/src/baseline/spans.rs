@@ -4,10 +4,10 @@
 //! product, a fused product), `exp` is a polynomial of degree 5 on the fraction of the exponent, and colours are fused products.
 
 use super::FloatDrawing;
-use super::scene::{FloatFootprint, FloatScene, Reach, depth_key};
+use super::scene::{BoxExtent, FloatFootprint, FloatScene, depth_key};
 use rayon::prelude::*;
 use splatline::blend::{FINISHED, Pixel};
-use splatline_sim::fast::lanes::{Choice, Floats, Job, dispatch};
+use splatline_sim::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
 use splatline_sim::fast::order::{Grid, Key, tile_lists};
 use splatline_sim::fast::tile::{TILE, Tile, TileRow};
 use splatline_sim::fixed::Times;
@@ -17,9 +17,9 @@ use std::time::Instant;
 const CHECK_INTERVAL: usize = 64;
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &FloatScene, choice: Choice) -> FloatDrawing {
+pub fn draw(scene: &FloatScene, choice: VectorLevel) -> FloatDrawing {
     let started = Instant::now();
-    let footprints = scene.footprints(Reach::Cutoff);
+    let footprints = scene.footprints(BoxExtent::Cutoff);
     let set_up_at = started.elapsed().as_secs_f64();
     let grid = Grid::new(scene.viewport, TILE);
     let part = footprints
@@ -65,7 +65,7 @@ fn raster(
     grid: &Grid,
     footprints: &[Option<FloatFootprint>],
     lists: &[Vec<u32>],
-    choice: Choice,
+    choice: VectorLevel,
 ) -> Vec<[f32; 4]> {
     let [width, height] = scene.viewport.map(usize::from);
     let mut frame = vec![[0.0, 0.0, 0.0, 1.0]; width * height];
@@ -105,7 +105,7 @@ struct Painting<'a> {
     list: &'a [u32],
 }
 
-impl Job for Painting<'_> {
+impl VectorTask for Painting<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -116,7 +116,7 @@ impl Job for Painting<'_> {
             footprints,
             list,
         } = self;
-        let path = PixelPath::new(lanes, scene);
+        let path = PixelMethod::new(lanes, scene);
         for part in list.chunks(CHECK_INTERVAL) {
             for index in part {
                 let Some(footprint) = &footprints[*index as usize] else {
@@ -136,7 +136,7 @@ impl Job for Painting<'_> {
 }
 
 /// What is constant for a picture, on vectors.
-struct PixelPath<L: Floats> {
+struct PixelMethod<L: Floats> {
     lanes: L,
     iota: L::Words,
     alpha_max: L::Words,
@@ -146,17 +146,17 @@ struct PixelPath<L: Floats> {
 }
 
 /// What is constant for a footprint.
-struct Brush<L: Floats> {
+struct SplatConstants<L: Floats> {
     curvature: L::Words,
     cutoff: L::Words,
     peak: L::Words,
     colour: [L::Words; 3],
 }
 
-impl<L: Floats> PixelPath<L> {
+impl<L: Floats> PixelMethod<L> {
     #[inline(always)]
     fn new(lanes: L, scene: &FloatScene) -> Self {
-        PixelPath {
+        PixelMethod {
             lanes,
             iota: lanes.to_float(lanes.iota()),
             alpha_max: lanes.splat(scene.alpha_max.to_bits()),
@@ -178,7 +178,7 @@ impl<L: Floats> PixelPath<L> {
         let (slope, stretch) = (xy / yy, 1.0 / yy);
         let spread = (xx * yy - xy * xy) * stretch;
         let [r, g, b] = footprint.colour;
-        let brush = Brush {
+        let splat = SplatConstants {
             curvature: lanes.splat(curvature.to_bits()),
             cutoff: lanes.splat(footprint.cutoff.to_bits()),
             peak: lanes.splat(footprint.peak.to_bits()),
@@ -204,7 +204,7 @@ impl<L: Floats> PixelPath<L> {
                 let x = low as u16 - window.first[0];
                 let length = (high - low) as u16;
                 let run = (low - centre, vertical);
-                self.paint::<STOP_BEFORE>(&brush, run, x, length, tile.row(y));
+                self.paint::<STOP_BEFORE>(&splat, run, x, length, tile.row(y));
             }
         }
     }
@@ -213,7 +213,7 @@ impl<L: Floats> PixelPath<L> {
     #[inline(always)]
     fn paint<const STOP_BEFORE: bool>(
         &self,
-        brush: &Brush<L>,
+        splat: &SplatConstants<L>,
         (dx, vertical): (f32, f32),
         x: u16,
         length: u16,
@@ -225,13 +225,13 @@ impl<L: Floats> PixelPath<L> {
         let mut dx = lanes.float_add(lanes.splat(dx.to_bits()), self.iota);
         let (mut x, mut rest) = (usize::from(x), usize::from(length));
         loop {
-            let along = lanes.float_mul(dx, brush.curvature);
+            let along = lanes.float_mul(dx, splat.curvature);
             let radial = lanes.float_mul_add(along, dx, vertical);
-            let mut inside = lanes.float_greater(brush.cutoff, radial);
+            let mut inside = lanes.float_greater(splat.cutoff, radial);
             if rest < L::WIDTH {
                 inside = lanes.both(inside, lanes.first(rest));
             }
-            self.blend::<STOP_BEFORE>(brush, radial, inside, x, row);
+            self.blend::<STOP_BEFORE>(splat, radial, inside, x, row);
             if rest <= L::WIDTH {
                 return;
             }
@@ -244,7 +244,7 @@ impl<L: Floats> PixelPath<L> {
     #[inline(always)]
     fn blend<const STOP_BEFORE: bool>(
         &self,
-        brush: &Brush<L>,
+        splat: &SplatConstants<L>,
         radial: L::Words,
         inside: L::Mask,
         x: usize,
@@ -258,7 +258,7 @@ impl<L: Floats> PixelPath<L> {
         if lanes.is_none(live) {
             return;
         }
-        let alpha = lanes.float_mul(brush.peak, self.exp(radial));
+        let alpha = lanes.float_mul(splat.peak, self.exp(radial));
         let alpha = lanes.float_min(alpha, self.alpha_max);
         let alpha = lanes.clear(alpha, lanes.float_greater(self.alpha_min, alpha));
         let alpha = lanes.select(lanes.splat(0), alpha, live);
@@ -274,7 +274,7 @@ impl<L: Floats> PixelPath<L> {
             (share, lanes.or(rest, self.finished))
         };
         lanes.store(&mut row[0][x..], lanes.select(rest, marked, stop));
-        for (plane, colour) in row[1..].iter_mut().zip(brush.colour) {
+        for (plane, colour) in row[1..].iter_mut().zip(splat.colour) {
             let sum = lanes.float_mul_add(share, colour, lanes.load(&plane[x..]));
             lanes.store(&mut plane[x..], sum);
         }

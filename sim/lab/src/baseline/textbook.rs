@@ -2,11 +2,11 @@
 //!
 //! After the rasterizer of 3D Gaussian splatting: every splat is entered for each 16 x 16 tile that its bounding box touches, under the key
 //! (tile, depth); the entries are sorted at once; each tile walks its entries front to back and evaluates conic and `exp` at the pixels
-//! of tile and box. Pixels finish early, and so does a tile when all of its pixels have. [`Reach`] says which box: the customary square
+//! of tile and box. Pixels finish early, and so does a tile when all of its pixels have. [`BoxExtent`] says which box: the customary square
 //! of three sigmas, or the smaller one of the cut-off.
 
 use super::FloatDrawing;
-use super::scene::{FloatFootprint, FloatScene, Reach, depth_key};
+use super::scene::{BoxExtent, FloatFootprint, FloatScene, depth_key};
 use rayon::prelude::*;
 use splatline::raster::Window;
 use splatline_sim::fast::order::Grid;
@@ -17,9 +17,9 @@ const TILE: u16 = 16;
 const AREA: usize = TILE as usize * TILE as usize;
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &FloatScene, reach: Reach) -> FloatDrawing {
+pub fn draw(scene: &FloatScene, extent: BoxExtent) -> FloatDrawing {
     let started = Instant::now();
-    let footprints = scene.footprints(reach);
+    let footprints = scene.footprints(extent);
     let set_up_at = started.elapsed().as_secs_f64();
     let grid = Grid::new(scene.viewport, [TILE; 2]);
     let entries = sorted_entries(&grid, &footprints);

@@ -1,7 +1,7 @@
 //! The lab's command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::lanes::VectorLevel;
 use std::path::PathBuf;
 
 /// Measures and prints splatline's own documentation.
@@ -131,8 +131,8 @@ pub struct ResultsOptions {
     #[arg(long, value_enum, value_name = "PAGE")]
     pub only: Vec<ResultsPage>,
     /// Vectors of the page about the host: avx2, avx512 or portable [default: avx2 and avx512, where the processor has them]
-    #[arg(long, value_name = "LEVEL", value_parser = <Choice as std::str::FromStr>::from_str)]
-    pub vectors: Vec<Choice>,
+    #[arg(long, value_name = "LEVEL", value_parser = <VectorLevel as std::str::FromStr>::from_str)]
+    pub vectors: Vec<VectorLevel>,
     /// Print the pages again and compare them with those in the folder, timings left out, instead of writing there
     #[arg(long)]
     pub check: bool,

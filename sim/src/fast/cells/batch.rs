@@ -4,7 +4,7 @@
 //! next ones fill the time.
 
 use super::parts::Parts;
-use super::{PixelPath, Prepare};
+use super::{PixelMethod, Prepare};
 use crate::fast::lanes::narrow::Narrow;
 use crate::fast::paint::CHECK_INTERVAL;
 use splatline::draw::Coverage;
@@ -14,13 +14,13 @@ use splatline::raster::{RowConstants, Window};
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared<B> {
     pub rows: RowConstants<i64>,
-    pub brush: B,
+    pub numbers: B,
 }
 
 /// What is left of a footprint when its cells have been listed.
 #[derive(Clone, Copy, Debug, Default)]
 struct Listed<B> {
-    brush: B,
+    numbers: B,
     /// Second difference of the radial index.
     second: i64,
     /// Where its cells end in the list.
@@ -59,14 +59,14 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
             if self.parts.is_full() {
                 break;
             }
-            let Some(Prepared { rows, brush }) = prepare(&list[count..]) else {
+            let Some(Prepared { rows, numbers }) = prepare(&list[count..]) else {
                 break;
             };
             if !self.parts.fill(lanes, &rows, window) {
                 break;
             }
             *listed = Listed {
-                brush,
+                numbers,
                 second: rows.second,
                 end: self.parts.count(),
             };
@@ -77,16 +77,16 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
 
     /// Paints the first `count` footprints that have been listed.
     #[inline(always)]
-    pub fn paint<L: Narrow, P: PixelPath<L, Brush = B>>(
+    pub fn paint<L: Narrow, P: PixelMethod<L, SplatNumbers = B>>(
         &self,
         path: &P,
         count: usize,
-        tile: &mut [P::Cell],
+        tile: &mut [P::PixelGroup],
     ) -> Coverage {
         let mut first = 0;
         let mut counts = path.no_counts();
         for listed in self.listed.iter().take(count) {
-            let colours = path.colours(&listed.brush, listed.second);
+            let colours = path.splat_words(&listed.numbers, listed.second);
             for part in self.parts.range(first, listed.end) {
                 if let Some(cell) = tile.get_mut(part.cell()) {
                     path.paint(&colours, &part, cell, &mut counts);

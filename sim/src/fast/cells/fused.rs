@@ -10,7 +10,7 @@
 use super::intervals::{Intervals, TableReach};
 use super::parts::Part;
 use super::scale::Scale;
-use super::tile::{COLUMNS, Cell, Word};
+use super::tile::{COLUMNS, PixelGroup, Word};
 use super::{Painting, TileOf, Tiles};
 use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::{DROPPED, Pairs};
@@ -24,31 +24,31 @@ use splatline::rules::Rules;
 
 /// What a footprint's pixels need beside its rows, in the kernel's words shifted to the [`Scale`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Brush {
+pub struct SplatNumbers {
     /// One past the largest radial index inside.
     end: i64,
     peak: u64,
     colour: [u64; 3],
 }
 
-/// Makes brushes; the same for a whole picture.
+/// Makes numbers; the same for a whole picture.
 #[derive(Clone, Debug)]
-pub struct Palette {
+pub struct FusedScheme {
     widths: Widths,
     scale: Scale,
     intervals: Intervals,
 }
 
-impl super::Palette for Palette {
-    type Cell = Cell<u64, COLUMNS>;
+impl super::PixelScheme for FusedScheme {
+    type PixelGroup = PixelGroup<u64, COLUMNS>;
     type Format = Scale;
-    type Brush = Brush;
+    type SplatNumbers = SplatNumbers;
 
     /// For widths that have a scale and a table within the kernel's range.
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
         let reach = TableReach::new(table, widths, &constants, lane_bits)?;
-        Some(Palette {
+        Some(FusedScheme {
             widths: *widths,
             scale: Scale::new(widths, &constants)?,
             intervals: Intervals::new(table, reach, widths, rules.table_range),
@@ -64,8 +64,8 @@ impl super::Palette for Palette {
     }
 
     #[inline(always)]
-    fn brush(&self, footprint: &Footprint) -> Option<Brush> {
-        let Palette { widths, scale, .. } = self;
+    fn numbers(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+        let FusedScheme { widths, scale, .. } = self;
         let end = self.intervals.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
         let fits = in_format(footprint.peak, widths.peak)
@@ -73,7 +73,7 @@ impl super::Palette for Palette {
                 .colour
                 .iter()
                 .all(|c| in_format(*c, widths.colour));
-        fits.then(|| Brush {
+        fits.then(|| SplatNumbers {
             end,
             peak: u64::from(footprint.peak) << scale.peak,
             colour: footprint.colour.map(|c| u64::from(c) << scale.colour),
@@ -84,7 +84,7 @@ impl super::Palette for Palette {
     fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
         match (
             painting.rules.stop_before,
-            painting.palette.intervals.reach.deep,
+            painting.scheme.intervals.reach.deep,
         ) {
             (true, false) => run::<L, true, false>(lanes, painting),
             (false, false) => run::<L, false, false>(lanes, painting),
@@ -97,15 +97,15 @@ impl super::Palette for Palette {
 #[inline(always)]
 fn run<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>(
     lanes: L,
-    painting: Painting<Palette>,
+    painting: Painting<FusedScheme>,
 ) -> Coverage {
-    let path = Path::<L, STOP_BEFORE, DEEP>::new(lanes, painting.palette, painting.rules);
+    let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, painting.scheme, painting.rules);
     painting.paint::<L, _, DEEP, 1>(lanes, &path)
 }
 
 /// Everything about the pixel path that is constant for a picture, on vectors. `DEEP` lanes have 64 bits.
 #[derive(Clone, Copy)]
-pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> {
+pub struct FusedPixels<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> {
     lanes: L,
     table: &'a Pairs,
     /// The same table, if it is a Gaussian.
@@ -163,9 +163,9 @@ impl<L: Narrow> Counts<L> {
     }
 }
 
-/// A brush on vectors.
+/// A numbers on vectors.
 #[derive(Clone, Copy)]
-pub struct Colours<L: Narrow> {
+pub struct SplatWords<L: Narrow> {
     end: L::Word,
     peak: L::Word,
     colour: [L::Word; 3],
@@ -173,16 +173,18 @@ pub struct Colours<L: Narrow> {
     ahead: L::Word,
 }
 
-impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_BEFORE, DEEP> {
-    /// For a palette of lanes as deep as these.
+impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
+    FusedPixels<'a, L, STOP_BEFORE, DEEP>
+{
+    /// For a scheme of lanes as deep as these.
     #[inline(always)]
-    pub fn new(lanes: L, palette: &'a Palette, rules: &Rules) -> Self {
-        let Palette {
+    pub fn new(lanes: L, scheme: &'a FusedScheme, rules: &Rules) -> Self {
+        let FusedScheme {
             widths,
             scale,
             intervals,
             ..
-        } = palette;
+        } = scheme;
         let constants = Blend::new(widths, rules).constants();
         let rest = intervals.reach.rest_bits;
         let kept = u32::from(widths.interpolation).min(rest);
@@ -200,7 +202,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_
         };
         let iota = lanes.wide_iota();
         let corners = lanes.wide_mul(iota, lanes.wide_sub(iota, splat(1)));
-        Path {
+        FusedPixels {
             lanes,
             table: &intervals.pairs,
             factors: intervals.factors.as_ref(),
@@ -239,7 +241,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_
 
     /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
-    fn radial(&self, colours: &Colours<L>, part: &Part) -> L::Word {
+    fn radial(&self, colours: &SplatWords<L>, part: &Part) -> L::Word {
         let lanes = self.lanes;
         let [radial, first] = [part.radial, part.first].map(|word| lanes.wide_splat(word as i64));
         let along = self.multiply(self.iota, first);
@@ -276,21 +278,21 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> Path<'a, L, STOP_
     }
 }
 
-impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelPath<L>
-    for Path<'_, L, STOP_BEFORE, DEEP>
+impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
+    for FusedPixels<'_, L, STOP_BEFORE, DEEP>
 {
-    type Cell = Cell<u64, COLUMNS>;
-    type Brush = Brush;
-    type Colours = Colours<L>;
+    type PixelGroup = PixelGroup<u64, COLUMNS>;
+    type SplatNumbers = SplatNumbers;
+    type SplatWords = SplatWords<L>;
     type Counts = Counts<L>;
 
     #[inline(always)]
-    fn colours(&self, brush: &Brush, second: i64) -> Colours<L> {
+    fn splat_words(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
         let splat = |value: i64| self.lanes.wide_splat(value);
-        Colours {
-            end: splat(brush.end),
-            peak: splat(brush.peak as i64),
-            colour: brush.colour.map(|c| splat(c as i64)),
+        SplatWords {
+            end: splat(numbers.end),
+            peak: splat(numbers.peak as i64),
+            colour: numbers.colour.map(|c| splat(c as i64)),
             ahead: self.multiply(self.corners, splat(second)),
         }
     }
@@ -300,9 +302,9 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelPath<L>
     #[inline(always)]
     fn paint(
         &self,
-        colours: &Colours<L>,
+        colours: &SplatWords<L>,
         part: &Part,
-        cell: &mut Self::Cell,
+        cell: &mut Self::PixelGroup,
         counts: &mut Counts<L>,
     ) {
         let lanes = self.lanes;

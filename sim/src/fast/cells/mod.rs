@@ -14,9 +14,9 @@ mod products;
 mod scale;
 mod tile;
 
-use super::lanes::fused::{FusedJob, dispatch_fused, has_fused};
+use super::lanes::fused::{FusedTask, dispatch_fused, has_fused};
 use super::lanes::narrow::Narrow;
-use super::lanes::{Choice, prefetch};
+use super::lanes::{VectorLevel, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
 use super::rows::is_tame;
 use batch::{Batch, Prepared};
@@ -31,12 +31,12 @@ use splatline::raster::{SpanRows, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
-use tile::{Format, Tile, TileCell};
+use tile::{Format, Tile, TileGroup};
 
 /// Painters for any design, and for narrow ones.
-pub type FusedPainter<D> = CellPainter<D, fused::Palette>;
+pub type FusedPainter<D> = CellPainter<D, fused::FusedScheme>;
 /// See [`FusedPainter`].
-pub type NarrowPainter<D> = CellPainter<D, narrow::Palette>;
+pub type NarrowPainter<D> = CellPainter<D, narrow::NarrowScheme>;
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
 const AHEAD: usize = 4;
@@ -44,18 +44,18 @@ const AHEAD: usize = 4;
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
 pub struct Tiles {
-    fused: Option<TileOf<fused::Palette>>,
-    narrow: Option<TileOf<narrow::Palette>>,
+    fused: Option<TileOf<fused::FusedScheme>>,
+    narrow: Option<TileOf<narrow::NarrowScheme>>,
 }
 
-type TileOf<P> = Tile<<P as Palette>::Cell, <P as Palette>::Format>;
+type TileOf<P> = Tile<<P as PixelScheme>::PixelGroup, <P as PixelScheme>::Format>;
 
 /// One way of computing pixels: makes of footprints what it needs of them. The same for a whole picture.
-pub trait Palette: Send + Sync + Sized {
-    type Cell: TileCell;
-    type Format: Format<Word = <Self::Cell as TileCell>::Word>;
+pub trait PixelScheme: Send + Sync + Sized {
+    type PixelGroup: TileGroup;
+    type Format: Format<Word = <Self::PixelGroup as TileGroup>::Word>;
     /// What a footprint's pixels need beside its rows.
-    type Brush: Copy + Default;
+    type SplatNumbers: Copy + Default;
 
     /// For widths and a table that this way can do, in lanes of so many bits.
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self>;
@@ -66,30 +66,30 @@ pub trait Palette: Send + Sync + Sized {
     /// The thread's tile.
     fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>>;
 
-    /// A footprint's brush; `None` if its words lie outside their formats or its end outside the table.
-    fn brush(&self, footprint: &Footprint) -> Option<Self::Brush>;
+    /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
+    fn numbers(&self, footprint: &Footprint) -> Option<Self::SplatNumbers>;
 
     /// Chooses the compiled copy that paints a tile. Implement with `#[inline(always)]`, as everything it calls.
     fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage;
 }
 
-/// The pixels of a palette on vectors, with everything that is constant for a picture. All methods with `#[inline(always)]`.
-pub trait PixelPath<L: Narrow>: Copy {
-    type Cell: TileCell;
-    type Brush: Copy + Default;
-    /// A brush on vectors.
-    type Colours: Copy;
+/// The pixels of a scheme on vectors, with everything that is constant for a picture. All methods with `#[inline(always)]`.
+pub trait PixelMethod<L: Narrow>: Copy {
+    type PixelGroup: TileGroup;
+    type SplatNumbers: Copy + Default;
+    /// A numbers on vectors.
+    type SplatWords: Copy;
     /// Pixels counted, lane by lane.
     type Counts: Copy;
 
-    /// A brush on vectors, for rows with this second difference.
-    fn colours(&self, brush: &Self::Brush, second: i64) -> Self::Colours;
+    /// A numbers on vectors, for rows with this second difference.
+    fn splat_words(&self, numbers: &Self::SplatNumbers, second: i64) -> Self::SplatWords;
     /// Paints what a footprint covers of a cell.
     fn paint(
         &self,
-        colours: &Self::Colours,
+        colours: &Self::SplatWords,
         part: &Part,
-        cell: &mut Self::Cell,
+        cell: &mut Self::PixelGroup,
         counts: &mut Self::Counts,
     );
     /// No pixels.
@@ -98,37 +98,37 @@ pub trait PixelPath<L: Narrow>: Copy {
     fn total(&self, counts: Self::Counts) -> [u64; 2];
 }
 
-/// Paints tiles with one palette.
+/// Paints tiles with one scheme.
 pub struct CellPainter<D, P> {
     table: TableMemory,
     design: D,
     rules: Rules,
-    palette: P,
+    scheme: P,
     portable: bool,
 }
 
-impl<D: Design, P: Palette> CellPainter<D, P> {
-    /// A painter for a design and rules; `None` under widths or on a processor that the palette cannot do.
-    pub fn new(design: D, rules: &Rules, choice: Choice) -> Option<Self> {
-        (choice == Choice::Best && has_fused()).then_some(())?;
+impl<D: Design, P: PixelScheme> CellPainter<D, P> {
+    /// A painter for a design and rules; `None` under widths or on a processor that the scheme cannot do.
+    pub fn new(design: D, rules: &Rules, choice: VectorLevel) -> Option<Self> {
+        (choice == VectorLevel::Best && has_fused()).then_some(())?;
         Self::on(design, rules, false)
     }
 
     /// The same, on arrays if asked for.
     pub fn on(design: D, rules: &Rules, portable: bool) -> Option<Self> {
         let table = TableMemory::new(&design.widths(), rules);
-        let palette = P::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
+        let scheme = P::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
         Some(CellPainter {
             table,
             design,
             rules: *rules,
-            palette,
+            scheme,
             portable,
         })
     }
 }
 
-impl<D: Design + Send + Sync, P: Palette> TilePainter for CellPainter<D, P> {
+impl<D: Design + Send + Sync, P: PixelScheme> TilePainter for CellPainter<D, P> {
     fn paint(
         &self,
         scratch: &mut Scratch,
@@ -137,12 +137,12 @@ impl<D: Design + Send + Sync, P: Palette> TilePainter for CellPainter<D, P> {
         list: &[u32],
         pixels: &mut [Pixel],
     ) -> Coverage {
-        let format = self.palette.format();
+        let format = self.scheme.format();
         let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| Tile::new(format));
         dispatch_fused(
             self.portable,
             Painting {
-                palette: &self.palette,
+                scheme: &self.scheme,
                 rules: &self.rules,
                 prepare: &|list| self.prepare(footprints, list, &window),
                 scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
@@ -156,14 +156,14 @@ impl<D: Design + Send + Sync, P: Palette> TilePainter for CellPainter<D, P> {
     }
 }
 
-impl<D: Design, P: Palette> CellPainter<D, P> {
+impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     /// What the list's first footprint is computed from within the window, if it has one and vectors can draw it.
     fn prepare(
         &self,
         footprints: &Results,
         list: &[u32],
         window: &Window,
-    ) -> Option<Prepared<P::Brush>> {
+    ) -> Option<Prepared<P::SplatNumbers>> {
         let footprint = |index: &u32| &footprints[*index as usize];
         if let Some(next) = list.get(AHEAD) {
             prefetch(footprint(next));
@@ -172,8 +172,8 @@ impl<D: Design, P: Palette> CellPainter<D, P> {
         let rows = SpanRows::new(self.design, footprint, window)
             .constants()
             .widened();
-        let brush = self.palette.brush(footprint)?;
-        is_tame(&rows).then_some(Prepared { rows, brush })
+        let numbers = self.scheme.numbers(footprint)?;
+        is_tame(&rows).then_some(Prepared { rows, numbers })
     }
 
     /// The scalar painter on the tile's pixels.
@@ -199,10 +199,10 @@ impl<D: Design, P: Palette> CellPainter<D, P> {
 pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<Prepared<B>> + 'a;
 
 /// A tile to be painted, by whatever vectors.
-pub struct Painting<'a, P: Palette> {
-    palette: &'a P,
+pub struct Painting<'a, P: PixelScheme> {
+    scheme: &'a P,
     rules: &'a Rules,
-    prepare: &'a Prepare<'a, P::Brush>,
+    prepare: &'a Prepare<'a, P::SplatNumbers>,
     /// Paints the footprint of this number by the kernel.
     scalar: &'a dyn Fn(u32, &mut TileOf<P>) -> Coverage,
     tile: &'a mut TileOf<P>,
@@ -213,7 +213,7 @@ pub struct Painting<'a, P: Palette> {
     pixels: &'a mut [Pixel],
 }
 
-impl<P: Palette> FusedJob for Painting<'_, P> {
+impl<P: PixelScheme> FusedTask for Painting<'_, P> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -222,16 +222,20 @@ impl<P: Palette> FusedJob for Painting<'_, P> {
     }
 }
 
-impl<P: Palette> Painting<'_, P> {
+impl<P: PixelScheme> Painting<'_, P> {
     /// Paints the tile, with pixels of this path.
     #[inline(always)]
-    fn paint<L, Path, const DEEP: bool, const ROWS: usize>(self, lanes: L, path: &Path) -> Coverage
+    fn paint<L, Method, const DEEP: bool, const ROWS: usize>(
+        self,
+        lanes: L,
+        path: &Method,
+    ) -> Coverage
     where
         L: Narrow,
-        Path: PixelPath<L, Cell = P::Cell, Brush = P::Brush>,
+        Method: PixelMethod<L, PixelGroup = P::PixelGroup, SplatNumbers = P::SplatNumbers>,
     {
         let Painting {
-            palette,
+            scheme,
             prepare,
             scalar,
             tile,
@@ -241,10 +245,10 @@ impl<P: Palette> Painting<'_, P> {
             pixels,
             ..
         } = self;
-        const { assert!(<P::Cell as TileCell>::ROWS == ROWS) };
+        const { assert!(<P::PixelGroup as TileGroup>::ROWS == ROWS) };
         let mut coverage = Coverage::default();
-        let mut batch = Batch::<P::Brush, DEEP, ROWS>::new();
-        tile.open(window, clear, palette.format());
+        let mut batch = Batch::<P::SplatNumbers, DEEP, ROWS>::new();
+        tile.open(window, clear, scheme.format());
         for chunk in list.chunks(CHECK_INTERVAL) {
             let mut rest = chunk;
             while let Some((first, others)) = rest.split_first() {

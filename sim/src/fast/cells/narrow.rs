@@ -7,7 +7,7 @@
 use super::intervals::TableReach;
 use super::parts::Part;
 use super::products::{Products, Split};
-use super::tile::{COLUMNS, Cell, Word};
+use super::tile::{COLUMNS, PixelGroup, Word};
 use super::{Painting, TileOf, Tiles};
 use crate::fast::lanes::factors::NarrowFactors;
 use crate::fast::lanes::narrow::Narrow;
@@ -21,20 +21,20 @@ use splatline::rules::Rules;
 /// Rows of a cell.
 const ROWS: usize = 2;
 
-type CellOfTwo = Cell<u32, { ROWS * COLUMNS }>;
+type CellOfTwo = PixelGroup<u32, { ROWS * COLUMNS }>;
 
 /// What a footprint's pixels need beside its rows.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Brush {
+pub struct SplatNumbers {
     /// One past the largest radial index inside.
     end: u32,
     peak: u32,
     colour: [u32; 3],
 }
 
-/// Makes brushes; the same for a whole picture.
+/// Makes numbers; the same for a whole picture.
 #[derive(Clone, Debug)]
-pub struct Palette {
+pub struct NarrowScheme {
     widths: Widths,
     products: Products,
     factors: NarrowFactors,
@@ -43,10 +43,10 @@ pub struct Palette {
     kept: u32,
 }
 
-impl super::Palette for Palette {
-    type Cell = CellOfTwo;
+impl super::PixelScheme for NarrowScheme {
+    type PixelGroup = CellOfTwo;
     type Format = Products;
-    type Brush = Brush;
+    type SplatNumbers = SplatNumbers;
 
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
@@ -56,7 +56,7 @@ impl super::Palette for Palette {
         let steepest = entries.windows(2).map(|pair| pair[0].abs_diff(pair[1]));
         let fits = !reach.deep && u64::from(steepest.max()?) << kept < 1 << 30;
         fits.then_some(())?;
-        Some(Palette {
+        Some(NarrowScheme {
             widths: *widths,
             products: Products::new(widths, &constants)?,
             factors: NarrowFactors::gaussian(entries, widths, rules.table_range)?,
@@ -74,14 +74,14 @@ impl super::Palette for Palette {
     }
 
     #[inline(always)]
-    fn brush(&self, footprint: &Footprint) -> Option<Brush> {
-        let Palette {
+    fn numbers(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+        let NarrowScheme {
             products, reach, ..
         } = self;
         let end = reach.end(footprint.cutoff)?;
         let fits = footprint.peak <= products.peak
             && footprint.colour.iter().all(|c| *c <= products.colour);
-        fits.then_some(Brush {
+        fits.then_some(SplatNumbers {
             end: end as u32,
             peak: footprint.peak,
             colour: footprint.colour,
@@ -99,8 +99,8 @@ impl super::Palette for Palette {
 }
 
 #[inline(always)]
-fn run<L: Narrow, const STOP_BEFORE: bool>(lanes: L, painting: Painting<Palette>) -> Coverage {
-    let path = Path::<L, STOP_BEFORE>::new(lanes, painting.palette, painting.rules);
+fn run<L: Narrow, const STOP_BEFORE: bool>(lanes: L, painting: Painting<NarrowScheme>) -> Coverage {
+    let path = NarrowPixels::<L, STOP_BEFORE>::new(lanes, painting.scheme, painting.rules);
     painting.paint::<L, _, false, ROWS>(lanes, &path)
 }
 
@@ -150,7 +150,7 @@ impl<L: Narrow> Parts<L> {
 
 /// Everything about the pixel path that is constant for a picture, on vectors.
 #[derive(Clone, Copy)]
-pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool> {
+pub struct NarrowPixels<'a, L: Narrow, const STOP_BEFORE: bool> {
     lanes: L,
     factors: &'a NarrowFactors,
     opacity: Parts<L>,
@@ -182,9 +182,9 @@ pub struct Path<'a, L: Narrow, const STOP_BEFORE: bool> {
     sum_mask: L::Short,
 }
 
-/// A brush on vectors.
+/// A numbers on vectors.
 #[derive(Clone, Copy)]
-pub struct Colours<L: Narrow> {
+pub struct SplatWords<L: Narrow> {
     end: L::Short,
     peak: [L::Short; 2],
     /// In the lower halves of the words, and in the upper ones.
@@ -200,21 +200,21 @@ pub struct Counts<L: Narrow> {
     live: L::Short,
 }
 
-impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
+impl<'a, L: Narrow, const STOP_BEFORE: bool> NarrowPixels<'a, L, STOP_BEFORE> {
     #[inline(always)]
-    fn new(lanes: L, palette: &'a Palette, rules: &Rules) -> Self {
-        let Palette {
+    fn new(lanes: L, scheme: &'a NarrowScheme, rules: &Rules) -> Self {
+        let NarrowScheme {
             widths,
             products,
             factors,
             reach,
             kept,
-        } = palette;
+        } = scheme;
         let constants = Blend::new(widths, rules).constants();
         let splat = |value: u32| lanes.short_splat(value);
         let iota = lanes.short_shr(lanes.short_iota(), splat(1));
         let corners = lanes.short_mul(iota, lanes.short_sub(iota, splat(1)));
-        Path {
+        NarrowPixels {
             lanes,
             factors,
             opacity: Parts::new(lanes, &products.opacity),
@@ -241,7 +241,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
 
     /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
-    fn radial(&self, colours: &Colours<L>, part: &Part) -> L::Short {
+    fn radial(&self, colours: &SplatWords<L>, part: &Part) -> L::Short {
         let lanes = self.lanes;
         let [radial, first] = [part.radial, part.first].map(|word| lanes.short_pairs(word));
         let along = lanes.short_mul(self.iota, first);
@@ -263,20 +263,22 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> Path<'a, L, STOP_BEFORE> {
     }
 }
 
-impl<L: Narrow, const STOP_BEFORE: bool> super::PixelPath<L> for Path<'_, L, STOP_BEFORE> {
-    type Cell = CellOfTwo;
-    type Brush = Brush;
-    type Colours = Colours<L>;
+impl<L: Narrow, const STOP_BEFORE: bool> super::PixelMethod<L>
+    for NarrowPixels<'_, L, STOP_BEFORE>
+{
+    type PixelGroup = CellOfTwo;
+    type SplatNumbers = SplatNumbers;
+    type SplatWords = SplatWords<L>;
     type Counts = Counts<L>;
 
     #[inline(always)]
-    fn colours(&self, brush: &Brush, second: i64) -> Colours<L> {
+    fn splat_words(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
         let lanes = self.lanes;
         let splat = |value: u32| lanes.short_splat(value);
-        Colours {
-            end: splat(brush.end),
-            peak: self.opacity.split(lanes, splat(brush.peak)),
-            colour: brush.colour.map(|c| [splat(c), splat(c << 16)]),
+        SplatWords {
+            end: splat(numbers.end),
+            peak: self.opacity.split(lanes, splat(numbers.peak)),
+            colour: numbers.colour.map(|c| [splat(c), splat(c << 16)]),
             ahead: lanes.short_mul(self.corners, splat(second as u32)),
         }
     }
@@ -284,9 +286,9 @@ impl<L: Narrow, const STOP_BEFORE: bool> super::PixelPath<L> for Path<'_, L, STO
     #[inline(always)]
     fn paint(
         &self,
-        colours: &Colours<L>,
+        colours: &SplatWords<L>,
         part: &Part,
-        cell: &mut Self::Cell,
+        cell: &mut Self::PixelGroup,
         counts: &mut Counts<L>,
     ) {
         let lanes = self.lanes;

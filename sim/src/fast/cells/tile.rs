@@ -36,13 +36,13 @@ impl Word for u32 {
 /// `N` pixels of one or more rows, column by column: transmittances, and sums of red, green and blue.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-pub struct Cell<W, const N: usize> {
+pub struct PixelGroup<W, const N: usize> {
     pub light: [W; N],
     pub colour: [[W; N]; 3],
 }
 
 /// A cell of any size.
-pub trait TileCell: Copy + Send {
+pub trait TileGroup: Copy + Send {
     type Word: Word;
     const ROWS: usize;
     /// All pixels alike.
@@ -55,13 +55,13 @@ pub trait TileCell: Copy + Send {
     fn is_finished(&self) -> bool;
 }
 
-impl<W: Word, const N: usize> TileCell for Cell<W, N> {
+impl<W: Word, const N: usize> TileGroup for PixelGroup<W, N> {
     type Word = W;
     const ROWS: usize = N / COLUMNS;
 
     #[inline(always)]
     fn filled([light, colour @ ..]: [W; 4]) -> Self {
-        Cell {
+        PixelGroup {
             light: [light; N],
             colour: colour.map(|sum| [sum; N]),
         }
@@ -111,7 +111,7 @@ pub struct Tile<C, F> {
     spilled: Option<Vec<Pixel>>,
 }
 
-impl<C: TileCell, F: Format<Word = C::Word>> Tile<C, F> {
+impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
     /// Memory for a tile, empty.
     pub fn new(format: F) -> Self {
         Tile {

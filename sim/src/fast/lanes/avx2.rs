@@ -7,7 +7,7 @@
 #![allow(unsafe_code)]
 
 use super::words::PixelTask;
-use super::{Drop, Job, Lanes};
+use super::{Lanes, ProductShift, VectorTask};
 use std::arch::x86_64::*;
 
 /// Proof that the processor has AVX2, BMI, LZCNT, POPCNT and FMA.
@@ -29,8 +29,8 @@ impl Avx2 {
 }
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
-fn run_with<J: Job>(lanes: Avx2, job: J) -> J::Output {
-    job.run(lanes)
+fn run_with<T: VectorTask>(lanes: Avx2, task: T) -> T::Output {
+    task.run(lanes)
 }
 
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,fma")]
@@ -134,7 +134,7 @@ impl Lanes for Avx2 {
         op!(_mm256_min_epu32(a, b))
     }
     #[inline(always)]
-    fn product(self, a: __m256i, b: __m256i, drop: Drop) -> __m256i {
+    fn product(self, a: __m256i, b: __m256i, drop: ProductShift) -> __m256i {
         if drop.narrow {
             let rounded = self.add(self.mul(a, b), self.splat(drop.half as u32));
             return self.shr(rounded, drop.shift);
@@ -146,7 +146,7 @@ impl Lanes for Avx2 {
         join(even, odd, drop)
     }
     #[inline(always)]
-    fn product_from(self, a: __m256i, b: __m256i, drop: Drop, least: u64) -> __m256i {
+    fn product_from(self, a: __m256i, b: __m256i, drop: ProductShift, least: u64) -> __m256i {
         if drop.narrow {
             let product = self.mul(a, b);
             let product = self.clear(product, self.greater(self.splat(least as u32), product));
@@ -166,7 +166,7 @@ impl Lanes for Avx2 {
         join(kept(even), kept(odd), drop)
     }
     #[inline(always)]
-    fn signed_product(self, a: __m256i, b: __m256i, drop: Drop) -> __m256i {
+    fn signed_product(self, a: __m256i, b: __m256i, drop: ProductShift) -> __m256i {
         if drop.narrow {
             let rounded = self.add(self.mul(a, b), self.splat(drop.half as u32));
             return self.sar(rounded, drop.shift);
@@ -245,15 +245,15 @@ impl Lanes for Avx2 {
         words.iter().map(|word| u64::from(*word)).sum()
     }
     #[inline(always)]
-    fn run<J: Job>(self, job: J) -> J::Output {
+    fn run<T: VectorTask>(self, task: T) -> T::Output {
         // SAFETY: `self` proves that the processor has what the function is compiled for.
-        unsafe { run_with(self, job) }
+        unsafe { run_with(self, task) }
     }
 }
 
 /// Rounds and shifts the 64-bit products of the even and of the odd words, and interleaves their low words.
 #[inline(always)]
-fn join(even: __m256i, odd: __m256i, drop: Drop) -> __m256i {
+fn join(even: __m256i, odd: __m256i, drop: ProductShift) -> __m256i {
     // SAFETY: only reached through a value of `Avx2`.
     unsafe {
         let half = _mm256_set1_epi64x(drop.half as i64);

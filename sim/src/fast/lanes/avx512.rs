@@ -2,8 +2,8 @@
 
 #![allow(unsafe_code)]
 
-use super::fused::FusedJob;
-use super::{Drop, Job, Lanes};
+use super::fused::FusedTask;
+use super::{Lanes, ProductShift, VectorTask};
 use std::arch::x86_64::*;
 
 /// Proof that the processor has AVX-512 F, BW, DQ, VL, CD and IFMA and all that AVX2 processors have.
@@ -28,23 +28,23 @@ impl Avx512 {
 #[target_feature(
     enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
 )]
-fn run_with<J: Job>(lanes: Avx512, job: J) -> J::Output {
-    job.run(lanes)
+fn run_with<T: VectorTask>(lanes: Avx512, task: T) -> T::Output {
+    task.run(lanes)
 }
 
 #[target_feature(
     enable = "avx512f,avx512bw,avx512dq,avx512vl,avx512cd,avx512ifma,avx2,bmi1,bmi2,lzcnt,popcnt,fma"
 )]
-fn run_fused_with<J: FusedJob>(lanes: Avx512, job: J) -> J::Output {
-    job.run(lanes)
+fn run_fused_with<T: FusedTask>(lanes: Avx512, task: T) -> T::Output {
+    task.run(lanes)
 }
 
 impl Avx512 {
-    /// Runs a job compiled for this processor.
+    /// Runs a task compiled for this processor.
     #[inline(always)]
-    pub fn run_fused<J: FusedJob>(self, job: J) -> J::Output {
+    pub fn run_fused<T: FusedTask>(self, task: T) -> T::Output {
         // SAFETY: `self` proves that the processor has what the function is compiled for.
-        unsafe { run_fused_with(self, job) }
+        unsafe { run_fused_with(self, task) }
     }
 }
 
@@ -126,7 +126,7 @@ impl Lanes for Avx512 {
         op!(_mm512_min_epu32(a, b))
     }
     #[inline(always)]
-    fn product(self, a: __m512i, b: __m512i, drop: Drop) -> __m512i {
+    fn product(self, a: __m512i, b: __m512i, drop: ProductShift) -> __m512i {
         if drop.narrow {
             let rounded = self.add(self.mul(a, b), self.splat(drop.half as u32));
             return self.shr(rounded, drop.shift);
@@ -138,7 +138,7 @@ impl Lanes for Avx512 {
         join(even, odd, drop)
     }
     #[inline(always)]
-    fn product_from(self, a: __m512i, b: __m512i, drop: Drop, least: u64) -> __m512i {
+    fn product_from(self, a: __m512i, b: __m512i, drop: ProductShift, least: u64) -> __m512i {
         if drop.narrow {
             let product = self.mul(a, b);
             let product = self.clear(product, self.greater(self.splat(least as u32), product));
@@ -158,7 +158,7 @@ impl Lanes for Avx512 {
         join(kept(even), kept(odd), drop)
     }
     #[inline(always)]
-    fn signed_product(self, a: __m512i, b: __m512i, drop: Drop) -> __m512i {
+    fn signed_product(self, a: __m512i, b: __m512i, drop: ProductShift) -> __m512i {
         if drop.narrow {
             let rounded = self.add(self.mul(a, b), self.splat(drop.half as u32));
             return self.sar(rounded, drop.shift);
@@ -234,15 +234,15 @@ impl Lanes for Avx512 {
         count
     }
     #[inline(always)]
-    fn run<J: Job>(self, job: J) -> J::Output {
+    fn run<T: VectorTask>(self, task: T) -> T::Output {
         // SAFETY: `self` proves that the processor has what the function is compiled for.
-        unsafe { run_with(self, job) }
+        unsafe { run_with(self, task) }
     }
 }
 
 /// Rounds and shifts the 64-bit products of the even and of the odd words, and interleaves their low words.
 #[inline(always)]
-fn join(even: __m512i, odd: __m512i, drop: Drop) -> __m512i {
+fn join(even: __m512i, odd: __m512i, drop: ProductShift) -> __m512i {
     // SAFETY: only reached through a value of `Avx512`.
     unsafe {
         let half = _mm512_set1_epi64(drop.half as i64);

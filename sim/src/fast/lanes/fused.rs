@@ -73,22 +73,22 @@ pub trait Fused: Wide {
 }
 
 /// Work on fused products. Implement `run` and all that it calls with `#[inline(always)]`.
-pub trait FusedJob {
+pub trait FusedTask {
     /// The result.
     type Output;
     /// The work.
     fn run<L: Narrow>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs the job on the processor's fused products, or on arrays if it has none or `portable` asks for it.
+/// Runs the task on the processor's fused products, or on arrays if it has none or `portable` asks for it.
 #[inline]
-pub fn dispatch_fused<J: FusedJob>(portable: bool, job: J) -> J::Output {
+pub fn dispatch_fused<T: FusedTask>(portable: bool, task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     if !portable && let Some(lanes) = super::avx512::Avx512::detect() {
-        return lanes.run_fused(job);
+        return lanes.run_fused(task);
     }
     let _ = portable;
-    job.run(Portable)
+    task.run(Portable)
 }
 
 /// Has the processor fused products?

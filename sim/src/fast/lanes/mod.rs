@@ -8,7 +8,7 @@
 //! | [`avx512::Avx512`] | 16 | x86-64 that reports AVX-512 F, BW, DQ, VL, CD and IFMA |
 //!
 //! A value of an x86 type is the proof that the processor has its instructions, because only detection makes one; that is what makes the
-//! methods safe to call. [`dispatch`] runs a [`Job`] on the widest of them, compiled for it. Every method is one or two instructions;
+//! methods safe to call. [`dispatch`] runs a [`VectorTask`] on the widest of them, compiled for it. Every method is one or two instructions;
 //! the portable implementation is their definition, and tests compare the others with it word for word.
 
 #[cfg(target_arch = "x86_64")]
@@ -31,7 +31,7 @@ use std::str::FromStr;
 
 /// How a product is brought back to 32 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Drop {
+pub struct ProductShift {
     /// Bits dropped at the low end, 1 to 63.
     pub shift: u32,
     /// Added before the shift: half of `2^shift`, or 0 to truncate.
@@ -80,11 +80,17 @@ pub trait Lanes: Wide {
     /// The smaller unsigned word.
     fn min_unsigned(self, a: Self::Words, b: Self::Words) -> Self::Words;
     /// `(a b + half) >> shift` in 64 bits, low word: the product of the pixel path.
-    fn product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
+    fn product(self, a: Self::Words, b: Self::Words, drop: ProductShift) -> Self::Words;
     /// The same, 0 where the product, which must be below 2^63, or 2^31 if it is narrow, is less than `least`.
-    fn product_from(self, a: Self::Words, b: Self::Words, drop: Drop, least: u64) -> Self::Words;
+    fn product_from(
+        self,
+        a: Self::Words,
+        b: Self::Words,
+        drop: ProductShift,
+        least: u64,
+    ) -> Self::Words;
     /// The product with signed words; the shift is at most 32.
-    fn signed_product(self, a: Self::Words, b: Self::Words, drop: Drop) -> Self::Words;
+    fn signed_product(self, a: Self::Words, b: Self::Words, drop: ProductShift) -> Self::Words;
     /// `table[index]` where the mask holds, the table's last entry for an unsigned index beyond it; 0 elsewhere, and of an empty table.
     fn gather(self, table: &[u32], index: Self::Words, mask: Self::Mask) -> Self::Words;
 
@@ -112,13 +118,13 @@ pub trait Lanes: Wide {
     /// Number of true ones counted.
     fn total(self, count: Self::Count) -> u64;
 
-    /// Runs a job compiled for this processor.
-    fn run<J: Job>(self, job: J) -> J::Output;
+    /// Runs a task compiled for this processor.
+    fn run<T: VectorTask>(self, task: T) -> T::Output;
 }
 
 /// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not compiled for
 /// the instructions it needs.
-pub trait Job {
+pub trait VectorTask {
     /// The result.
     type Output;
     /// The work.
@@ -127,39 +133,39 @@ pub trait Job {
 
 /// Which vectors to use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Choice {
+pub enum VectorLevel {
     /// The best that the processor has.
     Best,
     /// At most 8 words: AVX2 or portable.
-    Eight,
+    Avx2,
     /// Portable arrays.
     Portable,
 }
 
-impl Choice {
+impl VectorLevel {
     /// The levels that this processor tells apart, by their names on the command line: what most people's processors have comes first.
-    pub fn levels() -> Vec<(&'static str, Choice)> {
+    pub fn levels() -> Vec<(&'static str, VectorLevel)> {
         let mut levels = Vec::new();
         #[cfg(target_arch = "x86_64")]
         {
             if avx2::Avx2::detect().is_some() {
-                levels.push(("avx2", Choice::Eight));
+                levels.push(("avx2", VectorLevel::Avx2));
             }
             if avx512::Avx512::detect().is_some() {
-                levels.push(("avx512", Choice::Best));
+                levels.push(("avx512", VectorLevel::Best));
             }
         }
-        levels.push(("portable", Choice::Portable));
+        levels.push(("portable", VectorLevel::Portable));
         levels
     }
 }
 
-impl FromStr for Choice {
+impl FromStr for VectorLevel {
     type Err = String;
 
     /// A level by its name; the error says what this processor has.
     fn from_str(name: &str) -> Result<Self, String> {
-        let levels = Choice::levels();
+        let levels = VectorLevel::levels();
         if let Some((_, choice)) = levels.iter().find(|(known, _)| *known == name) {
             return Ok(*choice);
         }
@@ -172,24 +178,24 @@ impl FromStr for Choice {
     }
 }
 
-/// Runs the job on the vectors chosen.
+/// Runs the task on the vectors chosen.
 #[inline]
-pub fn dispatch<J: Job>(choice: Choice, job: J) -> J::Output {
+pub fn dispatch<T: VectorTask>(choice: VectorLevel, task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        if choice == Choice::Best
+        if choice == VectorLevel::Best
             && let Some(lanes) = avx512::Avx512::detect()
         {
-            return lanes.run(job);
+            return lanes.run(task);
         }
-        if choice != Choice::Portable
+        if choice != VectorLevel::Portable
             && let Some(lanes) = avx2::Avx2::detect()
         {
-            return lanes.run(job);
+            return lanes.run(task);
         }
     }
     let _ = choice;
-    Portable.run(job)
+    Portable.run(task)
 }
 
 /// Are vectors faster than the kernel's painter here? On x86-64 without AVX2 they are not: its baseline has neither gathers nor products of
@@ -220,13 +226,13 @@ pub fn prefetch<T>(place: &T) {
 }
 
 /// Name of the vectors that [`dispatch`] uses.
-pub fn name(choice: Choice) -> &'static str {
+pub fn name(choice: VectorLevel) -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {
-        if choice == Choice::Best && avx512::Avx512::detect().is_some() {
+        if choice == VectorLevel::Best && avx512::Avx512::detect().is_some() {
             return "AVX-512";
         }
-        if choice != Choice::Portable && avx2::Avx2::detect().is_some() {
+        if choice != VectorLevel::Portable && avx2::Avx2::detect().is_some() {
             return "AVX2";
         }
     }

@@ -1,6 +1,6 @@
 //! Vectors as arrays: the definition of the operations, and what processors without an implementation of their own use.
 
-use super::{Drop, Job, Lanes};
+use super::{Lanes, ProductShift, VectorTask};
 
 const WIDTH: usize = 8;
 
@@ -80,14 +80,14 @@ impl Lanes for Portable {
         zip(a, b, u32::min)
     }
     #[inline(always)]
-    fn product(self, a: Words, b: Words, drop: Drop) -> Words {
+    fn product(self, a: Words, b: Words, drop: ProductShift) -> Words {
         zip(a, b, |a, b| {
             let product = u64::from(a) * u64::from(b);
             (product.wrapping_add(drop.half) >> drop.shift) as u32
         })
     }
     #[inline(always)]
-    fn product_from(self, a: Words, b: Words, drop: Drop, least: u64) -> Words {
+    fn product_from(self, a: Words, b: Words, drop: ProductShift, least: u64) -> Words {
         zip(a, b, |a, b| {
             let product = u64::from(a) * u64::from(b);
             let product = if product < least { 0 } else { product };
@@ -95,7 +95,7 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
-    fn signed_product(self, a: Words, b: Words, drop: Drop) -> Words {
+    fn signed_product(self, a: Words, b: Words, drop: ProductShift) -> Words {
         zip(a, b, |a, b| {
             let product = i64::from(a as i32) * i64::from(b as i32);
             (product.wrapping_add(drop.half as i64) >> drop.shift) as u32
@@ -154,7 +154,7 @@ impl Lanes for Portable {
         count
     }
     #[inline(always)]
-    fn run<J: Job>(self, job: J) -> J::Output {
-        job.run(self)
+    fn run<T: VectorTask>(self, task: T) -> T::Output {
+        task.run(self)
     }
 }

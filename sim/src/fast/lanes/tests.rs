@@ -1,7 +1,7 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
 use super::factors::{Factors, NarrowFactors};
-use super::fused::{FusedJob, Pairs, dispatch_fused};
+use super::fused::{FusedTask, Pairs, dispatch_fused};
 use super::narrow::Narrow;
 use super::*;
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ struct All {
     table: Vec<u32>,
 }
 
-impl Job for &All {
+impl VectorTask for &All {
     type Output = Vec<Vec<u32>>;
 
     /// Sixteen words in steps of the vector's width.
@@ -29,7 +29,7 @@ impl Job for &All {
             let mask = lanes.greater(a, b);
             let first = lanes.first(self.count.saturating_sub(start));
             let by = self.shift % 32;
-            let drop = |narrow| Drop {
+            let drop = |narrow| ProductShift {
                 shift: if narrow { by } else { self.shift },
                 half: if narrow {
                     self.half & 0xffff
@@ -69,7 +69,7 @@ impl Job for &All {
                 lanes.signed_product(
                     a,
                     b,
-                    Drop {
+                    ProductShift {
                         shift: by + 1,
                         ..drop(false)
                     },
@@ -108,7 +108,7 @@ struct Gathered {
     table: Vec<u32>,
 }
 
-impl Job for &Gathered {
+impl VectorTask for &Gathered {
     type Output = Vec<u32>;
 
     #[inline(always)]
@@ -135,7 +135,7 @@ struct AllFused {
     table: Vec<u32>,
 }
 
-impl FusedJob for &AllFused {
+impl FusedTask for &AllFused {
     type Output = Vec<[u64; 8]>;
 
     #[inline(always)]
@@ -208,7 +208,7 @@ struct WholeProducts {
     b: [i64; 8],
 }
 
-impl Job for &WholeProducts {
+impl VectorTask for &WholeProducts {
     type Output = [i64; 4];
 
     #[inline(always)]
@@ -228,7 +228,7 @@ struct AllNarrow {
     factors: NarrowFactors,
 }
 
-impl FusedJob for &AllNarrow {
+impl FusedTask for &AllNarrow {
     type Output = (Vec<[u32; 16]>, u16, u32);
 
     #[inline(always)]
@@ -284,9 +284,9 @@ proptest! {
     #[test]
     fn whole_products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
         let products = WholeProducts { a, b };
-        let expected = dispatch(Choice::Portable, &products);
-        prop_assert_eq!(dispatch(Choice::Eight, &products), expected);
-        prop_assert_eq!(dispatch(Choice::Best, &products), expected);
+        let expected = dispatch(VectorLevel::Portable, &products);
+        prop_assert_eq!(dispatch(VectorLevel::Avx2, &products), expected);
+        prop_assert_eq!(dispatch(VectorLevel::Best, &products), expected);
     }
 
     #[test]
@@ -311,7 +311,7 @@ proptest! {
             })
             .collect();
         let gathered = Gathered { index, other, table: table.clone() };
-        for choice in [Choice::Portable, Choice::Eight, Choice::Best] {
+        for choice in [VectorLevel::Portable, VectorLevel::Avx2, VectorLevel::Best] {
             prop_assert_eq!(dispatch(choice, &gathered), &expected[..]);
         }
     }
@@ -322,8 +322,8 @@ proptest! {
     ) {
         let b = if equal { a } else { b };
         let all = All { a, b, shift, half: half >> 2, count, table };
-        let expected = dispatch(Choice::Portable, &all);
-        prop_assert_eq!(&dispatch(Choice::Eight, &all), &expected);
-        prop_assert_eq!(&dispatch(Choice::Best, &all), &expected);
+        let expected = dispatch(VectorLevel::Portable, &all);
+        prop_assert_eq!(&dispatch(VectorLevel::Avx2, &all), &expected);
+        prop_assert_eq!(&dispatch(VectorLevel::Best, &all), &expected);
     }
 }

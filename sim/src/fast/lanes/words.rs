@@ -5,7 +5,7 @@
 
 #![allow(unsafe_code)]
 
-use super::{Choice, Portable, Wide};
+use super::{Portable, VectorLevel, Wide};
 
 /// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
 #[derive(Clone, Debug)]
@@ -70,9 +70,9 @@ pub trait PixelTask {
 
 /// Runs the task on AVX2 if the processor has it and arrays are not asked for.
 #[inline]
-pub fn dispatch_pixels<T: PixelTask>(choice: Choice, task: T) -> T::Output {
+pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
-    if choice != Choice::Portable
+    if choice != VectorLevel::Portable
         && let Some(lanes) = super::avx2::Avx2::detect()
     {
         return lanes.run_pixels(task);

@@ -15,7 +15,7 @@ mod surface;
 
 pub use surface::{SurfaceOutcome, set_up_surface};
 
-use super::lanes::{Choice, Floats, Job, Lanes, dispatch};
+use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch};
 use number::{Arithmetic, Number};
 use splatline::footprint::{Conic, Footprint, Scan};
 use splatline::format::{Custom, Design, Widths};
@@ -36,11 +36,11 @@ pub fn set_up<D: Design>(
     rules: &Rules,
     splats: &[VolumeSplat],
     outcomes: &mut [Outcome],
-    choice: Choice,
+    choice: VectorLevel,
 ) {
     // Widths as values: constants would gain little here, and one compiled copy serves all designs.
     match Custom::new(design.widths()) {
-        Ok(widths) if choice != Choice::Portable && covers(view, rules) => {
+        Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
             let batch = Batch {
                 design: widths,
                 view,
@@ -120,7 +120,7 @@ struct Batch<'a> {
     outcomes: &'a mut [Outcome],
 }
 
-impl Job for Batch<'_> {
+impl VectorTask for Batch<'_> {
     type Output = ();
 
     #[inline(always)]

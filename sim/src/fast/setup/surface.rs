@@ -5,7 +5,8 @@
 
 use super::stages::{Footprints, Projected, Splats, Stages, Variance};
 use super::{
-    Choice, Custom, Floats, Job, Lists, Number, Parts, covers, dispatch, is_mild_part, list, read,
+    Custom, Floats, Lists, Number, Parts, VectorLevel, VectorTask, covers, dispatch, is_mild_part,
+    list, read,
 };
 use crate::fast::lanes::{Lanes, Wide};
 use splatline::footprint::surface::{
@@ -28,10 +29,10 @@ pub fn set_up_surface<D: Design>(
     rules: &Rules,
     splats: &[SurfaceSplat],
     outcomes: &mut [SurfaceOutcome],
-    choice: Choice,
+    choice: VectorLevel,
 ) {
     match Custom::new(design.widths()) {
-        Ok(widths) if choice != Choice::Portable && covers(view, rules) => {
+        Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
             let batch = Batch {
                 design: widths,
                 view,
@@ -66,7 +67,7 @@ struct Batch<'a> {
     outcomes: &'a mut [SurfaceOutcome],
 }
 
-impl Job for Batch<'_> {
+impl VectorTask for Batch<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -53,7 +53,7 @@ fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
     let scene = synthetic::random_gaussians(10, 1, 1.0);
     let camera = synthetic::camera(320, 200);
     let view = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D).view;
-    for choice in [Choice::Best, Choice::Eight] {
+    for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
         set_up(design, &view, rules, splats, &mut outcomes, choice);
         for (splat, outcome) in splats.iter().zip(outcomes) {
@@ -90,7 +90,7 @@ fn surface_splat(splat: &VolumeSplat) -> SurfaceSplat {
 
 fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
     let rules = Rules::SURFACE;
-    for choice in [Choice::Best, Choice::Eight] {
+    for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
         set_up_surface(design, view, &rules, splats, &mut outcomes, choice);
         for (splat, outcome) in splats.iter().zip(outcomes) {

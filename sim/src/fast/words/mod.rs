@@ -9,10 +9,10 @@ mod tile;
 
 use super::TILE;
 use super::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
-use super::lanes::{Choice, prefetch};
+use super::lanes::{VectorLevel, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
-use path::{PathNumbers, PixelPath, Pixels, SplatNumbers};
+use path::{PathNumbers, Pixels, SplatNumbers, WordPixels};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::format::{Design, Lane, Traversal};
@@ -31,13 +31,13 @@ pub struct WordPainter<D> {
     rules: Rules,
     table: TableMemory,
     numbers: PathNumbers,
-    choice: Choice,
+    choice: VectorLevel,
     counts: bool,
 }
 
 impl<D: Design> WordPainter<D> {
     /// A painter for a design and rules; `None` where only the kernel's can. Pixels are counted if `counts` asks for it.
-    pub fn new(design: D, rules: &Rules, choice: Choice, counts: bool) -> Option<Self> {
+    pub fn new(design: D, rules: &Rules, choice: VectorLevel, counts: bool) -> Option<Self> {
         let widths = design.widths();
         let table = TableMemory::new(&widths, rules);
         let numbers = PathNumbers::new(&widths, rules, &table.table(), D::Lane::BITS)?;
@@ -167,7 +167,7 @@ impl Painting<'_> {
             list,
             counts,
         } = self;
-        let path = PixelPath::<L, STOP_BEFORE>::new(lanes, numbers);
+        let path = WordPixels::<L, STOP_BEFORE>::new(lanes, numbers);
         let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
         let mut window = tile.window();

@@ -117,7 +117,7 @@ impl PathNumbers {
 
 /// The same on vectors.
 #[derive(Clone, Copy)]
-pub struct PixelPath<'a, L: PixelWords, const STOP_BEFORE: bool> {
+pub struct WordPixels<'a, L: PixelWords, const STOP_BEFORE: bool> {
     lanes: L,
     falls: &'a Falls,
     raise: u32,
@@ -177,14 +177,14 @@ impl Pixels {
     }
 }
 
-impl<'a, L: PixelWords, const STOP_BEFORE: bool> PixelPath<'a, L, STOP_BEFORE> {
+impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> {
     /// On these vectors.
     #[inline(always)]
     pub fn new(lanes: L, numbers: &'a PathNumbers) -> Self {
         let word = |value: u64| lanes.wide_splat(value as i64);
         let shift = |shift: Shift| [word(shift.by.into()), word(shift.half)];
         let (rest, kept) = (numbers.reach.rest_bits, numbers.kept);
-        PixelPath {
+        WordPixels {
             lanes,
             falls: &numbers.falls,
             raise: numbers.raise,

@@ -16,7 +16,7 @@ use super::{
     FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SETUP_INTERVAL, SLOTS, SPLATS, TILE,
     Turns,
 };
-use crate::fast::lanes::{Choice, Floats, Job, dispatch};
+use crate::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
 use rayon::prelude::*;
 use splatline::footprint::Footprint;
 use splatline::format::Design;
@@ -39,7 +39,7 @@ pub fn picture_cycles<D: Design + Sync>(
     footprints: &[Footprint],
     viewport: [u16; 2],
     lanes: usize,
-    choice: Choice,
+    choice: VectorLevel,
 ) -> Option<Vec<u64>> {
     match lanes {
         1 => Some(all_tiles::<D, 1>(design, footprints, viewport, choice)),
@@ -57,7 +57,7 @@ pub fn tile_cycles<'a, D: Design>(
     footprints: impl Iterator<Item = &'a Footprint>,
     window: Window,
     lanes: usize,
-    choice: Choice,
+    choice: VectorLevel,
     observe: impl FnMut(PacketStamp),
 ) -> Option<u64> {
     match lanes {
@@ -84,7 +84,7 @@ fn one_tile<'a, D: Design, const LANES: usize>(
     design: D,
     footprints: impl Iterator<Item = &'a Footprint>,
     window: Window,
-    choice: Choice,
+    choice: VectorLevel,
     observe: impl FnMut(PacketStamp),
 ) -> u64 {
     let mut units = [Unit::<LANES>::new()];
@@ -104,7 +104,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
     design: D,
     footprints: &[Footprint],
     viewport: [u16; 2],
-    choice: Choice,
+    choice: VectorLevel,
 ) -> Vec<u64> {
     let [columns, rows] = [0, 1].map(|axis| usize::from(viewport[axis].div_ceil(TILE[axis])));
     let threads = rayon::current_num_threads();
@@ -152,7 +152,7 @@ struct Band<'u, D, I, O, const LANES: usize> {
     observe: O,
 }
 
-impl<'a, D, I, O, const LANES: usize> Job for Band<'_, D, I, O, LANES>
+impl<'a, D, I, O, const LANES: usize> VectorTask for Band<'_, D, I, O, LANES>
 where
     D: Design,
     I: Iterator<Item = &'a Footprint>,

@@ -4,7 +4,7 @@ use super::super::primitive::{
     PacketStamp, PrimitiveClock, QUEUE, TILE, for_each_slot, picture_cycles, tile_cycles,
 };
 use crate::design::DesignChoice;
-use crate::fast::lanes::Choice;
+use crate::fast::lanes::VectorLevel;
 use crate::fixed;
 use crate::rules::{Compositing, Rules};
 use crate::scene::synthetic;
@@ -14,7 +14,7 @@ use splatline::format::{Design, Lean18, Standard24, Traversal};
 use splatline::math::Scaled;
 use splatline::raster::Window;
 
-const CHOICES: [Choice; 3] = [Choice::Best, Choice::Eight, Choice::Portable];
+const CHOICES: [VectorLevel; 3] = [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable];
 const VIEWPORT: [u16; 2] = [150, 77];
 
 /// Cycles of one tile, and stamps of its splats.
@@ -37,7 +37,7 @@ fn fast<D: Design>(
     list: &[Footprint],
     window: Window,
     lanes: usize,
-    choice: Choice,
+    choice: VectorLevel,
 ) -> Option<Cycles> {
     let mut stamps = Vec::new();
     let note = |stamp| stamps.push(stamp);
@@ -67,7 +67,12 @@ fn touching(footprints: &[Footprint], window: &Window) -> Vec<Footprint> {
 }
 
 /// Every tile of the picture, together and alone.
-fn compare<D: Design + Sync>(design: D, footprints: &[Footprint], lanes: usize, choice: Choice) {
+fn compare<D: Design + Sync>(
+    design: D,
+    footprints: &[Footprint],
+    lanes: usize,
+    choice: VectorLevel,
+) {
     let picture = picture_cycles(design, footprints, VIEWPORT, lanes, choice).unwrap();
     for (window, cycles) in tiles().into_iter().zip(picture) {
         let list = touching(footprints, &window);
@@ -111,8 +116,14 @@ fn scenes_take_the_cycles_of_the_clock() {
 
 #[test]
 fn lanes_that_no_circuit_has_are_refused() {
-    assert_eq!(picture_cycles(Lean18, &[], VIEWPORT, 3, Choice::Best), None);
-    assert_eq!(picture_cycles(Lean18, &[], VIEWPORT, 0, Choice::Best), None);
+    assert_eq!(
+        picture_cycles(Lean18, &[], VIEWPORT, 3, VectorLevel::Best),
+        None
+    );
+    assert_eq!(
+        picture_cycles(Lean18, &[], VIEWPORT, 0, VectorLevel::Best),
+        None
+    );
 }
 
 /// Any words at all, which leave the vectors' arithmetic; the box within the viewport, as the packet promises.
@@ -166,7 +177,7 @@ proptest! {
         let last = [33 + left.max(right), 1 + top.max(bottom)];
         let window = Window { first, last };
         let expected = clocked(Standard24, &footprints, &window, 1 << lanes);
-        let got = fast(Standard24, &footprints, window, 1 << lanes, Choice::Best);
+        let got = fast(Standard24, &footprints, window, 1 << lanes, VectorLevel::Best);
         prop_assert_eq!(got, Some(expected));
     }
 }

@@ -8,11 +8,11 @@ use super::COMMAND;
 use super::hardware::{Subject, guitar, lion};
 use crate::command::options::DrawOnceOptions;
 use anyhow::{Context, Result};
-use splatline_lab::baseline::scene::Reach;
+use splatline_lab::baseline::scene::BoxExtent;
 use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
 use splatline_sim::cli::{Failure, say};
 use splatline_sim::design::DesignChoice;
-use splatline_sim::fast::lanes::{self, Choice};
+use splatline_sim::fast::lanes::{self, VectorLevel};
 use splatline_sim::fixed::{Engine, Times};
 use splatline_sim::metrics::{self, ChannelError};
 use splatline_sim::picture::Picture;
@@ -42,7 +42,7 @@ const REST_BAR: f64 = 0.05;
 /// One column of the comparison.
 enum Contender<'a> {
     /// Baseline (a).
-    Boxes(Reach),
+    Boxes(BoxExtent),
     /// What (a) would be without what makes it fast.
     Textbook,
     /// Baseline (b).
@@ -78,10 +78,10 @@ struct Measured {
 }
 
 /// The engines by name, (a) first; the kernel's designs last.
-fn contenders<'a>(subject: &'a Subject, choice: Choice) -> Vec<(&'static str, Contender<'a>)> {
+fn contenders<'a>(subject: &'a Subject, choice: VectorLevel) -> Vec<(&'static str, Contender<'a>)> {
     let mut all = vec![
-        ("(a) boxes", Contender::Boxes(Reach::Sigmas)),
-        ("(a) tight boxes", Contender::Boxes(Reach::Cutoff)),
+        ("(a) boxes", Contender::Boxes(BoxExtent::Sigmas)),
+        ("(a) tight boxes", Contender::Boxes(BoxExtent::Cutoff)),
         ("textbook", Contender::Textbook),
         ("(b) spans", Contender::Spans),
     ];
@@ -101,8 +101,8 @@ fn contenders<'a>(subject: &'a Subject, choice: Choice) -> Vec<(&'static str, Co
 }
 
 /// Measures every scene that is there, on the kinds of vectors asked for.
-pub fn run(data: &Path, asked: &[Choice]) -> Result<String, Failure> {
-    let levels: Vec<Choice> = match asked {
+pub fn run(data: &Path, asked: &[VectorLevel]) -> Result<String, Failure> {
+    let levels: Vec<VectorLevel> = match asked {
         [] => usual_levels(),
         asked => asked.to_vec(),
     };
@@ -129,15 +129,18 @@ pub fn run(data: &Path, asked: &[Choice]) -> Result<String, Failure> {
 }
 
 /// What most people's processors have, and then what this one has beyond it; arrays only where there is nothing else.
-fn usual_levels() -> Vec<Choice> {
-    let mut levels: Vec<Choice> = Choice::levels().into_iter().map(|level| level.1).collect();
+fn usual_levels() -> Vec<VectorLevel> {
+    let mut levels: Vec<VectorLevel> = VectorLevel::levels()
+        .into_iter()
+        .map(|level| level.1)
+        .collect();
     if levels.len() > 1 {
         levels.pop();
     }
     levels
 }
 
-fn opening(levels: &[Choice]) -> String {
+fn opening(levels: &[VectorLevel]) -> String {
     let names: Vec<&str> = levels.iter().map(|choice| lanes::name(*choice)).collect();
     format!(
         "# Speed on the host\n\nPrinted by `{COMMAND} --only host`; do not edit. {SIZE} x {SIZE} pixels, vectors of {}; medians of {ROUNDS} \
@@ -189,14 +192,14 @@ struct Drawn {
 fn draw(
     contender: &mut Contender,
     floats: &FloatScene,
-    choice: Choice,
+    choice: VectorLevel,
     pixels: &mut [[f32; 4]],
     keep: bool,
 ) -> Result<Drawn> {
     let started = Instant::now();
     let drawing = match contender {
-        Contender::Boxes(reach) => boxes::draw(floats, *reach, choice),
-        Contender::Textbook => textbook::draw(floats, Reach::Sigmas),
+        Contender::Boxes(extent) => boxes::draw(floats, *extent, choice),
+        Contender::Textbook => textbook::draw(floats, BoxExtent::Sigmas),
         Contender::Spans => spans::draw(floats, choice),
         Contender::Kernel(renderer) => {
             let drawn = renderer.draw_floats(pixels, &|_, _| true)?;
@@ -225,7 +228,11 @@ fn draw(
 }
 
 /// Pixels that the scene covers, and those of them that had finished: what is timed need not count them.
-fn count_pixels(subject: &Subject, choice: Choice, pixels: &mut [[f32; 4]]) -> Result<[u64; 2]> {
+fn count_pixels(
+    subject: &Subject,
+    choice: VectorLevel,
+    pixels: &mut [[f32; 4]],
+) -> Result<[u64; 2]> {
     let settings = Settings {
         engine: Engine::Vectors(choice),
         counts: true,
@@ -236,7 +243,7 @@ fn count_pixels(subject: &Subject, choice: Choice, pixels: &mut [[f32; 4]]) -> R
     Ok([coverage.covered, coverage.finished])
 }
 
-fn measure(subject: &Subject, choice: Choice) -> Result<Measured> {
+fn measure(subject: &Subject, choice: VectorLevel) -> Result<Measured> {
     let Subject {
         name,
         scene,
