@@ -92,7 +92,7 @@ impl Prepared {
                 Some(hybrid) => Kernel::Hybrid(splats, entry, hybrid),
                 None => Kernel::splats(splats, entry, engine),
             },
-            Subject::Surface(scene, style) => Kernel::Surface(SurfaceKernel {
+            Subject::Surface(scene, style) => Kernel::Surface(Box::new(SurfaceKernel {
                 points: QuantisedPoints::new(scene, &self.plan.camera),
                 scene,
                 camera: &self.plan.camera,
@@ -102,7 +102,7 @@ impl Prepared {
                     traversal: entry.traversal,
                     engine,
                 },
-            }),
+            })),
         })
     }
 
@@ -287,7 +287,7 @@ pub enum Kernel<'a> {
     /// Points and splats.
     Hybrid(Splats<'a>, &'a Entry, &'a Hybrid),
     /// Points of a surface.
-    Surface(SurfaceKernel<'a>),
+    Surface(Box<SurfaceKernel<'a>>),
 }
 
 /// Points of a surface in the kernel's formats.
