@@ -7,15 +7,15 @@ mod stamp;
 pub mod surface;
 mod visit;
 
-pub use hybrid::Gathering;
-pub use narrow::{NarrowError, NarrowLanes, NarrowPainter, NarrowRun, NarrowRuns};
+pub use hybrid::PointSettings;
+pub use narrow::{NarrowError, NarrowLanes, NarrowRun, NarrowRuns, Painter32};
 pub use sphere::Perspective;
 
 use crate::blend::{Blend, Pixel};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane, Traversal};
 use crate::kernel::FootprintTable;
-use crate::raster::{ConicRows, Rows, Run, SpanRows};
+use crate::raster::{BoxSpans, EllipseSpans, Span, Spans};
 use crate::rules::{Compositing, Rules};
 use crate::target::Target;
 
@@ -75,26 +75,26 @@ impl<'a, D: Design> Painter<'a, D> {
         match self.traversal {
             Traversal::Spans => self.paint(
                 footprint,
-                SpanRows::new(self.design, footprint, &window),
+                EllipseSpans::new(self.design, footprint, &window),
                 target,
             ),
             Traversal::Box => self.paint(
                 footprint,
-                ConicRows::new(self.design, footprint, &window),
+                BoxSpans::new(self.design, footprint, &window),
                 target,
             ),
         }
     }
 
     #[inline(always)]
-    fn paint<R: Rows>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
+    fn paint<R: Spans>(&self, footprint: &Footprint, rows: R, target: &mut Target) -> Coverage {
         let weight = |_, radial| self.table.weight(radial);
         self.paint_weighted(footprint, rows, target, weight)
     }
 
     /// By the compositing's operator, with the kernel's value at a radial index (UQ4.radial) from `weight`.
     #[inline(always)]
-    fn paint_weighted<R: Rows>(
+    fn paint_weighted<R: Spans>(
         &self,
         footprint: &Footprint,
         rows: R,
@@ -123,7 +123,7 @@ impl<'a, D: Design> Painter<'a, D> {
     }
 
     #[inline(always)]
-    fn paint_with<R: Rows>(
+    fn paint_with<R: Spans>(
         &self,
         footprint: &Footprint,
         mut rows: R,
@@ -133,7 +133,7 @@ impl<'a, D: Design> Painter<'a, D> {
     ) -> Coverage {
         let mut coverage = Coverage::default();
         let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
-        while let Some(run) = rows.next_run() {
+        while let Some(run) = rows.next_span() {
             coverage += self.paint_run(footprint, run, drop, target, &weight, &mut composite);
         }
         coverage
@@ -144,7 +144,7 @@ impl<'a, D: Design> Painter<'a, D> {
     fn paint_run<L: Lane>(
         &self,
         footprint: &Footprint,
-        run: Run<L>,
+        run: Span<L>,
         drop: i32,
         target: &mut Target,
         weight: impl Fn([u16; 2], u64) -> u32,
@@ -170,7 +170,7 @@ impl<'a, D: Design> Painter<'a, D> {
             }
             let alpha = self
                 .blend
-                .opacity(footprint.peak, weight([x, run.y], radial));
+                .opacity(footprint.opacity, weight([x, run.y], radial));
             if alpha > 0 {
                 composite([x, run.y], pixel, alpha);
             }

@@ -7,7 +7,7 @@ pub mod depth;
 pub mod packet;
 pub mod surface;
 
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 
 /// A projected splat. Integer formats depend on the design's [`Widths`](crate::format::Widths).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,15 +19,15 @@ pub struct Footprint {
     /// First column and row of the bounding box, clipped to the viewport.
     pub first: [u16; 2],
     /// One past the last column and row of the bounding box, clipped to the viewport.
-    pub last: [u16; 2],
+    pub end: [u16; 2],
     /// Coefficients of the `spans` traversal.
-    pub scan: Scan,
+    pub ldl: Ldl,
     /// Coefficients of the `box` traversal.
     pub conic: Conic,
     /// The footprint is r < cutoff; UQ4.28, at most 4 + 1/16 in ewa and 11.1 in 3dgs.
     pub cutoff: u32,
-    /// Opacity at r = 0, UQ4.peak, saturated.
-    pub peak: u32,
+    /// Opacity at the centre (r = 0), UQ4.peak, saturated.
+    pub opacity: u32,
     /// Linear red, green, blue, UQ4.colour.
     pub colour: [u32; 3],
 }
@@ -38,19 +38,19 @@ impl Footprint {
         depth: 0,
         centre: [0; 2],
         first: [0; 2],
-        last: [0; 2],
-        scan: Scan {
-            curvature: Scaled::ZERO,
-            spread: Scaled::ZERO,
-            slope: Scaled::ZERO,
-            stretch: Scaled::ZERO,
+        end: [0; 2],
+        ldl: Ldl {
+            horizontal: SoftFloat::ZERO,
+            squared_width: SoftFloat::ZERO,
+            shear: SoftFloat::ZERO,
+            vertical: SoftFloat::ZERO,
         },
         conic: Conic {
             mantissa: [0; 3],
             exponent: 0,
         },
         cutoff: 0,
-        peak: 0,
+        opacity: 0,
         colour: [0; 3],
     };
 }
@@ -59,15 +59,15 @@ impl Footprint {
 ///
 /// Every term is positive, so nothing cancels, and the row's span follows from r < c.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Scan {
+pub struct Ldl {
     /// A = Vyy / det, per square pixel.
-    pub curvature: Scaled,
+    pub horizontal: SoftFloat,
     /// 1 / A = det / Vyy, square pixels: the squared half-width of a row is (c - C dy^2) / A.
-    pub spread: Scaled,
+    pub squared_width: SoftFloat,
     /// S = Vxy / Vyy, pixels per row.
-    pub slope: Scaled,
+    pub shear: SoftFloat,
     /// C = 1 / Vyy, per square pixel.
-    pub stretch: Scaled,
+    pub vertical: SoftFloat,
 }
 
 /// The conic form: r = a dx^2 + 2 b dx dy + c dy^2 with one exponent for the three coefficients, per square pixel.

@@ -2,7 +2,7 @@
 //!
 //! Every stage is generic over [`Design`], which answers one question, "which widths?". A named design is a
 //! zero-sized type whose answer is a constant, so that the compiler folds every shift (firmware, RTL
-//! parameters); [`Custom`] carries the answer in a field (sweeps on the host). The arithmetic is written once
+//! parameters); [`RuntimeWidths`] carries the answer in a field (sweeps on the host). The arithmetic is written once
 //! and a test proves both bit-identical.
 //!
 //! # Conventions
@@ -191,19 +191,19 @@ pub trait Design: Copy {
 
 /// Widths chosen at run time; lanes are 64 bits wide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Custom(Widths);
+pub struct RuntimeWidths(Widths);
 
-impl Custom {
+impl RuntimeWidths {
     /// Checks the widths.
     pub const fn new(widths: Widths) -> Result<Self, WidthError> {
         match widths.check() {
-            Ok(()) => Ok(Custom(widths)),
+            Ok(()) => Ok(RuntimeWidths(widths)),
             Err(error) => Err(error),
         }
     }
 }
 
-impl Design for Custom {
+impl Design for RuntimeWidths {
     type Lane = i64;
     #[inline(always)]
     fn widths(&self) -> Widths {

@@ -1,7 +1,7 @@
 //! The named rules of blending, in fixed point: what a peak means, where a footprint ends, when a pixel is finished.
 
 use crate::kernel::Kernel;
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 
 /// Where a footprint ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,9 +19,9 @@ pub struct Rules {
     /// Otherwise the weight is the peak opacity.
     pub normalised: bool,
     /// Variance of the low-pass filter V^h = h I in square pixels; 0 switches it off.
-    pub low_pass: Scaled,
+    pub low_pass: SoftFloat,
     /// Distance scaling (\[SWAN\] 4.3): spacing of the samples in scene units; 0 switches it off. Usually instead of a low-pass.
-    pub spacing: Scaled,
+    pub spacing: SoftFloat,
     /// Shape of all footprints.
     pub kernel: Kernel,
     /// End of a footprint.
@@ -31,16 +31,16 @@ pub struct Rules {
     /// Smaller opacities are skipped, UQ1.60: fine enough to be compared with an opacity before it is rounded.
     pub alpha_min: u64,
     /// A pixel is finished when its transmittance is at most this, UQ1.60.
-    pub stop: u64,
-    /// The splat that would bring the transmittance to `stop` is itself left out.
-    pub stop_before: bool,
+    pub minimum_transmittance: u64,
+    /// The splat that would bring the transmittance to `minimum_transmittance` is itself left out.
+    pub omit_finishing: bool,
     /// x/z and y/z are clamped in the Jacobian to [`RatioLimits`](crate::view::RatioLimits).
     pub clamp_jacobian: bool,
     /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for all others.
     pub table_range: u8,
 }
 
-/// Fraction bits of [`Rules::alpha_min`] and [`Rules::stop`].
+/// Fraction bits of [`Rules::alpha_min`] and [`Rules::minimum_transmittance`].
 pub const THRESHOLD: u32 = 60;
 
 /// `numerator / denominator` with so many fraction bits, rounded to nearest.
@@ -53,17 +53,17 @@ impl Rules {
     /// EWA volume splatting: normalised kernels, identity low-pass, cut-off 4.
     pub const EWA: Rules = Rules {
         normalised: true,
-        low_pass: Scaled {
+        low_pass: SoftFloat {
             mantissa: 1 << 30,
             exponent: -30,
         },
-        spacing: Scaled::ZERO,
+        spacing: SoftFloat::ZERO,
         kernel: Kernel::Gaussian,
         cutoff: Cutoff::Radial(4 << 28),
         alpha_max: ratio(1, 1, 31) as u32,
         alpha_min: 0,
-        stop: ratio(1, 10_000, THRESHOLD),
-        stop_before: false,
+        minimum_transmittance: ratio(1, 10_000, THRESHOLD),
+        omit_finishing: false,
         clamp_jacobian: false,
         table_range: 2,
     };
@@ -73,24 +73,24 @@ impl Rules {
     pub const SURFACE: Rules = Rules {
         normalised: false,
         cutoff: Cutoff::Radial(2 << 28),
-        stop: 0,
+        minimum_transmittance: 0,
         ..Rules::EWA
     };
 
     /// 3D Gaussian splatting: peak opacity, low-pass 0.3, opacity at most 0.999 and at least 1/255, stop before adding.
     pub const GAUSSIAN_3D: Rules = Rules {
         normalised: false,
-        low_pass: Scaled {
+        low_pass: SoftFloat {
             mantissa: 1_288_490_189,
             exponent: -32,
         }, // 0.3
-        spacing: Scaled::ZERO,
+        spacing: SoftFloat::ZERO,
         kernel: Kernel::Gaussian,
         cutoff: Cutoff::Opacity,
         alpha_max: ratio(999, 1000, 31) as u32,
         alpha_min: ratio(1, 255, THRESHOLD),
-        stop: ratio(1, 10_000, THRESHOLD),
-        stop_before: true,
+        minimum_transmittance: ratio(1, 10_000, THRESHOLD),
+        omit_finishing: true,
         clamp_jacobian: true,
         table_range: 4,
     };

@@ -2,7 +2,7 @@
 
 pub mod surface;
 
-use crate::math::{Scaled, square_root, sum_of_products};
+use crate::math::{SoftFloat, square_root, sum_of_products};
 use crate::view::{Eye, Pose};
 use fixed::types::U4F28;
 
@@ -21,7 +21,7 @@ pub struct VolumeSplat<C = Position> {
     pub axes: [Axis; 3],
     /// Peak opacity (rules with peak opacity), or extinction times volume in square scene units (normalised
     /// kernels; \[EWA\] eq. 5: g_k). Negative counts as 0.
-    pub weight: Scaled,
+    pub weight: SoftFloat,
     /// Linear red, green, blue, UQ4.28.
     pub colour: [U4F28; 3],
 }
@@ -32,9 +32,9 @@ pub struct SphereSplat<C = Position> {
     /// Centre in scene units.
     pub centre: C,
     /// Standard deviation s in scene units, positive.
-    pub deviation: Scaled,
+    pub deviation: SoftFloat,
     /// Peak opacity or extinction times volume, as for [`VolumeSplat`].
-    pub weight: Scaled,
+    pub weight: SoftFloat,
     /// Linear red, green, blue, UQ4.28.
     pub colour: [U4F28; 3],
 }
@@ -57,7 +57,7 @@ pub enum CovarianceError {
 
 impl Axis {
     /// One vector from three normalised numbers: aligned to the largest, rounded to nearest.
-    pub fn from_components(components: [Scaled; 3]) -> Axis {
+    pub fn from_components(components: [SoftFloat; 3]) -> Axis {
         let leading = components
             .iter()
             .map(|c| {
@@ -81,38 +81,42 @@ impl Axis {
     ///
     /// A semidefinite covariance gives axes of length 0. A pivot that is negative by no more than rounding (2^-24 of its variance)
     /// counts as 0; a clearly negative one is an error. Relative error 2^-28 of the largest entry per column.
-    pub fn from_covariance(covariance: [Scaled; 6]) -> Result<[Axis; 3], CovarianceError> {
+    pub fn from_covariance(covariance: [SoftFloat; 6]) -> Result<[Axis; 3], CovarianceError> {
         const BITS: u32 = 31;
         let [xx, xy, xz, yy, yz, zz] = covariance;
-        let l11 = pivot(xx, [Scaled::ZERO; 2], xx)?;
+        let l11 = pivot(xx, [SoftFloat::ZERO; 2], xx)?;
         let l21 = divide(xy, l11)?;
         let l31 = divide(xz, l11)?;
-        let l22 = pivot(yy, [l21, Scaled::ZERO], yy)?;
+        let l22 = pivot(yy, [l21, SoftFloat::ZERO], yy)?;
         let cross = sum_of_products([yz.times(ONE), negate(l31).times(l21)], BITS);
         let l32 = divide(negligible(cross, yz), l22)?;
         let l33 = pivot(zz, [l31, l32], zz)?;
         Ok([
             Axis::from_components([l11, l21, l31]),
-            Axis::from_components([Scaled::ZERO, l22, l32]),
-            Axis::from_components([Scaled::ZERO, Scaled::ZERO, l33]),
+            Axis::from_components([SoftFloat::ZERO, l22, l32]),
+            Axis::from_components([SoftFloat::ZERO, SoftFloat::ZERO, l33]),
         ])
     }
 }
 
-const ONE: Scaled = Scaled {
+const ONE: SoftFloat = SoftFloat {
     mantissa: 1 << 30,
     exponent: -30,
 };
 
-fn negate(value: Scaled) -> Scaled {
-    Scaled {
+fn negate(value: SoftFloat) -> SoftFloat {
+    SoftFloat {
         mantissa: value.mantissa.saturating_neg(),
         exponent: value.exponent,
     }
 }
 
 /// sqrt(variance - a^2 - b^2), 0 where the difference is rounding noise of `scale`.
-fn pivot(variance: Scaled, [a, b]: [Scaled; 2], scale: Scaled) -> Result<Scaled, CovarianceError> {
+fn pivot(
+    variance: SoftFloat,
+    [a, b]: [SoftFloat; 2],
+    scale: SoftFloat,
+) -> Result<SoftFloat, CovarianceError> {
     let rest = sum_of_products(
         [variance.times(ONE), negate(a).times(a), negate(b).times(b)],
         31,
@@ -126,19 +130,19 @@ fn pivot(variance: Scaled, [a, b]: [Scaled; 2], scale: Scaled) -> Result<Scaled,
 }
 
 /// 0 where `value` is below 2^-24 of `scale`.
-fn negligible(value: Scaled, scale: Scaled) -> Scaled {
+fn negligible(value: SoftFloat, scale: SoftFloat) -> SoftFloat {
     if value.leading() < scale.leading().saturating_sub(24) {
-        Scaled::ZERO
+        SoftFloat::ZERO
     } else {
         value
     }
 }
 
 /// `value / pivot`; a zero pivot allows only a zero value.
-fn divide(value: Scaled, pivot: Scaled) -> Result<Scaled, CovarianceError> {
+fn divide(value: SoftFloat, pivot: SoftFloat) -> Result<SoftFloat, CovarianceError> {
     match crate::math::reciprocal(pivot, 31) {
         Some(inverse) => Ok(value.multiply(inverse, 31)),
-        None if value.mantissa == 0 => Ok(Scaled::ZERO),
+        None if value.mantissa == 0 => Ok(SoftFloat::ZERO),
         None => Err(CovarianceError::Indefinite),
     }
 }
@@ -148,8 +152,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn scaled(value: f64) -> Scaled {
-        Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
+    fn scaled(value: f64) -> SoftFloat {
+        SoftFloat::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
     }
 
     fn vectors(axes: [Axis; 3]) -> [[f64; 3]; 3] {
@@ -195,7 +199,7 @@ mod tests {
             Err(CovarianceError::Indefinite)
         );
         assert_eq!(
-            Axis::from_covariance([Scaled::ZERO; 6]),
+            Axis::from_covariance([SoftFloat::ZERO; 6]),
             Ok([Axis::default(); 3])
         );
     }

@@ -39,8 +39,8 @@ impl<'a> Target<'a> {
         window: Window,
         stride: usize,
     ) -> Result<Self, TargetError> {
-        let columns = usize::from(window.last[0].saturating_sub(window.first[0]));
-        let rows = usize::from(window.last[1].saturating_sub(window.first[1]));
+        let columns = usize::from(window.end[0].saturating_sub(window.first[0]));
+        let rows = usize::from(window.end[1].saturating_sub(window.first[1]));
         let needed = if rows == 0 {
             0
         } else {
@@ -74,7 +74,7 @@ impl<'a> Target<'a> {
     /// Pixels `x .. x + length` of row `y`; empty if any of them lies outside the window.
     #[inline(always)]
     pub fn row(&mut self, y: u16, x: u16, length: u16) -> &mut [Pixel] {
-        let Window { first, last } = self.window;
+        let Window { first, end: last } = self.window;
         let end = u32::from(x) + u32::from(length);
         if y < first[1] || y >= last[1] || x < first[0] || end > u32::from(last[0]) {
             return &mut [];
@@ -87,7 +87,7 @@ impl<'a> Target<'a> {
 
     /// Have all pixels of the window finished?
     pub fn is_finished(&mut self) -> bool {
-        let Window { first, last } = self.window;
+        let Window { first, end: last } = self.window;
         let columns = last[0].saturating_sub(first[0]);
         (first[1]..last[1]).all(|y| {
             self.row(y, first[0], columns)

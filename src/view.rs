@@ -11,7 +11,7 @@
 
 use crate::format::Widths;
 use crate::math::words::{leading_zeros_wide, product, shift_word};
-use crate::math::{Extended, Scaled, shift_round, shift_signed};
+use crate::math::{Extended, SoftFloat, shift_round, shift_signed};
 use crate::raster::Window;
 use fixed::types::{I2F30, I8F24, I10F54, I32F32};
 
@@ -90,7 +90,7 @@ pub struct View<P = Eye> {
     /// Where the camera stands.
     pub pose: P,
     /// Focal lengths in pixels (orthographic: pixels per scene unit), normalised, positive.
-    pub focal: [Scaled; 2],
+    pub focal: [SoftFloat; 2],
     /// Principal point in pixels, Q31.32.
     pub principal: [I32F32; 2],
     /// Splats with z <= near are culled; scene units.
@@ -110,7 +110,7 @@ impl<P> View<P> {
     pub const fn window(&self) -> Window {
         Window {
             first: [0; 2],
-            last: self.viewport,
+            end: self.viewport,
         }
     }
 }
@@ -122,13 +122,18 @@ const ENTRY: u32 = 30;
 const TOP: i32 = 60;
 
 impl Pose for Eye {
-    type Centre = [Scaled; 3];
+    type Centre = [SoftFloat; 3];
 
     /// The difference u - e is exact where a coordinate cancels, and otherwise rounded `2^-61` below the largest coordinate of u and e; then
     /// rounded to nearest to `position` bits of its largest coordinate. With `position` above 30 both the difference and W have two
     /// parts; the product of the low parts, less than the last bit, is left out. Error of t: `2^-(position - 2)` of the distance.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
-    fn to_camera(&self, rotation: &Rotation, centre: &[Scaled; 3], widths: &Widths) -> CameraPoint {
+    fn to_camera(
+        &self,
+        rotation: &Rotation,
+        centre: &[SoftFloat; 3],
+        widths: &Widths,
+    ) -> CameraPoint {
         let bits = u32::from(widths.position);
         let (difference, exponent) = self.difference(centre, bits);
         let low = bits.saturating_sub(ENTRY);
@@ -182,7 +187,7 @@ impl Eye {
     ///
     /// All zeros with an exponent of 0 where splat and eye coincide.
     #[inline(always)]
-    fn difference(&self, centre: &[Scaled; 3], bits: u32) -> ([i64; 3], i32) {
+    fn difference(&self, centre: &[SoftFloat; 3], bits: u32) -> ([i64; 3], i32) {
         let together = |[a, b, c]: [i64; 3]| a.unsigned_abs() | b.unsigned_abs() | c.unsigned_abs();
         let length = |magnitude: u64| 64 - leading_zeros_wide(magnitude) as i32;
         let mut leading = match together(self.position) {

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
-use splatline::blend::surface::{Accumulation, Cell, Gather};
+use splatline::blend::surface::{Accumulation, Cell, WeightedSum};
 use splatline::draw::surface::SurfacePainter;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
@@ -409,7 +409,7 @@ fn surfaces<C: Cell + PartialEq>(opacity: f32, name: &str) {
     let (widths, threshold) = (Standard24::WIDTHS, splatline::float::depth(0.2));
     let mut scene = ball_of_surfels(opacity);
     let mut cells = vec![C::EMPTY; PIXELS];
-    let gather = Gather::new(&widths, threshold);
+    let gather = WeightedSum::new(&widths, threshold);
     let mut target = CellTarget::new(&mut cells, view.window()).unwrap();
     let (table, spans) = (splatline::kernel::table_4::<Standard24>(), Traversal::Spans);
     let painter = SurfacePainter::new(Standard24, &Rules::SURFACE, table, gather, spans);

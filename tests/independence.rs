@@ -11,9 +11,9 @@ use fixed::types::I2F30;
 use num_bigint::{BigInt, Sign};
 use proptest::prelude::*;
 use splatline::blend::{Blend, Pixel};
-use splatline::format::{Classic8, Custom, Design, Rounding, Widths};
+use splatline::format::{Classic8, Design, Rounding, RuntimeWidths, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::{self, Product, Scaled};
+use splatline::math::{self, Product, SoftFloat};
 use splatline::rules::Rules;
 use splatline::view::Pose;
 
@@ -69,7 +69,7 @@ fn normalised(a: &BigInt, exponent: i64, bits: u32) -> (BigInt, i64) {
     }
 }
 
-fn assert_is(got: Scaled, expected: (BigInt, i64)) {
+fn assert_is(got: SoftFloat, expected: (BigInt, i64)) {
     assert_eq!(BigInt::from(got.mantissa), expected.0, "{got:?}");
     assert!(
         got.mantissa == 0 || i64::from(got.exponent) == expected.1,
@@ -131,7 +131,7 @@ fn reciprocals_of_all_16_bit_mantissas() {
     for mantissa in 1..=0xffff {
         for bits in [12, 16, 18, 24, 31] {
             let got = math::reciprocal(
-                Scaled {
+                SoftFloat {
                     mantissa,
                     exponent: 0,
                 },
@@ -158,7 +158,7 @@ fn roots_of_all_16_bit_mantissas() {
     for mantissa in 1..=0xffff {
         for bits in [16, 24, 31] {
             let got = math::square_root(
-                Scaled {
+                SoftFloat {
                     mantissa,
                     exponent: 0,
                 },
@@ -222,7 +222,7 @@ fn alpha_operations_at_8_bits_for_all_pairs() {
                 let mut front = start;
                 blend.front_to_back(&mut front, alpha, &colour);
                 assert_eq!(
-                    front.clear_share(),
+                    front.transmittance(),
                     first - hidden(first),
                     "{first} under {alpha}"
                 );
@@ -233,12 +233,12 @@ fn alpha_operations_at_8_bits_for_all_pairs() {
                 let mut back = start;
                 blend.back_to_front(&mut back, alpha, &colour);
                 let layer = |c: u32| share(u64::from(alpha) * u64::from(c), 8, rounding) as u32;
-                assert_eq!(back.clear_share(), first - hidden(first));
+                assert_eq!(back.transmittance(), first - hidden(first));
                 assert_eq!(back.colour, colour.map(|c| 7 - hidden(7) + layer(c)));
 
                 let mut sum = start;
                 blend.x_ray(&mut sum, alpha, &colour);
-                assert_eq!(sum.clear_share(), first.saturating_sub(alpha));
+                assert_eq!(sum.transmittance(), first.saturating_sub(alpha));
                 assert_eq!(sum.colour, colour.map(|c| 7 + layer(c)));
             }
         }
@@ -280,7 +280,7 @@ fn at_400(value: &BigInt, exponent: i32) -> BigInt {
 }
 
 /// The camera space of the kernel against exact numbers: the error is relative to the distance from the eye, wherever both are.
-fn camera_space_is_relative_to_the_eye(source: &mut Source, design: Custom) {
+fn camera_space_is_relative_to_the_eye(source: &mut Source, design: RuntimeWidths) {
     let widths = design.widths();
     let mut view = source.sound_view();
     // Entries as they are, not a rotation: the formula does not care.
@@ -292,17 +292,17 @@ fn camera_space_is_relative_to_the_eye(source: &mut Source, design: Custom) {
     view.pose.position = [(); 3].map(|()| source.i64() >> 4);
     // Near the eye by cancellation, or anywhere.
     let centre = [0, 1, 2].map(|axis| {
-        let near = Scaled::from_wide(view.pose.position[axis], view.pose.exponent, 31);
+        let near = SoftFloat::from_wide(view.pose.position[axis], view.pose.exponent, 31);
         match source.byte() % 3 {
-            _ if near.mantissa == 0 => Scaled {
+            _ if near.mantissa == 0 => SoftFloat {
                 mantissa: source.i32() >> 3,
                 exponent: -30,
             },
-            0 => Scaled {
+            0 => SoftFloat {
                 mantissa: source.i32().max(-i32::MAX),
                 exponent: i32::from(source.byte() % 64) - 60,
             },
-            1 => Scaled {
+            1 => SoftFloat {
                 mantissa: near.mantissa ^ i32::from(source.byte()),
                 ..near
             },
@@ -378,10 +378,10 @@ proptest! {
         let (wide, exponent) = (source.i64(), source.i32() >> 8);
         // The last bit of i64::MIN's neighbours is dropped before rounding: a half of 2^-32, below every result.
         if wide.unsigned_abs() < 1 << 62 {
-            assert_is(Scaled::from_wide(wide, exponent, bits), normalised(&big(wide), exponent.into(), bits));
+            assert_is(SoftFloat::from_wide(wide, exponent, bits), normalised(&big(wide), exponent.into(), bits));
         }
         let (a, b) = (source.i32().max(-i32::MAX), source.i32().max(-i32::MAX));
-        let product = Scaled { mantissa: a, exponent }.multiply(Scaled { mantissa: b, exponent: 5 }, bits);
+        let product = SoftFloat { mantissa: a, exponent }.multiply(SoftFloat { mantissa: b, exponent: 5 }, bits);
         assert_is(product, normalised(&(big(a.into()) * b), i64::from(exponent) + 5, bits));
     }
 

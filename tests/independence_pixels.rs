@@ -9,7 +9,7 @@ use arbitrary::Source;
 use proptest::prelude::*;
 use splatline::blend::{Blend, FINISHED, Pixel};
 use splatline::format::{Rounding, Standard24, WIDTH_RANGES, Widths};
-use splatline::math::{self, Scaled};
+use splatline::math::{self, SoftFloat};
 use splatline::rules::{Cutoff, Rules};
 
 /// `value 2^-shift` by the definition of the rounding; a negative shift multiplies.
@@ -54,7 +54,7 @@ struct Wide {
     alpha_min: u128,
     alpha_max: u128,
     stop: u128,
-    stop_before: bool,
+    omit_finishing: bool,
 }
 
 impl Wide {
@@ -71,7 +71,7 @@ impl Wide {
             alpha_max: unit(rules.alpha_max, widths.alpha).min(1 << widths.alpha),
             // The largest integer below the threshold.
             stop: ((u128::from(rules.stop) << widths.transmittance).max(1) - 1) >> 60,
-            stop_before: rules.stop_before,
+            omit_finishing: rules.omit_finishing,
         }
     }
 
@@ -104,7 +104,7 @@ impl Wide {
         ) as u32;
         let rest = pixel.transmittance - share;
         let stop = u128::from(rest) <= self.stop;
-        if stop && self.stop_before {
+        if stop && self.omit_finishing {
             pixel.transmittance |= FINISHED;
             return;
         }
@@ -183,7 +183,7 @@ proptest! {
             alpha_min: source.bits(60) & 0x1fff_ffff_ffff,
             alpha_max: 1 << 31,
             stop: source.bits(60) & 0x1f_ffff_ffff_ffff,
-            stop_before: source.byte() < 128,
+            omit_finishing: source.byte() < 128,
             ..Rules::EWA
         };
         let (blend, wide) = (Blend::new(&widths, &rules), Wide::new(widths, &rules));
@@ -220,7 +220,7 @@ fn is_close(got: u128, truth: u128, bits: u32, factor: u128) -> bool {
 fn reciprocals_of_all_24_bit_mantissas() {
     for mantissa in 1i32 << 23..1 << 24 {
         for bits in [24, 28] {
-            let number = Scaled {
+            let number = SoftFloat {
                 mantissa,
                 exponent: 0,
             };
@@ -237,7 +237,7 @@ fn reciprocals_of_all_24_bit_mantissas() {
 fn roots_of_all_24_bit_mantissas() {
     for mantissa in 1i32 << 23..1 << 24 {
         for (bits, exponent) in [(24, 0), (28, 0), (24, 1), (28, 1)] {
-            let got = math::square_root(Scaled { mantissa, exponent }, bits);
+            let got = math::square_root(SoftFloat { mantissa, exponent }, bits);
             let square = (got.mantissa as u128).pow(2);
             let wanted = (mantissa as u128) << (exponent + 2 * -got.exponent);
             // (1 + e)^2 = 1 + 2 e, but for e^2 < 2^-46.

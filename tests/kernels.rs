@@ -7,14 +7,14 @@ use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::points::{Slab, Slabs};
-use splatline::draw::{Gathering, Painter, Perspective};
+use splatline::draw::{Painter, Perspective, PointSettings};
 use splatline::footprint::Footprint;
 use splatline::format::{Standard24, Traversal, Widths};
 use splatline::kernel::{
     FootprintTable, Kernel, PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, entries, fill,
     fill_perspective,
 };
-use splatline::math::Scaled;
+use splatline::math::SoftFloat;
 use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{Ellipse, Index, PointFilter, setup, setup_point, setup_sphere};
@@ -31,7 +31,7 @@ const SCREEN: Window = Window {
 
 fn rules(spacing: f64) -> Rules {
     Rules {
-        low_pass: Scaled::ZERO,
+        low_pass: SoftFloat::ZERO,
         spacing: scaled(spacing),
         ..Rules::EWA
     }
@@ -61,7 +61,7 @@ fn screen() -> Vec<Pixel> {
 /// A ball of deviation 0.05 at a place, seen by the camera of `common` about 4 before the origin.
 fn ball(centre: [f64; 3]) -> VolumeSplat {
     let axis = |i: usize| {
-        let mut components = [Scaled::ZERO; 3];
+        let mut components = [SoftFloat::ZERO; 3];
         components[i] = scaled(0.05);
         Axis::from_components(components)
     };
@@ -156,7 +156,7 @@ fn points_and_splats_meet_at_the_distance_k() {
     let as_splat = setup(Standard24, &view, &rules, &splat).unwrap();
     let as_point = setup_point(Standard24, &view, &rules, &splat, &filter).unwrap();
     assert_eq!(as_splat.centre, as_point.centre);
-    let ratio = |a: Scaled, b: Scaled| (double(a) / double(b) - 1.0).abs();
+    let ratio = |a: SoftFloat, b: SoftFloat| (double(a) / double(b) - 1.0).abs();
     assert!(ratio(as_splat.scan.spread, as_point.scan.spread) < 1e-3);
     assert!((f64::from(as_splat.peak) / f64::from(as_point.peak) - 1.0).abs() < 0.06);
 }
@@ -201,17 +201,17 @@ proptest! {
         let rules = Rules::EWA;
         let view = view(0.3, -0.2, Projection::Perspective);
         let sphere = SphereSplat {
-            centre: centre.map(|(mantissa, exponent)| Scaled { mantissa, exponent }),
-            deviation: Scaled { mantissa, exponent },
-            weight: Scaled { mantissa: weight, exponent: power },
+            centre: centre.map(|(mantissa, exponent)| SoftFloat { mantissa, exponent }),
+            deviation: SoftFloat { mantissa, exponent },
+            weight: SoftFloat { mantissa: weight, exponent: power },
             colour: [U4F28::MAX; 3],
         };
         any_sphere(&view, &rules, &sphere, shape);
         // And with exponents in a range that reaches the screen.
         let near = SphereSplat {
-            deviation: Scaled { mantissa, exponent: -32 - exponent % 8 },
-            weight: Scaled { mantissa: weight, exponent: -30 },
-            centre: centre.map(|(bits, _)| Scaled { mantissa: bits >> 5, exponent: -24 }),
+            deviation: SoftFloat { mantissa, exponent: -32 - exponent % 8 },
+            weight: SoftFloat { mantissa: weight, exponent: -30 },
+            centre: centre.map(|(bits, _)| SoftFloat { mantissa: bits >> 5, exponent: -24 }),
             ..sphere
         };
         any_sphere(&view, &rules, &near, shape);
@@ -239,7 +239,7 @@ proptest! {
         let mut memory = vec![Slab::default(); 57 * 57];
         let mut target = Target::new(&mut pixels, window, 57).unwrap();
         let mut slabs = Slabs::new(&mut memory, window).unwrap();
-        let gathering = Gathering { range: 1000, stamp };
+        let gathering = PointSettings { range: 1000, stamp };
         let coverage = painter.draw_point(&point, &gathering, &mut target, &mut slabs);
         prop_assert!(coverage.visited <= 57 * 57);
         painter.draw_among_points(&point, &mut target, &mut slabs);

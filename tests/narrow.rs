@@ -7,9 +7,9 @@ use arbitrary::Source;
 use common::{SIZE, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
-use splatline::draw::{NarrowError, NarrowPainter, Painter};
+use splatline::draw::{NarrowError, Painter, Painter32};
 use splatline::footprint::Footprint;
-use splatline::format::{Custom, Design, Rounding, Traversal, Widths};
+use splatline::format::{Design, Rounding, RuntimeWidths, Traversal, Widths};
 use splatline::kernel::{FootprintTable, PackedError, PackedTable, entries, fill_gaussian};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -125,7 +125,7 @@ fn check<const N: usize>(
         .filter_map(|splat| setup(design, &camera, rules, splat).ok())
         .collect();
     let (memory, packed) = table::<N>(&widths);
-    let narrow = NarrowPainter::new(design, rules, &packed).unwrap();
+    let narrow = Painter32::new(design, rules, &packed).unwrap();
     let got = in_strips(&widths, |target| {
         for footprint in &list {
             narrow.draw(footprint, target);
@@ -134,7 +134,7 @@ fn check<const N: usize>(
     let expected = by_painter(design, rules, &memory, &list);
     prop_assert!(got == expected, "another picture: {widths:?}");
     // 64-bit lanes take the 64-bit rows.
-    let custom = Custom::new(widths).unwrap();
+    let custom = RuntimeWidths::new(widths).unwrap();
     let wide = by_painter(custom, rules, &memory, &list);
     prop_assert!(expected == wide, "other rows: {widths:?}");
     Ok(())
@@ -158,7 +158,7 @@ proptest! {
         let mut source = Source::new(&bytes);
         let (_, packed) = table::<128>(&FIRMWARE);
         let design = Narrow(FIRMWARE);
-        let painter = NarrowPainter::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
+        let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
 }
@@ -225,12 +225,12 @@ fn what_is_not_narrow_is_refused() {
         peak: 24,
         ..FIRMWARE
     });
-    let error = NarrowPainter::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
     let other = Narrow(Widths {
         interpolation: 16,
         ..FIRMWARE
     });
-    let error = NarrowPainter::new(other, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
+    let error = Painter32::new(other, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
     assert_eq!(error, NarrowError::Table);
 }

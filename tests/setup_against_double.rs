@@ -8,7 +8,7 @@ use proptest::test_runner::TestRunner;
 use splatline::footprint::Footprint;
 use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Widths};
 use splatline::rules::Rules;
-use splatline::setup::{Cull, columns, project, setup, variance};
+use splatline::setup::{Cull, covariance, project, project_axes, setup};
 use splatline::splat::VolumeSplat;
 use splatline::view::{Pose, Projection, View};
 use std::cell::Cell;
@@ -70,7 +70,7 @@ impl Bounds {
         }
     }
 
-    fn variance(&self) -> f64 {
+    fn covariance(&self) -> f64 {
         2.0 * self.e + self.u
     }
 
@@ -121,7 +121,7 @@ fn check<D: Design>(
             "{name} centre: {got} {exact:?}"
         );
     }
-    let m = columns(&widths, &view.rotation, &projected, &splat.axes);
+    let m = project_axes(&widths, &view.rotation, &projected, &splat.axes);
     for ((got, expected), allowed) in m.iter().zip(exact.columns).zip(bounds.columns) {
         for (i, component) in [got.x, got.y].into_iter().enumerate() {
             let error = (double(component) - expected[i]).abs();
@@ -129,7 +129,7 @@ fn check<D: Design>(
             prop_assert!(error <= allowed, "{name} columns: {error:e} > {allowed:e}");
         }
     }
-    let v = variance(&widths, rules.low_pass, &m);
+    let v = covariance(&widths, rules.low_pass, &m);
     let [xx, _, yy] = exact.variance;
     let scales = [xx, (xx * yy).sqrt(), yy];
     for ((got, expected), scale) in [v.xx, v.xy, v.yy]
@@ -139,9 +139,9 @@ fn check<D: Design>(
     {
         let error = (double(got) - expected).abs() / scale;
         prop_assert!(
-            error <= bounds.variance(),
+            error <= bounds.covariance(),
             "{name} variance: {error:e} > {:e}",
-            bounds.variance()
+            bounds.covariance()
         );
     }
     let error = (double(v.determinant) / exact.determinant - 1.0).abs();
@@ -301,7 +301,7 @@ proptest! {
 
 #[test]
 fn each_reason_culls() {
-    use splatline::math::Scaled;
+    use splatline::math::SoftFloat;
     let camera = view(0.0, 0.0, Projection::Perspective);
     let axis = |i: usize, length: f64| {
         let mut v = [0.0; 3];
@@ -309,7 +309,7 @@ fn each_reason_culls() {
         splatline::splat::Axis::from_components(v.map(common::scaled))
     };
     let good = VolumeSplat {
-        centre: [Scaled::ZERO; 3],
+        centre: [SoftFloat::ZERO; 3],
         axes: [axis(0, 0.1), axis(1, 0.1), axis(2, 0.1)],
         weight: common::scaled(0.5),
         colour: [fixed::types::U4F28::ONE; 3],
@@ -319,7 +319,7 @@ fn each_reason_culls() {
         ..good
     };
     let sharp = Rules {
-        low_pass: Scaled::ZERO,
+        low_pass: SoftFloat::ZERO,
         ..Rules::GAUSSIAN_3D
     };
     let flat = VolumeSplat {

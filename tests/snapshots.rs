@@ -83,7 +83,7 @@ fn picture<D: Design>(design: D, traversal: Traversal, compositing: Compositing)
     Painter::new(design, &rules, table, compositing, traversal).draw(&footprint, &mut target);
     let shade = |pixel: &Pixel| {
         let opaque = 1u64 << widths.transmittance;
-        let taken = opaque - u64::from(pixel.clear_share());
+        let taken = opaque - u64::from(pixel.transmittance());
         if taken == 0 {
             '.'
         } else {

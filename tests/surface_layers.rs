@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 use splatline::blend::layers::Layers;
-use splatline::blend::surface::{Accumulation, Cell, Gather, Sample, sum_fraction};
+use splatline::blend::surface::{Accumulation, Cell, Sample, WeightedSum, sum_fraction};
 use splatline::footprint::surface::{Attributes, attribute_fraction};
-use splatline::format::{Custom, Design, Standard24};
+use splatline::format::{Design, RuntimeWidths, Standard24};
 
 const THRESHOLD: u32 = 100;
 
@@ -29,8 +29,8 @@ fn attributes(number: u32) -> Attributes {
     }
 }
 
-fn gather() -> Gather {
-    Gather::new(&Standard24::WIDTHS, THRESHOLD)
+fn gather() -> WeightedSum {
+    WeightedSum::new(&Standard24::WIDTHS, THRESHOLD)
 }
 
 fn drawn<C: Cell>(samples: &[(u32, u32)]) -> C {
@@ -129,7 +129,7 @@ proptest! {
         wide: bool,
     ) {
         let widths = if wide { splatline::format::Deep32.widths() } else { splatline::format::Classic8.widths() };
-        let gather = Gather::new(&Custom::new(widths).unwrap().widths(), threshold);
+        let gather = WeightedSum::new(&RuntimeWidths::new(widths).unwrap().widths(), threshold);
         let mut layers = Layers::<2>::EMPTY;
         let mut single = Accumulation::EMPTY;
         for (weight, depth, [r, g, b, opacity], normal) in samples {

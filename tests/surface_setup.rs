@@ -3,7 +3,7 @@
 use fixed::types::{I2F30, I32F32, U4F28};
 use proptest::prelude::*;
 use splatline::format::{Classic8, Deep32, Standard24};
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules;
 use splatline::setup::setup_surface;
 use splatline::splat::Axis;
@@ -17,12 +17,12 @@ const DEPTH_TOLERANCE: f64 = 1e-5;
 const FOCAL: f64 = 400.0;
 const CENTRE: f64 = 256.0;
 
-fn scaled(value: f64) -> Scaled {
-    Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
+fn scaled(value: f64) -> SoftFloat {
+    SoftFloat::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
 }
 
 /// A number of setup as the depth range has it.
-fn number(value: Scaled) -> Extended {
+fn number(value: SoftFloat) -> Extended {
     Extended {
         value: value.mantissa.into(),
         exponent: value.exponent,
@@ -195,21 +195,21 @@ proptest! {
     ) {
         let axis = |k: usize| Axis { mantissa: mantissas[k], exponent: exponents[k] };
         let surface = SurfaceSplat {
-            centre: centre.map(|(mantissa, exponent)| Scaled { mantissa, exponent }),
+            centre: centre.map(|(mantissa, exponent)| SoftFloat { mantissa, exponent }),
             frame: [axis(0), axis(1)],
             normal: axis(2),
-            weight: Scaled { mantissa: weight.0, exponent: weight.1 },
+            weight: SoftFloat { mantissa: weight.0, exponent: weight.1 },
             colour: [0, 1, 2].map(|c: usize| U4F28::from_bits(colour[c])),
             opacity: U4F28::from_bits(colour[3]),
             material: 255,
         };
         let view = View {
             pose: Eye { position, exponent: exponents[3], ..Eye::ORIGIN },
-            focal: focal.map(|(mantissa, exponent)| Scaled { mantissa, exponent }),
+            focal: focal.map(|(mantissa, exponent)| SoftFloat { mantissa, exponent }),
             projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
             ..view()
         };
-        let rules = Rules { low_pass: Scaled { mantissa: low_pass.0, exponent: low_pass.1 }, ..Rules::SURFACE };
+        let rules = Rules { low_pass: SoftFloat { mantissa: low_pass.0, exponent: low_pass.1 }, ..Rules::SURFACE };
         let _ = setup_surface(Standard24, &view, &rules, &surface).map(|f| f.depth_at(u16::MAX, 0));
         let _ = setup_surface(Classic8, &view, &rules, &surface);
         let _ = setup_surface(Deep32, &view, &rules, &surface);

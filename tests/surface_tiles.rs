@@ -6,12 +6,12 @@ use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::shading::{Material, Shading};
-use splatline::blend::surface::{Cell, Gather, Sample};
+use splatline::blend::surface::{Cell, Sample, WeightedSum};
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::{Attributes, SurfaceFootprint};
 use splatline::format::{Design, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, gaussian};
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::raster::Window;
 use splatline::rules::Rules;
 use splatline::setup::setup_surface;
@@ -24,15 +24,15 @@ const SIDE: u16 = 96;
 static TABLE: [u32; entries(&Standard24::WIDTHS)] = gaussian(&Standard24::WIDTHS, 2);
 
 /// A number of setup as the depth range has it.
-fn number(value: Scaled) -> Extended {
+fn number(value: SoftFloat) -> Extended {
     Extended {
         value: value.mantissa.into(),
         exponent: value.exponent,
     }
 }
 
-fn scaled(value: f64) -> Scaled {
-    Scaled::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
+fn scaled(value: f64) -> SoftFloat {
+    SoftFloat::from_wide((value * 2f64.powi(40)) as i64, -40, 31)
 }
 
 fn view() -> View {
@@ -70,7 +70,7 @@ fn footprint(centre: [f64; 3], frame: [[f64; 3]; 2]) -> Option<SurfaceFootprint>
 fn cells(footprints: &[SurfaceFootprint], window: Window, traversal: Traversal) -> Vec<Layers<3>> {
     let widths = Standard24.widths();
     let table = FootprintTable::new(&TABLE, &widths, 2).unwrap();
-    let gather = Gather::new(&widths, 1 << 20);
+    let gather = WeightedSum::new(&widths, 1 << 20);
     let painter = SurfacePainter::new(Standard24, &Rules::SURFACE, table, gather, traversal);
     let size = [0, 1].map(|axis| usize::from(window.last[axis] - window.first[axis]));
     let mut cells = vec![Layers::EMPTY; size[0] * size[1] + 1];
@@ -91,7 +91,7 @@ proptest! {
         tau: u32, place: [u16; 2], orthographic: bool,
     ) {
         let widths = Standard24.widths();
-        let gather = Gather::new(&widths, 1000);
+        let gather = WeightedSum::new(&widths, 1000);
         let mut cell = Layers::<3>::EMPTY;
         for ([weight, depth, r, g, b, opacity], normal, material) in samples {
             let attributes = Attributes { colour: [r, g, b], opacity, normal, material: material % 2 };
@@ -100,7 +100,7 @@ proptest! {
         let [ambient, diffuse, specular] = coefficients;
         let materials = [Material { ambient, diffuse, specular, exponent }];
         let view = View {
-            focal: [Scaled { mantissa: focal.0, exponent: focal.1 }; 2],
+            focal: [SoftFloat { mantissa: focal.0, exponent: focal.1 }; 2],
             principal: [I32F32::from_bits(principal); 2],
             projection: if orthographic { Projection::Orthographic } else { Projection::Perspective },
             ..view()

@@ -9,7 +9,7 @@ use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Deep32, Design, Lane, Lean18, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::raster::{ConicRows, Rows, SpanRows, Window};
+use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
 use splatline::splat::VolumeSplat;
@@ -23,11 +23,11 @@ const SCREEN: Window = Window {
 };
 
 /// The radial index of every visited pixel; a pixel must not be visited twice, nor a stray one.
-fn visited<R: Rows>(mut rows: R, window: &Window) -> BTreeMap<(u16, u16), f64> {
+fn visited<R: Spans>(mut rows: R, window: &Window) -> BTreeMap<(u16, u16), f64> {
     let unit = f64::from(rows.fraction()).exp2();
     let mut found = BTreeMap::new();
     let mut last = None;
-    while let Some(run) = rows.next_run() {
+    while let Some(run) = rows.next_span() {
         assert!(run.length > 0);
         assert!(Some((run.y, run.x)) > last, "runs come in reading order");
         last = Some((run.y, run.x));
@@ -79,7 +79,7 @@ fn check<D: Design>(
         1.0 + (double(footprint.scan.slope) * rows).abs() * double(footprint.scan.curvature).sqrt();
     let bound = tolerances::of(name, &widths).radial * thinness;
     let cutoff = f64::from(footprint.cutoff) / 28f64.exp2();
-    let found = visited(SpanRows::new(design, &footprint, &SCREEN), &SCREEN);
+    let found = visited(EllipseSpans::new(design, &footprint, &SCREEN), &SCREEN);
     let mut covered = 0;
     for y in footprint.first[1]..footprint.last[1] {
         for x in footprint.first[0]..footprint.last[0] {
@@ -102,7 +102,7 @@ fn check<D: Design>(
         "{name}: visits {} of {covered}",
         found.len()
     );
-    let boxed = visited(ConicRows::new(design, &footprint, &SCREEN), &SCREEN);
+    let boxed = visited(BoxSpans::new(design, &footprint, &SCREEN), &SCREEN);
     let [columns, rows] =
         [0, 1].map(|axis| usize::from(footprint.last[axis] - footprint.first[axis]));
     prop_assert_eq!(boxed.len(), columns * rows);
@@ -187,7 +187,7 @@ fn box_agrees_on_round_splats() {
             &splat,
         )
         .unwrap();
-        for ((y, x), radial) in visited(ConicRows::new(Standard24, &footprint, &SCREEN), &SCREEN) {
+        for ((y, x), radial) in visited(BoxSpans::new(Standard24, &footprint, &SCREEN), &SCREEN) {
             let exact = naive(&footprint, Standard24.widths().subpixel, x, y);
             assert!(
                 (radial - exact).abs() < 1e-4 * (1.0 + exact),

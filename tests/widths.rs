@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Classic8, Custom, Deep32, Design, Lean18, Standard24, Traversal};
+use splatline::format::{Classic8, Deep32, Design, Lean18, RuntimeWidths, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
@@ -54,7 +54,7 @@ fn check<D: Design>(
     rules: &Rules,
     compositing: Compositing,
 ) -> Result<(), TestCaseError> {
-    let custom = Custom::new(design.widths()).unwrap();
+    let custom = RuntimeWidths::new(design.widths()).unwrap();
     for traversal in [Traversal::Box, Traversal::Spans] {
         let expected = run(design, list, rules, compositing, traversal);
         prop_assert!(

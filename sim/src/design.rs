@@ -12,7 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 use splatline::format::{
-    Classic8, Custom, Deep32, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES,
+    Classic8, Deep32, Design, Lean18, Rounding, RuntimeWidths, Standard24, Traversal, WIDTH_RANGES,
     WidthError, Widths,
 };
 use std::borrow::Cow;
@@ -140,9 +140,9 @@ impl DesignChoice {
             Some(Named::Lean18) => job.run(Lean18),
             Some(Named::Standard24) => job.run(Standard24),
             Some(Named::Deep32) => job.run(Deep32),
-            None => {
-                job.run(Custom::new(self.widths).expect("widths are checked when a choice is made"))
-            }
+            None => job.run(
+                RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made"),
+            ),
         }
     }
 

@@ -4,12 +4,12 @@
 //! a threshold tau it is taken for coverage, q' = min(1, q / tau), by which colour and opacity of the fragment are scaled.
 //! SURF uses tau = 0.4. Without the filter every pixel that any splat touches is fully covered.
 
-use crate::math::{Product, Scaled, reciprocal};
+use crate::math::{Product, SoftFloat, reciprocal};
 
 /// The division by tau as a multiplication.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EdgeFilter {
-    inverse: Scaled,
+    inverse: SoftFloat,
 }
 
 /// tau = 0.4 in UQ0.30, the threshold of SURF 7.
@@ -18,7 +18,7 @@ pub const USUAL_THRESHOLD: u32 = 429_496_730;
 impl EdgeFilter {
     /// A filter with the threshold tau in UQ2.30; `None` for 0.
     pub fn new(threshold: u32) -> Option<EdgeFilter> {
-        let threshold = Scaled::from_wide(threshold.into(), -30, 31);
+        let threshold = SoftFloat::from_wide(threshold.into(), -30, 31);
         let inverse = reciprocal(threshold, 31)?;
         Some(EdgeFilter { inverse })
     }

@@ -14,7 +14,7 @@
 //! on the divided attributes. The merged fragment keeps the larger of both weight sums and both depth ranges: later samples
 //! of either surface are averaged with it, which is the approximation that L bounds.
 
-use super::surface::{Cell, Filtered, Fragment, Gather, Sample};
+use super::surface::{Cell, Filtered, Fragment, Sample, WeightedSum};
 
 /// At most `L` fragments of a pixel, nearest first. `L` is at least 1.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ impl<const L: usize> Layers<L> {
 
     /// Accumulates into the first fragment within the threshold and joins it with the next if the sample closed the gap.
     #[inline(always)]
-    fn accumulate(&mut self, gather: &Gather, sample: &Sample) -> bool {
+    fn accumulate(&mut self, gather: &WeightedSum, sample: &Sample) -> bool {
         let near_enough = |fragment: &Fragment| {
             let low = fragment.near.saturating_sub(gather.threshold);
             let high = fragment.far.saturating_add(gather.threshold);
@@ -48,7 +48,7 @@ impl<const L: usize> Layers<L> {
     }
 
     /// Adds fragment `index + 1` to fragment `index` if the gap between them is within the threshold.
-    fn join(&mut self, gather: &Gather, index: usize) {
+    fn join(&mut self, gather: &WeightedSum, index: usize) {
         let pair = (self.fragments.get(index)).zip(self.fragments.get(index + 1));
         let Some((front, back)) = pair else {
             return;
@@ -66,7 +66,7 @@ impl<const L: usize> Layers<L> {
     }
 
     /// Puts a fragment in its place by depth; merges the nearest pair if there are now more than `L`.
-    fn insert(&mut self, gather: &Gather, mut incoming: Fragment) {
+    fn insert(&mut self, gather: &WeightedSum, mut incoming: Fragment) {
         for slot in &mut self.fragments {
             if incoming.near < slot.near {
                 core::mem::swap(slot, &mut incoming);
@@ -114,7 +114,7 @@ impl<const L: usize> Cell for Layers<L> {
     };
 
     /// Accumulate or separate, insert, merge.
-    fn add(&mut self, gather: &Gather, sample: &Sample) {
+    fn add(&mut self, gather: &WeightedSum, sample: &Sample) {
         const { assert!(L > 0) };
         if !self.accumulate(gather, sample) {
             let mut fragment = Fragment::default();
@@ -148,7 +148,7 @@ fn add(front: &Fragment, back: &Fragment) -> Fragment {
 }
 
 /// SURF eq. 12 on the divided fragments; weight sum of the heavier, depth range of both, material of the front one.
-fn merge(gather: &Gather, front: &Fragment, back: &Fragment) -> Fragment {
+fn merge(gather: &WeightedSum, front: &Fragment, back: &Fragment) -> Fragment {
     let merged = over(gather, &gather.normalise(front), &gather.normalise(back));
     Fragment {
         near: front.near.min(back.near),
@@ -158,7 +158,7 @@ fn merge(gather: &Gather, front: &Fragment, back: &Fragment) -> Fragment {
 }
 
 /// The front's attributes over the back's. The normal is weighted like a colour; only its direction is used.
-fn over(gather: &Gather, front: &Filtered, back: &Filtered) -> Filtered {
+fn over(gather: &WeightedSum, front: &Filtered, back: &Filtered) -> Filtered {
     let rest = gather.one() - i64::from(front.opacity.min(gather.one() as u32));
     let behind = |value: i64| gather.times_unit(value, rest);
     let blend = |front: u32, back: u32| {

@@ -1,7 +1,7 @@
 //! Compositing of one splat into one pixel, with a deep alpha channel.
 //!
 //! The pixel keeps its transmittance T in UQ1.transmittance and its colour, premultiplied, in UQ4.accumulator. Front to back
-//! (\[EWA\] eq. 5, \[HYBRID\] 4.1) the share g = T alpha is computed once and both T' = T - g and C' = C + g c use it, so
+//! (\[EWA\] eq. 5, \[HYBRID\] 4.1) the contribution g = T alpha is computed once and both T' = T - g and C' = C + g c use it, so
 //! that the shares and the last T sum to 1 without any rounding error, however many layers there are. \[SWAN\] 6 asks
 //! for a channel deep enough that very transparent splats still move it: that is the width of T.
 //!
@@ -61,7 +61,7 @@ impl Pixel {
 
     /// Transmittance without the flag, UQ1.transmittance.
     #[inline(always)]
-    pub const fn clear_share(&self) -> u32 {
+    pub const fn transmittance(&self) -> u32 {
         self.transmittance & !FINISHED
     }
 }
@@ -71,17 +71,17 @@ impl Pixel {
 pub struct Blend {
     alpha_max: u32,
     opacity_min: u64,
-    stop: u32,
-    stop_before: bool,
+    minimum_transmittance: u32,
+    omit_finishing: bool,
     rounding: Rounding,
     /// Right shifts of the four products.
     opacity_shift: i32,
-    share_shift: i32,
+    contribution_shift: i32,
     colour_shift: i32,
     layer_shift: i32,
     /// Products that fit 32 bits, see [`Blend::product`].
     opacity_narrow: bool,
-    share_narrow: bool,
+    contribution_narrow: bool,
     colour_narrow: bool,
     /// No sum of shares times colours leaves 32 bits: the shares sum to at most 1, so that it stays below 16 plus one unit per layer.
     sums_fit: bool,
@@ -96,16 +96,16 @@ pub struct BlendConstants {
     /// of alpha. All but [`GUARD`] of the bits that rounding drops are 0.
     pub opacity_min: u64,
     /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
-    pub stop: u32,
-    /// The splat that would bring the transmittance to `stop` is itself left out.
-    pub stop_before: bool,
+    pub minimum_transmittance: u32,
+    /// The splat that would bring the transmittance to `minimum_transmittance` is itself left out.
+    pub omit_finishing: bool,
     /// Rounding of the three products.
     pub rounding: Rounding,
     /// Right shift of peak (UQ4.peak) times kernel (UQ1.weight), to UQ1.alpha.
     pub opacity_shift: i32,
     /// Right shift of transmittance times opacity, to UQ1.transmittance.
-    pub share_shift: i32,
-    /// Right shift of share (UQ1.transmittance) times colour (UQ4.colour), to UQ4.accumulator.
+    pub contribution_shift: i32,
+    /// Right shift of contribution (UQ1.transmittance) times colour (UQ4.colour), to UQ4.accumulator.
     pub colour_shift: i32,
 }
 
@@ -116,11 +116,11 @@ impl Blend {
         BlendConstants {
             alpha_max: self.alpha_max,
             opacity_min: self.opacity_min,
-            stop: self.stop,
-            stop_before: self.stop_before,
+            minimum_transmittance: self.minimum_transmittance,
+            omit_finishing: self.omit_finishing,
             rounding: self.rounding,
             opacity_shift: self.opacity_shift,
-            share_shift: self.share_shift,
+            contribution_shift: self.contribution_shift,
             colour_shift: self.colour_shift,
         }
     }
@@ -147,19 +147,19 @@ impl Blend {
             Rounding::Truncate => 1,
         };
         Blend {
-            // At most 1, so that a share never exceeds the transmittance.
+            // At most 1, so that a contribution never exceeds the transmittance.
             alpha_max: at_most(from_rules(rules.alpha_max, alpha), 1 << alpha),
             opacity_min: smallest_product(least, peak + weight, alpha, widths.rounding),
-            stop: centred_stop(rules.stop, transmittance),
-            stop_before: rules.stop_before,
+            minimum_transmittance: centred_minimum(rules.minimum_transmittance, transmittance),
+            omit_finishing: rules.omit_finishing,
             rounding: widths.rounding,
             opacity_shift: peak + weight - alpha,
-            share_shift: alpha,
+            contribution_shift: alpha,
             colour_shift: transmittance + colour - accumulator,
             layer_shift: alpha + colour - accumulator,
             // (2^(4 + peak) - 1) 2^weight and the rounding constant, which must be less than 2^weight.
             opacity_narrow: 4 + peak + weight <= 32 && peak <= alpha + unrounded,
-            share_narrow: transmittance + alpha <= 31,
+            contribution_narrow: transmittance + alpha <= 31,
             colour_narrow: transmittance + 4 + colour <= 32 && colour <= accumulator + unrounded,
             // Without rounding (a shift of 0) not even that unit.
             sums_fit: accumulator <= 20 || transmittance + colour <= accumulator,
@@ -168,7 +168,7 @@ impl Blend {
 
     /// Do all products of "over" fit 32 bits, and its sums stay below the word's end?
     pub const fn is_narrow(&self) -> bool {
-        self.opacity_narrow && self.share_narrow && self.colour_narrow && self.sums_fit
+        self.opacity_narrow && self.contribution_narrow && self.colour_narrow && self.sums_fit
     }
 
     /// Opacity of a splat at a pixel, UQ1.alpha: peak (UQ4.peak) times kernel (UQ1.weight), clamped; 0 if the rules skip it.
@@ -214,7 +214,7 @@ impl Blend {
     }
 
     /// The same where alpha comes from [`Blend::opacity`] and the pixel from [`Pixel::clear`]: alpha and T are at most 1, so that the
-    /// share never exceeds T and nothing needs to saturate.
+    /// contribution never exceeds T and nothing needs to saturate.
     #[inline(always)]
     pub fn front_to_back_of_opacity(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
         self.over(pixel, alpha, colour, u32::wrapping_sub);
@@ -228,11 +228,12 @@ impl Blend {
         colour: &[u32; 3],
         without: impl Fn(u32, u32) -> u32,
     ) {
-        let Some((share, after)) = self.absorb(pixel, alpha, without) else {
+        let Some((contribution, after)) = self.contribution(pixel, alpha, without) else {
             return;
         };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
-            let layer = self.product(share, *c, self.colour_narrow, self.colour_shift) as u32;
+            let layer =
+                self.product(contribution, *c, self.colour_narrow, self.colour_shift) as u32;
             *sum = if self.sums_fit {
                 sum.wrapping_add(layer)
             } else {
@@ -242,31 +243,37 @@ impl Blend {
         pixel.transmittance = after;
     }
 
-    /// The share g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where the rules leave out
-    /// the layer that would finish the pixel; the pixel is then marked. `without` subtracts the share from T.
+    /// The contribution g = T alpha that a layer takes of the light, and the transmittance word after it. `None` where the rules leave out
+    /// the layer that would finish the pixel; the pixel is then marked. `without` subtracts the contribution from T.
     #[inline(always)]
-    fn absorb(
+    fn contribution(
         &self,
         pixel: &mut Pixel,
         alpha: u32,
         without: impl Fn(u32, u32) -> u32,
     ) -> Option<(u32, u32)> {
         let transmittance = pixel.transmittance;
-        let share = self.product(transmittance, alpha, self.share_narrow, self.share_shift) as u32;
-        let rest = without(transmittance, share);
-        let stop = rest <= self.stop;
-        if stop && self.stop_before {
+        let contribution = self.product(
+            transmittance,
+            alpha,
+            self.contribution_narrow,
+            self.contribution_shift,
+        ) as u32;
+        let rest = without(transmittance, contribution);
+        let stop = rest <= self.minimum_transmittance;
+        if stop && self.omit_finishing {
             pixel.transmittance |= FINISHED;
             return None;
         }
-        Some((share, if stop { rest | FINISHED } else { rest }))
+        Some((contribution, if stop { rest | FINISHED } else { rest }))
     }
 
     /// "Over", farthest splat first: C' = C - alpha C + alpha c, T' = T - alpha T.
     #[inline(always)]
     pub fn back_to_front(&self, pixel: &mut Pixel, alpha: u32, colour: &[u32; 3]) {
-        let hidden =
-            |value: u32| self.shift(u64::from(value) * u64::from(alpha), self.share_shift) as u32;
+        let hidden = |value: u32| {
+            self.shift(u64::from(value) * u64::from(alpha), self.contribution_shift) as u32
+        };
         for (sum, c) in pixel.colour.iter_mut().zip(colour) {
             let layer = self.shift(u64::from(alpha) * u64::from(*c), self.layer_shift) as u32;
             *sum = sum.saturating_sub(hidden(*sum)).saturating_add(layer);
@@ -295,10 +302,10 @@ impl Blend {
         self.shift(alpha.into(), self.layer_shift - self.colour_shift) as u32
     }
 
-    /// Fraction bits of the transmittance, from the shifts: colour_shift - layer_shift = transmittance - alpha and share_shift = alpha.
+    /// Fraction bits of the transmittance, from the shifts: colour_shift - layer_shift = transmittance - alpha and contribution_shift = alpha.
     #[inline(always)]
     fn transmittance_bits(&self) -> i32 {
-        (self.colour_shift - self.layer_shift + self.share_shift) & 31
+        (self.colour_shift - self.layer_shift + self.contribution_shift) & 31
     }
 
     /// `a b 2^-by`, rounded. `narrow` says that the product and its rounding constant fit 32 bits for all values within their
@@ -352,7 +359,7 @@ const fn smallest_product(threshold: u64, fraction: i32, alpha: i32, rounding: R
 
 /// The largest transmittance (`fraction` fraction bits) that stops a pixel: the largest integer below the threshold. Words are rounded, so
 /// that it stands for all transmittances up to half a unit more, and no other integer has its end nearer to the threshold.
-const fn centred_stop(threshold: u64, fraction: i32) -> u32 {
+const fn centred_minimum(threshold: u64, fraction: i32) -> u32 {
     let drop = (THRESHOLD as i32 - fraction) as u32;
     let above = threshold.saturating_add((1 << drop) - 1) >> drop;
     let below = above.saturating_sub(1);
@@ -407,8 +414,8 @@ mod tests {
         ) {
             let widths = NARROW[choice];
             let fast = Blend::new(&widths, &rules);
-            prop_assert!(fast.opacity_narrow && fast.share_narrow && fast.colour_narrow && fast.sums_fit);
-            let wide = Blend { opacity_narrow: false, share_narrow: false, colour_narrow: false, sums_fit: false, ..fast };
+            prop_assert!(fast.opacity_narrow && fast.contribution_narrow && fast.colour_narrow && fast.sums_fit);
+            let wide = Blend { opacity_narrow: false, contribution_narrow: false, colour_narrow: false, sums_fit: false, ..fast };
             let (mut a, mut b) = (Pixel::clear(&widths), Pixel::clear(&widths));
             for (peak, weight, colour) in layers {
                 // Half of all values lie at the end of their format.

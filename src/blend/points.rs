@@ -14,7 +14,7 @@
 //! Pixels that have finished gather nothing.
 
 use super::{Blend, Pixel};
-use crate::math::{Scaled, reciprocal, shift_unsigned};
+use crate::math::{SoftFloat, reciprocal, shift_unsigned};
 use crate::raster::Window;
 
 /// What a pixel has gathered and not yet composited.
@@ -39,8 +39,8 @@ pub struct Slabs<'a> {
 impl<'a> Slabs<'a> {
     /// Empty slabs for the pixels of `window`; `None` if `memory` is smaller than the window.
     pub fn new(memory: &'a mut [Slab], window: Window) -> Option<Self> {
-        let columns = usize::from(window.last[0].saturating_sub(window.first[0]));
-        let rows = usize::from(window.last[1].saturating_sub(window.first[1]));
+        let columns = usize::from(window.end[0].saturating_sub(window.first[0]));
+        let rows = usize::from(window.end[1].saturating_sub(window.first[1]));
         if memory.len() < columns * rows {
             return None;
         }
@@ -55,7 +55,7 @@ impl<'a> Slabs<'a> {
     /// The slab of column `x` and row `y`, if it lies in the window.
     #[inline(always)]
     pub fn at(&mut self, [x, y]: [u16; 2]) -> Option<&mut Slab> {
-        let Window { first, last } = self.window;
+        let Window { first, end: last } = self.window;
         if x < first[0] || x >= last[0] || y < first[1] || y >= last[1] {
             return None;
         }
@@ -103,14 +103,15 @@ impl Blend {
         if opacity == 0 || pixel.is_finished() {
             return;
         }
-        let one = 1u32 << self.share_shift;
+        let one = 1u32 << self.contribution_shift;
         let colour = if opacity > one {
             self.scaled_back(colour, opacity)
         } else {
             colour
         };
         let transmittance = u64::from(pixel.transmittance);
-        let Some((_, after)) = self.absorb(pixel, opacity.min(one), u32::saturating_sub) else {
+        let Some((_, after)) = self.contribution(pixel, opacity.min(one), u32::saturating_sub)
+        else {
             return;
         };
         // UQ1.transmittance times UQ4.accumulator.
@@ -124,8 +125,8 @@ impl Blend {
     /// colour / opacity for a slab whose opacities sum to more than 1: rare, so the reciprocal unit serves.
     #[cold]
     fn scaled_back(&self, colour: [u32; 3], opacity: u32) -> [u32; 3] {
-        let sum = Scaled::from_wide(opacity.into(), -self.share_shift, 31);
-        let inverse = reciprocal(sum, 31).unwrap_or(Scaled::ZERO);
+        let sum = SoftFloat::from_wide(opacity.into(), -self.contribution_shift, 31);
+        let inverse = reciprocal(sum, 31).unwrap_or(SoftFloat::ZERO);
         // Below 1, hence at most 31 fraction bits.
         let factor = inverse.to_fixed(31).clamp(0, 1 << 31) as u64;
         colour.map(|c| {

@@ -6,7 +6,7 @@
 use super::Pixel;
 use super::edge::EdgeFilter;
 use super::shading::Shading;
-use super::surface::{Cell, Gather, sum_fraction};
+use super::surface::{Cell, WeightedSum, sum_fraction};
 use crate::format::Widths;
 use crate::math::shift_unsigned;
 
@@ -14,7 +14,7 @@ use crate::math::shift_unsigned;
 #[derive(Clone, Copy, Debug)]
 pub struct Resolve<'a> {
     widths: Widths,
-    gather: Gather,
+    gather: WeightedSum,
     shading: Option<Shading<'a>>,
     edges: Option<EdgeFilter>,
 }
@@ -23,7 +23,7 @@ impl<'a> Resolve<'a> {
     /// Without `shading` colours stay as they are, without `edges` every touched pixel is fully covered.
     pub fn new(
         widths: &Widths,
-        gather: Gather,
+        gather: WeightedSum,
         shading: Option<Shading<'a>>,
         edges: Option<EdgeFilter>,
     ) -> Resolve<'a> {

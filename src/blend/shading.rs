@@ -11,7 +11,7 @@
 
 use super::surface::Filtered;
 use crate::format::Widths;
-use crate::math::{Scaled, reciprocal, shift_round, square_root, sum_of_products};
+use crate::math::{SoftFloat, reciprocal, shift_round, square_root, sum_of_products};
 use crate::view::{Projection, View};
 
 /// 1.0 in the vectors' Q1.30.
@@ -53,7 +53,7 @@ pub struct Shading<'a> {
     materials: &'a [Material],
     light: Direction,
     view: &'a View,
-    inverse_focal: [Scaled; 2],
+    inverse_focal: [SoftFloat; 2],
     bits: u32,
     accumulator: u32,
 }
@@ -74,7 +74,7 @@ impl<'a> Shading<'a> {
             view,
             inverse_focal: view
                 .focal
-                .map(|focal| reciprocal(focal, bits).unwrap_or(Scaled::ZERO)),
+                .map(|focal| reciprocal(focal, bits).unwrap_or(SoftFloat::ZERO)),
             bits,
             accumulator: widths.accumulator.into(),
         }
@@ -97,7 +97,7 @@ impl<'a> Shading<'a> {
 
     /// max(0, n.l) and max(0, r.v)^s in Q1.30. A normal of length 0 gives neither.
     fn reflect(&self, normal: Direction, exponent: u8, x: u16, y: u16) -> (i64, i64) {
-        let filtered = normal.map(|n| Scaled::from_wide(n.into(), -30, 31));
+        let filtered = normal.map(|n| SoftFloat::from_wide(n.into(), -30, 31));
         let normal = unit(filtered, self.bits);
         if normal == [0; 3] {
             return (0, 0);
@@ -124,9 +124,10 @@ impl<'a> Shading<'a> {
         let slope = |axis: usize, pixel: u16| {
             let sample = (i64::from(pixel) << 32) + (1 << 31);
             let offset = sample.wrapping_sub(self.view.principal[axis].to_bits());
-            Scaled::from_wide(offset, -32, self.bits).multiply(self.inverse_focal[axis], self.bits)
+            SoftFloat::from_wide(offset, -32, self.bits)
+                .multiply(self.inverse_focal[axis], self.bits)
         };
-        let one = Scaled {
+        let one = SoftFloat {
             mantissa: ONE as i32,
             exponent: -30,
         };
@@ -135,7 +136,7 @@ impl<'a> Shading<'a> {
 }
 
 /// A vector divided by its length, Q1.30; 0 for 0. Error below 2^-(bits - 2) per component.
-pub fn unit(vector: [Scaled; 3], bits: u32) -> Direction {
+pub fn unit(vector: [SoftFloat; 3], bits: u32) -> Direction {
     let square = sum_of_products(vector.map(|v| v.times(v)), bits);
     let Some(inverse) = reciprocal(square_root(square, bits), bits) else {
         return [0; 3];
@@ -192,13 +193,13 @@ mod tests {
     #[test]
     fn unit_vectors_have_length_one() {
         for vector in [[3, 4, 0], [1, -1, 1], [1 << 30, 5, -7], [0, 0, -9]] {
-            let got = unit(vector.map(|v| Scaled::from_wide(v, 3, 31)), 24);
+            let got = unit(vector.map(|v| SoftFloat::from_wide(v, 3, 31)), 24);
             let length = got
                 .iter()
                 .map(|g| (f64::from(*g) / ONE as f64).powi(2))
                 .sum::<f64>();
             assert!((length - 1.0).abs() < 1e-6, "{vector:?}: {length}");
         }
-        assert_eq!(unit([Scaled::ZERO; 3], 24), [0; 3]);
+        assert_eq!(unit([SoftFloat::ZERO; 3], 24), [0; 3]);
     }
 }

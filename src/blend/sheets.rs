@@ -8,7 +8,7 @@
 //! - axis-aligned ([`AxisSlabs`]): the slices of the volume most perpendicular to the view. All sheets change at once
 //!   when another axis takes over at 45 degrees: the picture pops; or
 //! - image-aligned ([`DepthSlabs`]): parallel to the image plane, by depth. Nothing switches, and a kernel may be cut into the
-//!   slabs that it reaches ([`DepthSlabs::share`]), so that a splat changes slabs smoothly.
+//!   slabs that it reaches ([`DepthSlabs::fraction_in`]), so that a splat changes slabs smoothly.
 //!
 //! All memory is the caller's: one sheet of the target's size.
 
@@ -69,10 +69,10 @@ impl<'a> SheetBuffer<'a> {
         let window = self.target.window().intersect(&into.window());
         let [x, width] = [
             window.first[0],
-            window.last[0].saturating_sub(window.first[0]),
+            window.end[0].saturating_sub(window.first[0]),
         ];
         let mut changed = 0;
-        for y in window.first[1]..window.last[1] {
+        for y in window.first[1]..window.end[1] {
             let sheet = self.target.row(y, x, width);
             for (pixel, sheet) in into.row(y, x, width).iter_mut().zip(sheet) {
                 if *sheet != self.clear {
@@ -93,10 +93,10 @@ impl Blend {
     /// Rounded by the design; the end of a pixel is as in [`front_to_back`](Self::front_to_back). Colour saturates.
     #[inline(always)]
     pub fn sheet_behind(&self, pixel: &mut Pixel, sheet: &Pixel) {
-        let behind = pixel.clear_share();
+        let behind = pixel.transmittance();
         let rest = behind.saturating_sub(self.part(behind, self.opacity_of_sheet(sheet)));
-        let stop = rest <= self.stop;
-        if stop && self.stop_before {
+        let stop = rest <= self.minimum_transmittance;
+        if stop && self.omit_finishing {
             pixel.transmittance |= FINISHED;
             return;
         }
@@ -116,14 +116,14 @@ impl Blend {
                 .saturating_sub(self.part(*sum, opacity))
                 .saturating_add(c);
         }
-        let behind = pixel.clear_share();
+        let behind = pixel.transmittance();
         pixel.transmittance = behind.saturating_sub(self.part(behind, opacity));
     }
 
     /// A_s = 1 - T_s, UQ1.transmittance.
     #[inline(always)]
     fn opacity_of_sheet(&self, sheet: &Pixel) -> u32 {
-        (1u32 << self.transmittance_bits()).saturating_sub(sheet.clear_share())
+        (1u32 << self.transmittance_bits()).saturating_sub(sheet.transmittance())
     }
 
     /// `value` times a share in UQ1.transmittance, in the format of `value`.

@@ -11,7 +11,7 @@
 
 use crate::footprint::surface::{Attributes, attribute_fraction};
 use crate::format::{Rounding, Widths};
-use crate::math::{Product, Scaled, reciprocal, shift_round, shift_unsigned};
+use crate::math::{Product, SoftFloat, reciprocal, shift_round, shift_unsigned};
 
 /// Fraction bits of a fragment's sums.
 pub const fn sum_fraction(widths: &Widths) -> u8 {
@@ -81,7 +81,7 @@ pub struct Filtered {
 
 /// The constants of gathering, one per picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Gather {
+pub struct WeightedSum {
     /// Depth differences up to this belong to one surface, UQ9.23 scene units.
     pub threshold: u32,
     fraction: i32,
@@ -92,10 +92,10 @@ pub struct Gather {
     rounding: Rounding,
 }
 
-impl Gather {
+impl WeightedSum {
     /// Widths and depth threshold (UQ9.23 scene units) brought together.
-    pub const fn new(widths: &Widths, threshold: u32) -> Gather {
-        Gather {
+    pub const fn new(widths: &Widths, threshold: u32) -> WeightedSum {
+        WeightedSum {
             threshold,
             fraction: sum_fraction(widths) as i32,
             alpha: widths.alpha as i32,
@@ -150,7 +150,7 @@ impl Gather {
     ///
     /// Relative error 2^-mantissa of the reciprocal, rounded to nearest to the result's format.
     pub fn normalise(&self, fragment: &Fragment) -> Filtered {
-        let sum = Scaled::from_wide(fragment.weight.into(), 0, 31);
+        let sum = SoftFloat::from_wide(fragment.weight.into(), 0, 31);
         let Some(inverse) = reciprocal(sum, self.mantissa) else {
             return Filtered::default();
         };
@@ -203,7 +203,7 @@ pub trait Cell: Clone {
     /// Nothing gathered yet.
     const EMPTY: Self;
     /// Takes one sample.
-    fn add(&mut self, gather: &Gather, sample: &Sample);
+    fn add(&mut self, gather: &WeightedSum, sample: &Sample);
     /// What was gathered, nearest first, without empty fragments.
     fn fragments(&self) -> &[Fragment];
 }
@@ -221,7 +221,7 @@ impl Cell for Accumulation {
 
     /// Accumulate, replace or discard, against the least depth accumulated so far.
     #[inline(always)]
-    fn add(&mut self, gather: &Gather, sample: &Sample) {
+    fn add(&mut self, gather: &WeightedSum, sample: &Sample) {
         let [fragment] = &mut self.fragment;
         if fragment.weight != 0 {
             if sample.depth > fragment.near.saturating_add(gather.threshold) {

@@ -4,12 +4,12 @@ use super::{Coverage, Painter};
 use crate::blend::points::Slabs;
 use crate::footprint::{Footprint, depth};
 use crate::format::Design;
-use crate::raster::{SpanRows, Stamp};
+use crate::raster::{EllipseSpans, Stamp};
 use crate::target::Target;
 
 /// How points are gathered. Constant for a picture.
 #[derive(Clone, Copy, Debug)]
-pub struct Gathering<'a> {
+pub struct PointSettings<'a> {
     /// Thickness of the depth range within which points are summed, UQ9.23 scene units.
     pub range: u32,
     /// The filter as a stamp; without it points go through the traversal `spans`.
@@ -21,7 +21,7 @@ impl<D: Design> Painter<'_, D> {
     pub fn draw_point(
         &self,
         point: &Footprint,
-        gathering: &Gathering,
+        gathering: &PointSettings,
         target: &mut Target,
         slabs: &mut Slabs,
     ) -> Coverage {
@@ -35,7 +35,7 @@ impl<D: Design> Painter<'_, D> {
         match &gathering.stamp {
             Some(stamp) => self.copy_stamp(stamp, point, target, gather),
             None => {
-                let rows = SpanRows::new(self.design, point, &target.window());
+                let rows = EllipseSpans::new(self.design, point, &target.window());
                 self.paint_with(
                     point,
                     rows,
@@ -55,7 +55,7 @@ impl<D: Design> Painter<'_, D> {
         slabs: &mut Slabs,
     ) -> Coverage {
         let blend = &self.blend;
-        let rows = SpanRows::new(self.design, splat, &target.window());
+        let rows = EllipseSpans::new(self.design, splat, &target.window());
         self.paint_with(
             splat,
             rows,
@@ -75,8 +75,8 @@ impl<D: Design> Painter<'_, D> {
     /// Composites what is still gathered: to be called once, after the last point and splat.
     pub fn finish_points(&self, target: &mut Target, slabs: &mut Slabs) {
         let window = target.window();
-        let columns = window.last[0].saturating_sub(window.first[0]);
-        for y in window.first[1]..window.last[1] {
+        let columns = window.end[0].saturating_sub(window.first[0]);
+        for y in window.first[1]..window.end[1] {
             let row = target.row(y, window.first[0], columns);
             for (pixel, x) in row.iter_mut().zip(window.first[0]..) {
                 if let Some(slab) = slabs.at([x, y]) {

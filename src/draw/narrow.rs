@@ -9,13 +9,13 @@ use crate::draw::cutoff_in_lane;
 use crate::footprint::Footprint;
 use crate::format::Design;
 use crate::kernel::PackedTable;
-use crate::raster::{Rows, Run, SpanRows, Window};
+use crate::raster::{EllipseSpans, Span, Spans, Window};
 use crate::rules::Rules;
 use crate::target::Target;
 
 /// A painter with 32-bit lanes and a packed table of `N` intervals.
 #[derive(Clone, Copy, Debug)]
-pub struct NarrowPainter<'a, D, const N: usize> {
+pub struct Painter32<'a, D, const N: usize> {
     design: D,
     rules: &'a Rules,
     table: &'a PackedTable<N>,
@@ -59,10 +59,10 @@ pub struct NarrowRun<'t, 'f> {
     pub clamped: bool,
 }
 
-/// The runs of one footprint, row by row, for a pixel loop of the caller's: [`NarrowPainter::runs`].
+/// The runs of one footprint, row by row, for a pixel loop of the caller's: [`Painter32::runs`].
 #[derive(Clone, Debug)]
 pub struct NarrowRuns<'f> {
-    rows: SpanRows<i32>,
+    rows: EllipseSpans<i32>,
     footprint: &'f Footprint,
     clamped: bool,
     lead: i32,
@@ -72,15 +72,15 @@ pub struct NarrowRuns<'f> {
 impl<'f> NarrowRuns<'f> {
     /// The next run, without its pixels.
     #[inline(always)]
-    pub fn next_run(&mut self) -> Option<Run<i32>> {
-        self.rows.next_run()
+    pub fn next_span(&mut self) -> Option<Span<i32>> {
+        self.rows.next_span()
     }
 
     /// A run with its pixels of the target: what the pixel loop gets.
     ///
-    /// Not joined with [`next_run`](NarrowRuns::next_run): an `Option` of all this costs Cortex-M five instructions a run.
+    /// Not joined with [`next_span`](NarrowRuns::next_span): an `Option` of all this costs Cortex-M five instructions a run.
     #[inline(always)]
-    pub fn with_pixels<'t>(&self, run: Run<i32>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
+    pub fn with_pixels<'t>(&self, run: Span<i32>, target: &'t mut Target) -> NarrowRun<'t, 'f> {
         NarrowRun {
             pixels: target.row(run.y, run.x, run.length),
             lanes: NarrowLanes {
@@ -95,7 +95,7 @@ impl<'f> NarrowRuns<'f> {
     }
 }
 
-impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
+impl<'a, D: Design<Lane = i32>, const N: usize> Painter32<'a, D, N> {
     /// A painter for one design, rule set and footprint table.
     #[inline(always)]
     pub fn new(
@@ -110,7 +110,7 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         if !table.is_for(&widths, rules.table_range) {
             return Err(NarrowError::Table);
         }
-        Ok(NarrowPainter {
+        Ok(Painter32 {
             design,
             rules,
             table,
@@ -125,7 +125,7 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         let Some(mut runs) = self.runs(footprint, &target.window()) else {
             return;
         };
-        while let Some(run) = runs.next_run() {
+        while let Some(run) = runs.next_span() {
             self.paint(runs.with_pixels(run, target));
         }
     }
@@ -145,10 +145,10 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
         let blend = Blend::new(&widths, self.rules);
         Some(NarrowRuns {
             footprint,
-            clamped: blend.is_clamped(footprint.peak, widths.weight),
+            clamped: blend.is_clamped(footprint.opacity, widths.weight),
             lead: lead as i32,
             last,
-            rows: SpanRows::new(self.design, footprint, window),
+            rows: EllipseSpans::new(self.design, footprint, window),
         })
     }
 
@@ -172,7 +172,11 @@ impl<'a, D: Design<Lane = i32>, const N: usize> NarrowPainter<'a, D, N> {
     ) {
         let widths = self.design.widths();
         let blend = Blend::new(&widths, self.rules);
-        let Footprint { peak, colour, .. } = *footprint;
+        let Footprint {
+            opacity: peak,
+            colour,
+            ..
+        } = *footprint;
         let NarrowLanes {
             mut radial,
             mut first,

@@ -3,7 +3,7 @@
 use super::{Coverage, Painter, cutoff_in_lane};
 use crate::format::Design;
 use crate::kernel::{PerspectiveTable, Rays};
-use crate::raster::SpanRows;
+use crate::raster::EllipseSpans;
 use crate::setup::SphereFootprint;
 use crate::target::Target;
 
@@ -28,7 +28,7 @@ impl<D: Design> Painter<'_, D> {
     ) -> Coverage {
         let radial_bits = self.design.widths().radial;
         let window = target.window();
-        let rows = SpanRows::new(self.design, &sphere.footprint, &window);
+        let rows = EllipseSpans::new(self.design, &sphere.footprint, &window);
         let end = cutoff_in_lane(sphere.end, radial_bits);
         let inside = |radial: u64| {
             if radial < end {

@@ -62,7 +62,7 @@ impl<D: Design> Painter<'_, D> {
                     coverage.finished += 1;
                     continue;
                 }
-                let alpha = self.blend.opacity(footprint.peak, *weight);
+                let alpha = self.blend.opacity(footprint.opacity, *weight);
                 if alpha > 0 {
                     composite([x, row.y], pixel, alpha);
                 }

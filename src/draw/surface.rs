@@ -5,11 +5,11 @@
 
 use super::{Coverage, cutoff_in_lane};
 use crate::blend::Blend;
-use crate::blend::surface::{Cell, Gather, Sample};
+use crate::blend::surface::{Cell, Sample, WeightedSum};
 use crate::footprint::surface::{SurfaceFootprint, depth_in_pixel};
 use crate::format::{Design, Lane, Traversal};
 use crate::kernel::FootprintTable;
-use crate::raster::{ConicRows, Rows, Run, SpanRows};
+use crate::raster::{BoxSpans, EllipseSpans, Span, Spans};
 use crate::rules::Rules;
 use crate::target::cells::CellTarget;
 
@@ -19,7 +19,7 @@ pub struct SurfacePainter<'a, D> {
     design: D,
     table: FootprintTable<'a>,
     blend: Blend,
-    gather: Gather,
+    gather: WeightedSum,
     traversal: Traversal,
 }
 
@@ -29,7 +29,7 @@ impl<'a, D: Design> SurfacePainter<'a, D> {
         design: D,
         rules: &Rules,
         table: FootprintTable<'a>,
-        gather: Gather,
+        gather: WeightedSum,
         traversal: Traversal,
     ) -> Self {
         SurfacePainter {
@@ -54,19 +54,19 @@ impl<'a, D: Design> SurfacePainter<'a, D> {
         match self.traversal {
             Traversal::Spans => self.paint(
                 footprint,
-                SpanRows::new(self.design, shape, &window),
+                EllipseSpans::new(self.design, shape, &window),
                 target,
             ),
             Traversal::Box => self.paint(
                 footprint,
-                ConicRows::new(self.design, shape, &window),
+                BoxSpans::new(self.design, shape, &window),
                 target,
             ),
         }
     }
 
     #[inline(always)]
-    fn paint<R: Rows, C: Cell>(
+    fn paint<R: Spans, C: Cell>(
         &self,
         footprint: &SurfaceFootprint,
         mut rows: R,
@@ -74,7 +74,7 @@ impl<'a, D: Design> SurfacePainter<'a, D> {
     ) -> Coverage {
         let mut coverage = Coverage::default();
         let drop = rows.fraction() as i32 - i32::from(self.design.widths().radial);
-        while let Some(run) = rows.next_run() {
+        while let Some(run) = rows.next_span() {
             coverage += self.paint_run(footprint, run, drop, target);
         }
         coverage
@@ -85,7 +85,7 @@ impl<'a, D: Design> SurfacePainter<'a, D> {
     fn paint_run<L: Lane, C: Cell>(
         &self,
         footprint: &SurfaceFootprint,
-        run: Run<L>,
+        run: Span<L>,
         drop: i32,
         target: &mut CellTarget<C>,
     ) -> Coverage {
@@ -107,7 +107,7 @@ impl<'a, D: Design> SurfacePainter<'a, D> {
             coverage.covered += 1;
             let alpha = self
                 .blend
-                .opacity(footprint.footprint.peak, self.table.weight(radial));
+                .opacity(footprint.footprint.opacity, self.table.weight(radial));
             let weight = self.gather.weight(alpha);
             if weight > 0 {
                 let sample = Sample {

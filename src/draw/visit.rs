@@ -4,7 +4,7 @@
 use super::{Coverage, Painter, cutoff_in_lane, inside};
 use crate::footprint::Footprint;
 use crate::format::{Design, Traversal};
-use crate::raster::{ConicRows, Rows, SpanRows, Window};
+use crate::raster::{BoxSpans, EllipseSpans, Spans, Window};
 
 impl<D: Design> Painter<'_, D> {
     /// Calls `composite(x, y, alpha)` for every pixel of `window` at which the footprint is not transparent; alpha in UQ1.alpha.
@@ -19,19 +19,19 @@ impl<D: Design> Painter<'_, D> {
         match self.traversal {
             Traversal::Spans => self.visit_rows(
                 footprint,
-                SpanRows::new(self.design, footprint, window),
+                EllipseSpans::new(self.design, footprint, window),
                 composite,
             ),
             Traversal::Box => self.visit_rows(
                 footprint,
-                ConicRows::new(self.design, footprint, window),
+                BoxSpans::new(self.design, footprint, window),
                 composite,
             ),
         }
     }
 
     #[inline(always)]
-    fn visit_rows<R: Rows>(
+    fn visit_rows<R: Spans>(
         &self,
         footprint: &Footprint,
         mut rows: R,
@@ -41,7 +41,7 @@ impl<D: Design> Painter<'_, D> {
         let radial = self.design.widths().radial;
         let drop = rows.fraction() as i32 - i32::from(radial);
         let end = cutoff_in_lane(footprint.cutoff, radial);
-        while let Some(run) = rows.next_run() {
+        while let Some(run) = rows.next_span() {
             coverage.visited += u64::from(run.length);
             for (step, lane) in run.radials().enumerate() {
                 let x = run.x.wrapping_add(step as u16);
@@ -50,7 +50,7 @@ impl<D: Design> Painter<'_, D> {
                 };
                 coverage.covered += 1;
                 let weight = self.table.weight(radial);
-                let alpha = self.blend.opacity(footprint.peak, weight);
+                let alpha = self.blend.opacity(footprint.opacity, weight);
                 if alpha > 0 {
                     composite(x, run.y, alpha);
                 }

@@ -15,7 +15,7 @@ mod tests;
 pub use camera::{Camera, CameraError};
 pub use primitives::{Gaussian, Point, Surfel};
 
-use crate::math::{Extended, Scaled};
+use crate::math::{Extended, SoftFloat};
 use crate::rules::THRESHOLD;
 use crate::splat::{Axis, Position};
 use crate::view::{Eye, Rotation};
@@ -48,9 +48,9 @@ pub const fn extended(value: f64) -> Extended {
 }
 
 /// A double as mantissa and exponent, rounded to nearest to 31 bits: exact for an f32. Numbers that are not finite count as 0.
-pub const fn scaled(value: f64) -> Scaled {
+pub const fn scaled(value: f64) -> SoftFloat {
     let Extended { value, exponent } = extended(value);
-    Scaled::from_wide(value, exponent, 31)
+    SoftFloat::from_wide(value, exponent, 31)
 }
 
 /// A centre, scene units: every coordinate rounded to nearest to 31 bits.
@@ -81,7 +81,7 @@ pub fn pixels(value: f64) -> I32F32 {
     I32F32::from_bits(libm::rint(value * exp2(32)) as i64)
 }
 
-/// A threshold of the rules (`alpha_min`, `stop`) in UQ1.60: clamped to 0 to 1, rounded to nearest.
+/// A threshold of the rules (`alpha_min`, `minimum_transmittance`) in UQ1.60: clamped to 0 to 1, rounded to nearest.
 pub fn threshold(value: f64) -> u64 {
     libm::round(value.clamp(0.0, 1.0) * exp2(THRESHOLD as i32)) as u64
 }

@@ -93,7 +93,7 @@ proptest! {
         let back = got.value as f64 * f64::from(got.exponent / 2).exp2() * f64::from(got.exponent - got.exponent / 2).exp2();
         prop_assert_eq!(back, expected);
         let short = scaled(value);
-        prop_assert_eq!(short, Scaled::from_wide(got.value, got.exponent, 31));
+        prop_assert_eq!(short, SoftFloat::from_wide(got.value, got.exponent, 31));
         if value.is_normal() {
             let back = f64::from(short.mantissa) * f64::from(short.exponent / 2).exp2() * f64::from(short.exponent - short.exponent / 2).exp2();
             prop_assert!((back / value - 1.0).abs() <= 31f64.exp2().recip() || value.abs() > 1e308, "{} {}", value, back);

@@ -7,9 +7,9 @@
 //! The format is versioned by [`VERSION`], which is the packet's first field.
 
 use super::depth::KEY_BITS;
-use super::{Conic, Footprint, Scan};
+use super::{Conic, Footprint, Ldl};
 use crate::format::Widths;
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 
 /// Version of the layout.
 ///
@@ -132,15 +132,15 @@ impl Layout {
         let centre = [next(), next()];
         let first = [next() as u16, next() as u16];
         let last = [next() as u16, next() as u16];
-        let mut number = || Scaled {
+        let mut number = || SoftFloat {
             mantissa: next() as i32,
             exponent: next() as i32,
         };
-        let scan = Scan {
-            curvature: number(),
-            spread: number(),
-            slope: number(),
-            stretch: number(),
+        let scan = Ldl {
+            horizontal: number(),
+            squared_width: number(),
+            shear: number(),
+            vertical: number(),
         };
         let mantissa = [next() as i32, next() as i32, next() as i32];
         let conic = Conic {
@@ -154,11 +154,11 @@ impl Layout {
             depth,
             centre,
             first,
-            last,
-            scan,
+            end: last,
+            ldl: scan,
             conic,
             cutoff,
-            peak,
+            opacity: peak,
             colour,
         })
     }
@@ -169,8 +169,8 @@ fn values(footprint: &Footprint) -> [i64; FIELDS] {
     let Footprint {
         centre,
         first,
-        last,
-        scan,
+        end: last,
+        ldl: scan,
         conic,
         colour,
         ..
@@ -185,20 +185,20 @@ fn values(footprint: &Footprint) -> [i64; FIELDS] {
         first[1].into(),
         last[0].into(),
         last[1].into(),
-        scan.curvature.mantissa.into(),
-        scan.curvature.exponent.into(),
-        scan.spread.mantissa.into(),
-        scan.spread.exponent.into(),
-        scan.slope.mantissa.into(),
-        scan.slope.exponent.into(),
-        scan.stretch.mantissa.into(),
-        scan.stretch.exponent.into(),
+        scan.horizontal.mantissa.into(),
+        scan.horizontal.exponent.into(),
+        scan.squared_width.mantissa.into(),
+        scan.squared_width.exponent.into(),
+        scan.shear.mantissa.into(),
+        scan.shear.exponent.into(),
+        scan.vertical.mantissa.into(),
+        scan.vertical.exponent.into(),
         mantissa_a,
         mantissa_b,
         mantissa_c,
         conic.exponent.into(),
         footprint.cutoff.into(),
-        footprint.peak.into(),
+        footprint.opacity.into(),
         colour[0].into(),
         colour[1].into(),
         colour[2].into(),

@@ -48,7 +48,7 @@ impl PixelReader {
     pub fn rgb8(&self, pixel: &Pixel, background: [u8; 3]) -> [u8; 3] {
         let [red, green, blue] = pixel.colour;
         let [behind_red, behind_green, behind_blue] = background;
-        let transmittance = pixel.clear_share();
+        let transmittance = pixel.transmittance();
         [
             self.level(red, transmittance, behind_red, 255),
             self.level(green, transmittance, behind_green, 255),
@@ -60,7 +60,7 @@ impl PixelReader {
     #[inline]
     pub fn rgb565(&self, pixel: &Pixel, background: u16) -> u16 {
         let [red, green, blue] = pixel.colour;
-        let transmittance = pixel.clear_share();
+        let transmittance = pixel.transmittance();
         let level = |colour, shift: u32, top: u8| {
             let behind = (background >> shift) as u8 & top;
             u16::from(self.level(colour, transmittance, behind, top)) << shift
@@ -109,7 +109,7 @@ impl<'p> Frame<'p> {
 
     /// The pixel at column `x` and row `y` of the screen, if it lies in the window.
     pub fn pixel(&self, x: u16, y: u16) -> Option<&'p Pixel> {
-        let Window { first, last } = self.window;
+        let Window { first, end: last } = self.window;
         if x < first[0] || x >= last[0] || y < first[1] || y >= last[1] {
             return None;
         }

@@ -207,7 +207,7 @@ impl<'t, D: Design> Renderer<'t, D> {
         let mut coverage = Coverage::default();
         for footprint in list.in_order(*compositing) {
             // Preparing the rows of a footprint costs more than a look at its box.
-            if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
+            if footprint.first[1] < window.end[1] && footprint.end[1] > window.first[1] {
                 coverage += painter.draw(footprint, target);
             }
         }

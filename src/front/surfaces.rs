@@ -6,7 +6,7 @@
 use super::{Counts, Frame, PixelReader, Rejected};
 use crate::blend::Pixel;
 use crate::blend::resolve::Resolve;
-use crate::blend::surface::{Cell, Gather};
+use crate::blend::surface::{Cell, WeightedSum};
 use crate::draw::Coverage;
 use crate::draw::surface::SurfacePainter;
 use crate::footprint::surface::SurfaceFootprint;
@@ -63,7 +63,7 @@ impl<P: Pose> SurfacePrimitive<P> for SurfaceSplat<P::Centre> {
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceRenderer<'r, D> {
     design: D,
-    gather: Gather,
+    gather: WeightedSum,
     resolve: Resolve<'r>,
     traversal: Traversal,
 }
@@ -71,7 +71,7 @@ pub struct SurfaceRenderer<'r, D> {
 impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
     /// Splats whose depths at a pixel differ by at most `threshold` (UQ9.23 scene units, [`depth`](crate::footprint::depth)) are one surface.
     pub fn new(design: D, threshold: u32) -> Self {
-        let gather = Gather::new(&D::WIDTHS, threshold);
+        let gather = WeightedSum::new(&D::WIDTHS, threshold);
         SurfaceRenderer {
             design,
             gather,
@@ -81,7 +81,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
     }
 
     /// The same with a light or antialiased edges.
-    pub fn with_resolve(mut self, resolve: impl FnOnce(Gather) -> Resolve<'r>) -> Self {
+    pub fn with_resolve(mut self, resolve: impl FnOnce(WeightedSum) -> Resolve<'r>) -> Self {
         self.resolve = resolve(self.gather);
         self
     }
@@ -148,7 +148,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
         let window = target.window();
         let (first, columns) = (window.first[0], window.columns());
         let rows = pixels.chunks_mut(usize::from(columns).max(1));
-        for (y, row) in (window.first[1]..window.last[1]).zip(rows) {
+        for (y, row) in (window.first[1]..window.end[1]).zip(rows) {
             let cells = target.row(y, first, columns).iter();
             for ((pixel, cell), x) in row.iter_mut().zip(cells).zip(first..) {
                 *pixel = self.resolve.pixel(cell, x, y);

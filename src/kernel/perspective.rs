@@ -18,7 +18,7 @@
 //! over (i, a) is a table over (r, s) here; between its entries it is bilinear. Beyond the table (r >= 4 or s >= 1/16:
 //! spheres that fill more than 53 degrees) the formula is evaluated with the reciprocal unit.
 
-use crate::math::{Scaled, reciprocal, shift_round};
+use crate::math::{SoftFloat, reciprocal, shift_round};
 
 /// Base-2 logarithms of the intervals along r (0 to 4) and along s (0 to 1/16).
 const RADIAL_LOG2: u32 = 6;
@@ -129,10 +129,10 @@ impl PerspectiveIndex<'_> {
 
 /// The formula in UQ4.28, by the reciprocal unit.
 fn evaluate(radial: u64, spread: u32) -> u64 {
-    let radial = Scaled::from_wide((radial & 0xffff_ffff) as i64, -(FRACTION as i32), 31);
-    let spread = Scaled::from_wide(spread.into(), -32, 31);
+    let radial = SoftFloat::from_wide((radial & 0xffff_ffff) as i64, -(FRACTION as i32), 31);
+    let spread = SoftFloat::from_wide(spread.into(), -32, 31);
     let divisor = (1i64 << 60).saturating_add(radial.times(spread).to_fixed(60));
-    let inverse = reciprocal(Scaled::from_wide(divisor, -60, 31), 31).unwrap_or(Scaled::ZERO);
+    let inverse = reciprocal(SoftFloat::from_wide(divisor, -60, 31), 31).unwrap_or(SoftFloat::ZERO);
     radial.times(inverse).to_fixed(FRACTION).max(0) as u64
 }
 

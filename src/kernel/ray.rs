@@ -12,7 +12,7 @@
 //! around the projected centre. In the middle this is the paper's r / (1 + r s^2/z^2). It costs two squares, a reciprocal and
 //! a product per pixel; |v|^2 does not depend on the splat and may be kept per row and column.
 
-use crate::math::{Scaled, reciprocal, shift_signed, sum_of_products};
+use crate::math::{SoftFloat, reciprocal, shift_signed, sum_of_products};
 use crate::view::View;
 
 /// Fraction bits of ray slopes and of |v|^2.
@@ -24,7 +24,7 @@ const LARGEST_SLOPE: i64 = 7 << FRACTION;
 /// The rays of a picture's pixels. Constant for a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct Rays {
-    inverse_focal: [Scaled; 2],
+    inverse_focal: [SoftFloat; 2],
     principal: [i64; 2],
 }
 
@@ -34,7 +34,7 @@ impl Rays {
         Rays {
             inverse_focal: view
                 .focal
-                .map(|focal| reciprocal(focal, 31).unwrap_or(Scaled::ZERO)),
+                .map(|focal| reciprocal(focal, 31).unwrap_or(SoftFloat::ZERO)),
             principal: view.principal.map(|coordinate| coordinate.to_bits()),
         }
     }
@@ -45,7 +45,7 @@ impl Rays {
         let square = |axis: usize| {
             let sample =
                 ((2 * i64::from(pixel[axis]) + 1) << 31).wrapping_sub(self.principal[axis]);
-            let offset = Scaled::from_wide(sample, -32, 31);
+            let offset = SoftFloat::from_wide(sample, -32, 31);
             let slope = offset.times(self.inverse_focal[axis]).to_fixed(FRACTION);
             let slope = slope.clamp(-LARGEST_SLOPE, LARGEST_SLOPE);
             crate::math::shift_round(slope * slope, FRACTION)
@@ -55,10 +55,10 @@ impl Rays {
 
     /// r' = r L / |v|^2 for r in UQ4.radial, in the same format; relative error 2^-27, saturated to 2^62.
     #[inline]
-    pub fn correct(&self, pixel: [u16; 2], radial: u64, slant: Scaled) -> u64 {
-        let squared = Scaled::from_wide(self.squared(pixel), -(FRACTION as i32), 31);
-        let factor = slant.multiply(reciprocal(squared, 31).unwrap_or(Scaled::ZERO), 31);
-        let radial = Scaled::from_wide((radial >> 1) as i64, 1, 31);
+    pub fn correct(&self, pixel: [u16; 2], radial: u64, slant: SoftFloat) -> u64 {
+        let squared = SoftFloat::from_wide(self.squared(pixel), -(FRACTION as i32), 31);
+        let factor = slant.multiply(reciprocal(squared, 31).unwrap_or(SoftFloat::ZERO), 31);
+        let radial = SoftFloat::from_wide((radial >> 1) as i64, 1, 31);
         let corrected = radial.times(factor);
         shift_signed(corrected.value, 0i32.saturating_sub(corrected.exponent)).clamp(0, 1 << 62)
             as u64
@@ -69,14 +69,20 @@ impl Rays {
 ///
 /// T = (sqrt(L - 1) + sqrt(e (L - e))) / g is the slope of the outline's point farthest from the principal point; `aside` is
 /// L - 1, `limit` e and `rest` g of [`setup_sphere`](crate::setup::setup_sphere).
-pub fn covering_cutoff(end: u32, aside: Scaled, limit: Scaled, rest: Scaled, bits: u32) -> u32 {
-    const ONE: Scaled = Scaled {
+pub fn covering_cutoff(
+    end: u32,
+    aside: SoftFloat,
+    limit: SoftFloat,
+    rest: SoftFloat,
+    bits: u32,
+) -> u32 {
+    const ONE: SoftFloat = SoftFloat {
         mantissa: 1 << 30,
         exponent: -30,
     };
-    let root = |value: Scaled| crate::math::square_root(value, bits).times(ONE);
+    let root = |value: SoftFloat| crate::math::square_root(value, bits).times(ONE);
     let slant = sum_of_products([ONE.times(ONE), aside.times(ONE)], bits);
-    let minus = Scaled {
+    let minus = SoftFloat {
         mantissa: limit.mantissa.saturating_neg(),
         exponent: limit.exponent,
     };
@@ -91,7 +97,7 @@ pub fn covering_cutoff(end: u32, aside: Scaled, limit: Scaled, rest: Scaled, bit
     };
     let farthest = sum.multiply(inverse, bits);
     let squared = sum_of_products([ONE.times(ONE), farthest.times(farthest)], bits);
-    let cutoff = Scaled::from_wide(end.into(), -28, bits)
+    let cutoff = SoftFloat::from_wide(end.into(), -28, bits)
         .multiply(squared, bits)
         .multiply(inverse_slant, bits)
         .to_fixed(28);

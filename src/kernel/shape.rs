@@ -27,7 +27,7 @@
 
 use super::{fill_gaussian, shape_entries};
 use crate::format::Widths;
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 
 /// Which footprint a splat has. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,14 +71,14 @@ impl Kernel {
     }
 
     /// 1 / (pi I) with 31 bits: the peak of a footprint of unit volume and unit determinant.
-    pub const fn inverse_integral(self) -> Scaled {
+    pub const fn inverse_integral(self) -> SoftFloat {
         let (mantissa, exponent) = match self {
             Kernel::Gaussian => (1_367_130_551, -33),
             Kernel::Cubic => (1_198_912_494, -33),
             Kernel::Quadratic => (1_822_840_735, -34),
             Kernel::Disc => (1_367_130_551, -34),
         };
-        Scaled { mantissa, exponent }
+        SoftFloat { mantissa, exponent }
     }
 }
 

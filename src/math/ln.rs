@@ -8,8 +8,8 @@
 //!
 //! The series ends `d^6/6 < 2^-38` short, the table is rounded at `2^-33`, and five products of 32 bits do it.
 
-use super::scaled::Scaled;
 use super::shift::shift_round;
+use super::soft_float::SoftFloat;
 use super::words::{leading_zeros, product};
 
 const INTERVALS: usize = 32;
@@ -58,7 +58,7 @@ pub const fn fraction(n: i64) -> i32 {
 
 /// ln(value) in Q31.32, within `2^-31`; `None` unless `value > 0`. Leading bits beyond `2^20` count as there.
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-pub const fn ln(value: Scaled) -> Option<i64> {
+pub const fn ln(value: SoftFloat) -> Option<i64> {
     const LARGEST: i32 = 1 << 20;
     if value.mantissa <= 0 {
         return None;
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     fn error(mantissa: i32, exponent: i32) -> f64 {
-        let got = ln(Scaled { mantissa, exponent }).unwrap() as f64 / 2f64.powi(32);
+        let got = ln(SoftFloat { mantissa, exponent }).unwrap() as f64 / 2f64.powi(32);
         let exact = f64::from(mantissa).ln() + f64::from(exponent) * 2f64.ln();
         (got - exact).abs()
     }
@@ -114,9 +114,9 @@ mod tests {
 
     #[test]
     fn every_bit_pattern_is_defined() {
-        assert_eq!(ln(Scaled::ZERO), None);
+        assert_eq!(ln(SoftFloat::ZERO), None);
         assert_eq!(
-            ln(Scaled {
+            ln(SoftFloat {
                 mantissa: -1,
                 exponent: 0
             }),
@@ -124,7 +124,7 @@ mod tests {
         );
         for exponent in [i32::MIN, i32::MAX] {
             assert!(
-                ln(Scaled {
+                ln(SoftFloat {
                     mantissa: 1,
                     exponent
                 })
@@ -132,7 +132,7 @@ mod tests {
             );
         }
         assert_eq!(
-            ln(Scaled {
+            ln(SoftFloat {
                 mantissa: 1,
                 exponent: 0
             }),

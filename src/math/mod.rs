@@ -3,7 +3,7 @@
 mod extended;
 mod ln;
 mod reciprocal;
-mod scaled;
+mod soft_float;
 mod shift;
 mod sqrt;
 pub(crate) mod words;
@@ -11,6 +11,6 @@ pub(crate) mod words;
 pub use extended::Extended;
 pub use ln::{LN_2, LOGARITHMS, REST, fraction, ln};
 pub use reciprocal::{RECIPROCALS, reciprocal};
-pub use scaled::{Product, Scaled, sum_of_products};
 pub use shift::{shift_left, shift_round, shift_signed, shift_unsigned};
+pub use soft_float::{Product, SoftFloat, sum_of_products};
 pub use sqrt::{ROOTS, root_seed, square_root};

@@ -5,8 +5,8 @@
 //! Newton step `y' = y + y (1 - x y)` squares the error to 2^-36 anyway, below every mantissa in use, and is
 //! exact enough without. Designs of at most 16 bits skip the step.
 
-use super::scaled::Scaled;
 use super::shift::shift_round;
+use super::soft_float::SoftFloat;
 use super::words::leading_zeros;
 
 const INTERVALS: usize = 256;
@@ -27,7 +27,7 @@ pub static RECIPROCALS: [u32; INTERVALS + 1] = {
 ///
 /// Relative error: at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-17.9` below (tested exhaustively at 16 bits).
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
+pub fn reciprocal(value: SoftFloat, bits: u32) -> Option<SoftFloat> {
     if value.mantissa == 0 {
         return None;
     }
@@ -45,7 +45,7 @@ pub fn reciprocal(value: Scaled, bits: u32) -> Option<Scaled> {
         seed << 30
     };
     let signed = if value.mantissa < 0 { -result } else { result };
-    Some(Scaled::from_wide(
+    Some(SoftFloat::from_wide(
         signed,
         (-60i32).saturating_sub(value.leading()),
         bits,
@@ -66,7 +66,7 @@ mod tests {
 
     fn relative_error(mantissa: i32, bits: u32) -> f64 {
         let got = reciprocal(
-            Scaled {
+            SoftFloat {
                 mantissa,
                 exponent: 0,
             },
@@ -104,10 +104,10 @@ mod tests {
 
     #[test]
     fn ends_of_the_format() {
-        assert_eq!(reciprocal(Scaled::ZERO, 24), None);
+        assert_eq!(reciprocal(SoftFloat::ZERO, 24), None);
         for mantissa in [1, -1, i32::MIN, i32::MAX, -2, 3] {
             for exponent in [i32::MIN, -70, 0, 70, i32::MAX] {
-                let got = reciprocal(Scaled { mantissa, exponent }, 24).unwrap();
+                let got = reciprocal(SoftFloat { mantissa, exponent }, 24).unwrap();
                 assert_eq!(got.mantissa < 0, mantissa < 0);
             }
         }

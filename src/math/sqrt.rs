@@ -5,7 +5,7 @@
 //! (its spans are made conservative by far more); setup adds `s' = (s + x/s)/2`, which leaves `e^2/2 = 2^-35`.
 
 use super::reciprocal::reciprocal;
-use super::scaled::{Product, Scaled, sum_of_products};
+use super::soft_float::{Product, SoftFloat, sum_of_products};
 use super::words::{leading_zeros_wide, shifted_up};
 
 const FIRST: usize = 64;
@@ -47,22 +47,22 @@ pub fn root_seed(value: u64) -> (u32, i32) {
 ///
 /// Relative error at most `2^-bits + 2^-29` for `bits > 16`, `2^-bits + 2^-16.9` below.
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-pub fn square_root(value: Scaled, bits: u32) -> Scaled {
+pub fn square_root(value: SoftFloat, bits: u32) -> SoftFloat {
     if value.mantissa <= 0 {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     }
     let odd = value.exponent & 1;
     let (root, shift) = root_seed((value.mantissa as u64) << odd);
-    let seed = Scaled::from_wide(
+    let seed = SoftFloat::from_wide(
         root as i64,
         shift.saturating_add((value.exponent - odd) / 2),
         31,
     );
     if bits <= 16 {
-        return Scaled::from_wide(seed.mantissa as i64, seed.exponent, bits);
+        return SoftFloat::from_wide(seed.mantissa as i64, seed.exponent, bits);
     }
     let Some(inverse) = reciprocal(seed, 31) else {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     };
     let halved = Product {
         value: seed.mantissa as i64,
@@ -124,7 +124,7 @@ mod tests {
                 let mantissa = (i * 21_473) as i32;
                 for exponent in [-7, 6] {
                     let exact = (mantissa as f64 * (exponent as f64).exp2()).sqrt();
-                    let got = square_root(Scaled { mantissa, exponent }, bits);
+                    let got = square_root(SoftFloat { mantissa, exponent }, bits);
                     let error =
                         (got.mantissa as f64 * (got.exponent as f64).exp2() / exact - 1.0).abs();
                     assert!(
@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(root_seed(u64::MAX).1, 8 + 24 - 24);
         for mantissa in [i32::MIN, -1, 0, 1, i32::MAX] {
             for exponent in [i32::MIN, -1, 0, 1, i32::MAX] {
-                let got = square_root(Scaled { mantissa, exponent }, 24);
+                let got = square_root(SoftFloat { mantissa, exponent }, 24);
                 assert_eq!(got.mantissa > 0, mantissa > 0);
             }
         }

@@ -7,17 +7,17 @@
 //! Accumulators are 64-bit integers in Q27.36. Where the conic at a corner exceeds that range, values wrap modulo 2^27; such
 //! footprints are thinner than one part in 10^3 and their pictures under `box` are undefined, though bounded.
 
-use super::{Quadratic, Rows, Run, Window};
+use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
 use crate::format::Design;
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 
 /// Fraction bits of the accumulators.
 const FRACTION: u32 = 36;
 
 /// The runs of one footprint under the traversal `box`: one per row.
 #[derive(Clone, Debug)]
-pub struct ConicRows {
+pub struct BoxSpans {
     y: u16,
     last_row: u16,
     first_column: u16,
@@ -30,13 +30,13 @@ pub struct ConicRows {
     second: i64,
 }
 
-impl ConicRows {
+impl BoxSpans {
     /// Prepares the rows of `footprint` that lie in `window`.
     pub fn new<D: Design>(design: D, footprint: &Footprint, window: &Window) -> Self {
         let widths = design.widths();
         let bits = u32::from(widths.mantissa);
         let corner = [0, 1].map(|axis| distance(footprint, axis, widths.subpixel.into(), bits));
-        let [a, b, c] = footprint.conic.mantissa.map(|mantissa| Scaled {
+        let [a, b, c] = footprint.conic.mantissa.map(|mantissa| SoftFloat {
             mantissa,
             exponent: footprint.conic.exponent,
         });
@@ -47,10 +47,10 @@ impl ConicRows {
             b.multiply(dy, bits),
             c.multiply(dy, bits),
         ];
-        let fixed = |value: Scaled| value.to_fixed(FRACTION);
+        let fixed = |value: SoftFloat| value.to_fixed(FRACTION);
         let radial = adx.times(dx).to_fixed(FRACTION);
         let radial = radial.wrapping_add(bdx.times(dy).to_fixed(FRACTION).wrapping_mul(2));
-        let mut rows = ConicRows {
+        let mut rows = BoxSpans {
             y: footprint.first[1],
             last_row: 0,
             first_column: 0,
@@ -78,7 +78,7 @@ impl ConicRows {
     fn clip(&mut self, footprint: &Footprint, window: &Window) {
         let visible = Window {
             first: footprint.first,
-            last: footprint.last,
+            end: footprint.end,
         }
         .intersect(window);
         if visible.is_empty() {
@@ -102,13 +102,13 @@ impl ConicRows {
             .across
             .wrapping_add(self.cross.wrapping_mul(skip[1].into()));
         self.y = visible.first[1];
-        self.last_row = visible.last[1];
+        self.last_row = visible.end[1];
         self.first_column = visible.first[0];
-        self.columns = visible.last[0] - visible.first[0];
+        self.columns = visible.end[0] - visible.first[0];
     }
 }
 
-impl Rows for ConicRows {
+impl Spans for BoxSpans {
     type Lane = i64;
 
     #[inline(always)]
@@ -116,11 +116,11 @@ impl Rows for ConicRows {
         FRACTION
     }
 
-    fn next_run(&mut self) -> Option<Run<i64>> {
+    fn next_span(&mut self) -> Option<Span<i64>> {
         if self.y >= self.last_row {
             return None;
         }
-        let run = Run {
+        let run = Span {
             y: self.y,
             x: self.first_column,
             length: self.columns,
@@ -136,9 +136,9 @@ impl Rows for ConicRows {
 }
 
 /// Distance of the first sample point of the box from the centre, pixels.
-fn distance(footprint: &Footprint, axis: usize, subpixel: u32, bits: u32) -> Scaled {
+fn distance(footprint: &Footprint, axis: usize, subpixel: u32, bits: u32) -> SoftFloat {
     let sample = (2 * i64::from(footprint.first[axis]) + 1) << (subpixel - 1);
-    Scaled::from_wide(
+    SoftFloat::from_wide(
         sample.wrapping_sub(footprint.centre[axis]),
         -(subpixel as i32),
         bits,

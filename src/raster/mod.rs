@@ -1,6 +1,6 @@
-//! The rasterizer: a footprint becomes runs of adjacent pixels with their radial index by forward differencing.
+//! The rasterizer: a footprint becomes spans of adjacent pixels with their radial index by forward differencing.
 //!
-//! Both traversals yield the same thing, a [`Run`]: where it starts, how long it is, and three lane words. From
+//! Both traversals yield the same thing, a [`Span`]: where it starts, how long it is, and three lane words. From
 //! pixel to pixel the radial index costs two additions (\[EWA\] 7.1.2). What a traversal yields depends on the footprint
 //! and the viewport alone: a [`Window`] only selects pixels, so a picture is the same whatever its tiles.
 
@@ -8,42 +8,42 @@ mod conic;
 mod spans;
 mod stamp;
 
-pub use conic::ConicRows;
-pub use spans::{BLOCK, GUARD, RowConstants, SpanRows, VERTICAL_FRACTION};
+pub use conic::BoxSpans;
+pub use spans::{BLOCK, EllipseSpans, GUARD, RowConstants, VERTICAL_FRACTION};
 pub use stamp::{
     MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
 };
 
 use crate::format::Lane;
 
-/// The part of the screen to be drawn: columns and rows `first .. last`.
+/// The part of the screen to be drawn: columns and rows `first .. end`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Window {
     /// First column and row.
     pub first: [u16; 2],
     /// One past the last column and row.
-    pub last: [u16; 2],
+    pub end: [u16; 2],
 }
 
 impl Window {
-    /// The pixels that both windows contain; empty where `first >= last` on an axis.
+    /// The pixels that both windows contain; empty where `first >= end` on an axis.
     pub fn intersect(&self, other: &Window) -> Window {
         let mut both = *self;
         for axis in 0..2 {
             both.first[axis] = self.first[axis].max(other.first[axis]);
-            both.last[axis] = self.last[axis].min(other.last[axis]);
+            both.end[axis] = self.end[axis].min(other.end[axis]);
         }
         both
     }
 
-    /// Columns; 0 where `first >= last`.
+    /// Columns; 0 where `first >= end`.
     pub const fn columns(&self) -> u16 {
-        self.last[0].saturating_sub(self.first[0])
+        self.end[0].saturating_sub(self.first[0])
     }
 
-    /// Rows; 0 where `first >= last`.
+    /// Rows; 0 where `first >= end`.
     pub const fn rows(&self) -> u16 {
-        self.last[1].saturating_sub(self.first[1])
+        self.end[1].saturating_sub(self.first[1])
     }
 
     /// Pixels; saturates on processors of 16 bits.
@@ -54,23 +54,23 @@ impl Window {
     /// The window cut into strips of `rows` rows (at least 1), from top to bottom; the last one may be lower.
     pub fn strips(self, rows: u16) -> impl Iterator<Item = Window> {
         let rows = rows.max(1);
-        (self.first[1]..self.last[1])
+        (self.first[1]..self.end[1])
             .step_by(rows.into())
             .map(move |first| Window {
                 first: [self.first[0], first],
-                last: [self.last[0], first.saturating_add(rows).min(self.last[1])],
+                end: [self.end[0], first.saturating_add(rows).min(self.end[1])],
             })
     }
 
     /// Has it no pixel?
     pub fn is_empty(&self) -> bool {
-        self.first[0] >= self.last[0] || self.first[1] >= self.last[1]
+        self.first[0] >= self.end[0] || self.first[1] >= self.end[1]
     }
 }
 
 /// Adjacent pixels of one row.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Run<L> {
+pub struct Span<L> {
     /// Row.
     pub y: u16,
     /// First column.
@@ -85,7 +85,7 @@ pub struct Run<L> {
     pub second: L,
 }
 
-impl<L: Lane> Run<L> {
+impl<L: Lane> Span<L> {
     /// The run's radial indices, pixel by pixel: two additions each.
     #[inline(always)]
     pub fn radials(self) -> impl Iterator<Item = L> {
@@ -95,7 +95,7 @@ impl<L: Lane> Run<L> {
     /// The same, without end: for a loop that counts its pixels itself.
     #[inline(always)]
     pub fn sequence(self) -> impl Iterator<Item = L> {
-        let Run {
+        let Span {
             mut radial,
             mut first,
             second,
@@ -111,7 +111,7 @@ impl<L: Lane> Run<L> {
 
     /// The same run without its first `count` pixels, exactly (count <= length).
     #[inline(always)]
-    fn skip(self, count: u16) -> Run<L> {
+    fn skip(self, count: u16) -> Span<L> {
         let n = i64::from(count);
         let pairs = n * (n - 1).max(0) / 2;
         let (radial, first, second) = (
@@ -119,7 +119,7 @@ impl<L: Lane> Run<L> {
             self.first.to_wide(),
             self.second.to_wide(),
         );
-        Run {
+        Span {
             x: self.x + count,
             length: self.length - count,
             radial: L::from_wide(
@@ -133,14 +133,14 @@ impl<L: Lane> Run<L> {
     }
 }
 
-/// A source of runs: one footprint under one traversal.
-pub trait Rows {
-    /// Word of the runs.
+/// A source of spans: one footprint under one traversal.
+pub trait Spans {
+    /// Word of the spans.
     type Lane: Lane;
-    /// Fraction bits of the runs' radial indices; negative indices are rounding noise around 0.
+    /// Fraction bits of the spans' radial indices; negative indices are rounding noise around 0.
     fn fraction(&self) -> u32;
-    /// The next run, rows from top to bottom, each from left to right.
-    fn next_run(&mut self) -> Option<Run<Self::Lane>>;
+    /// The next span, rows from top to bottom, each from left to right.
+    fn next_span(&mut self) -> Option<Span<Self::Lane>>;
 }
 
 /// A quadratic sequence by forward differencing, exact modulo 2^64.
@@ -186,7 +186,7 @@ mod tests {
 
         #[test]
         fn a_shortened_run_is_the_rest_of_it(radial: i32, first: i32, second: i32, length in 1u16..100, part in 0.0f64..1.0) {
-            let run = Run { y: 0, x: 7, length, radial, first, second };
+            let run = Span { y: 0, x: 7, length, radial, first, second };
             let count = (part * f64::from(length)) as u16;
             prop_assert!(run.radials().skip(count.into()).eq(run.skip(count).radials()));
         }

@@ -10,11 +10,11 @@
 //! And the slack added to c makes spans include every pixel with r < c for any design, at the price of a few pixels with c <= r < c + 2^-10,
 //! which the lane's own comparison rejects.
 
-use super::{Quadratic, Rows, Run, Window};
+use super::{Quadratic, Span, Spans, Window};
 use crate::footprint::Footprint;
 use crate::format::{Design, Lane};
 use crate::math::words::shift_word;
-use crate::math::{Scaled, root_seed, shift_left, shift_round, shift_signed};
+use crate::math::{SoftFloat, root_seed, shift_left, shift_round, shift_signed};
 
 /// Columns between two seeds of the radial index within a row.
 pub const BLOCK: u16 = 32;
@@ -30,7 +30,7 @@ const SLACK: i64 = 1 << (VERTICAL - 10);
 
 /// The runs of one footprint under the traversal `spans`.
 #[derive(Clone, Debug)]
-pub struct SpanRows<L> {
+pub struct EllipseSpans<L> {
     /// Rows still to come: `y .. last_row`.
     y: u16,
     last_row: u16,
@@ -49,7 +49,7 @@ pub struct SpanRows<L> {
     row: Row,
 }
 
-/// What the rows of one footprint are computed from, for implementations that compute several at once: [`SpanRows`] stays their
+/// What the rows of one footprint are computed from, for implementations that compute several at once: [`EllipseSpans`] stays their
 /// definition.
 #[derive(Clone, Copy, Debug)]
 pub struct RowConstants<L> {
@@ -62,15 +62,15 @@ pub struct RowConstants<L> {
     /// xc - 1/2 in the first row, Q.32 pixels, and its change per row.
     pub centre: i64,
     /// See `centre`.
-    pub slope: i64,
+    pub shear: i64,
     /// C dy^2 in the first row, its change and the change of its change, Q.52.
     pub vertical: [i64; 3],
     /// Cut-off and slack, Q.52.
     pub reach: i64,
     /// Mantissa of 1 / A, 1 if its exponent is odd, and the power of two of its root, Q.32.
-    pub spread: (u64, u32, i32),
+    pub squared_width: (u64, u32, i32),
     /// Mantissa of A.
-    pub curvature: i64,
+    pub horizontal: i64,
     /// Right shifts: of dx from Q.32, of A dx, of the radial index and of its difference.
     pub drops: (u32, u32, i32, i32),
     /// Fraction bits of the runs' radial indices.
@@ -92,11 +92,11 @@ impl<L: Lane> RowConstants<L> {
             bounds,
             visible,
             centre,
-            slope,
+            shear: slope,
             vertical,
             reach,
-            spread,
-            curvature,
+            squared_width: spread,
+            horizontal: curvature,
             drops,
             fraction,
             unit,
@@ -108,11 +108,11 @@ impl<L: Lane> RowConstants<L> {
             bounds,
             visible,
             centre,
-            slope,
+            shear: slope,
             vertical,
             reach,
-            spread,
-            curvature,
+            squared_width: spread,
+            horizontal: curvature,
             drops,
             fraction,
             unit,
@@ -135,49 +135,54 @@ struct Row {
     vertical: i64,
 }
 
-impl<L: Lane> SpanRows<L> {
+impl<L: Lane> EllipseSpans<L> {
     /// Prepares the rows of `footprint` that lie in `window`.
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
     pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
         let widths = design.widths();
         let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
-        let scan = &footprint.scan;
+        let scan = &footprint.ldl;
         let bounds = Window {
             first: footprint.first,
-            last: footprint.last,
+            end: footprint.end,
         };
         let visible = bounds.intersect(window);
         // Distance of the first row's sample points from the centre, in pixels.
         let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1))
             .wrapping_sub(footprint.centre[1]);
-        let dy = Scaled::from_wide(dy, -(subpixel as i32), mantissa);
-        let slope = scan.slope.to_fixed(32);
+        let dy = SoftFloat::from_wide(dy, -(subpixel as i32), mantissa);
+        let slope = scan.shear.to_fixed(32);
         let skipped = visible.first[1] - bounds.first[1];
-        let mut vertical = vertical(scan.stretch, dy, mantissa);
+        let mut vertical = vertical(scan.vertical, dy, mantissa);
         let mut centre = shift_left(footprint.centre[0], 32 - subpixel)
             .wrapping_sub(1 << 31)
-            .wrapping_add(scan.slope.times(dy).to_fixed(32));
+            .wrapping_add(scan.shear.times(dy).to_fixed(32));
         // Four 64-bit products, which a window that begins above the footprint saves a small processor.
         if skipped > 0 {
             vertical.jump(skipped);
             centre = centre.wrapping_add(slope.wrapping_mul(skipped.into()));
         }
-        SpanRows {
+        EllipseSpans {
             y: visible.first[1],
             last_row: if visible.is_empty() {
                 0
             } else {
-                visible.last[1]
+                visible.end[1]
             },
-            bounds: [bounds.first[0], bounds.last[0]],
-            visible: [visible.first[0], visible.last[0]],
+            bounds: [bounds.first[0], bounds.end[0]],
+            visible: [visible.first[0], visible.end[0]],
             centre,
             slope,
             vertical,
             reach: (i64::from(footprint.cutoff) << (VERTICAL - 28)) + SLACK,
-            half_width: HalfWidth::new(scan.spread),
-            seed: Seed::new(scan.curvature, scan.spread, mantissa, widths.radial.into()),
+            half_width: HalfWidth::new(scan.squared_width),
+            seed: Seed::new(
+                scan.horizontal,
+                scan.squared_width,
+                mantissa,
+                widths.radial.into(),
+            ),
             row: Row::default(),
         }
     }
@@ -191,15 +196,15 @@ impl<L: Lane> SpanRows<L> {
             bounds: self.bounds,
             visible: self.visible,
             centre: self.centre,
-            slope: self.slope,
+            shear: self.slope,
             vertical: [
                 self.vertical.value,
                 self.vertical.first,
                 self.vertical.second,
             ],
             reach: self.reach,
-            spread: (half.mantissa.into(), half.odd, half.power),
-            curvature: seed.curvature,
+            squared_width: (half.mantissa.into(), half.odd, half.power),
+            horizontal: seed.curvature,
             drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
             fraction: seed.fraction,
             unit: seed.balance.unit,
@@ -239,7 +244,7 @@ impl<L: Lane> SpanRows<L> {
     ///
     /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
     #[inline(always)]
-    fn next_block(&mut self) -> Option<Run<L>> {
+    fn next_block(&mut self) -> Option<Span<L>> {
         let Row {
             y,
             x,
@@ -250,7 +255,7 @@ impl<L: Lane> SpanRows<L> {
         let stop = (x - x % BLOCK).saturating_add(BLOCK).min(end);
         self.row.x = stop;
         let (radial, first, second) = self.seed.at(x, centre, vertical);
-        let run = Run {
+        let run = Span {
             y,
             x,
             length: stop - x,
@@ -270,7 +275,7 @@ impl<L: Lane> SpanRows<L> {
     }
 }
 
-impl<L: Lane> Rows for SpanRows<L> {
+impl<L: Lane> Spans for EllipseSpans<L> {
     type Lane = L;
 
     #[inline(always)]
@@ -280,7 +285,7 @@ impl<L: Lane> Rows for SpanRows<L> {
 
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     #[cfg_attr(target_pointer_width = "32", inline)]
-    fn next_run(&mut self) -> Option<Run<L>> {
+    fn next_span(&mut self) -> Option<Span<L>> {
         loop {
             while self.row.x < self.row.end {
                 if let Some(run) = self.next_block() {
@@ -313,7 +318,7 @@ fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
 
 /// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-fn vertical(stretch: Scaled, dy: Scaled, bits: u32) -> Quadratic {
+fn vertical(stretch: SoftFloat, dy: SoftFloat, bits: u32) -> Quadratic {
     let along = stretch.multiply(dy, bits);
     let unit = stretch.to_fixed(VERTICAL);
     Quadratic {
@@ -333,7 +338,7 @@ struct HalfWidth {
 
 impl HalfWidth {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(spread: Scaled) -> Self {
+    fn new(spread: SoftFloat) -> Self {
         let odd = spread.exponent & 1;
         // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
         HalfWidth {
@@ -356,7 +361,7 @@ impl HalfWidth {
             u64::from(self.mantissa).wrapping_mul(rest)
         };
         let (root, shift) = root_seed(squared << self.odd);
-        let root = Scaled {
+        let root = SoftFloat {
             mantissa: root as i32,
             exponent: shift.saturating_add(self.power),
         };
@@ -412,7 +417,7 @@ impl Balance {
 
 impl<L: Lane> Seed<L> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(curvature: Scaled, spread: Scaled, bits: u32, fraction: u32) -> Self {
+    fn new(curvature: SoftFloat, spread: SoftFloat, bits: u32, fraction: u32) -> Self {
         // |dx|^2 <= 16 spread < 2^(leading + 5), hence |dx| < 2^half in pixels.
         let half = spread.leading().saturating_add(6) >> 1;
         let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);

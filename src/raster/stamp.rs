@@ -8,11 +8,11 @@
 //! The centre moves by at most half a phase: 2^-(n+1) pixels. Its error falls by two with every bit of n and its memory
 //! grows by four (docs/kernels.md has the measurement).
 
-use super::{Rows, SpanRows, Window};
+use super::{EllipseSpans, Spans, Window};
 use crate::footprint::Footprint;
 use crate::format::Design;
 use crate::kernel::FootprintTable;
-use crate::math::{Scaled, shift_round, shift_signed, square_root};
+use crate::math::{SoftFloat, shift_round, shift_signed, square_root};
 
 /// Largest number of phase bits.
 pub const MAX_PHASE_BITS: u8 = 6;
@@ -70,12 +70,12 @@ pub struct StampRow<'a> {
 impl StampShape {
     /// The stamp that holds `footprint`'s shape at `2^phase_bits` phases per axis.
     pub fn new(footprint: &Footprint, phase_bits: u8) -> Result<StampShape, StampError> {
-        let cutoff = Scaled::from_wide(footprint.cutoff.into(), -28, 24);
+        let cutoff = SoftFloat::from_wide(footprint.cutoff.into(), -28, 24);
         // r = A (dx - S dy)^2 + C dy^2 < c reaches sqrt(c / C) down and sqrt(c (1/A + S^2 / C)) across.
-        let scan = &footprint.scan;
-        let down = crate::math::reciprocal(scan.stretch, 24).unwrap_or(Scaled::ZERO);
-        let slant = scan.slope.multiply(scan.slope, 24).times(down);
-        let across = crate::math::sum_of_products([scan.spread.times(ONE), slant], 24);
+        let scan = &footprint.ldl;
+        let down = crate::math::reciprocal(scan.vertical, 24).unwrap_or(SoftFloat::ZERO);
+        let slant = scan.shear.multiply(scan.shear, 24).times(down);
+        let across = crate::math::sum_of_products([scan.squared_width.times(ONE), slant], 24);
         let extent = [across, down].map(|variance| {
             let root = square_root(cutoff.multiply(variance, 24), 24).to_fixed(16);
             root.clamp(0, 1 << 40).saturating_add(1)
@@ -131,20 +131,20 @@ impl StampShape {
     pub fn bounds(&self, placement: &Placement, viewport: [u16; 2]) -> Window {
         let mut bounds = Window {
             first: [0; 2],
-            last: [0; 2],
+            end: [0; 2],
         };
         for (axis, size) in viewport.into_iter().enumerate() {
             let first = placement.first[axis];
             let limit = i64::from(size);
             let last = first.saturating_add(self.side[axis].into());
             bounds.first[axis] = first.clamp(0, limit) as u16;
-            bounds.last[axis] = last.clamp(0, limit) as u16;
+            bounds.end[axis] = last.clamp(0, limit) as u16;
         }
         bounds
     }
 }
 
-const ONE: Scaled = Scaled {
+const ONE: SoftFloat = SoftFloat {
     mantissa: 1 << 30,
     exponent: -30,
 };
@@ -179,7 +179,7 @@ pub fn fill_stamps<D: Design>(
         let placed = Footprint {
             centre,
             first,
-            last: [first[0] + shape.side[0], first[1] + shape.side[1]],
+            end: [first[0] + shape.side[0], first[1] + shape.side[1]],
             ..*footprint
         };
         stamp.fill(0);
@@ -197,16 +197,16 @@ fn fill_stamp<D: Design>(
     let widths = design.widths();
     let window = Window {
         first: footprint.first,
-        last: footprint.last,
+        end: footprint.end,
     };
-    let columns = usize::from(window.last[0] - window.first[0]);
-    let mut rows = SpanRows::new(design, footprint, &window);
+    let columns = usize::from(window.end[0] - window.first[0]);
+    let mut rows = EllipseSpans::new(design, footprint, &window);
     let drop = rows.fraction() as i32 - i32::from(widths.radial);
     let end = shift_round(
         footprint.cutoff.into(),
         28u32.saturating_sub(widths.radial.into()),
     ) << u32::from(widths.radial).saturating_sub(28);
-    while let Some(run) = rows.next_run() {
+    while let Some(run) = rows.next_span() {
         let start =
             usize::from(run.y - window.first[1]) * columns + usize::from(run.x - window.first[0]);
         for (weight, lane) in stamp.iter_mut().skip(start).zip(run.radials()) {
@@ -247,8 +247,8 @@ impl<'a> Stamp<'a> {
             .get(stamp * area..(stamp + 1) * area)
             .unwrap_or_default();
         let [x, y] = placement.first;
-        let [left, right] = visible(x, side[0], window.first[0], window.last[0]);
-        let [top, bottom] = visible(y, side[1], window.first[1], window.last[1]);
+        let [left, right] = visible(x, side[0], window.first[0], window.end[0]);
+        let [top, bottom] = visible(y, side[1], window.first[1], window.end[1]);
         let height = if left < right {
             bottom.saturating_sub(top)
         } else {

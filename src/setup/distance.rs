@@ -16,16 +16,16 @@
 //! divided by the factor's square. Unlike the low-pass filter, which widens a footprint only where it is thin, the factor
 //! widens an anisotropic footprint in all directions.
 
-use super::jacobian::Column;
+use super::jacobian::ScreenAxis;
 use super::project::Projected;
 use crate::format::Widths;
-use crate::math::{Scaled, reciprocal};
+use crate::math::{SoftFloat, reciprocal};
 use crate::rules::Rules;
 
 /// d/k > 1 for a splat beyond the distance k; `None` nearer, or where the rules do not scale by distance.
 ///
 /// Rounded to the design's mantissa twice (product and reciprocal).
-pub fn enlargement(widths: &Widths, rules: &Rules, projected: &Projected) -> Option<Scaled> {
+pub fn enlargement(widths: &Widths, rules: &Rules, projected: &Projected) -> Option<SoftFloat> {
     if rules.spacing.mantissa <= 0 {
         return None;
     }
@@ -40,25 +40,25 @@ pub fn enlargement(widths: &Widths, rules: &Rules, projected: &Projected) -> Opt
 }
 
 /// M with all axes enlarged.
-pub fn enlarge(widths: &Widths, columns: [Column; 3], factor: Scaled) -> [Column; 3] {
+pub fn enlarge(widths: &Widths, columns: [ScreenAxis; 3], factor: SoftFloat) -> [ScreenAxis; 3] {
     let bits = u32::from(widths.mantissa);
-    columns.map(|column| Column {
+    columns.map(|column| ScreenAxis {
         x: column.x.multiply(factor, bits),
         y: column.y.multiply(factor, bits),
     })
 }
 
 /// The weight of a splat whose axes were enlarged: (k/d)^2 of it, unless kernels are normalised.
-pub fn dim(widths: &Widths, rules: &Rules, weight: Scaled, factor: Scaled) -> Scaled {
+pub fn dim(widths: &Widths, rules: &Rules, weight: SoftFloat, factor: SoftFloat) -> SoftFloat {
     let bits = u32::from(widths.mantissa);
     if rules.normalised {
         return weight;
     }
-    let inverse = reciprocal(factor, bits).unwrap_or(Scaled::ZERO);
+    let inverse = reciprocal(factor, bits).unwrap_or(SoftFloat::ZERO);
     weight.multiply(inverse, bits).multiply(inverse, bits)
 }
 
 /// Order of two positive normalised numbers.
-fn less(a: Scaled, b: Scaled) -> bool {
+fn less(a: SoftFloat, b: SoftFloat) -> bool {
     (a.leading(), a.mantissa) < (b.leading(), b.mantissa)
 }

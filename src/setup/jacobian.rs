@@ -6,33 +6,33 @@
 
 use super::project::Projected;
 use crate::format::Widths;
-use crate::math::{Product, Scaled, sum_of_products};
+use crate::math::{Product, SoftFloat, sum_of_products};
 use crate::splat::Axis;
 use crate::view::{Rotation, round_entry};
 
 /// An axis on the screen, pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct ScreenAxis {
     /// Horizontal component.
-    pub x: Scaled,
+    pub x: SoftFloat,
     /// Vertical component.
-    pub y: Scaled,
+    pub y: SoftFloat,
 }
 
 /// M = J W A, one column per axis. An axis of length 0 gives a zero column.
-pub fn columns(
+pub fn project_axes(
     widths: &Widths,
     rotation: &Rotation,
     projected: &Projected,
     axes: &[Axis; 3],
-) -> [Column; 3] {
+) -> [ScreenAxis; 3] {
     axes.map(|axis| column(widths, rotation, projected, axis))
 }
 
-fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axis) -> Column {
+fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axis) -> ScreenAxis {
     let bits = u32::from(widths.mantissa);
-    let [x, y, z] = turn(widths, rotation, axis);
-    let shear = |across: Scaled, ratio: Scaled, gain: Scaled| {
+    let [x, y, z] = rotate_axis(widths, rotation, axis);
+    let shear = |across: SoftFloat, ratio: SoftFloat, gain: SoftFloat| {
         let along = ratio.times(z);
         let along = Product {
             value: along.value.wrapping_neg(),
@@ -44,23 +44,23 @@ fn column(widths: &Widths, rotation: &Rotation, projected: &Projected, axis: Axi
         };
         sum_of_products([across, along], bits).multiply(gain, bits)
     };
-    Column {
+    ScreenAxis {
         x: shear(x, projected.ratio[0], projected.gain[0]),
         y: shear(y, projected.ratio[1], projected.gain[1]),
     }
 }
 
 /// W a: exact products and sum, each component rounded to the mantissa.
-pub(super) fn turn(widths: &Widths, rotation: &Rotation, axis: Axis) -> [Scaled; 3] {
+pub(super) fn rotate_axis(widths: &Widths, rotation: &Rotation, axis: Axis) -> [SoftFloat; 3] {
     let exponent = axis.exponent.clamp(-512, 511) - 30;
-    let mut turned = [Scaled::ZERO; 3];
+    let mut turned = [SoftFloat::ZERO; 3];
     for (component, entries) in turned.iter_mut().zip(rotation) {
         let mut sum = 0i64;
         for (entry, mantissa) in entries.iter().zip(axis.mantissa) {
             let mantissa = i64::from(mantissa.max(-i32::MAX));
             sum = sum.wrapping_add(round_entry(*entry, widths.view.into()).wrapping_mul(mantissa));
         }
-        *component = Scaled::from_wide(sum, exponent, widths.mantissa.into());
+        *component = SoftFloat::from_wide(sum, exponent, widths.mantissa.into());
     }
     turned
 }

@@ -10,27 +10,27 @@
 pub mod distance;
 mod colour;
 mod jacobian;
-mod peak;
+mod opacity;
 mod point;
 mod project;
 mod shape;
 mod sphere;
 mod surface;
-mod variance;
+mod covariance;
 
 pub use colour::colour;
-pub use jacobian::{Column, columns};
-pub use peak::{cutoff, peak, peak_fixed};
+pub use covariance::{Covariance2d, covariance};
+pub use jacobian::{ScreenAxis, project_axes};
+pub use opacity::{centre_opacity, cutoff, opacity_fixed};
 pub use point::{PointFilter, is_minified, setup_point};
 pub use project::{Projected, project};
-pub use shape::{conic, scan};
+pub use shape::{conic, ldl};
 pub use sphere::{Ellipse, Index, SphereFootprint, setup_sphere};
-pub use surface::{depth_gradient, setup_surface, surface_peak};
-pub use variance::{Variance, variance};
+pub use surface::{depth_gradient, setup_surface, surface_opacity};
 
-use crate::footprint::{Conic, Footprint, Scan, depth};
+use crate::footprint::{Conic, Footprint, Ldl, depth};
 use crate::format::{Design, Widths};
-use crate::math::{Scaled, shift_left, square_root};
+use crate::math::{SoftFloat, shift_left, square_root};
 use crate::rules::Rules;
 use crate::splat::VolumeSplat;
 use crate::view::{Pose, View};
@@ -74,8 +74,8 @@ pub fn setup<D: Design, P: Pose>(
     rules: &Rules,
     splat: &VolumeSplat<P::Centre>,
 ) -> Result<Footprint, Cull> {
-    footprint(design, view, rules, splat, |widths, variance, scan| {
-        conic(widths, variance, scan.curvature)
+    footprint(design, view, rules, splat, |widths, covariance, scan| {
+        conic(widths, covariance, scan.horizontal)
     })
 }
 
@@ -97,39 +97,39 @@ fn footprint<D: Design, P: Pose>(
     view: &View<P>,
     rules: &Rules,
     splat: &VolumeSplat<P::Centre>,
-    conic: impl Fn(&Widths, &Variance, &Scan) -> Option<Conic>,
+    conic: impl Fn(&Widths, &Covariance2d, &Ldl) -> Option<Conic>,
 ) -> Result<Footprint, Cull> {
     let widths = design.widths();
     let projected = project(&widths, view, rules, &splat.centre)?;
-    let mut columns = columns(&widths, &view.rotation, &projected, &splat.axes);
+    let mut columns = project_axes(&widths, &view.rotation, &projected, &splat.axes);
     let mut weight = splat.weight;
     if let Some(factor) = distance::enlargement(&widths, rules, &projected) {
         columns = distance::enlarge(&widths, columns, factor);
         weight = distance::dim(&widths, rules, weight, factor);
     }
-    let variance = variance(&widths, rules.low_pass, &columns);
-    let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &variance, &scan).ok_or(Cull::Degenerate)?;
-    let peak = peak(&widths, rules, weight, &projected, &variance);
+    let covariance = covariance(&widths, rules.low_pass, &columns);
+    let scan = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &covariance, &scan).ok_or(Cull::Degenerate)?;
+    let peak = centre_opacity(&widths, rules, weight, &projected, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let (first, last) = bounding_box(
         widths.subpixel.into(),
         view,
         projected.centre,
-        &variance,
+        &covariance,
         cutoff,
     )?;
     let colour = colour(&widths, splat.colour);
-    let peak = peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
+    let peak = opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
     Ok(Footprint {
         depth: depth::key(projected.depth),
         centre: projected.centre,
         first,
-        last,
-        scan,
+        end: last,
+        ldl: scan,
         conic,
         cutoff,
-        peak,
+        opacity: peak,
         colour,
     })
 }
@@ -141,13 +141,13 @@ fn bounding_box<P>(
     subpixel: u32,
     view: &View<P>,
     centre: [i64; 2],
-    variance: &Variance,
+    covariance: &Covariance2d,
     cutoff: u32,
 ) -> Result<([u16; 2], [u16; 2]), Cull> {
-    let cutoff = Scaled::from_wide(cutoff.into(), -28, 16);
+    let cutoff = SoftFloat::from_wide(cutoff.into(), -28, 16);
     let mut first = [0; 2];
     let mut last = [0; 2];
-    for (axis, spread) in [variance.xx, variance.yy].into_iter().enumerate() {
+    for (axis, spread) in [covariance.xx, covariance.yy].into_iter().enumerate() {
         let extent = square_root(cutoff.multiply(spread, 16), 16).to_fixed(32);
         let extent = extent.saturating_add(extent >> 10);
         if extent >> (32 + 28) != 0 {

@@ -7,13 +7,13 @@
 //! pops there: its variance is (deviation / s)^2 square pixels. A point costs a projection and three multiplications:
 //! no axes, no Jacobian, no determinant, no reciprocal of a shape.
 
+use super::covariance::Covariance2d;
 use super::distance;
 use super::project::project;
-use super::variance::Variance;
-use super::{Cull, bounding_box, colour, conic, peak_fixed, scan};
-use crate::footprint::{Conic, Footprint, Scan, depth};
+use super::{Cull, bounding_box, colour, conic, ldl, opacity_fixed};
+use crate::footprint::{Conic, Footprint, Ldl, depth};
 use crate::format::{Design, Widths};
-use crate::math::{Scaled, reciprocal};
+use crate::math::{SoftFloat, reciprocal};
 use crate::rules::{Cutoff, Rules};
 use crate::splat::VolumeSplat;
 use crate::view::{Pose, View};
@@ -21,40 +21,40 @@ use crate::view::{Pose, View};
 /// The circular filter by which pixels gather points. Constant for a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PointFilter {
-    variance: Variance,
-    scan: Scan,
+    covariance: Covariance2d,
+    scan: Ldl,
     conic: Conic,
     cutoff: u32,
     /// 1 / (pi I v): the peak of a normalised filter.
-    peak: Scaled,
+    peak: SoftFloat,
     /// s^2, for peak opacities: a point covers (s g)^2 of a pixel.
-    spacing: Scaled,
+    spacing: SoftFloat,
 }
 
 impl PointFilter {
     /// The filter for samples of standard deviation `deviation` (scene units) at the rules' spacing.
     ///
     /// `None` if the rules have no spacing or the filter no area.
-    pub fn new(widths: &Widths, rules: &Rules, deviation: Scaled) -> Option<PointFilter> {
+    pub fn new(widths: &Widths, rules: &Rules, deviation: SoftFloat) -> Option<PointFilter> {
         let bits = u32::from(widths.mantissa);
         let pixels = deviation.multiply(reciprocal(rules.spacing, bits)?, bits);
         let area = pixels.multiply(pixels, bits);
-        let variance = Variance {
+        let covariance = Covariance2d {
             xx: area,
-            xy: Scaled::ZERO,
+            xy: SoftFloat::ZERO,
             yy: area,
             determinant: area.multiply(area, bits),
         };
-        let scan = scan(widths, &variance)?;
+        let scan = ldl(widths, &covariance)?;
         let Cutoff::Radial(cutoff) = rules.cutoff else {
             return None;
         };
         Some(PointFilter {
-            variance,
-            conic: conic(widths, &variance, scan.curvature)?,
+            covariance,
+            conic: conic(widths, &covariance, scan.horizontal)?,
             cutoff: cutoff.min(rules.kernel.end()),
             peak: scan
-                .curvature
+                .horizontal
                 .multiply(rules.kernel.inverse_integral(), bits),
             spacing: rules.spacing,
             scan,
@@ -98,18 +98,18 @@ pub fn setup_point<D: Design, P: Pose>(
         widths.subpixel.into(),
         view,
         projected.centre,
-        &filter.variance,
+        &filter.covariance,
         filter.cutoff,
     )?;
     Ok(Footprint {
         depth: depth::key(projected.depth),
         centre: projected.centre,
         first,
-        last,
-        scan: filter.scan,
+        end: last,
+        ldl: filter.scan,
         conic: filter.conic,
         cutoff: filter.cutoff,
-        peak: peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,
+        opacity: opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,
         colour: colour(&widths, splat.colour),
     })
 }

@@ -7,7 +7,7 @@
 
 use super::Cull;
 use crate::format::Widths;
-use crate::math::{Extended, Scaled, reciprocal, shift_round};
+use crate::math::{Extended, SoftFloat, reciprocal, shift_round};
 use crate::rules::Rules;
 use crate::view::{Pose, Projection, View};
 
@@ -19,9 +19,9 @@ pub struct Projected {
     /// Pixels, Q27.subpixel, |u| < 2^26.
     pub centre: [i64; 2],
     /// x/z and y/z, clamped if the rules say so; 0 for orthographic views.
-    pub ratio: [Scaled; 2],
+    pub ratio: [SoftFloat; 2],
     /// Pixels per scene unit at the splat's depth: fx/z and fy/z (orthographic: fx and fy).
-    pub gain: [Scaled; 2],
+    pub gain: [SoftFloat; 2],
 }
 
 /// Projects `centre`; culls by depth and range.
@@ -41,7 +41,7 @@ pub fn project<P: Pose>(
     if !view.far.exceeds(z) {
         return Err(Cull::Far);
     }
-    let rounded = |number: Extended| Scaled::from_wide(number.value, number.exponent, bits);
+    let rounded = |number: Extended| SoftFloat::from_wide(number.value, number.exponent, bits);
     let position = [x, y].map(rounded);
     let inverse = if perspective {
         reciprocal(rounded(z), bits).ok_or(Cull::Near)?
@@ -58,7 +58,7 @@ pub fn project<P: Pose>(
     let ratio = if perspective {
         ratios(view, rules, on_plane, mantissa)
     } else {
-        [Scaled::ZERO; 2]
+        [SoftFloat::ZERO; 2]
     };
     Ok(Projected {
         depth: z,
@@ -68,13 +68,13 @@ pub fn project<P: Pose>(
     })
 }
 
-const ONE: Scaled = Scaled {
+const ONE: SoftFloat = SoftFloat {
     mantissa: 1 << 30,
     exponent: -30,
 };
 
 /// fx x/z + cx in Q27.subpixel; `None` beyond 2^26 pixels.
-fn on_screen<P>(widths: &Widths, view: &View<P>, axis: usize, on_plane: Scaled) -> Option<i64> {
+fn on_screen<P>(widths: &Widths, view: &View<P>, axis: usize, on_plane: SoftFloat) -> Option<i64> {
     let offset = view.focal[axis].times(on_plane).to_fixed(32);
     let position = view.principal[axis].to_bits().saturating_add(offset);
     if position.unsigned_abs() >> (32 + 26) != 0 {
@@ -84,7 +84,7 @@ fn on_screen<P>(widths: &Widths, view: &View<P>, axis: usize, on_plane: Scaled) 
 }
 
 /// x/z and y/z as the Jacobian takes them, clamped to the widened frustum under rules that say so.
-fn ratios<P>(view: &View<P>, rules: &Rules, on_plane: [Scaled; 2], bits: u32) -> [Scaled; 2] {
+fn ratios<P>(view: &View<P>, rules: &Rules, on_plane: [SoftFloat; 2], bits: u32) -> [SoftFloat; 2] {
     let mut ratio = on_plane;
     for (axis, value) in ratio.iter_mut().enumerate() {
         let mut fixed = value.to_fixed(32);
@@ -94,9 +94,9 @@ fn ratios<P>(view: &View<P>, rules: &Rules, on_plane: [Scaled; 2], bits: u32) ->
         );
         if rules.clamp_jacobian && (fixed < low || fixed > high) {
             fixed = fixed.min(high).max(low);
-            *value = Scaled::from_wide(fixed, -32, bits);
+            *value = SoftFloat::from_wide(fixed, -32, bits);
         } else {
-            *value = Scaled::from_wide(value.mantissa.into(), value.exponent, bits);
+            *value = SoftFloat::from_wide(value.mantissa.into(), value.exponent, bits);
         }
     }
     ratio

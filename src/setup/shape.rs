@@ -3,37 +3,37 @@
 //! Q = 1/det (Vyy, -Vxy; -Vxy, Vxx). Completing the square along a row:
 //! r = (Vyy/det) (dx - (Vxy/Vyy) dy)^2 + dy^2 / Vyy.
 
-use super::variance::Variance;
-use crate::footprint::{Conic, Scan};
+use super::covariance::Covariance2d;
+use crate::footprint::{Conic, Ldl};
 use crate::format::Widths;
-use crate::math::{Scaled, reciprocal};
+use crate::math::{SoftFloat, reciprocal};
 
 /// LDL coefficients; `None` where the variance has no inverse or a coefficient no place in the packet.
-pub fn scan(widths: &Widths, variance: &Variance) -> Option<Scan> {
+pub fn ldl(widths: &Widths, covariance: &Covariance2d) -> Option<Ldl> {
     let bits = u32::from(widths.mantissa);
-    let stretch = reciprocal(variance.yy, bits)?;
-    let inverse = reciprocal(variance.determinant, bits)?;
-    let scan = Scan {
-        curvature: variance.yy.multiply(inverse, bits),
-        spread: variance.determinant.multiply(stretch, bits),
-        slope: packable_slope(variance.xy.multiply(stretch, bits)),
-        stretch,
+    let stretch = reciprocal(covariance.yy, bits)?;
+    let inverse = reciprocal(covariance.determinant, bits)?;
+    let scan = Ldl {
+        horizontal: covariance.yy.multiply(inverse, bits),
+        squared_width: covariance.determinant.multiply(stretch, bits),
+        shear: packable_slope(covariance.xy.multiply(stretch, bits)),
+        vertical: stretch,
     };
-    [scan.curvature, scan.spread, scan.stretch]
+    [scan.horizontal, scan.squared_width, scan.vertical]
         .into_iter()
         .all(packable)
         .then_some(scan)
 }
 
 /// Is the exponent within the packet's 10 bits?
-fn packable(number: Scaled) -> bool {
+fn packable(number: SoftFloat) -> bool {
     (-512..512).contains(&number.exponent)
 }
 
 /// A slope too small for the packet's exponent (0 included) moves no pixel: exactly 0.
-fn packable_slope(slope: Scaled) -> Scaled {
+fn packable_slope(slope: SoftFloat) -> SoftFloat {
     if slope.exponent < -512 {
-        Scaled {
+        SoftFloat {
             mantissa: 0,
             exponent: 0,
         }
@@ -45,15 +45,15 @@ fn packable_slope(slope: Scaled) -> Scaled {
 /// Conic coefficients, aligned to the largest; `None` where the variance has no inverse.
 ///
 /// `curvature` is the first coefficient, Vyy / det, already computed for the LDL form.
-pub fn conic(widths: &Widths, variance: &Variance, curvature: Scaled) -> Option<Conic> {
+pub fn conic(widths: &Widths, covariance: &Covariance2d, curvature: SoftFloat) -> Option<Conic> {
     let bits = u32::from(widths.mantissa);
-    let inverse = reciprocal(variance.determinant, bits)?;
-    let cross = variance.xy.multiply(inverse, bits);
-    let cross = Scaled {
+    let inverse = reciprocal(covariance.determinant, bits)?;
+    let cross = covariance.xy.multiply(inverse, bits);
+    let cross = SoftFloat {
         mantissa: -cross.mantissa,
         exponent: cross.exponent,
     };
-    let coefficients = [curvature, cross, variance.xx.multiply(inverse, bits)];
+    let coefficients = [curvature, cross, covariance.xx.multiply(inverse, bits)];
     let leading = coefficients
         .iter()
         .filter(|c| c.mantissa != 0)

@@ -10,7 +10,7 @@
 //! major axis   sqrt(e (L - e)) / g             along it
 //! ```
 //!
-//! In the form of a variance, with r = c / (1 - e/L) on the outline, that is
+//! In the form of a covariance, with r = c / (1 - e/L) on the outline, that is
 //!
 //! ```text
 //! V = (s/z)^2 (1 - e/L) / g  ( I + (u, v)^T (u, v) / g )
@@ -23,13 +23,13 @@
 //! Through a Gaussian ball the integral along a ray is weight / (2 pi s^2) exp(-d^2 / 2 s^2), whatever the ray's
 //! direction: normalised kernels need no Jacobian's determinant here.
 
+use super::covariance::Covariance2d;
 use super::project::Projected;
-use super::variance::Variance;
-use super::{Cull, bounding_box, colour, conic, cutoff, peak_fixed, project, scan};
+use super::{Cull, bounding_box, colour, conic, cutoff, ldl, opacity_fixed, project};
 use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
 use crate::kernel::covering_cutoff;
-use crate::math::{Product, Scaled, reciprocal, sum_of_products};
+use crate::math::{Product, SoftFloat, reciprocal, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::SphereSplat;
 use crate::view::{Pose, Projection, View};
@@ -62,7 +62,7 @@ pub struct SphereFootprint {
     /// s^2 / |C|^2, UQ0.32; 0 asks for no correction (orthographic views).
     pub spread: u32,
     /// L = |C|^2/z^2 where the index follows each pixel's ray.
-    pub slant: Option<Scaled>,
+    pub slant: Option<SoftFloat>,
     /// Corrected radial index at which the footprint ends, UQ4.28.
     pub end: u32,
 }
@@ -83,24 +83,30 @@ pub fn setup_sphere<D: Design, P: Pose>(
     let widths = design.widths();
     let bits = u32::from(widths.mantissa);
     let projected = project(&widths, view, rules, &splat.centre)?;
-    let peak = ball_peak(&widths, rules, splat);
+    let peak = ball_opacity(&widths, rules, splat);
     let end = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let cone =
         Cone::new(&widths, view, &projected, splat, end, (ellipse, index)).ok_or(Cull::Near)?;
-    let variance = cone.variance(bits, projected.gain, splat.deviation, rules.low_pass);
-    let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
+    let covariance = cone.covariance(bits, projected.gain, splat.deviation, rules.low_pass);
+    let scan = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &covariance, scan.horizontal).ok_or(Cull::Degenerate)?;
     let centre = cone.centre(&widths, view, &projected);
-    let (first, last) = bounding_box(widths.subpixel.into(), view, centre, &variance, cone.cutoff)?;
+    let (first, last) = bounding_box(
+        widths.subpixel.into(),
+        view,
+        centre,
+        &covariance,
+        cone.cutoff,
+    )?;
     let footprint = Footprint {
         depth: depth::key(projected.depth),
         centre,
         first,
-        last,
-        scan,
+        end: last,
+        ldl: scan,
         conic,
         cutoff: cone.cutoff,
-        peak: peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,
+        opacity: opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,
         colour: colour(&widths, splat.colour),
     };
     Ok(SphereFootprint {
@@ -112,16 +118,16 @@ pub fn setup_sphere<D: Design, P: Pose>(
 }
 
 /// weight / (pi I s^2) for normalised kernels, else the weight.
-fn ball_peak<C>(widths: &Widths, rules: &Rules, splat: &SphereSplat<C>) -> Scaled {
+fn ball_opacity<C>(widths: &Widths, rules: &Rules, splat: &SphereSplat<C>) -> SoftFloat {
     let bits = u32::from(widths.mantissa);
     if splat.weight.mantissa <= 0 {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     }
     if !rules.normalised {
         return splat.weight;
     }
     let area = splat.deviation.multiply(splat.deviation, bits);
-    let inverse = reciprocal(area, bits).unwrap_or(Scaled::ZERO);
+    let inverse = reciprocal(area, bits).unwrap_or(SoftFloat::ZERO);
     splat
         .weight
         .multiply(inverse, bits)
@@ -131,19 +137,19 @@ fn ball_peak<C>(widths: &Widths, rules: &Rules, splat: &SphereSplat<C>) -> Scale
 /// The tangent cone in the terms of the module's head.
 struct Cone {
     /// (u, v).
-    ratio: [Scaled; 2],
+    ratio: [SoftFloat; 2],
     /// 1/g, and (1 - e/L) / g; without the correction 1/g, so that r = c lies on the outline.
-    inverse: Scaled,
-    shrink: Scaled,
+    inverse: SoftFloat,
+    shrink: SoftFloat,
     /// c / (1 - e/L), UQ4.28.
     cutoff: u32,
     /// (s/z)^2 / L, UQ0.32.
     spread: u32,
     /// L, where the index follows each pixel's ray.
-    slant: Option<Scaled>,
+    slant: Option<SoftFloat>,
 }
 
-const ONE: Scaled = Scaled {
+const ONE: SoftFloat = SoftFloat {
     mantissa: 1 << 30,
     exponent: -30,
 };
@@ -176,14 +182,14 @@ impl Cone {
         let depth = reciprocal(view.focal[0], bits)?.multiply(projected.gain[0], bits);
         let angle = splat.deviation.multiply(depth, bits);
         let spread = angle.multiply(angle, bits);
-        let limit = spread.multiply(Scaled::from_wide(end.into(), -28, 31), bits); // e
+        let limit = spread.multiply(SoftFloat::from_wide(end.into(), -28, 31), bits); // e
         let rest = sum_of_products([ONE.times(ONE), negated(limit.times(ONE))], bits); // g
         if rest.mantissa <= 0 {
             return None;
         }
         let inverse_slant = reciprocal(slant, bits)?;
         let cosine = sum_of_products([ONE.times(ONE), negated(limit.times(inverse_slant))], bits);
-        let cutoff = Scaled::from_wide(end.into(), -28, bits)
+        let cutoff = SoftFloat::from_wide(end.into(), -28, bits)
             .multiply(reciprocal(cosine, bits)?, bits)
             .to_fixed(28)
             .clamp(0, LARGEST_CUTOFF.into()) as u32;
@@ -223,18 +229,18 @@ impl Cone {
     }
 
     /// V in square pixels with its determinant k^2 (1 + |(u, v)|^2 / g) and the low-pass added by Cauchy-Binet.
-    fn variance(
+    fn covariance(
         &self,
         bits: u32,
-        gain: [Scaled; 2],
-        deviation: Scaled,
-        low_pass: Scaled,
-    ) -> Variance {
+        gain: [SoftFloat; 2],
+        deviation: SoftFloat,
+        low_pass: SoftFloat,
+    ) -> Covariance2d {
         let [u, v] = self.ratio;
         let radius = gain.map(|gain| gain.multiply(deviation, bits));
-        let stretch = |a: Scaled, b: Scaled| a.multiply(b, bits).times(self.inverse);
-        let plain = |value: Scaled| value.times(ONE);
-        let along = |i: usize, ratio: Scaled| {
+        let stretch = |a: SoftFloat, b: SoftFloat| a.multiply(b, bits).times(self.inverse);
+        let plain = |value: SoftFloat| value.times(ONE);
+        let along = |i: usize, ratio: SoftFloat| {
             let form = sum_of_products([plain(ONE), stretch(ratio, ratio)], bits);
             let area = radius[i].multiply(radius[i], bits);
             area.multiply(self.shrink, bits).multiply(form, bits)
@@ -250,7 +256,7 @@ impl Cone {
         let sharp = area.multiply(area, bits).times(form);
         let trace = sum_of_products([plain(xx), plain(sharp_y)], bits);
         let determinant = sum_of_products([sharp, low_pass.times(trace)], bits);
-        Variance {
+        Covariance2d {
             xx,
             xy,
             yy,

@@ -27,15 +27,15 @@
 //! Perspective: 1/z, not z, is affine on the screen; z0 + g . x is its first-order expansion, the approximation that the
 //! Jacobian makes of the position. The error is below (sqrt(c) |z| / z0)^2 z0 and exact in orthographic views.
 
-use super::jacobian::{Column, columns, turn};
-use super::variance::{Variance, minor, variance};
-use super::{Cull, Projected, bounding_box, conic, cutoff, peak_fixed, project, scan};
+use super::covariance::{Covariance2d, covariance, minor};
+use super::jacobian::{ScreenAxis, project_axes, rotate_axis};
+use super::{Cull, Projected, bounding_box, conic, cutoff, ldl, opacity_fixed, project};
 use crate::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
 use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
-use crate::math::{Product, Scaled, reciprocal, shift_unsigned, square_root, sum_of_products};
+use crate::math::{Product, SoftFloat, reciprocal, shift_unsigned, square_root, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::Axis;
 use crate::splat::surface::SurfaceSplat;
@@ -52,47 +52,47 @@ pub fn setup_surface<D: Design, P: Pose>(
     let bits = u32::from(widths.mantissa);
     let projected = project(&widths, view, rules, &splat.centre)?;
     let [first_axis, second_axis] = splat.frame;
-    let columns = columns(
+    let columns = project_axes(
         &widths,
         &view.rotation,
         &projected,
         &[first_axis, second_axis, Axis::default()],
     );
-    let variance = variance(&widths, rules.low_pass, &columns);
-    let scan = scan(&widths, &variance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &variance, scan.curvature).ok_or(Cull::Degenerate)?;
+    let covariance = covariance(&widths, rules.low_pass, &columns);
+    let scan = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &covariance, scan.horizontal).ok_or(Cull::Degenerate)?;
     let area = minor(&columns[0], &columns[1], bits);
-    let peak = surface_peak(&widths, splat.weight, area, &variance);
+    let peak = surface_opacity(&widths, splat.weight, area, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
-    let peak = peak_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
+    let peak = opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?;
     let (first, last) = bounding_box(
         widths.subpixel.into(),
         view,
         projected.centre,
-        &variance,
+        &covariance,
         cutoff,
     )?;
     let (attributes, back) = attributes(&widths, &view.rotation, &projected, splat);
     let along_ray = splat
         .frame
-        .map(|axis| turn(&widths, &view.rotation, axis)[2]);
+        .map(|axis| rotate_axis(&widths, &view.rotation, axis)[2]);
     let gradient = depth_gradient(
         &widths,
         rules.low_pass,
         &columns,
         along_ray,
         area,
-        &variance,
+        &covariance,
     );
     let footprint = Footprint {
         depth: depth::key(projected.depth),
         centre: projected.centre,
         first,
-        last,
-        scan,
+        end: last,
+        ldl: scan,
         conic,
         cutoff,
-        peak,
+        opacity: peak,
         colour: attributes.colour.map(|channel| {
             let drop = i32::from(attribute_fraction(&widths)) - i32::from(widths.colour);
             shift_unsigned(channel.into(), drop, widths.rounding) as u32
@@ -109,15 +109,20 @@ pub fn setup_surface<D: Design, P: Pose>(
 /// p = w |D| / sqrt(det), SURF eq. 8; 0 for weights that are not positive and for planes seen edge-on.
 ///
 /// Rounded to the mantissa four times: relative error below 2^-(bits - 2).
-pub fn surface_peak(widths: &Widths, weight: Scaled, area: Scaled, variance: &Variance) -> Scaled {
+pub fn surface_opacity(
+    widths: &Widths,
+    weight: SoftFloat,
+    area: SoftFloat,
+    covariance: &Covariance2d,
+) -> SoftFloat {
     let bits = u32::from(widths.mantissa);
     if weight.mantissa <= 0 {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     }
-    let Some(inverse) = reciprocal(square_root(variance.determinant, bits), bits) else {
-        return Scaled::ZERO;
+    let Some(inverse) = reciprocal(square_root(covariance.determinant, bits), bits) else {
+        return SoftFloat::ZERO;
     };
-    let magnitude = Scaled {
+    let magnitude = SoftFloat {
         mantissa: area.mantissa.saturating_abs(),
         exponent: area.exponent,
     };
@@ -127,15 +132,15 @@ pub fn surface_peak(widths: &Widths, weight: Scaled, area: Scaled, variance: &Va
 /// g = (V' + h I)^-1 M z in scene units per pixel; see the module's head. 0 where the variance has no inverse.
 pub fn depth_gradient(
     widths: &Widths,
-    low_pass: Scaled,
-    columns: &[Column; 3],
-    along_ray: [Scaled; 2],
-    area: Scaled,
-    variance: &Variance,
-) -> [Scaled; 2] {
+    low_pass: SoftFloat,
+    columns: &[ScreenAxis; 3],
+    along_ray: [SoftFloat; 2],
+    area: SoftFloat,
+    covariance: &Covariance2d,
+) -> [SoftFloat; 2] {
     let bits = u32::from(widths.mantissa);
-    let Some(inverse) = reciprocal(variance.determinant, bits) else {
-        return [Scaled::ZERO; 2];
+    let Some(inverse) = reciprocal(covariance.determinant, bits) else {
+        return [SoftFloat::ZERO; 2];
     };
     let [m1, m2, _] = columns;
     let [z1, z2] = along_ray;
@@ -164,7 +169,12 @@ fn negative(product: Product) -> Product {
 }
 
 /// The plane's integers: depth at the box's first sample point and its steps, each rounded once to 2^-32 scene units.
-fn plane(widths: &Widths, projected: &Projected, first: [u16; 2], gradient: [Scaled; 2]) -> Plane {
+fn plane(
+    widths: &Widths,
+    projected: &Projected,
+    first: [u16; 2],
+    gradient: [SoftFloat; 2],
+) -> Plane {
     let subpixel = u32::from(widths.subpixel);
     let depth = Product {
         value: projected.depth.value,
@@ -173,7 +183,7 @@ fn plane(widths: &Widths, projected: &Projected, first: [u16; 2], gradient: [Sca
     let mut origin = depth.to_fixed(DEPTH_FRACTION);
     for axis in 0..2 {
         let sample = (2 * i64::from(first[axis]) + 1) << (subpixel - 1);
-        let distance = Scaled::from_wide(
+        let distance = SoftFloat::from_wide(
             sample.wrapping_sub(projected.centre[axis]),
             -(subpixel as i32),
             widths.mantissa.into(),
@@ -223,7 +233,7 @@ fn facing_normal(
     projected: &Projected,
     normal: Axis,
 ) -> ([i32; 3], bool) {
-    let normal = turn(widths, rotation, normal);
+    let normal = rotate_axis(widths, rotation, normal);
     let [ratio_x, ratio_y] = projected.ratio;
     let [x, y, z] = normal;
     let depth = Product {

@@ -1,7 +1,7 @@
 //! The surface splat: a point of a surface with its tangent frame, normal, colour and material (SURF 3.3, EWA 6.3).
 
 use super::{Axis, Position};
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 use fixed::types::U4F28;
 
 /// An elliptical Gaussian basis function in the tangent plane of a point, of variance `V = S S^T`.
@@ -15,7 +15,7 @@ pub struct SurfaceSplat<C = Position> {
     pub normal: Axis,
     /// Height of the basis function at its centre, in the surface's own plane. Where neighbours' functions sum to
     /// about 1, the weight sum of a pixel is its coverage (SURF 7). Negative counts as 0.
-    pub weight: Scaled,
+    pub weight: SoftFloat,
     /// Linear red, green, blue, not premultiplied; clamped to 1.
     pub colour: [U4F28; 3],
     /// Opacity of the surface; clamped to 1.

@@ -15,8 +15,8 @@ pub struct CellTarget<'a, C> {
 impl<'a, C: Cell> CellTarget<'a, C> {
     /// A target for the pixels of `window`; `cells` needs one cell per pixel.
     pub fn new(cells: &'a mut [C], window: Window) -> Result<Self, TargetError> {
-        let columns = usize::from(window.last[0].saturating_sub(window.first[0]));
-        let rows = usize::from(window.last[1].saturating_sub(window.first[1]));
+        let columns = usize::from(window.end[0].saturating_sub(window.first[0]));
+        let rows = usize::from(window.end[1].saturating_sub(window.first[1]));
         let (needed, found) = (columns.saturating_mul(rows), cells.len());
         if found < needed {
             return Err(TargetError { needed, found });
@@ -41,7 +41,7 @@ impl<'a, C: Cell> CellTarget<'a, C> {
     /// Cells of the pixels `x .. x + length` of row `y`; empty if any of them lies outside the window.
     #[inline(always)]
     pub fn row(&mut self, y: u16, x: u16, length: u16) -> &mut [C] {
-        let Window { first, last } = self.window;
+        let Window { first, end: last } = self.window;
         let end = u32::from(x) + u32::from(length);
         if y < first[1] || y >= last[1] || x < first[0] || end > u32::from(last[0]) {
             return &mut [];

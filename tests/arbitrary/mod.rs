@@ -9,10 +9,10 @@
 use fixed::types::{I2F30, I8F24, I10F54, I32F32, U4F28};
 use splatline::footprint::depth::KEY_BITS;
 use splatline::footprint::packet::{Packet, VERSION};
-use splatline::footprint::{Conic, Footprint, Scan};
-use splatline::format::{Custom, Rounding, WIDTH_RANGES, Widths};
+use splatline::footprint::{Conic, Footprint, Ldl};
+use splatline::format::{Rounding, RuntimeWidths, WIDTH_RANGES, Widths};
 use splatline::kernel::Kernel;
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Cutoff, Rules};
 use splatline::splat::{Axis, FixedPosition, VolumeSplat};
@@ -91,8 +91,8 @@ impl<'a> Source<'a> {
     }
 
     /// Any mantissa and exponent.
-    pub fn scaled(&mut self) -> Scaled {
-        Scaled {
+    pub fn scaled(&mut self) -> SoftFloat {
+        SoftFloat {
             mantissa: self.i32(),
             exponent: self.exponent(),
         }
@@ -144,8 +144,8 @@ impl<'a> Source<'a> {
     }
 
     /// Any run-time design.
-    pub fn design(&mut self) -> Custom {
-        Custom::new(self.widths()).expect("the widths are within their ranges")
+    pub fn design(&mut self) -> RuntimeWidths {
+        RuntimeWidths::new(self.widths()).expect("the widths are within their ranges")
     }
 
     /// Any camera.
@@ -191,7 +191,7 @@ impl<'a> Source<'a> {
             exponent: -14,
         };
         view.far = Extended::MAX;
-        view.focal = [(); 2].map(|()| Scaled {
+        view.focal = [(); 2].map(|()| SoftFloat {
             mantissa: 1 << 30,
             exponent: i32::from(self.byte() % 16) - 32,
         });
@@ -241,14 +241,14 @@ impl<'a> Source<'a> {
     /// A splat that a sound camera is likely to see: of any shape, but of a size and an opacity that leave a trace.
     pub fn visible_splat(&mut self) -> VolumeSplat {
         let mut splat = self.volume_splat();
-        splat.centre = [(); 3].map(|()| Scaled {
+        splat.centre = [(); 3].map(|()| SoftFloat {
             mantissa: self.i32() >> 10,
             exponent: -24,
         });
         for axis in &mut splat.axes {
             axis.exponent = -28 - i32::from(self.byte() % 16);
         }
-        splat.weight = Scaled {
+        splat.weight = SoftFloat {
             mantissa: self.i32() | 1 << 29,
             exponent: -30,
         };
@@ -273,7 +273,7 @@ impl<'a> Source<'a> {
                 alpha_max: self.u32(),
                 alpha_min: self.i64() as u64,
                 stop: self.i64() as u64,
-                stop_before: self.bool(),
+                omit_finishing: self.bool(),
                 clamp_jacobian: self.bool(),
                 table_range: self.bits(8) as u8,
             },
@@ -296,7 +296,7 @@ impl<'a> Source<'a> {
             centre: [(); 2].map(|()| self.i64()),
             first: [self.edge(), self.edge()],
             last: [self.edge(), self.edge()],
-            scan: Scan {
+            scan: Ldl {
                 curvature: self.scaled(),
                 spread: self.scaled(),
                 slope: self.scaled(),

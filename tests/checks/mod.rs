@@ -29,7 +29,7 @@ pub fn arithmetic(source: &mut Source) {
         math::square_root(a, bits),
         math::reciprocal(a, bits).unwrap_or_default(),
         a.multiply(b, bits),
-        math::Scaled::from_wide(source.i64(), source.i32(), bits),
+        math::SoftFloat::from_wide(source.i64(), source.i32(), bits),
         terms[0].normalise(bits),
     ];
     for result in results {
@@ -95,26 +95,26 @@ fn units_of_setup(source: &mut Source, widths: &Widths) {
         ratio: [(); 2].map(|()| source.scaled()),
         gain: [(); 2].map(|()| source.scaled()),
     };
-    let _ = setup::columns(widths, &view.rotation, &projected, &splat.axes);
-    let columns = [(); 3].map(|()| setup::Column {
+    let _ = setup::project_axes(widths, &view.rotation, &projected, &splat.axes);
+    let columns = [(); 3].map(|()| setup::ScreenAxis {
         x: source.scaled(),
         y: source.scaled(),
     });
-    let _ = setup::variance(widths, rules.low_pass, &columns);
-    let variance = setup::Variance {
+    let _ = setup::covariance(widths, rules.low_pass, &columns);
+    let variance = setup::Covariance2d {
         xx: source.scaled(),
         xy: source.scaled(),
         yy: source.scaled(),
         determinant: source.scaled(),
     };
     let _ = (
-        setup::scan(widths, &variance),
+        setup::ldl(widths, &variance),
         setup::conic(widths, &variance, source.scaled()),
     );
-    let _ = setup::peak(widths, &rules, source.scaled(), &projected, &variance);
+    let _ = setup::centre_opacity(widths, &rules, source.scaled(), &projected, &variance);
     let _ = (
         setup::cutoff(&rules, source.scaled()),
-        setup::peak_fixed(source.scaled(), widths.peak.into()),
+        setup::opacity_fixed(source.scaled(), widths.peak.into()),
     );
 }
 
@@ -181,7 +181,7 @@ pub fn blend(source: &mut Source) {
     blend.x_ray(&mut after[2], alpha, &colour);
     for result in after {
         assert!(
-            result.clear_share() <= pixel.transmittance,
+            result.transmittance() <= pixel.transmittance,
             "{pixel:?} under {alpha}: {result:?}"
         );
     }

@@ -8,7 +8,7 @@ pub mod tolerances;
 
 use fixed::types::{I2F30, I32F32, U4F28};
 use proptest::prelude::*;
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Projection, RatioLimits, Rotation, View};
@@ -16,12 +16,12 @@ use splatline::view::{Eye, Projection, RatioLimits, Rotation, View};
 pub const SIZE: u16 = 96;
 
 /// The nearest normalised number of 31 bits.
-pub fn scaled(value: f64) -> Scaled {
+pub fn scaled(value: f64) -> SoftFloat {
     if value == 0.0 {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     }
     let exponent = value.abs().log2().floor() as i32 - 40;
-    Scaled::from_wide((value * f64::from(-exponent).exp2()) as i64, exponent, 31)
+    SoftFloat::from_wide((value * f64::from(-exponent).exp2()) as i64, exponent, 31)
 }
 
 /// A double as it is.
@@ -54,12 +54,12 @@ pub fn rotation_of(view: &View) -> [[f64; 3]; 3] {
 }
 
 /// The eye, and a centre's difference to it, in double precision.
-pub fn from_eye(view: &View, centre: &[Scaled; 3]) -> [f64; 3] {
+pub fn from_eye(view: &View, centre: &[SoftFloat; 3]) -> [f64; 3] {
     let unit = f64::from(view.pose.exponent).exp2();
     [0, 1, 2].map(|i| double(centre[i]) - view.pose.position[i] as f64 * unit)
 }
 
-pub fn double(value: Scaled) -> f64 {
+pub fn double(value: SoftFloat) -> f64 {
     f64::from(value.mantissa) * f64::from(value.exponent).exp2()
 }
 

@@ -63,8 +63,8 @@ static void start(Vflat_primitive &circuit, const Bench &bench) {
 static bool draw(Vflat_primitive &circuit, const Bench &bench, const SplatlineWindow &tile) {
     circuit.first_column = tile.first[0];
     circuit.first_row = tile.first[1];
-    circuit.last_column = tile.last[0];
-    circuit.last_row = tile.last[1];
+    circuit.last_column = tile.end[0];
+    circuit.last_row = tile.end[1];
     circuit.tile_valid = 1;
     bool done = handshake(circuit, circuit.tile_ready);
     circuit.tile_valid = 0;
@@ -85,8 +85,8 @@ static bool draw(Vflat_primitive &circuit, const Bench &bench, const SplatlineWi
 // Reads the tile out, row by row, and compares. Returns the number of pixels, or -1.
 static long compare(Vflat_primitive &circuit, const Bench &bench, const SplatlineWindow &tile) {
     long pixels = 0;
-    for (int y = tile.first[1]; y < tile.last[1]; y++) {
-        for (int x = tile.first[0]; x < tile.last[0]; x++, pixels++) {
+    for (int y = tile.first[1]; y < tile.end[1]; y++) {
+        for (int x = tile.first[0]; x < tile.end[0]; x++, pixels++) {
             circuit.pixel_ready = 0;
             do {
                 settle(circuit);

@@ -32,8 +32,8 @@ int model_tile(int tile, int *first_column, int *first_row, int *last_column, in
     SplatlineWindow window = bench_tile(tile);
     *first_column = window.first[0];
     *first_row = window.first[1];
-    *last_column = window.last[0];
-    *last_row = window.last[1];
+    *last_column = window.end[0];
+    *last_row = window.end[1];
     return tile < TILE_COUNT;
 }
 

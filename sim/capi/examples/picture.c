@@ -71,13 +71,13 @@ static int sort_by_depth(Memory *memory) {
 
 static int32_t step_through(const SplatlinePainter *painter, const SplatlineFootprint *footprint, const SplatlineWindow *window,
                             SplatlinePixel *pixels, size_t stride) {
-    SplatlineRows rows;
-    SplatlineRun run;
-    int32_t status = splatline_rows_begin(&painter->widths, footprint, painter->traversal, window, &rows);
+    SplatlineSpans rows;
+    SplatlineSpan run;
+    int32_t status = splatline_spans_begin(&painter->widths, footprint, painter->traversal, window, &rows);
     if (status < 0) {
         return status;
     }
-    while ((status = splatline_rows_next(&rows, &run)) > 0) {
+    while ((status = splatline_spans_next(&rows, &run)) > 0) {
         do {
             uint32_t opacity;
             status = splatline_pixel_opacity(painter, footprint, &run, &opacity);
@@ -88,7 +88,7 @@ static int32_t step_through(const SplatlinePainter *painter, const SplatlineFoot
             if (status < 0) {
                 return status;
             }
-        } while (splatline_run_step(&run) > 0);
+        } while (splatline_span_step(&run) > 0);
     }
     return status;
 }

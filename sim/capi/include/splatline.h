@@ -14,7 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// Success; for `splatline_rows_next`: no more runs.
+// Success; for `splatline_spans_next`: no more runs.
 #define SPLATLINE_OK 0
 
 // A pointer is null that must not be.
@@ -38,7 +38,7 @@
 // The packet has another version.
 #define SPLATLINE_ERROR_PACKET_VERSION -7
 
-// `SplatlineRows` was not prepared by `splatline_rows_begin`.
+// `SplatlineSpans` was not prepared by `splatline_spans_begin`.
 #define SPLATLINE_ERROR_STATE -8
 
 // Version of this interface; it changes when a struct or a function changes in a way that needs recompilation.
@@ -107,7 +107,7 @@
 // Bytes of a field's name, with the final zero.
 #define SPLATLINE_FIELD_NAME 24
 
-// Words of the state in SplatlineRows.
+// Words of the state in SplatlineSpans.
 #define SPLATLINE_ROWS_STATE 32
 
 // A design: how many bits every quantity has. Ranges in brackets.
@@ -148,12 +148,12 @@ typedef struct {
   int32_t mantissa;
   // Power of two.
   int32_t exponent;
-} SplatlineScaled;
+} SplatlineSoftFloat;
 
 // Rules of blending. `splatline_rules` gives the named ones.
 typedef struct {
   // Variance of the low-pass filter in square pixels; mantissa 0 switches it off.
-  SplatlineScaled low_pass;
+  SplatlineSoftFloat low_pass;
   // 1: kernels of unit volume; 0: the weight is the peak opacity.
   uint32_t normalised;
   // 1: a footprint ends where its opacity falls below alpha_min; 0: at `cutoff`.
@@ -165,9 +165,9 @@ typedef struct {
   // Smaller opacities are skipped, UQ1.60.
   uint64_t alpha_min;
   // A pixel is finished when its transmittance is at most this, UQ1.60.
-  uint64_t stop;
-  // 1: the splat that would bring the transmittance to `stop` is left out.
-  uint32_t stop_before;
+  uint64_t minimum_transmittance;
+  // 1: the splat that would bring the transmittance to `minimum_transmittance` is left out.
+  uint32_t omit_finishing;
   // 1: x/z and y/z are clamped in the Jacobian.
   uint32_t clamp_jacobian;
   // Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
@@ -181,9 +181,9 @@ typedef struct {
   // Opacities are clamped to this, UQ1.alpha.
   uint32_t alpha_max;
   // A pixel is finished when its transmittance is at most this, UQ1.transmittance.
-  uint32_t stop;
-  // 1: the splat that would bring the transmittance to `stop` is left out.
-  uint32_t stop_before;
+  uint32_t minimum_transmittance;
+  // 1: the splat that would bring the transmittance to `minimum_transmittance` is left out.
+  uint32_t omit_finishing;
 } SplatlineBlendConstants;
 
 // `mantissa * 2^exponent` with more bits.
@@ -205,7 +205,7 @@ typedef struct {
   // Power of two of the eye's coordinates.
   int32_t eye_exponent;
   // Focal lengths in pixels (orthographic: pixels per scene unit), positive.
-  SplatlineScaled focal[2];
+  SplatlineSoftFloat focal[2];
   // Principal point in pixels, Q31.32.
   int64_t principal[2];
   // Splats with z <= near are culled; scene units.
@@ -233,11 +233,11 @@ typedef struct {
 // A volume splat: a Gaussian whose variance is the sum of its axes' outer products.
 typedef struct {
   // Centre in scene units: a number of its own for each coordinate, such as a float's mantissa and exponent.
-  SplatlineScaled centre[3];
+  SplatlineSoftFloat centre[3];
   // Three axes, each one standard deviation long.
   SplatlineAxis axes[3];
   // Peak opacity, or extinction times volume in square scene units under normalised rules. Negative counts as 0.
-  SplatlineScaled weight;
+  SplatlineSoftFloat weight;
   // Linear red, green, blue, UQ4.28.
   uint32_t colour[3];
 } SplatlineSplat;
@@ -251,23 +251,23 @@ typedef struct {
   // First column and row of the bounding box.
   uint16_t first[2];
   // One past the last column and row.
-  uint16_t last[2];
+  uint16_t end[2];
   // A = Vyy / det, per square pixel.
-  SplatlineScaled curvature;
+  SplatlineSoftFloat curvature;
   // 1 / A, square pixels.
-  SplatlineScaled spread;
+  SplatlineSoftFloat spread;
   // S = Vxy / Vyy, pixels per row.
-  SplatlineScaled slope;
+  SplatlineSoftFloat slope;
   // C = 1 / Vyy, per square pixel.
-  SplatlineScaled stretch;
+  SplatlineSoftFloat stretch;
   // Conic a, b, c, per square pixel: mantissas.
   int32_t conic_mantissa[3];
   // Conic: power of two of all three.
   int32_t conic_exponent;
   // The footprint is r < cutoff, UQ4.28.
   uint32_t cutoff;
-  // Opacity at r = 0, UQ4.peak.
-  uint32_t peak;
+  // Opacity at the centre (r = 0), UQ4.peak.
+  uint32_t opacity;
   // Linear red, green, blue, UQ4.colour.
   uint32_t colour[3];
 } SplatlineFootprint;
@@ -291,17 +291,17 @@ typedef struct {
   // First column and row.
   uint16_t first[2];
   // One past the last column and row.
-  uint16_t last[2];
+  uint16_t end[2];
 } SplatlineWindow;
 
-// The rows of one footprint being stepped through. Prepared by splatline_rows_begin; the content is private and may be copied.
+// The rows of one footprint being stepped through. Prepared by splatline_spans_begin; the content is private and may be copied.
 typedef struct {
   uint32_t prepared;
   uint32_t traversal;
   uint64_t state[SPLATLINE_ROWS_STATE];
-} SplatlineRows;
+} SplatlineSpans;
 
-// Adjacent pixels of one row. The radial index at the first is `radial`; splatline_run_step moves on to the next.
+// Adjacent pixels of one row. The radial index at the first is `radial`; splatline_span_step moves on to the next.
 typedef struct {
   // Radial index at the first pixel, `fraction` fraction bits.
   int64_t radial;
@@ -317,7 +317,7 @@ typedef struct {
   uint16_t x;
   // Pixels left.
   uint16_t length;
-} SplatlineRun;
+} SplatlineSpan;
 
 // Everything that is constant for a picture. The table stays the caller's and must outlive every use of the painter.
 typedef struct {
@@ -471,23 +471,23 @@ int32_t splatline_packet_decode(const SplatlineWidths *widths, const uint32_t *w
 //
 // Memory:
 // Pointers are null or lead to what their types say.
-int32_t splatline_rows_begin(const SplatlineWidths *widths,
-                             const SplatlineFootprint *footprint,
-                             uint32_t traversal,
-                             const SplatlineWindow *window,
-                             SplatlineRows *rows);
+int32_t splatline_spans_begin(const SplatlineWidths *widths,
+                              const SplatlineFootprint *footprint,
+                              uint32_t traversal,
+                              const SplatlineWindow *window,
+                              SplatlineSpans *rows);
 
 // Writes the next run and returns 1, or returns SPLATLINE_OK when there is none.
 //
 // Memory:
-// Pointers are null or lead to what their types say; `rows` was prepared by splatline_rows_begin.
-int32_t splatline_rows_next(SplatlineRows *rows, SplatlineRun *run);
+// Pointers are null or lead to what their types say; `rows` was prepared by splatline_spans_begin.
+int32_t splatline_spans_next(SplatlineSpans *rows, SplatlineSpan *run);
 
 // Moves a run on by one pixel: two additions. Returns 1 if the run still has a pixel, SPLATLINE_OK if it is at its end.
 //
 // Memory:
 // Pointers are null or lead to what their types say.
-int32_t splatline_run_step(SplatlineRun *run);
+int32_t splatline_span_step(SplatlineSpan *run);
 
 // The opacity of a footprint at a run's present pixel, UQ1.alpha: 0 outside the footprint and where the rules skip it. Writes the
 // opacity and returns 1 inside the footprint, SPLATLINE_OK outside.
@@ -496,7 +496,7 @@ int32_t splatline_run_step(SplatlineRun *run);
 // Pointers are null or lead to what their types say.
 int32_t splatline_pixel_opacity(const SplatlinePainter *painter,
                                 const SplatlineFootprint *footprint,
-                                const SplatlineRun *run,
+                                const SplatlineSpan *run,
                                 uint32_t *opacity);
 
 // Composites a splat of an opacity (UQ1.alpha, at most 1) and colour (UQ4.colour, three numbers) into a pixel by the painter's operator.

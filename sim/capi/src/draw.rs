@@ -140,7 +140,7 @@ unsafe fn draw_into(
 ) -> Result<Coverage, Error> {
     // SAFETY: the function's own contract.
     let (_, table, _) = unsafe { painter.parts() }?;
-    if window.last[0].saturating_sub(window.first[0]) as usize > stride {
+    if window.end[0].saturating_sub(window.first[0]) as usize > stride {
         return Err(Error::Stride);
     }
     let mut target = Target::new(pixels, *window, stride).map_err(|_| Error::Size)?;

@@ -5,7 +5,7 @@ use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::{
     SplatlineFootprint, SplatlineRules, SplatlineSplat, SplatlineView, SplatlineWidths,
 };
-use splatline::format::Custom;
+use splatline::format::RuntimeWidths;
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup};
 use splatline::view::View;
@@ -120,7 +120,7 @@ pub unsafe extern "C" fn splatline_setup_many(
 /// # Safety
 /// `splat` leads to a splat, `footprint` to memory for a footprint.
 unsafe fn set_up_one(
-    design: Custom,
+    design: RuntimeWidths,
     view: &View,
     rules: &Rules,
     splat: *const SplatlineSplat,

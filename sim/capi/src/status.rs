@@ -1,6 +1,6 @@
 //! Integer status codes: negative errors, 0, positive answers.
 
-/// Success; for `splatline_rows_next`: no more runs.
+/// Success; for `splatline_spans_next`: no more runs.
 pub const SPLATLINE_OK: i32 = 0;
 /// A pointer is null that must not be.
 pub const SPLATLINE_ERROR_NULL: i32 = -1;
@@ -16,7 +16,7 @@ pub const SPLATLINE_ERROR_WIDTHS: i32 = -5;
 pub const SPLATLINE_ERROR_VALUE: i32 = -6;
 /// The packet has another version.
 pub const SPLATLINE_ERROR_PACKET_VERSION: i32 = -7;
-/// `SplatlineRows` was not prepared by `splatline_rows_begin`.
+/// `SplatlineSpans` was not prepared by `splatline_spans_begin`.
 pub const SPLATLINE_ERROR_STATE: i32 = -8;
 
 /// An error on its way to its code.

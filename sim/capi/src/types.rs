@@ -3,10 +3,10 @@
 use crate::status::Error;
 use fixed::types::{I2F30, I32F32, U4F28};
 use splatline::blend::BlendConstants;
-use splatline::footprint::{Conic, Footprint, Scan};
-use splatline::format::{Custom, Rounding, Traversal, Widths};
+use splatline::footprint::{Conic, Footprint, Ldl};
+use splatline::format::{Rounding, RuntimeWidths, Traversal, Widths};
 use splatline::kernel::Kernel;
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Cutoff, Rules};
 use splatline::splat::{Axis, VolumeSplat};
@@ -64,7 +64,7 @@ pub struct SplatlineWidths {
 /// `mantissa * 2^exponent`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SplatlineScaled {
+pub struct SplatlineSoftFloat {
     /// Signed mantissa of at most 31 bits of magnitude.
     pub mantissa: i32,
     /// Power of two.
@@ -96,11 +96,11 @@ pub struct SplatlineAxis {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SplatlineSplat {
     /// Centre in scene units: a number of its own for each coordinate, such as a float's mantissa and exponent.
-    pub centre: [SplatlineScaled; 3],
+    pub centre: [SplatlineSoftFloat; 3],
     /// Three axes, each one standard deviation long.
     pub axes: [SplatlineAxis; 3],
     /// Peak opacity, or extinction times volume in square scene units under normalised rules. Negative counts as 0.
-    pub weight: SplatlineScaled,
+    pub weight: SplatlineSoftFloat,
     /// Linear red, green, blue, UQ4.28.
     pub colour: [u32; 3],
 }
@@ -118,7 +118,7 @@ pub struct SplatlineView {
     /// Power of two of the eye's coordinates.
     pub eye_exponent: i32,
     /// Focal lengths in pixels (orthographic: pixels per scene unit), positive.
-    pub focal: [SplatlineScaled; 2],
+    pub focal: [SplatlineSoftFloat; 2],
     /// Principal point in pixels, Q31.32.
     pub principal: [i64; 2],
     /// Splats with z <= near are culled; scene units.
@@ -140,7 +140,7 @@ pub struct SplatlineView {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SplatlineRules {
     /// Variance of the low-pass filter in square pixels; mantissa 0 switches it off.
-    pub low_pass: SplatlineScaled,
+    pub low_pass: SplatlineSoftFloat,
     /// 1: kernels of unit volume; 0: the weight is the peak opacity.
     pub normalised: u32,
     /// 1: a footprint ends where its opacity falls below alpha_min; 0: at `cutoff`.
@@ -152,9 +152,9 @@ pub struct SplatlineRules {
     /// Smaller opacities are skipped, UQ1.60.
     pub alpha_min: u64,
     /// A pixel is finished when its transmittance is at most this, UQ1.60.
-    pub stop: u64,
-    /// 1: the splat that would bring the transmittance to `stop` is left out.
-    pub stop_before: u32,
+    pub minimum_transmittance: u64,
+    /// 1: the splat that would bring the transmittance to `minimum_transmittance` is left out.
+    pub omit_finishing: u32,
     /// 1: x/z and y/z are clamped in the Jacobian.
     pub clamp_jacobian: u32,
     /// Base-2 logarithm of the end of the footprint table: 2 for cut-offs up to 4, 4 for others.
@@ -170,9 +170,9 @@ pub struct SplatlineBlendConstants {
     /// Opacities are clamped to this, UQ1.alpha.
     pub alpha_max: u32,
     /// A pixel is finished when its transmittance is at most this, UQ1.transmittance.
-    pub stop: u32,
-    /// 1: the splat that would bring the transmittance to `stop` is left out.
-    pub stop_before: u32,
+    pub minimum_transmittance: u32,
+    /// 1: the splat that would bring the transmittance to `minimum_transmittance` is left out.
+    pub omit_finishing: u32,
 }
 
 /// A projected splat: what setup hands to the rasterizer.
@@ -186,23 +186,23 @@ pub struct SplatlineFootprint {
     /// First column and row of the bounding box.
     pub first: [u16; 2],
     /// One past the last column and row.
-    pub last: [u16; 2],
+    pub end: [u16; 2],
     /// A = Vyy / det, per square pixel.
-    pub curvature: SplatlineScaled,
+    pub curvature: SplatlineSoftFloat,
     /// 1 / A, square pixels.
-    pub spread: SplatlineScaled,
+    pub spread: SplatlineSoftFloat,
     /// S = Vxy / Vyy, pixels per row.
-    pub slope: SplatlineScaled,
+    pub slope: SplatlineSoftFloat,
     /// C = 1 / Vyy, per square pixel.
-    pub stretch: SplatlineScaled,
+    pub stretch: SplatlineSoftFloat,
     /// Conic a, b, c, per square pixel: mantissas.
     pub conic_mantissa: [i32; 3],
     /// Conic: power of two of all three.
     pub conic_exponent: i32,
     /// The footprint is r < cutoff, UQ4.28.
     pub cutoff: u32,
-    /// Opacity at r = 0, UQ4.peak.
-    pub peak: u32,
+    /// Opacity at the centre (r = 0), UQ4.peak.
+    pub opacity: u32,
     /// Linear red, green, blue, UQ4.colour.
     pub colour: [u32; 3],
 }
@@ -214,7 +214,7 @@ pub struct SplatlineWindow {
     /// First column and row.
     pub first: [u16; 2],
     /// One past the last column and row.
-    pub last: [u16; 2],
+    pub end: [u16; 2],
 }
 
 /// One pixel of a target.
@@ -227,18 +227,18 @@ pub struct SplatlinePixel {
     pub transmittance: u32,
 }
 
-impl From<Scaled> for SplatlineScaled {
-    fn from(value: Scaled) -> Self {
-        SplatlineScaled {
+impl From<SoftFloat> for SplatlineSoftFloat {
+    fn from(value: SoftFloat) -> Self {
+        SplatlineSoftFloat {
             mantissa: value.mantissa,
             exponent: value.exponent,
         }
     }
 }
 
-impl From<SplatlineScaled> for Scaled {
-    fn from(value: SplatlineScaled) -> Self {
-        Scaled {
+impl From<SplatlineSoftFloat> for SoftFloat {
+    fn from(value: SplatlineSoftFloat) -> Self {
+        SoftFloat {
             mantissa: value.mantissa,
             exponent: value.exponent,
         }
@@ -292,15 +292,15 @@ impl SplatlineWidths {
         Ok(widths)
     }
 
-    pub(crate) fn design(&self) -> Result<Custom, Error> {
-        Custom::new(self.widths()?).map_err(|_| Error::Widths)
+    pub(crate) fn design(&self) -> Result<RuntimeWidths, Error> {
+        RuntimeWidths::new(self.widths()?).map_err(|_| Error::Widths)
     }
 }
 
 impl From<&SplatlineSplat> for VolumeSplat {
     fn from(splat: &SplatlineSplat) -> Self {
         VolumeSplat {
-            centre: splat.centre.map(Scaled::from),
+            centre: splat.centre.map(SoftFloat::from),
             axes: splat.axes.map(|axis| Axis {
                 mantissa: axis.mantissa,
                 exponent: axis.exponent,
@@ -329,7 +329,7 @@ impl SplatlineView {
                 exponent: self.eye_exponent,
                 rotation_rest: rows(&self.rotation_rest),
             },
-            focal: self.focal.map(Scaled::from),
+            focal: self.focal.map(SoftFloat::from),
             principal: self.principal.map(I32F32::from_bits),
             near: self.near_depth.into(),
             far: self.far_depth.into(),
@@ -361,8 +361,8 @@ impl From<BlendConstants> for SplatlineBlendConstants {
         SplatlineBlendConstants {
             opacity_min: constants.opacity_min,
             alpha_max: constants.alpha_max,
-            stop: constants.stop,
-            stop_before: constants.stop_before.into(),
+            minimum_transmittance: constants.minimum_transmittance,
+            omit_finishing: constants.omit_finishing.into(),
         }
     }
 }
@@ -379,8 +379,8 @@ impl From<&Rules> for SplatlineRules {
             },
             alpha_max: rules.alpha_max,
             alpha_min: rules.alpha_min,
-            stop: rules.stop,
-            stop_before: rules.stop_before.into(),
+            minimum_transmittance: rules.minimum_transmittance,
+            omit_finishing: rules.omit_finishing.into(),
             clamp_jacobian: rules.clamp_jacobian.into(),
             table_range: rules.table_range.into(),
         }
@@ -396,7 +396,7 @@ impl SplatlineRules {
             normalised: flag(self.normalised)?,
             low_pass: self.low_pass.into(),
             // The C interface draws Gaussians with a low-pass filter only.
-            spacing: Scaled::ZERO,
+            spacing: SoftFloat::ZERO,
             kernel: Kernel::Gaussian,
             cutoff: if flag(self.cutoff_by_opacity)? {
                 Cutoff::Opacity
@@ -405,8 +405,8 @@ impl SplatlineRules {
             },
             alpha_max: self.alpha_max,
             alpha_min: self.alpha_min,
-            stop: self.stop,
-            stop_before: flag(self.stop_before)?,
+            minimum_transmittance: self.minimum_transmittance,
+            omit_finishing: flag(self.omit_finishing)?,
             clamp_jacobian: flag(self.clamp_jacobian)?,
             table_range: self.table_range as u8,
         })
@@ -415,20 +415,22 @@ impl SplatlineRules {
 
 impl From<&Footprint> for SplatlineFootprint {
     fn from(footprint: &Footprint) -> Self {
-        let Footprint { scan, conic, .. } = footprint;
+        let Footprint {
+            ldl: scan, conic, ..
+        } = footprint;
         SplatlineFootprint {
             centre: footprint.centre,
             depth: footprint.depth,
             first: footprint.first,
-            last: footprint.last,
-            curvature: scan.curvature.into(),
-            spread: scan.spread.into(),
-            slope: scan.slope.into(),
-            stretch: scan.stretch.into(),
+            end: footprint.end,
+            curvature: scan.horizontal.into(),
+            spread: scan.squared_width.into(),
+            slope: scan.shear.into(),
+            stretch: scan.vertical.into(),
             conic_mantissa: conic.mantissa,
             conic_exponent: conic.exponent,
             cutoff: footprint.cutoff,
-            peak: footprint.peak,
+            opacity: footprint.opacity,
             colour: footprint.colour,
         }
     }
@@ -440,19 +442,19 @@ impl From<&SplatlineFootprint> for Footprint {
             depth: footprint.depth,
             centre: footprint.centre,
             first: footprint.first,
-            last: footprint.last,
-            scan: Scan {
-                curvature: footprint.curvature.into(),
-                spread: footprint.spread.into(),
-                slope: footprint.slope.into(),
-                stretch: footprint.stretch.into(),
+            end: footprint.end,
+            ldl: Ldl {
+                horizontal: footprint.curvature.into(),
+                squared_width: footprint.spread.into(),
+                shear: footprint.slope.into(),
+                vertical: footprint.stretch.into(),
             },
             conic: Conic {
                 mantissa: footprint.conic_mantissa,
                 exponent: footprint.conic_exponent,
             },
             cutoff: footprint.cutoff,
-            peak: footprint.peak,
+            opacity: footprint.opacity,
             colour: footprint.colour,
         }
     }
@@ -462,7 +464,7 @@ impl From<&SplatlineWindow> for Window {
     fn from(window: &SplatlineWindow) -> Self {
         Window {
             first: window.first,
-            last: window.last,
+            end: window.end,
         }
     }
 }

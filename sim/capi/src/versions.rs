@@ -43,7 +43,7 @@ pub extern "C" fn splatline_error_text(code: i32) -> *const c_char {
             c"a choice has no such value or a number is outside its documented range"
         }
         SPLATLINE_ERROR_PACKET_VERSION => c"the packet has another version",
-        SPLATLINE_ERROR_STATE => c"the rows were not prepared by splatline_rows_begin",
+        SPLATLINE_ERROR_STATE => c"the rows were not prepared by splatline_spans_begin",
         code if code < 0 => c"unknown error",
         _ => c"no error",
     };

@@ -5,7 +5,7 @@ use splatline::blend::Pixel;
 use splatline::draw::Painter;
 use splatline::format::{Classic8, Deep32, Design, Lean18, Standard24, Traversal};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::setup;
@@ -31,7 +31,7 @@ impl Random {
 fn splats() -> Vec<VolumeSplat> {
     let mut random = Random(1);
     let mut splat = || VolumeSplat {
-        centre: [(); 3].map(|()| Scaled {
+        centre: [(); 3].map(|()| SoftFloat {
             mantissa: ((random.bits() >> 8) as i32 - (1 << 23)) * 4,
             exponent: -24,
         }),
@@ -39,7 +39,7 @@ fn splats() -> Vec<VolumeSplat> {
             mantissa: [(); 3].map(|()| (random.bits() >> 1) as i32 - (1 << 30)),
             exponent: -32 - (random.bits() >> 30) as i32,
         }),
-        weight: Scaled {
+        weight: SoftFloat {
             mantissa: (random.bits() >> 2) as i32,
             exponent: -30,
         },
@@ -51,7 +51,7 @@ fn splats() -> Vec<VolumeSplat> {
 fn view() -> View {
     let (zero, one) = (I2F30::ZERO, I2F30::ONE);
     let limit = I32F32::from_bits(3_435_973_837);
-    let focal = Scaled {
+    let focal = SoftFloat {
         mantissa: 80 << 24,
         exponent: -24,
     };
@@ -94,7 +94,7 @@ fn picture<D: Design>(design: D, traversal: Traversal) -> Vec<Pixel> {
     let mut pixels = vec![Pixel::clear(&widths); PIXELS];
     let window = Window {
         first: [0; 2],
-        last: SIZE,
+        end: SIZE,
     };
     let mut target = Target::new(&mut pixels, window, SIZE[0].into()).unwrap();
     for footprint in &footprints {

@@ -50,7 +50,7 @@ fn table() -> Vec<u32> {
 
 const WINDOW: SplatlineWindow = SplatlineWindow {
     first: [0; 2],
-    last: [16; 2],
+    end: [16; 2],
 };
 
 #[test]
@@ -61,7 +61,7 @@ fn null_is_an_error_everywhere() {
         SplatlineFootprint::default(),
     );
     let mut words = [0u32; SPLATLINE_LONGEST_PACKET];
-    let mut run = SplatlineRun::default();
+    let mut run = SplatlineSpan::default();
     let table = table();
     let painter = painter(&table);
     // SAFETY: every pointer is null or leads to what its type says.
@@ -79,9 +79,9 @@ fn null_is_an_error_everywhere() {
             splatline_packet_encode(&w, null(), words.as_mut_ptr(), 16),
             splatline_packet_field(null(), 0, null_mut()),
             splatline_packet_decode(null(), words.as_ptr(), 16, &mut fp),
-            splatline_rows_begin(&w, &fp, 0, &WINDOW, null_mut()),
-            splatline_rows_next(null_mut(), &mut run),
-            splatline_run_step(null_mut()),
+            splatline_spans_begin(&w, &fp, 0, &WINDOW, null_mut()),
+            splatline_spans_next(null_mut(), &mut run),
+            splatline_span_step(null_mut()),
             splatline_pixel_opacity(null(), &fp, &run, &mut 0),
             splatline_pixel_composite(&painter, 1, null(), null_mut()),
             splatline_clear(&w, null_mut(), 1),
@@ -182,8 +182,8 @@ fn sizes_strides_and_choices_are_checked() {
         words[0] = 15;
         let decoded = splatline_packet_decode(&w, words.as_ptr(), needed, &mut out);
         assert_eq!(decoded, SPLATLINE_ERROR_PACKET_VERSION);
-        let mut never_begun: SplatlineRows = std::mem::zeroed();
-        let next = splatline_rows_next(&mut never_begun, &mut SplatlineRun::default());
+        let mut never_begun: SplatlineSpans = std::mem::zeroed();
+        let next = splatline_spans_next(&mut never_begun, &mut SplatlineSpan::default());
         assert_eq!(next, SPLATLINE_ERROR_STATE);
         let odd = words.as_mut_ptr().byte_add(1);
         assert_eq!(
@@ -229,9 +229,9 @@ fn the_layout_is_described() {
     }
 }
 
-fn number() -> impl Strategy<Value = SplatlineScaled> {
+fn number() -> impl Strategy<Value = SplatlineSoftFloat> {
     (any::<i32>(), prop_oneof![any::<i32>(), -60..60i32])
-        .prop_map(|(mantissa, exponent)| SplatlineScaled { mantissa, exponent })
+        .prop_map(|(mantissa, exponent)| SplatlineSoftFloat { mantissa, exponent })
 }
 
 prop_compose! {
@@ -243,8 +243,8 @@ prop_compose! {
     ) -> SplatlineFootprint {
         let [curvature, spread, slope, stretch] = scan;
         SplatlineFootprint {
-            centre, depth, first, last, curvature, spread, slope, stretch,
-            conic_mantissa, conic_exponent, cutoff, peak, colour,
+            centre, depth, first, end: last, curvature, spread, slope, stretch,
+            conic_mantissa, conic_exponent, cutoff, opacity: peak, colour,
         }
     }
 }

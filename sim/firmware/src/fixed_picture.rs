@@ -7,7 +7,7 @@ use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
 use heapless::Vec;
 use splatline::blend::Pixel;
-use splatline::draw::NarrowPainter;
+use splatline::draw::Painter32;
 use splatline::footprint::Footprint;
 use splatline::kernel::{PackedTable, gaussian};
 use splatline::raster::Window;
@@ -118,9 +118,9 @@ fn set_up(memory: &mut Memory) -> Result<(), Full> {
 fn draw_strip(memory: &mut Memory, first_row: u16) {
     let window = Window {
         first: [0, first_row],
-        last: [COLUMNS, first_row + STRIP],
+        end: [COLUMNS, first_row + STRIP],
     };
-    let painter = NarrowPainter::new(Firmware16, &RULES, &PACKED);
+    let painter = Painter32::new(Firmware16, &RULES, &PACKED);
     let target = Target::new(&mut memory.strip, window, COLUMNS.into());
     let (Ok(mut target), Ok(painter)) = (target, painter) else {
         return;
@@ -132,7 +132,7 @@ fn draw_strip(memory: &mut Memory, first_row: u16) {
             continue;
         };
         // Preparing the rows of a footprint costs more than a look at its box.
-        if footprint.first[1] < window.last[1] && footprint.last[1] > window.first[1] {
+        if footprint.first[1] < window.end[1] && footprint.end[1] > window.first[1] {
             draw_footprint(painter, footprint, &mut target);
         }
     }
@@ -141,7 +141,7 @@ fn draw_strip(memory: &mut Memory, first_row: u16) {
 /// By the processor's own pixel loop where there is one.
 #[inline(always)]
 fn draw_footprint(
-    painter: NarrowPainter<Firmware16, INTERVALS>,
+    painter: Painter32<Firmware16, INTERVALS>,
     footprint: &Footprint,
     target: &mut Target,
 ) {
@@ -149,7 +149,7 @@ fn draw_footprint(
     painter.draw(footprint, target);
     #[cfg(armv6m)]
     if let Some(mut runs) = painter.runs(footprint, &target.window()) {
-        while let Some(run) = runs.next_run() {
+        while let Some(run) = runs.next_span() {
             crate::pixel_loop::paint(runs.with_pixels(run, target));
         }
     }

@@ -5,7 +5,7 @@ use crate::fixed_picture::{ENTRIES, Memory};
 use crate::scene::{COLUMNS, RULES, STRIP, STRIP_PIXELS};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
-use splatline::format::{Custom, Traversal};
+use splatline::format::{RuntimeWidths, Traversal};
 use splatline::kernel::FootprintTable;
 use splatline::raster::Window;
 use splatline::rules::Compositing;
@@ -14,13 +14,13 @@ use splatline::target::Target;
 /// Draws the footprints in memory into a strip of its own.
 pub fn draw_strip(memory: &Memory, first_row: u16) -> (Vec<Pixel>, Coverage) {
     let widths = Firmware16::WIDTHS;
-    let design = Custom::new(widths).expect("the widths are checked at compile time");
+    let design = RuntimeWidths::new(widths).expect("the widths are checked at compile time");
     let table = FootprintTable::new(&ENTRIES, &widths, RULES.table_range).expect("made for them");
     let order = Compositing::FrontToBack;
     let painter = Painter::new(design, &RULES, table, order, Traversal::Spans);
     let window = Window {
         first: [0, first_row],
-        last: [COLUMNS, first_row + STRIP],
+        end: [COLUMNS, first_row + STRIP],
     };
     let mut strip = vec![Pixel::clear(&widths); STRIP_PIXELS];
     let mut target = Target::new(&mut strip, window, COLUMNS.into()).expect("of the strip's size");

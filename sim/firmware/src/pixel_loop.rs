@@ -1,4 +1,4 @@
-//! The pixel loop of Armv6-M (Cortex-M0, M0+) in assembly: the same bits as [`NarrowPainter::paint`](splatline::draw::NarrowPainter::paint),
+//! The pixel loop of Armv6-M (Cortex-M0, M0+) in assembly: the same bits as [`Painter32::paint`](splatline::draw::Painter32::paint),
 //! which stays its definition (`bin/loops.rs` compares the two run by run, `run.sh` the checksum of the picture with the host's).
 //!
 //! A compiler for this processor works in seven of eight low registers and spills the rest. Here the upper registers hold what is only added,
@@ -48,7 +48,7 @@ const SCALE: i32 = BLEND.share_shift - BLEND.opacity_shift;
 
 // What the assembly takes for granted.
 const _: () = {
-    assert!(matches!(BLEND.rounding, Rounding::Nearest) && BLEND.stop_before);
+    assert!(matches!(BLEND.rounding, Rounding::Nearest) && BLEND.omit_finishing);
     // The threshold lies where opacities begin to be rounded to a word, so that the rounded one can be compared with an immediate.
     assert!((ALPHA_MIN as u64) << BLEND.opacity_shift == BLEND.opacity_min + OPACITY_HALF);
     assert!(ALPHA_MIN < 256 && BLEND.stop < 256 && BLEND.alpha_max >= ALPHA_MIN);

@@ -3,7 +3,7 @@
 use fixed::types::{I2F30, I32F32, U4F28};
 #[cfg(not(feature = "lossless"))]
 use fixed::types::{I8F24, I10F54};
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules;
 use splatline::splat::{Axis, VolumeSplat};
 #[cfg(feature = "lossless")]
@@ -55,8 +55,8 @@ impl Random {
 
     /// A position in [-2, 2).
     #[cfg(feature = "lossless")]
-    const fn position(&mut self) -> Scaled {
-        Scaled {
+    const fn position(&mut self) -> SoftFloat {
+        SoftFloat {
             mantissa: ((self.bits() >> 8) as i32 - (1 << 23)) * 4,
             exponent: -24,
         }
@@ -84,7 +84,7 @@ impl Random {
 #[cfg(not(feature = "lossless"))]
 const ORIGIN: I8F24 = I8F24::ZERO;
 #[cfg(feature = "lossless")]
-const ORIGIN: Scaled = Scaled::ZERO;
+const ORIGIN: SoftFloat = SoftFloat::ZERO;
 
 /// A coordinate of the scene in units of 2^-24.
 #[cfg(not(feature = "lossless"))]
@@ -94,7 +94,7 @@ pub const fn bits_of(coordinate: I8F24) -> i32 {
 
 /// A coordinate of the scene in units of 2^-24.
 #[cfg(feature = "lossless")]
-pub const fn bits_of(coordinate: Scaled) -> i32 {
+pub const fn bits_of(coordinate: SoftFloat) -> i32 {
     coordinate.mantissa
 }
 
@@ -115,7 +115,7 @@ const fn splats() -> [Splat; SPLATS] {
             mantissa: [0; 3],
             exponent: 0,
         }; 3],
-        weight: Scaled::ZERO,
+        weight: SoftFloat::ZERO,
         colour: [U4F28::ZERO; 3],
     };
     let mut splats = [empty; SPLATS];
@@ -124,7 +124,7 @@ const fn splats() -> [Splat; SPLATS] {
         splats[i] = VolumeSplat {
             centre: [random.position(), random.position(), random.position()],
             axes: [random.axis(0), random.axis(1), random.axis(2)],
-            weight: Scaled {
+            weight: SoftFloat {
                 mantissa: (random.bits() >> 2) as i32,
                 exponent: -30,
             },
@@ -139,7 +139,7 @@ const fn splats() -> [Splat; SPLATS] {
 pub fn view() -> View<Stand> {
     let (zero, one) = (I2F30::ZERO, I2F30::ONE);
     let limit = I32F32::from_bits(3_435_973_837); // 0.8
-    let focal = Scaled {
+    let focal = SoftFloat {
         mantissa: 60 << 24,
         exponent: -24,
     };

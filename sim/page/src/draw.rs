@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
-use splatline::format::{Custom, Design, Lean18, Standard24, Traversal, Widths};
+use splatline::format::{Design, Lean18, RuntimeWidths, Standard24, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill};
 use splatline::raster::Window;
 use splatline::setup::{Cull, setup};
@@ -71,7 +71,7 @@ pub struct Fixed {
     pub coverage: Coverage,
     pub culled: usize,
     pub checksum: u64,
-    pub design: Custom,
+    pub design: RuntimeWidths,
     pub footprints: Vec<Result<Footprint, Cull>>,
     /// Per tile the drawn splats in their order.
     pub lists: Vec<Vec<u32>>,
@@ -83,13 +83,13 @@ impl Fixed {
     pub fn draw(
         loaded: &mut Loaded,
         camera: &Camera,
-        design: Custom,
+        design: RuntimeWidths,
         traversal: Traversal,
     ) -> Fixed {
         let stated = loaded.rules;
         let quantised = loaded.quantised(camera);
         let rules = quantised.rules(&stated);
-        let view = Scaled {
+        let view = SoftFloat {
             quantised,
             rules: &rules,
             camera,
@@ -128,7 +128,7 @@ impl Fixed {
 }
 
 /// What is drawn, whatever the widths.
-struct Scaled<'a> {
+struct SoftFloat<'a> {
     quantised: &'a QuantisedScene,
     rules: &'a splatline::rules::Rules,
     camera: &'a Camera,
@@ -143,7 +143,7 @@ struct Drawn {
     coverage: Coverage,
 }
 
-impl Scaled<'_> {
+impl SoftFloat<'_> {
     fn draw<D: Design>(&self, design: D) -> Drawn {
         let (rules, camera) = (self.rules, self.camera);
         let footprints: Vec<_> = self
@@ -263,7 +263,7 @@ impl Tiles {
         let last = [0, 1].map(|axis| (first[axis] + TILE).min(self.viewport[axis]) as u16);
         Window {
             first: first.map(|pixel| pixel as u16),
-            last,
+            end: last,
         }
     }
 
@@ -280,7 +280,9 @@ impl Tiles {
             let Ok(footprint) = &footprints[index as usize] else {
                 continue;
             };
-            let Footprint { first, last, .. } = footprint;
+            let Footprint {
+                first, end: last, ..
+            } = footprint;
             if first[0] >= last[0] || first[1] >= last[1] {
                 continue;
             }
@@ -301,7 +303,7 @@ fn picture_of(pixels: &[Pixel], camera: &Camera, widths: &Widths, colour_log2: i
     let share = f64::from(-i32::from(widths.transmittance)).exp2();
     let value = |pixel: &Pixel| {
         let [r, g, b] = pixel.colour.map(|c| f64::from(c) * colour);
-        [r, g, b, 1.0 - f64::from(pixel.clear_share()) * share]
+        [r, g, b, 1.0 - f64::from(pixel.transmittance()) * share]
     };
     Picture {
         width: camera.width,

@@ -31,7 +31,7 @@ pub fn heaviest(fixed: &Fixed, loaded: &Loaded, x: u32, y: u32) -> Option<Picked
     let painter = painter(fixed.design, &fixed.rules, &memory, fixed.traversal);
     let window = Window {
         first: [x as u16, y as u16],
-        last: [x as u16 + 1, y as u16 + 1],
+        end: [x as u16 + 1, y as u16 + 1],
     };
     let mut pixel = [Pixel::clear(&widths)];
     let (mut best, mut covering) = (None, 0);
@@ -42,13 +42,13 @@ pub fn heaviest(fixed: &Fixed, loaded: &Loaded, x: u32, y: u32) -> Option<Picked
         let Ok(footprint) = &fixed.footprints[splat as usize] else {
             continue;
         };
-        let before = pixel[0].clear_share();
+        let before = pixel[0].transmittance();
         let Ok(mut target) = Target::new(&mut pixel, window, 1) else {
             return None;
         };
         let coverage = painter.draw(footprint, &mut target);
         covering += usize::from(coverage.covered > 0);
-        let share = before - pixel[0].clear_share().min(before);
+        let share = before - pixel[0].transmittance().min(before);
         if coverage.covered > 0 && best.is_none_or(|(_, most, _)| share > most) {
             best = Some((splat, share, covering));
         }

@@ -28,7 +28,7 @@ mod scale;
 use camera::Camera;
 use draw::{Fixed, Float};
 use figures::Compared;
-use splatline::format::{Custom, Rounding, Traversal, WIDTH_RANGES, Widths};
+use splatline::format::{Rounding, RuntimeWidths, Traversal, WIDTH_RANGES, Widths};
 use std::cell::RefCell;
 
 /// Widths, then rounding (0 nearest, 1 truncate) and traversal (0 box, 1 spans).
@@ -245,7 +245,7 @@ fn camera_from(numbers: &[f64; bytes::CAMERA]) -> Option<Camera> {
     })
 }
 
-fn design_from(bytes: &[u8; DESIGN]) -> Option<(Custom, Traversal)> {
+fn design_from(bytes: &[u8; DESIGN]) -> Option<(RuntimeWidths, Traversal)> {
     let [
         position,
         view,
@@ -286,5 +286,5 @@ fn design_from(bytes: &[u8; DESIGN]) -> Option<(Custom, Traversal)> {
         0 => Traversal::Box,
         _ => Traversal::Spans,
     };
-    Some((Custom::new(widths).ok()?, traversal))
+    Some((RuntimeWidths::new(widths).ok()?, traversal))
 }

@@ -477,7 +477,7 @@ fn nearest_rotation(rows: &[Vector; 3]) -> [Vector; 3] {
 
 /// `a` at length 1, unless it is zero or too long for a double.
 fn unit(a: Vector) -> Option<Vector> {
-    // Scaled by the largest coordinate first, so that squares neither overflow nor vanish.
+    // SoftFloat by the largest coordinate first, so that squares neither overflow nor vanish.
     let largest = a
         .iter()
         .fold(0.0_f64, |largest, coordinate| largest.max(coordinate.abs()));

@@ -28,9 +28,9 @@ pub struct Rules {
     /// Smaller opacities are skipped.
     pub alpha_min: f64,
     /// A pixel is finished when its transmittance falls to this.
-    pub stop: f64,
-    /// The splat that would bring the transmittance to `stop` is itself left out.
-    pub stop_before: bool,
+    pub minimum_transmittance: f64,
+    /// The splat that would bring the transmittance to `minimum_transmittance` is itself left out.
+    pub omit_finishing: bool,
     /// `x/z` and `y/z` are clamped in the Jacobian to the widened frustum.
     pub clamp_jacobian: bool,
 }
@@ -46,8 +46,8 @@ impl Rules {
         cutoff: 4.0,
         alpha_max: 1.0,
         alpha_min: 0.0,
-        stop: 1e-4,
-        stop_before: false,
+        minimum_transmittance: 1e-4,
+        omit_finishing: false,
         clamp_jacobian: false,
     };
 
@@ -61,8 +61,8 @@ impl Rules {
         cutoff: f64::INFINITY,
         alpha_max: 0.999,
         alpha_min: 1.0 / 255.0,
-        stop: 1e-4,
-        stop_before: true,
+        minimum_transmittance: 1e-4,
+        omit_finishing: true,
         clamp_jacobian: true,
     };
 }
@@ -155,7 +155,7 @@ pub enum Compositing {
     /// Nearest splat first, "over", finished pixels skip the rest.
     #[default]
     FrontToBack,
-    /// Farthest splat first, "over"; no pixel ever finishes, so `stop` is not used.
+    /// Farthest splat first, "over"; no pixel ever finishes, so `minimum_transmittance` is not used.
     BackToFront,
     /// Plain summation of opacity and of opacity times colour, clamped to 1 on output.
     XRay,

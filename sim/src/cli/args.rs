@@ -5,8 +5,8 @@ use super::info;
 use super::machine_args;
 use super::page;
 use super::shell;
-use super::study_args;
 use super::values::{DesignName, ENGINES, one_of};
+use super::verification_args;
 use super::view_args::ViewOptions;
 use crate::plan::Engine;
 use clap::{Args, Parser, Subcommand};
@@ -97,8 +97,8 @@ pub enum Command {
     #[command(after_help = machine_args::TRACE_EXAMPLES)]
     Trace(machine_args::TraceOptions),
     /// Measure every stage on hard cases, against exact arithmetic and single precision.
-    #[command(after_help = study_args::STABILITY_EXAMPLES)]
-    Stability(study_args::StabilityOptions),
+    #[command(after_help = verification_args::STABILITY_EXAMPLES)]
+    Stability(verification_args::StabilityOptions),
     /// Print a script by which a shell completes commands and options.
     #[command(after_help = shell::COMPLETIONS_EXAMPLES)]
     Completions(shell::CompletionsOptions),
@@ -106,10 +106,10 @@ pub enum Command {
     #[command(after_help = shell::MAN_EXAMPLES)]
     Man(shell::ManOptions),
     /// Test vectors for every stage boundary: write them, or check someone else's against the kernel.
-    #[command(after_help = study_args::VECTORS_EXAMPLES)]
+    #[command(after_help = verification_args::VECTORS_EXAMPLES)]
     Vectors {
         #[command(subcommand)]
-        action: study_args::VectorsAction,
+        action: verification_args::VectorsAction,
     },
 }
 

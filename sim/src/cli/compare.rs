@@ -3,7 +3,7 @@
 use super::args::CompareOptions;
 use super::output::{self, create_folder, write};
 use super::resolve::{Asked, COMPARED, room_for_picture};
-use super::say::{Failure, complain, say, warn};
+use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_comparison};
 use crate::plan::measure::FILES;
 use crate::plan::{Engine, Plan, all_entries, compare_all};
@@ -33,9 +33,9 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         write(path, report.to_json()?.as_bytes())?;
     }
     warn(&report.warnings);
-    complain(&if_layers_were_merged(comparison.merged));
-    complain(&if_nothing_is_seen(&comparison.fixed, report));
-    say(&of_comparison(report, &options.output))
+    print_error(&if_layers_were_merged(comparison.merged));
+    print_error(&if_nothing_is_seen(&comparison.fixed, report));
+    print_result(&of_comparison(report, &options.output))
 }
 
 /// The fixed picture is always drawn; the engine asked for can only say what it is compared with.

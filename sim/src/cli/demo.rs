@@ -1,7 +1,7 @@
 //! `splatline` alone: an embedded real volume by all designs against float, with a report in `out/`.
 
 use super::output::create_folder;
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use super::values::Size;
 use crate::design::DesignChoice;
 use crate::picture::{Backdrop, Depth};
@@ -39,7 +39,7 @@ pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure>
     super::page::write_page(&prepared, None, &live)?;
     let report = &comparison.report;
     warn(&report.warnings);
-    say(&format!(
+    print_result(&format!(
         "{}: {} splats at {}x{}, fixed point against float\n\n{}\nThe pictures and how to read them: {}\nThe same scene to turn, with the widths on sliders: {}\n",
         report.scene.name,
         report.scene.splats,

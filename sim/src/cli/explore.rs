@@ -3,7 +3,7 @@
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
 use super::resolve::{Asked, COMPARED, calibration, room_for_picture};
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, Settings};
@@ -62,7 +62,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     })?;
     drop(progress);
     let seconds = started.elapsed().as_secs_f64();
-    say(&format!(
+    print_result(&format!(
         "{}: {} points, {} of them new, in {seconds:.1} s\n",
         path.display(),
         mine,
@@ -102,7 +102,7 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
         0 => String::new(),
         _ => format!("; {missing} of {all} are missing"),
     };
-    say(&format!("{} points{lacking}\n", merged.lines.len()))?;
+    print_result(&format!("{} points{lacking}\n", merged.lines.len()))?;
     finish("merged sweep", identity.area(), &merged, &options.output)
 }
 
@@ -124,17 +124,17 @@ fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Fa
         })
         .as_bytes(),
     )?;
-    say(&format!("{note}\n"))?;
-    say(&format!(
+    print_result(&format!("{note}\n"))?;
+    print_result(&format!(
         "front of error, cycles and area: {} of {} points\n",
         kept.len(),
         all.len()
     ))?;
     for candidate in kept.iter().take(12) {
-        say(&format!("  {}\n", candidate.label))?;
+        print_result(&format!("  {}\n", candidate.label))?;
     }
     if kept.len() > 12 {
-        say(&format!(
+        print_result(&format!(
             "  ... all of them in {}\n",
             folder.join("front.csv").display()
         ))?;
@@ -149,7 +149,7 @@ fn table_name(shard: Shard) -> String {
     }
 }
 
-/// The texts of all settings files that take part: whatever they say, another text is another sweep.
+/// The texts of all settings files that take part: whatever they print_result, another text is another sweep.
 fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();

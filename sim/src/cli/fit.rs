@@ -3,7 +3,7 @@
 use super::machine_args::FitOptions;
 use super::output::{self, write};
 use super::resolve::{Asked, COMPARED, room_for_picture};
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::explore::fit::{Fit, Metric, Task, design_toml, fit};
 use crate::plan::{Engine, Entry, Prepared};
@@ -22,7 +22,7 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     let Entry { design, traversal } = &prepared.plan.entry;
     warn(&prepared.setup_warnings()?);
     let fitted = fitted(&prepared, options.metric, options.max_error)?;
-    say(&text(design, &fitted))?;
+    print_result(&text(design, &fitted))?;
     if let Some(path) = &options.output {
         let rounding = &design.resolved().rounding;
         let design = design_toml(&fitted.widths, rounding, *traversal);

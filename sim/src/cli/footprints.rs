@@ -6,7 +6,7 @@
 use super::args::FootprintsOptions;
 use super::output::{self, write};
 use super::resolve::Asked;
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use crate::plan::{Engine, FootprintLine};
 use std::fmt::Write;
 
@@ -42,7 +42,7 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
     write(&options.output, csv(&lines).as_bytes())?;
     let culled = lines.iter().filter(|line| line.is_none()).count();
     let (name, count) = (prepared.scene.name(), lines.len());
-    say(&format!("{name}: {count} splats, {culled} culled\n"))
+    print_result(&format!("{name}: {count} splats, {culled} culled\n"))
 }
 
 fn csv(lines: &[Option<FootprintLine>]) -> String {

@@ -1,7 +1,7 @@
 //! `splatline info`: what is in a scene, before anything is drawn.
 
 use super::output;
-use super::say::{Failure, say};
+use super::say::{Failure, print_result};
 use crate::framing::{Ball, Frame, direction};
 use crate::metrics::median;
 use crate::plan::load::{AnyScene, recognise};
@@ -91,7 +91,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
             let text = serde_json::to_string_pretty(&info)? + "\n";
             output::write(path, text.as_bytes())
         }
-        None => say(&info.text()),
+        None => print_result(&info.text()),
     }
 }
 

@@ -22,7 +22,7 @@ mod resolve;
 mod say;
 mod shell;
 mod stability;
-mod study_args;
+mod verification_args;
 mod summary;
 #[cfg(test)]
 mod tests;
@@ -32,7 +32,7 @@ mod vectors;
 mod view_args;
 
 pub use output::{create_folder, write};
-pub use say::{Failure, finish, say};
+pub use say::{Failure, finish, print_result};
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};

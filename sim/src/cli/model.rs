@@ -3,7 +3,7 @@
 use super::machine_args::ModelOptions;
 use super::output::{self, create_folder, write};
 use super::resolve::{Asked, calibration, machine};
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, synthesis};
 use crate::machine::config;
@@ -49,9 +49,9 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let work = LaneWork::new(&workload, LaneShape::from(&config));
     let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
     let speed = timing.total as f64 / seconds / 1e6;
-    say(&summary::text(&name, &timing))?;
+    print_result(&summary::text(&name, &timing))?;
     let area = estimate_area(options, &entry, &config)?;
-    say(&format!(
+    print_result(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
         timing.total
@@ -89,7 +89,7 @@ fn estimate_area(
     let prices = calibration(&options.area)?;
     let area = area::estimate(&entry.design.widths, entry.traversal, config, &prices);
     let statement = synthesis::statement(&prices);
-    say(&format!(
+    print_result(&format!(
         "area: raster units {}; around them {}\n{statement}\n",
         area.raster, area.around
     ))?;
@@ -124,7 +124,9 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
     let design = DesignChoice::load(&options.work.design.0)?;
     let entry = Entry::new(design, options.work.traversal.map(Traversal::from));
     if options.screen.is_none() {
-        say("screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n")?;
+        print_result(
+            "screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n",
+        )?;
     }
     let size = options
         .screen

@@ -4,7 +4,7 @@ use super::fit;
 use super::machine_args::NeedsOptions;
 use super::output::{self, write};
 use super::resolve::Asked;
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
@@ -33,28 +33,28 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     match prepared.subject()? {
         Subject::Splats(splats) if splats.hybrid.is_none() => {
             let found = examined(&prepared)?;
-            say(&text(name, &found))?;
+            print_result(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
         }
         Subject::Splats(splats) => {
             let count = splats.scene.splats.len();
-            say(&format!("{name}: {count} points and splats\n"))?;
+            print_result(&format!("{name}: {count} points and splats\n"))?;
         }
         Subject::Surface(scene, _) => {
             let count = scene.points.len();
-            say(&format!("{name}: {count} points of a surface\n"))?;
+            print_result(&format!("{name}: {count} points of a surface\n"))?;
         }
     }
-    say(&systems_text(&systems))?;
+    print_result(&systems_text(&systems))?;
     let design = &prepared.plan.entry.design;
     match options.max_error {
         Some(budget) => {
             let fitted = fit::fitted(&prepared, Metric::Largest, budget)?;
-            say(&fit::text(design, &fitted))?;
+            print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }
         None => {
-            say("widths: give --max-error E to find the smallest ones within an error\n")?;
+            print_result("widths: give --max-error E to find the smallest ones within an error\n")?;
             answer.insert("fit".to_owned(), json!(null));
         }
     }

@@ -2,7 +2,7 @@
 
 use super::output;
 use super::resolve::Asked;
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, Vector};
 use super::view_args::ViewOptions;
 use crate::camera::Camera;
@@ -70,7 +70,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     let AnyScene::Splats(scene) = &prepared.scene else {
         return Ok(());
     };
-    say(&format!(
+    print_result(&format!(
         "{}: {} splats, {:.1} MB\n{}\n",
         scene.name,
         scene.splats.len(),

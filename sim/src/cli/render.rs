@@ -3,7 +3,7 @@
 use super::args::RenderOptions;
 use super::output::{self, write};
 use super::resolve::{Asked, COMPARED, DRAWN, room_for_picture};
-use super::say::{Failure, complain, say, warn};
+use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::picture::{EXTENSIONS, Format};
 use crate::plan::measure::draw_alone;
@@ -48,9 +48,9 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     }
     drop(progress);
     warn(&report.warnings);
-    complain(&if_layers_were_merged(measured.drawing.merged));
-    complain(&if_nothing_is_seen(picture, &report));
-    say(&of_drawing(&report))
+    print_error(&if_layers_were_merged(measured.drawing.merged));
+    print_error(&if_nothing_is_seen(picture, &report));
+    print_result(&of_drawing(&report))
 }
 
 fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {

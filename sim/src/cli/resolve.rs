@@ -6,7 +6,7 @@
 use super::drawing_args::{DrawingOptions, WorkOptions};
 use super::machine_args::{AreaOptions, MachineOptions};
 use super::output::read_settings;
-use super::say::{Failure, complain, say};
+use super::say::{Failure, print_error, print_result};
 use super::values::{
     AntialiasChoice, Backfaces, DesignName, OrbitChoice, Size, TraversalChoice, Vector,
 };
@@ -131,7 +131,7 @@ impl<'a> Asked<'a> {
         })?;
         drop(progress);
         for note in &loaded.notes {
-            complain(&format!("{}: {note}\n", loaded.scene.name()));
+            print_error(&format!("{}: {note}\n", loaded.scene.name()));
         }
         let look = match &loaded.scene {
             AnyScene::Splats(scene) => self.splats_look(scene)?,
@@ -281,7 +281,7 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
     }
 }
 
-/// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
+/// As the options print_result, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
 fn culls_backfaces(options: &SurfaceOptions, scene: &SurfaceScene) -> bool {
     match options.backfaces() {
         Backfaces::On => true,
@@ -350,7 +350,7 @@ fn camera_from_file(path: &Path, options: &ViewOptions) -> Result<(Camera, Vec<S
     let pose = cameras::choose(cameras::load(path, size)?, options.image.as_deref())
         .map_err(|problem| anyhow!("camera file '{}' {problem}", path.display()))?;
     for note in &pose.notes {
-        complain(&format!("{}: {note}\n", pose.name));
+        print_error(&format!("{}: {note}\n", pose.name));
     }
     let warnings = correction(path, &pose);
     let camera = match options.size {
@@ -431,7 +431,7 @@ fn framed(frame: &Frame, options: &ViewOptions) -> Result<Camera, Failure> {
         Ok(camera) => sound_camera(camera, &scene)?,
         Err(error) => return Err(why_not_framed(error, frame, &scene, place)),
     };
-    say(&format!("{}\n", frame.describe(fov)))?;
+    print_result(&format!("{}\n", frame.describe(fov)))?;
     Ok(camera)
 }
 

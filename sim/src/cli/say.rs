@@ -27,11 +27,11 @@ pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            complain(&format!("error: {}\n", explain(&error)));
+            print_error(&format!("error: {}\n", explain(&error)));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
-            complain(&format!(
+            print_error(&format!(
                 "error: {message}\n\nFor more information, try '--help'.\n"
             ));
             ExitCode::from(2)
@@ -61,9 +61,9 @@ pub fn divert() {
 }
 
 /// Prints a result.
-pub fn say(text: &str) -> Result<(), Failure> {
+pub fn print_result(text: &str) -> Result<(), Failure> {
     if DIVERTED.load(Ordering::Relaxed) {
-        complain(text);
+        print_error(text);
         return Ok(());
     }
     printed(std::io::stdout().write_all(text.as_bytes()))
@@ -83,11 +83,11 @@ pub fn printed(written: std::io::Result<()>) -> Result<(), Failure> {
 /// Warnings to stderr, one line each.
 pub fn warn(lines: &[String]) {
     for line in lines {
-        complain(&format!("warning: {line}\n"));
+        print_error(&format!("warning: {line}\n"));
     }
 }
 
 /// Prints to stderr; if even that fails, nobody is left to tell.
-pub fn complain(text: &str) {
+pub fn print_error(text: &str) {
     let _ = std::io::stderr().write_all(text.as_bytes());
 }

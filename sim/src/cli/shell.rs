@@ -1,7 +1,7 @@
 //! `splatline completions` and `splatline man`: made from the options themselves, so that they cannot fall behind.
 
 use super::output::{self, create_folder};
-use super::say::{Failure, say};
+use super::say::{Failure, print_result};
 use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
@@ -35,7 +35,7 @@ pub struct ManOptions {
 pub fn completions(options: &CompletionsOptions, mut command: Command) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut command, "splatline", &mut script);
-    say(&String::from_utf8_lossy(&script))
+    print_result(&String::from_utf8_lossy(&script))
 }
 
 /// Writes a page for the program and one for each command.
@@ -52,7 +52,7 @@ pub fn man(options: &ManOptions, mut command: Command) -> Result<(), Failure> {
         Man::new(page).title(name.clone()).render(&mut text)?;
         output::write(&options.output.join(format!("{name}.1")), &text)?;
     }
-    say(&format!(
+    print_result(&format!(
         "{}\n",
         options.output.join("splatline.1").display()
     ))

@@ -1,8 +1,8 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
 use super::output::write;
-use super::say::{Failure, say};
-use super::study_args::{StabilityOptions, StabilitySection};
+use super::say::{Failure, print_result};
+use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
 use crate::progress::Progress;
 use crate::stability::scenes::classes::Size;
@@ -68,9 +68,9 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     match &options.markdown {
         Some(path) => {
             write(path, (HEADING.to_owned() + &page).as_bytes())?;
-            say(&summary)?;
+            print_result(&summary)?;
         }
-        None => say(&page)?,
+        None => print_result(&page)?,
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::machine_args::{TraceFormat, TraceOptions};
 use super::output::{self, write};
 use super::resolve::Asked;
-use super::say::{Failure, say, warn};
+use super::say::{Failure, print_result, warn};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate_observed;
 use crate::trace::{Recorder, kanata, perfetto, vcd};
@@ -49,7 +49,7 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     };
     write(&options.output, text.as_bytes())?;
     let (first, count, path) = (options.first, events.len(), options.output.display());
-    say(&format!(
+    print_result(&format!(
         "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
         timing.raster
     ))?;

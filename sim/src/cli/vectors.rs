@@ -1,8 +1,8 @@
 //! `splatline vectors`: test vectors for every stage boundary, written and checked.
 
 use super::resolve::sound_camera;
-use super::say::{Failure, say};
-use super::study_args::{VectorsAction, VectorsExportOptions};
+use super::say::{Failure, print_result};
+use super::verification_args::{VectorsAction, VectorsExportOptions};
 use crate::design::DesignChoice;
 use crate::fixed::QuantisedScene;
 use crate::scene::{self, LoadOptions};
@@ -58,7 +58,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
         .iter()
         .map(|stage| format!("{} {}", stage.name, stage.records))
         .collect();
-    say(&format!(
+    print_result(&format!(
         "{}: {}\n",
         options.folder.display(),
         counts.join(", ")
@@ -69,10 +69,10 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
 fn verify(folder: &Path) -> Result<(), Failure> {
     let verified = vectors::verify(folder)?;
     for (stage, records) in &verified.stages {
-        say(&format!("{stage}: {records} records equal the kernel's\n"))?;
+        print_result(&format!("{stage}: {records} records equal the kernel's\n"))?;
     }
     for stage in &verified.missing {
-        say(&format!("{stage}: no file, not checked\n"))?;
+        print_result(&format!("{stage}: no file, not checked\n"))?;
     }
     Ok(())
 }

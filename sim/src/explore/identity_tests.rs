@@ -155,8 +155,8 @@ fn change_rules(rules: &mut Rules, which: usize, bit: u32) -> &'static str {
         4 => rules.cutoff = 3.0 + f64::from(bit),
         5 => flip(&mut rules.alpha_max, bit),
         6 => rules.alpha_min += 1e-6,
-        7 => flip(&mut rules.stop, bit),
-        8 => rules.stop_before = !rules.stop_before,
+        7 => flip(&mut rules.minimum_transmittance, bit),
+        8 => rules.omit_finishing = !rules.omit_finishing,
         _ => *rules = other,
     }
     "rules"

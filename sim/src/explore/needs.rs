@@ -72,10 +72,10 @@ pub fn needs(
     let empty = workload.pairs.iter().filter(|pair| !pair.visits).count() as u64;
     let exponents = footprints
         .iter()
-        .map(|footprint| footprint.scan.curvature.leading());
+        .map(|footprint| footprint.ldl.horizontal.leading());
     let peaks = footprints
         .iter()
-        .map(|footprint| f64::from(footprint.peak) / f64::from(peak_bits).exp2());
+        .map(|footprint| f64::from(footprint.opacity) / f64::from(peak_bits).exp2());
     let work = LaneWork::new(workload, LaneShape::from(machine));
     let (fifo_depths, fifo_high_water, cycles) = depths(workload, &work, machine);
     let finished = totals.covered - totals.live;
@@ -93,7 +93,7 @@ pub fn needs(
             .zip(exponents.max())
             .map(|(low, high)| [low, high]),
         largest_box: footprints.iter().fold([0, 0], |largest, footprint| {
-            [0, 1].map(|axis| largest[axis].max(footprint.last[axis] - footprint.first[axis]))
+            [0, 1].map(|axis| largest[axis].max(footprint.end[axis] - footprint.first[axis]))
         }),
         longest_run: workload
             .rows

@@ -18,16 +18,16 @@ const TOP: f64 = 18.0;
 const RIGHT: f64 = 18.0;
 
 /// A logarithmic axis over the values' range.
-struct Scale {
+struct PlotScale {
     low: f64,
     high: f64,
     from: f64,
     to: f64,
 }
 
-impl Scale {
+impl PlotScale {
     /// Values at or below 0 are drawn where the smallest positive one is.
-    fn new(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Scale {
+    fn new(values: impl Iterator<Item = f64>, from: f64, to: f64) -> PlotScale {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for value in values.filter(|value| *value > 0.0) {
             low = low.min(value.log10());
@@ -37,7 +37,7 @@ impl Scale {
             (low, high) = (0.0, 1.0);
         }
         let margin = ((high - low) * 0.06).max(0.05);
-        Scale {
+        PlotScale {
             low: low - margin,
             high: high + margin,
             from,
@@ -185,9 +185,9 @@ fn chart(
     name: &str,
     of: fn(&Candidate) -> f64,
 ) -> String {
-    let x = Scale::new(candidates.iter().map(|c| c.cycles), LEFT, WIDTH - RIGHT);
+    let x = PlotScale::new(candidates.iter().map(|c| c.cycles), LEFT, WIDTH - RIGHT);
     // Less is better: up, as in the report.
-    let y = Scale::new(candidates.iter().map(of), TOP, HEIGHT - BOTTOM);
+    let y = PlotScale::new(candidates.iter().map(of), TOP, HEIGHT - BOTTOM);
     let mut svg = format!(
         "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"cycles against {}\">\n",
         escape(name)
@@ -282,7 +282,7 @@ mod tests {
             (4.0, 4.0),
             (2e5, 8e5),
         ] {
-            let axis = Scale::new([low, high].into_iter(), 0.0, 100.0);
+            let axis = PlotScale::new([low, high].into_iter(), 0.0, 100.0);
             let ticks = axis.ticks();
             let (first, last) = (axis.low, axis.high);
             assert!(

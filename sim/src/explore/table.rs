@@ -183,14 +183,14 @@ fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
     let (reason, numbers) = results.split_last().unwrap_or((&"", &[]));
     for (name, text) in RESULTS.iter().zip(numbers) {
         let kind = match name {
-            _ if !reason.is_empty() => Kind::Nothing,
+            _ if !reason.is_empty() => ColumnKind::Nothing,
             // Equal pictures have none.
-            &"psnr_db" if errors => Kind::NumberOrNothing,
-            &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => Kind::Nothing,
-            &"bias" | &"ssim" => Kind::Number,
-            &"rms" | &"max_abs" | &"lanes_busy" | &"area" => Kind::Positive,
-            name if name.ends_with("per_cycle_and_lane") => Kind::Positive,
-            _ => Kind::Count,
+            &"psnr_db" if errors => ColumnKind::NumberOrNothing,
+            &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
+            &"bias" | &"ssim" => ColumnKind::Number,
+            &"rms" | &"max_abs" | &"lanes_busy" | &"area" => ColumnKind::Positive,
+            name if name.ends_with("per_cycle_and_lane") => ColumnKind::Positive,
+            _ => ColumnKind::Count,
         };
         if !kind.allows(text) {
             return Err(format!("{name} is '{text}', expected {}", kind.name()));
@@ -201,7 +201,7 @@ fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
 
 /// What a field may hold.
 #[derive(Clone, Copy)]
-enum Kind {
+enum ColumnKind {
     Nothing,
     Number,
     NumberOrNothing,
@@ -209,25 +209,25 @@ enum Kind {
     Count,
 }
 
-impl Kind {
+impl ColumnKind {
     fn allows(self, text: &str) -> bool {
         let number = text.parse::<f64>().ok().filter(|value| value.is_finite());
         match self {
-            Kind::Nothing => text.is_empty(),
-            Kind::Number => number.is_some(),
-            Kind::NumberOrNothing => text.is_empty() || number.is_some(),
-            Kind::Positive => number.is_some_and(|value| value >= 0.0),
-            Kind::Count => text.parse::<u64>().is_ok(),
+            ColumnKind::Nothing => text.is_empty(),
+            ColumnKind::Number => number.is_some(),
+            ColumnKind::NumberOrNothing => text.is_empty() || number.is_some(),
+            ColumnKind::Positive => number.is_some_and(|value| value >= 0.0),
+            ColumnKind::Count => text.parse::<u64>().is_ok(),
         }
     }
 
     fn name(self) -> &'static str {
         match self {
-            Kind::Nothing => "nothing",
-            Kind::Number => "a finite number",
-            Kind::NumberOrNothing => "a finite number or nothing",
-            Kind::Positive => "a finite number, 0 or more",
-            Kind::Count => "a whole number, 0 or more",
+            ColumnKind::Nothing => "nothing",
+            ColumnKind::Number => "a finite number",
+            ColumnKind::NumberOrNothing => "a finite number or nothing",
+            ColumnKind::Positive => "a finite number, 0 or more",
+            ColumnKind::Count => "a whole number, 0 or more",
         }
     }
 }

@@ -258,7 +258,7 @@ impl FrameMemory {
             for tile in (band * columns..).take(columns) {
                 let window = grid.window(tile);
                 let pixels = self.pixels.get(tile * AREA..).unwrap_or_default();
-                let across = usize::from(window.last[0] - window.first[0]);
+                let across = usize::from(window.end[0] - window.first[0]);
                 let from = pixels.chunks_exact(across.max(1));
                 for (row, from) in rows.chunks_mut(width).zip(from) {
                     let to = row.iter_mut().skip(window.first[0].into());
@@ -270,7 +270,7 @@ impl FrameMemory {
 }
 
 fn area(window: &Window) -> usize {
-    usize::from(window.last[0] - window.first[0]) * usize::from(window.last[1] - window.first[1])
+    usize::from(window.end[0] - window.first[0]) * usize::from(window.end[1] - window.first[1])
 }
 
 /// Lists the keys of the splats that have a footprint, numbered from `first`, and counts the others.
@@ -280,7 +280,7 @@ fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>, culled: &mut Cu
             Ok(footprint) => {
                 let bounds = Window {
                     first: footprint.first,
-                    last: footprint.last,
+                    end: footprint.end,
                 };
                 if !bounds.is_empty() {
                     keys.push(Key {

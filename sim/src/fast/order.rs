@@ -78,9 +78,9 @@ impl Grid {
         let first = [tile % self.columns, tile / self.columns];
         let first = [0, 1].map(|axis| first[axis] as u16 * self.tile[axis]);
         let last = [0, 1].map(|axis| first[axis].saturating_add(self.tile[axis]));
-        Window { first, last }.intersect(&Window {
+        Window { first, end: last }.intersect(&Window {
             first: [0; 2],
-            last: self.viewport,
+            end: self.viewport,
         })
     }
 
@@ -88,8 +88,8 @@ impl Grid {
     #[inline(always)]
     pub fn touched(&self, bounds: &Window, mut each: impl FnMut(usize)) {
         let tile = |pixel: u16, axis: usize| usize::from(pixel / self.tile[axis]);
-        let (left, right) = (tile(bounds.first[0], 0), tile(bounds.last[0] - 1, 0));
-        for y in tile(bounds.first[1], 1)..=tile(bounds.last[1] - 1, 1) {
+        let (left, right) = (tile(bounds.first[0], 0), tile(bounds.end[0] - 1, 0));
+        for y in tile(bounds.first[1], 1)..=tile(bounds.end[1] - 1, 1) {
             for x in left..=right {
                 each(y * self.columns + x);
             }
@@ -361,7 +361,7 @@ mod tests {
         #[test]
         fn lists_are_sorted_by_depth_then_index(splats in prop::collection::vec(key(), 0..400), cut in 0usize..400) {
             let keys: Vec<Key> = splats.iter().zip(0..).map(|((depth, [left, top, right, bottom]), index)| Key {
-                depth: *depth, index, bounds: Window { first: [*left, *top], last: [*right, *bottom] },
+                depth: *depth, index, bounds: Window { first: [*left, *top], end: [*right, *bottom] },
             }).collect();
             let grid = Grid::new(VIEWPORT, [32, 16]);
             let (head, tail) = keys.split_at(cut.min(keys.len()));

@@ -132,7 +132,7 @@ impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
         let painter = Painter::new(self.design, &self.rules, table, order, self.traversal);
         pixels.fill(Pixel::clear(&self.design.widths()));
         let mut coverage = Coverage::default();
-        let columns = usize::from(window.last[0] - window.first[0]);
+        let columns = usize::from(window.end[0] - window.first[0]);
         let Ok(mut target) = Target::new(pixels, window, columns) else {
             return coverage;
         };

@@ -41,9 +41,9 @@ impl<L: Wide> RowVectors<L> {
         let curved = lanes.wide_add(times(rows, change), times(pairs, second));
         let along_of_row = times(rows, second.wrapping_mul(width));
         RowVectors {
-            centre: lanes.wide_add(splat(centre), times(rows, constants.slope)),
+            centre: lanes.wide_add(splat(centre), times(rows, constants.shear)),
             vertical: lanes.wide_add(splat(vertical), curved),
-            slope: splat(constants.slope.wrapping_mul(width)),
+            slope: splat(constants.shear.wrapping_mul(width)),
             change: lanes.wide_add(splat(along), along_of_row),
             second: splat(second.wrapping_mul(width * width)),
             reach: splat(constants.reach),
@@ -87,7 +87,7 @@ pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
     let farthest = 1 << 60;
     has_short_spread(constants)
         && constants.centre.unsigned_abs() < farthest
-        && constants.slope.unsigned_abs() < farthest / (count + WORDS) as u64
+        && constants.shear.unsigned_abs() < farthest / (count + WORDS) as u64
 }
 
 /// Centre and vertical part of the first row, or of the one before it.
@@ -99,6 +99,6 @@ fn start(constants: &RowConstants<i64>, ahead: u16) -> (i64, [i64; 3]) {
     }
     let change = change.wrapping_sub(second);
     let vertical = vertical.wrapping_sub(change);
-    let centre = constants.centre.wrapping_sub(constants.slope);
+    let centre = constants.centre.wrapping_sub(constants.shear);
     (centre, [vertical, change, second])
 }

@@ -1,10 +1,10 @@
-//! Spans of many rows at once, bit for bit the kernel's [`SpanRows`].
+//! Spans of many rows at once, bit for bit the kernel's [`EllipseSpans`].
 //!
 //! A small splat has as many rows as a row has pixels, so that a row must not cost more than a vector of pixels. Down the rows only
 //! additions depend on each other; root, span and seeds are computed for four or eight rows in one vector. What the shorter words could
 //! not hold is noticed beforehand or beside the computation, and such a footprint is left to the kernel's own rows.
 //!
-//! [`SpanRows`]: splatline::raster::SpanRows
+//! [`EllipseSpans`]: splatline::raster::EllipseSpans
 
 use super::lanes::Wide;
 use super::recurrence::is_zero;
@@ -66,7 +66,7 @@ impl Recurrences {
             *vertical_of_row = vertical;
             far |= centre ^ (centre >> 63);
             long |= constants.reach.wrapping_sub(vertical).max(0);
-            centre = centre.wrapping_add(constants.slope);
+            centre = centre.wrapping_add(constants.shear);
             vertical = vertical.wrapping_add(change);
             change = change.wrapping_add(second);
         }
@@ -223,7 +223,7 @@ pub fn runs<L: Wide>(
     let open = math.greater(end, x);
     let far = math.select(math.splat(0), math.magnitude(dx), open);
     *large = math.max(*large, far);
-    let along = math.mul(math.splat(constants.curvature), dx);
+    let along = math.mul(math.splat(constants.horizontal), dx);
     let across = math.mul(math.round(along, bits), dx);
     let radial = math.add(
         math.align(across, math.splat(drop_radial.into())),
@@ -252,7 +252,7 @@ pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) 
 pub fn is_tame(constants: &RowConstants<i64>) -> bool {
     let (_, bits, drop_radial, drop_first) = constants.drops;
     has_short_spread(constants)
-        && constants.curvature.unsigned_abs() <= 1 << bits
+        && constants.horizontal.unsigned_abs() <= 1 << bits
         && drop_radial >= 0
         && drop_first >= 0
         && constants.fraction < VERTICAL_FRACTION
@@ -263,7 +263,7 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
 pub fn has_short_spread(constants: &RowConstants<i64>) -> bool {
     // Designs of at most 15 bits multiply the root's argument in two halves.
     let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
-    constants.spread.0 < 1 << bits && constants.spread.2 <= 30
+    constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }
 
 /// First and one past the last column of the rows' spans within the window; 0 and 0 where the ellipse does not reach.
@@ -294,7 +294,7 @@ pub fn columns<L: Wide>(
     rest: L::Word,
 ) -> (L::Word, L::Word) {
     let zero = math.splat(0);
-    let (mantissa, odd, power) = constants.spread;
+    let (mantissa, odd, power) = constants.squared_width;
     let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
     let squared = math
         .lanes

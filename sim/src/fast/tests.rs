@@ -11,11 +11,11 @@ use crate::scene::synthetic;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
-use splatline::footprint::{Conic, Footprint, Scan};
+use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{
     Classic8, Design, Lean18, Rounding, Standard24, Traversal, WIDTH_RANGES, Widths,
 };
-use splatline::math::Scaled;
+use splatline::math::SoftFloat;
 use splatline::raster::Window;
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{Cull, setup};
@@ -117,8 +117,8 @@ const VIEWPORT: [u16; 2] = [150, 77];
 
 /// Any words at all; the box within the viewport, as the packet promises.
 fn arbitrary() -> impl Strategy<Value = Footprint> {
-    let number =
-        (any::<i32>(), -70i32..10).prop_map(|(mantissa, exponent)| Scaled { mantissa, exponent });
+    let number = (any::<i32>(), -70i32..10)
+        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
     let scan = (number.clone(), number.clone(), number.clone(), number);
     let corner = (0..VIEWPORT[0], 0..VIEWPORT[1]);
     let words = (any::<u32>(), any::<u32>(), any::<[u32; 3]>());
@@ -135,19 +135,19 @@ fn arbitrary() -> impl Strategy<Value = Footprint> {
                 depth: 0,
                 centre: centre.map(|c| c >> spare),
                 first: [a.0.min(b.0), a.1.min(b.1)],
-                last: [a.0.max(b.0) + 1, a.1.max(b.1) + 1],
-                scan: Scan {
-                    curvature: scan.0,
-                    spread: scan.1,
-                    slope: scan.2,
-                    stretch: scan.3,
+                end: [a.0.max(b.0) + 1, a.1.max(b.1) + 1],
+                ldl: Ldl {
+                    horizontal: scan.0,
+                    squared_width: scan.1,
+                    shear: scan.2,
+                    vertical: scan.3,
                 },
                 conic: Conic {
                     mantissa: [0; 3],
                     exponent: 0,
                 },
                 cutoff: cutoff >> (spare % 6),
-                peak: peak >> (spare % 8),
+                opacity: peak >> (spare % 8),
                 colour: colour.map(|c| c >> (spare % 16)),
             },
         )
@@ -175,7 +175,7 @@ fn painted(
     window: Window,
     footprints: &[Result<Footprint, Cull>],
 ) -> (Vec<Pixel>, Coverage) {
-    let [columns, rows] = [0, 1].map(|axis| usize::from(window.last[axis] - window.first[axis]));
+    let [columns, rows] = [0, 1].map(|axis| usize::from(window.end[axis] - window.first[axis]));
     let list: Vec<u32> = (0..footprints.len() as u32).collect();
     let mut pixels = vec![Pixel::default(); columns * rows];
     let scratch = &mut Scratch::default();
@@ -201,7 +201,7 @@ fn agree(
     let table = table(&memory, &widths, rules);
     let first = [tile[0] * TILE[0], tile[1] * TILE[1]];
     let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
-    let window = Window { first, last };
+    let window = Window { first, end: last };
     let columns = usize::from(last[0] - first[0]);
     let mut pixels = vec![Pixel::clear(&widths); columns * usize::from(last[1] - first[1])];
     let mut target = Target::new(&mut pixels, window, columns).unwrap();
@@ -288,7 +288,7 @@ proptest! {
         let mut all = ordinary(widths, &rules, seed, multiplier);
         all.extend(footprints.into_iter().map(Ok));
         agree(widths, &rules, &all, [tile.0, tile.1]);
-        let window = Window { first: [0, 0], last: [40, 50] };
+        let window = Window { first: [0, 0], end: [40, 50] };
         prop_assert!(draw_narrow(widths, &rules, &all, window).is_some());
     }
 

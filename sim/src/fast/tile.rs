@@ -31,7 +31,7 @@ impl Tile {
             rows: Box::new([[[0; STRIDE]; 4]; TILE[1] as usize]),
             window: Window {
                 first: [0; 2],
-                last: [0; 2],
+                end: [0; 2],
             },
         }
     }
@@ -55,11 +55,11 @@ impl Tile {
     }
 
     fn columns(&self) -> usize {
-        usize::from(self.window.last[0] - self.window.first[0]).min(TILE[0].into())
+        usize::from(self.window.end[0] - self.window.first[0]).min(TILE[0].into())
     }
 
     fn rows(&self) -> usize {
-        usize::from(self.window.last[1] - self.window.first[1]).min(TILE[1].into())
+        usize::from(self.window.end[1] - self.window.first[1]).min(TILE[1].into())
     }
 
     /// Row `y` of the screen.

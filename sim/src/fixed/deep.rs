@@ -58,7 +58,7 @@ fn draw_with<D: Design + Send + Sync>(
     let tiles = TileLists::in_bands(footprints.iter(), quantised.view.viewport);
     let clear = DeepPixel::clear(&channel);
     let (pixels, _) = paint_apart(clear, &tiles, |window, list, pixels| {
-        let width = usize::from(window.last[0]);
+        let width = usize::from(window.end[0]);
         for layer in list {
             let footprint = &footprints[*layer as usize];
             let colour = footprint.colour.map(|c| c << (28 - widths.colour));

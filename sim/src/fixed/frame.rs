@@ -90,7 +90,7 @@ impl TileLists {
 fn bounds(footprint: &Footprint) -> Window {
     Window {
         first: footprint.first,
-        last: footprint.last,
+        end: footprint.end,
     }
 }
 
@@ -166,7 +166,7 @@ pub(super) fn paint_apart<P: Clone + Send + Sync, Answer: Send>(
         tiles,
         || (),
         |(), window, list, rows| {
-            let columns = usize::from(window.last[0] - window.first[0]);
+            let columns = usize::from(window.end[0] - window.first[0]);
             let mut pixels = vec![clear.clone(); columns * rows.len()];
             let answer = paint(window, list, &mut pixels);
             for (row, painted) in rows.iter_mut().zip(pixels.chunks_exact(columns)) {
@@ -185,7 +185,7 @@ pub(super) fn paint_tiles(
 ) -> (Vec<Pixel>, Coverage) {
     let clear = Pixel::clear(widths);
     let (pixels, parts) = paint_apart(clear, tiles, |window, list, pixels| {
-        let columns = usize::from(window.last[0] - window.first[0]);
+        let columns = usize::from(window.end[0] - window.first[0]);
         let Ok(mut target) = Target::new(pixels, window, columns) else {
             unreachable!("the tile's memory has just been made for its window")
         };
@@ -236,6 +236,6 @@ pub(crate) fn converter(
     let opaque = f64::from(-i32::from(widths.transmittance)).exp2();
     move |pixel| {
         let [r, g, b] = pixel.colour.map(|c| f64::from(c) * colour_unit);
-        [r, g, b, 1.0 - f64::from(pixel.clear_share()) * opaque]
+        [r, g, b, 1.0 - f64::from(pixel.transmittance()) * opaque]
     }
 }

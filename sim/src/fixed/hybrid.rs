@@ -9,7 +9,7 @@ use crate::hybrid::{Hybrid, Points, deviation};
 use crate::scene::Scene;
 use rayon::prelude::*;
 use splatline::blend::points::{Slab, Slabs};
-use splatline::draw::{Coverage, Gathering, Painter};
+use splatline::draw::{Coverage, Painter, PointSettings};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal};
 use splatline::kernel::FootprintTable;
@@ -110,7 +110,7 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
             kernel_compositing(options.compositing),
             Traversal::Spans,
         );
-        let gathering = Gathering {
+        let gathering = PointSettings {
             range: self.depth_range(),
             stamp: stamps
                 .as_ref()
@@ -179,9 +179,9 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
         for (footprint, _) in footprints.iter_mut().zip(&*is_point).filter(|(_, p)| **p) {
             let placement = shape.place(footprint.centre, subpixel);
             let bounds = shape.bounds(&placement, viewport);
-            (footprint.first, footprint.last) = (bounds.first, bounds.last);
+            (footprint.first, footprint.end) = (bounds.first, bounds.end);
         }
-        let visible = |f: &Footprint| f.first[0] < f.last[0] && f.first[1] < f.last[1];
+        let visible = |f: &Footprint| f.first[0] < f.end[0] && f.first[1] < f.end[1];
         let kept: Vec<bool> = footprints.iter().map(visible).collect();
         let mut at = kept.iter();
         footprints.retain(|_| at.next().copied().unwrap_or(false));
@@ -218,13 +218,13 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
 /// Points are gathered, splats composited behind what was gathered before them.
 fn gather_tile<'a, D: Design>(
     painter: &Painter<D>,
-    gathering: &Gathering,
+    gathering: &PointSettings,
     list: impl Iterator<Item = (&'a Footprint, bool)>,
     target: &mut Target,
 ) -> Coverage {
     let window = target.window();
-    let area = usize::from(window.last[0] - window.first[0])
-        * usize::from(window.last[1] - window.first[1]);
+    let area =
+        usize::from(window.end[0] - window.first[0]) * usize::from(window.end[1] - window.first[1]);
     let mut memory = vec![Slab::default(); area];
     let Some(mut slabs) = Slabs::new(&mut memory, window) else {
         unreachable!("the slabs have just been made for the window")
@@ -247,7 +247,7 @@ fn gather_tile<'a, D: Design>(
 /// Points and splats are composited one by one, points by the stamp if there is one.
 fn stamp_tile<'a, D: Design>(
     painter: &Painter<D>,
-    gathering: &Gathering,
+    gathering: &PointSettings,
     list: impl Iterator<Item = (&'a Footprint, bool)>,
     target: &mut Target,
 ) -> Coverage {

@@ -194,8 +194,8 @@ pub fn kernel_rules(rules: &Rules) -> kernel::Rules {
         },
         alpha_max: float::opacity_limit(rules.alpha_max),
         alpha_min: float::threshold(rules.alpha_min),
-        stop: float::threshold(rules.stop),
-        stop_before: rules.stop_before,
+        minimum_transmittance: float::threshold(rules.minimum_transmittance),
+        omit_finishing: rules.omit_finishing,
         clamp_jacobian: rules.clamp_jacobian,
         table_range: if radial && rules.cutoff <= 4.0 { 2 } else { 4 },
     };

@@ -19,7 +19,9 @@ use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal, Widths};
 use splatline::rules as kernel;
-use splatline::setup::{Cull, Variance, columns, conic, distance, project, scan, setup, variance};
+use splatline::setup::{
+    Covariance2d, Cull, conic, covariance, distance, ldl, project, project_axes, setup,
+};
 use splatline::splat::VolumeSplat;
 use splatline::view::View;
 
@@ -103,8 +105,8 @@ pub fn conics(
     design: &DesignChoice,
 ) -> Vec<Option<[f64; 3]>> {
     let widths = &design.widths;
-    let conic_of = |variance: &Variance| {
-        let conic = conic(widths, variance, scan(widths, variance)?.curvature)?;
+    let conic_of = |variance: &Covariance2d| {
+        let conic = conic(widths, variance, ldl(widths, variance)?.horizontal)?;
         let unit = f64::from(conic.exponent).exp2();
         Some(conic.mantissa.map(|m| f64::from(m) * unit))
     };
@@ -123,8 +125,8 @@ pub fn variances(
     rules: &Rules,
     design: &DesignChoice,
 ) -> Vec<Option<[f64; 4]>> {
-    let in_double = |variance: Variance| {
-        let Variance {
+    let in_double = |variance: Covariance2d| {
+        let Covariance2d {
             xx,
             xy,
             yy,
@@ -141,16 +143,16 @@ fn kernel_variances(
     camera: &Camera,
     rules: &Rules,
     widths: &Widths,
-) -> Vec<Option<Variance>> {
+) -> Vec<Option<Covariance2d>> {
     let quantised = QuantisedScene::new(scene, camera, rules);
     let rules = quantised.rules(rules);
     let variance_of = |splat: &VolumeSplat| {
         let projected = project(widths, &quantised.view, &rules, &splat.centre).ok()?;
-        let mut columns = columns(widths, &quantised.view.rotation, &projected, &splat.axes);
+        let mut columns = project_axes(widths, &quantised.view.rotation, &projected, &splat.axes);
         if let Some(factor) = distance::enlargement(widths, &rules, &projected) {
             columns = distance::enlarge(widths, columns, factor);
         }
-        Some(variance(widths, rules.low_pass, &columns))
+        Some(covariance(widths, rules.low_pass, &columns))
     };
     quantised.splats.iter().map(variance_of).collect()
 }

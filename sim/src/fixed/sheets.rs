@@ -63,7 +63,7 @@ fn draw_with<D: Design + Send + Sync>(
     let tiles = TileLists::in_bands(footprints, quantised.view.viewport);
     let clear = Pixel::clear(&widths);
     let (pixels, _) = paint_apart(clear, &tiles, |window, list, frame| {
-        let columns = usize::from(window.last[0]);
+        let columns = usize::from(window.end[0]);
         let mut memory = frame.to_vec();
         let buffers = (
             Target::new(frame, window, columns),
@@ -127,10 +127,17 @@ impl Slabs {
                 let (first, last) = slabs.reach(depth, spread);
                 (first..=last)
                     .map(|slab| {
-                        let share = slabs.share(slab, depth, spread);
-                        let peak = (u64::from(footprint.peak) * u64::from(share) + (1 << 15)) >> 16;
+                        let share = slabs.fraction_in(slab, depth, spread);
+                        let peak =
+                            (u64::from(footprint.opacity) * u64::from(share) + (1 << 15)) >> 16;
                         let peak = peak as u32;
-                        (slab.into(), Footprint { peak, ..footprint })
+                        (
+                            slab.into(),
+                            Footprint {
+                                opacity: peak,
+                                ..footprint
+                            },
+                        )
                     })
                     .collect()
             }

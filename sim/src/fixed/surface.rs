@@ -23,7 +23,7 @@ use splatline::blend::edge::EdgeFilter;
 use splatline::blend::layers::Layers;
 use splatline::blend::resolve::Resolve;
 use splatline::blend::shading::{self, Shading};
-use splatline::blend::surface::{Accumulation, Cell, Gather};
+use splatline::blend::surface::{Accumulation, Cell, WeightedSum};
 use splatline::draw::Coverage;
 use splatline::draw::surface::SurfacePainter;
 use splatline::footprint::surface::SurfaceFootprint;
@@ -368,7 +368,7 @@ impl<C: HostCell> DesignJob for Job<'_, C> {
         let widths = design.widths();
         let memory = table_entries(&widths, &frame.rules);
         let table = table(&memory, &widths, &frame.rules);
-        let gather = Gather::new(&widths, frame.threshold);
+        let gather = WeightedSum::new(&widths, frame.threshold);
         let painter = SurfacePainter::new(design, &frame.rules, table, gather, frame.traversal);
         let shading = frame
             .light
@@ -378,7 +378,7 @@ impl<C: HostCell> DesignJob for Job<'_, C> {
         let footprints = frame.footprints.iter().map(|surface| &surface.footprint);
         let tiles = TileLists::in_order(footprints, frame.view.viewport, TILE);
         let paint = |window: Window, list: &[u32], resolved: &mut [(Pixel, f64)]| {
-            let columns = usize::from(window.last[0] - window.first[0]);
+            let columns = usize::from(window.end[0] - window.first[0]);
             let mut cells = vec![C::EMPTY; resolved.len()];
             let mut coverage = Coverage::default();
             let Ok(mut target) = CellTarget::new(&mut cells, window) else {

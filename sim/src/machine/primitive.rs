@@ -30,7 +30,7 @@ pub use picture::{picture_cycles, tile_cycles};
 
 use splatline::footprint::Footprint;
 use splatline::format::Design;
-use splatline::raster::{BLOCK, Rows, SpanRows, Window};
+use splatline::raster::{BLOCK, EllipseSpans, Spans, Window};
 
 /// Runs that a lane's queue holds; `QUEUE` of splat_primitive.sv.
 pub const QUEUE: u32 = 8;
@@ -335,15 +335,15 @@ pub fn for_each_slot<D: Design>(
 ) {
     let bounds = Window {
         first: footprint.first,
-        last: footprint.last,
+        end: footprint.end,
     };
     let visible = bounds.intersect(window);
     if visible.is_empty() {
         return slot(None);
     }
-    let mut rows = SpanRows::new(design, footprint, window);
+    let mut rows = EllipseSpans::new(design, footprint, window);
     let mut row = visible.first[1];
-    while let Some(run) = rows.next_run() {
+    while let Some(run) = rows.next_span() {
         (row..run.y).for_each(|_| slot(None));
         row = run.y + 1;
         slot(Some(LaneRun {
@@ -353,7 +353,7 @@ pub fn for_each_slot<D: Design>(
             length: run.length,
         }));
     }
-    (row..visible.last[1]).for_each(|_| slot(None));
+    (row..visible.end[1]).for_each(|_| slot(None));
 }
 
 #[cfg(test)]

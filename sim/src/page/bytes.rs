@@ -154,8 +154,8 @@ fn rules_numbers(rules: &Rules) -> [f64; RULES] {
         rules.cutoff,
         rules.alpha_max,
         rules.alpha_min,
-        rules.stop,
-        f64::from(u8::from(rules.stop_before)),
+        rules.minimum_transmittance,
+        f64::from(u8::from(rules.omit_finishing)),
         f64::from(u8::from(rules.clamp_jacobian)),
     ]
 }
@@ -170,7 +170,7 @@ fn rules_from(numbers: &[f64; RULES]) -> Option<Rules> {
         alpha_max,
         alpha_min,
         stop,
-        stop_before,
+        omit_finishing,
         clamp,
     ] = *numbers;
     Some(Rules {
@@ -182,8 +182,8 @@ fn rules_from(numbers: &[f64; RULES]) -> Option<Rules> {
         cutoff,
         alpha_max,
         alpha_min,
-        stop,
-        stop_before: stop_before != 0.0,
+        minimum_transmittance: stop,
+        omit_finishing: omit_finishing != 0.0,
         clamp_jacobian: clamp != 0.0,
     })
 }

@@ -438,7 +438,7 @@ fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
     let depth = depth::number(footprint.depth);
     let power_of_two = |power: i32| f64::from(power).exp2();
     let step = power_of_two(-i32::from(widths.subpixel));
-    let ([x0, y0], [x1, y1]) = (footprint.first, footprint.last);
+    let ([x0, y0], [x1, y1]) = (footprint.first, footprint.end);
     FootprintLine {
         centre: footprint.centre.map(|coordinate| coordinate as f64 * step),
         depth: depth.value as f64 * power_of_two(depth.exponent),

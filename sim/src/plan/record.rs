@@ -173,8 +173,8 @@ fn surface_rules(style: &Style) -> RulesFacts {
         cutoff: Some(style.cutoff),
         alpha_max: 1.0,
         alpha_min: 0.0,
-        stop: 0.0,
-        stop_before: false,
+        minimum_transmittance: 0.0,
+        omit_finishing: false,
         clamp_jacobian: false,
     }
 }
@@ -219,8 +219,8 @@ pub(super) mod rules {
             cutoff: facts.cutoff.unwrap_or(f64::INFINITY),
             alpha_max: facts.alpha_max,
             alpha_min: facts.alpha_min,
-            stop: facts.stop,
-            stop_before: facts.stop_before,
+            minimum_transmittance: facts.minimum_transmittance,
+            omit_finishing: facts.omit_finishing,
             clamp_jacobian: facts.clamp_jacobian,
         };
         let all = kernels.map(rules);

@@ -157,9 +157,9 @@ pub struct RulesFacts {
     /// Smaller opacities are skipped.
     pub alpha_min: f64,
     /// Transmittance at which a pixel is finished.
-    pub stop: f64,
+    pub minimum_transmittance: f64,
     /// The splat that would finish the pixel is itself left out.
-    pub stop_before: bool,
+    pub omit_finishing: bool,
     /// The Jacobian's slopes are clamped to the widened frustum.
     pub clamp_jacobian: bool,
 }
@@ -175,8 +175,8 @@ impl From<&Rules> for RulesFacts {
             cutoff: rules.cutoff.is_finite().then_some(rules.cutoff),
             alpha_max: rules.alpha_max,
             alpha_min: rules.alpha_min,
-            stop: rules.stop,
-            stop_before: rules.stop_before,
+            minimum_transmittance: rules.minimum_transmittance,
+            omit_finishing: rules.omit_finishing,
             clamp_jacobian: rules.clamp_jacobian,
         }
     }

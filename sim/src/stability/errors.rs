@@ -3,7 +3,7 @@
 use super::bounds::Bounds;
 use super::exact::ExactFootprint;
 use splatline::footprint::Footprint;
-use splatline::math::Scaled;
+use splatline::math::SoftFloat;
 
 /// Peaks from here on count as this one: the opacity is 1 within any cut-off of normalised kernels (at most 4), and the packet saturates.
 const LARGEST_PEAK: f64 = 15.0;
@@ -157,11 +157,11 @@ pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -
 
 /// The same from LDL coefficients.
 pub(super) fn form_error_of_scan(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
-    let number = |x: Scaled| value(x.mantissa, x.exponent);
+    let number = |x: SoftFloat| value(x.mantissa, x.exponent);
     let [a, s, c] = [
-        footprint.scan.curvature,
-        footprint.scan.slope,
-        footprint.scan.stretch,
+        footprint.ldl.horizontal,
+        footprint.ldl.shear,
+        footprint.ldl.vertical,
     ]
     .map(number);
     let lean = truth.slope - s;

@@ -38,7 +38,7 @@ use rayon::prelude::*;
 use splatline::footprint::{Footprint, depth};
 use splatline::format::{Design, Traversal};
 use splatline::math::Extended;
-use splatline::raster::{ConicRows, Rows, SpanRows, Window};
+use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 
 /// One line of the table: an engine in a case.
 #[derive(Clone, Debug, serde::Serialize)]
@@ -237,7 +237,7 @@ fn setup_errors(
     let mut errors = StageErrors::default();
     let unit = f64::from(design.widths.subpixel).exp2();
     errors.worsen_centre(fixed.centre.map(|c| c as f64 / unit), truth);
-    let peak = f64::from(fixed.peak) / f64::from(design.widths.peak).exp2();
+    let peak = f64::from(fixed.opacity) / f64::from(design.widths.peak).exp2();
     errors.worsen_depth_and_peak(depth, peak, truth);
     errors.worsen_variance(variance, truth);
     errors.form = match design.traversal {
@@ -261,7 +261,7 @@ fn worsen_radial(
 ) {
     let window = Window {
         first: [0, 0],
-        last: [case.camera.width as u16, case.camera.height as u16],
+        end: [case.camera.width as u16, case.camera.height as u16],
     };
     let lanes = design.dispatch(Lanes {
         footprint,
@@ -294,19 +294,21 @@ impl DesignJob for Lanes<'_> {
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
         match self.traversal {
-            Traversal::Spans => self.collect(SpanRows::new(design, self.footprint, &self.window)),
-            Traversal::Box => self.collect(ConicRows::new(design, self.footprint, &self.window)),
+            Traversal::Spans => {
+                self.collect(EllipseSpans::new(design, self.footprint, &self.window))
+            }
+            Traversal::Box => self.collect(BoxSpans::new(design, self.footprint, &self.window)),
         }
     }
 }
 
 impl Lanes<'_> {
-    fn collect(&self, mut rows: impl Rows) -> Vec<Option<f64>> {
+    fn collect(&self, mut rows: impl Spans) -> Vec<Option<f64>> {
         use splatline::format::Lane;
-        let [columns, lines] = self.window.last.map(usize::from);
+        let [columns, lines] = self.window.end.map(usize::from);
         let mut lanes = vec![None; columns * lines];
         let unit = f64::from(rows.fraction()).exp2();
-        while let Some(run) = rows.next_run() {
+        while let Some(run) = rows.next_span() {
             let start = usize::from(run.y) * columns + usize::from(run.x);
             for (lane, radial) in lanes[start..].iter_mut().zip(run.radials()) {
                 *lane = Some(radial.to_wide() as f64 / unit);

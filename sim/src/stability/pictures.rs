@@ -105,10 +105,10 @@ fn composite(
             continue;
         }
         let rest = clear * (1.0 - alpha);
-        edge |= (rest / rules.stop - 1.0).abs() < width.radial;
+        edge |= (rest / rules.minimum_transmittance - 1.0).abs() < width.radial;
         edge |= footprint.depth != before && footprint.depth - before < width.depth;
         before = footprint.depth;
-        if rules.stop_before && rest <= rules.stop {
+        if rules.omit_finishing && rest <= rules.minimum_transmittance {
             break;
         }
         each(Layer {
@@ -118,7 +118,7 @@ fn composite(
             clear,
         });
         clear = rest;
-        if clear <= rules.stop {
+        if clear <= rules.minimum_transmittance {
             break;
         }
     }
@@ -199,7 +199,7 @@ pub(super) fn share_of_bound(
 /// The picture of single precision, composited in single precision.
 pub(super) fn single(case: &Case, projected: &[Option<SingleFootprint>]) -> Picture {
     let order = by_depth(projected, |f| f.depth.into());
-    let stop = case.rules.stop as f32;
+    let stop = case.rules.minimum_transmittance as f32;
     let mut picture = Picture::new(case.camera.width, case.camera.height);
     for (pixel, (x, y)) in picture.pixels.iter_mut().zip(pixels(case)) {
         let (mut sum, mut clear) = ([0.0f32; 3], 1.0f32);
@@ -209,7 +209,7 @@ pub(super) fn single(case: &Case, projected: &[Option<SingleFootprint>]) -> Pict
                 continue;
             }
             let rest = clear * (1.0 - alpha);
-            if case.rules.stop_before && rest <= stop {
+            if case.rules.omit_finishing && rest <= stop {
                 break;
             }
             for (sum, colour) in sum.iter_mut().zip(case.scene.splats[*index].colour) {

@@ -1,7 +1,7 @@
 //! The built-in subject: random splats, every other one a hard case.
 
 use fixed::types::{I2F30, I32F32, U4F28};
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Projection, RatioLimits, View};
 
@@ -44,12 +44,12 @@ fn splat(random: &mut Random, index: usize) -> VolumeSplat {
         exponent: -32 - power,
     });
     VolumeSplat {
-        centre: centre.map(|mantissa| Scaled {
+        centre: centre.map(|mantissa| SoftFloat {
             mantissa,
             exponent: -24,
         }),
         axes,
-        weight: Scaled {
+        weight: SoftFloat {
             mantissa: (random.bits() >> 2) as i32,
             exponent: opacity,
         },
@@ -61,7 +61,7 @@ fn splat(random: &mut Random, index: usize) -> VolumeSplat {
 fn view(size: [u16; 2]) -> View {
     let entry = |value: f64| I2F30::from_num(value);
     let (zero, one, sine, cosine) = (I2F30::ZERO, I2F30::ONE, entry(0.6), entry(0.8));
-    let focal = Scaled::from_wide(size[0].into(), 0, 31);
+    let focal = SoftFloat::from_wide(size[0].into(), 0, 31);
     let half = size.map(|side| I32F32::from_num(side) / 2);
     let limit = |axis: usize| {
         half[axis].saturating_mul(I32F32::from_num(1.3)) / I32F32::from_num(size[0].max(1))

@@ -11,8 +11,8 @@ use splatline::footprint::depth::{self, KEY_BITS};
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::math::{Scaled, shift_signed};
-use splatline::raster::{ConicRows, Rows, SpanRows, Window};
+use splatline::math::{SoftFloat, shift_signed};
+use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::{self, Cull};
 use splatline::splat::VolumeSplat;
@@ -49,10 +49,10 @@ fn compute_with<D: Design>(design: D, subject: &Subject) -> Vec<Stage> {
     for (number, (_, footprint)) in visible.iter().enumerate() {
         match subject.design.traversal {
             Traversal::Spans => {
-                raster.record(number, footprint, |d, w| SpanRows::new(d, footprint, w))
+                raster.record(number, footprint, |d, w| EllipseSpans::new(d, footprint, w))
             }
             Traversal::Box => {
-                raster.record(number, footprint, |d, w| ConicRows::new(d, footprint, w))
+                raster.record(number, footprint, |d, w| BoxSpans::new(d, footprint, w))
             }
         }
     }
@@ -91,7 +91,7 @@ fn numbers<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item =
     names.into_iter().flat_map(number)
 }
 
-fn values(numbers: impl IntoIterator<Item = Scaled>) -> impl Iterator<Item = i64> {
+fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = i64> {
     numbers
         .into_iter()
         .flat_map(|n| [n.mantissa.into(), n.exponent.into()])
@@ -173,8 +173,8 @@ impl SetupStages {
             let depth = depth::key(found.depth) as i64;
             projected.extend([depth, found.centre[0], found.centre[1]]);
             projected.extend(values(found.ratio.into_iter().chain(found.gain)));
-            let columns = setup::columns(&widths, &view.rotation, &found, &splat.axes);
-            let variance = setup::variance(&widths, rules.low_pass, &columns);
+            let columns = setup::project_axes(&widths, &view.rotation, &found, &splat.axes);
+            let variance = setup::covariance(&widths, rules.low_pass, &columns);
             self.columns
                 .records
                 .push(values(columns.iter().flat_map(|c| [c.x, c.y])).collect());
@@ -274,9 +274,9 @@ impl<D: Design> RasterStages<D> {
         fill_gaussian(&mut table, &widths, rules.table_range);
         let window = Window {
             first: [0; 2],
-            last: subject.view.viewport,
+            end: subject.view.viewport,
         };
-        let count = window.last.iter().map(|side| usize::from(*side)).product();
+        let count = window.end.iter().map(|side| usize::from(*side)).product();
         let (lane, fraction) = match subject.design.traversal {
             Traversal::Spans => (8 * size_of::<D::Lane>(), widths.radial),
             Traversal::Box => (64, 36),
@@ -326,7 +326,7 @@ impl<D: Design> RasterStages<D> {
         }
     }
 
-    fn record<R: Rows>(
+    fn record<R: Spans>(
         &mut self,
         number: usize,
         footprint: &Footprint,
@@ -336,7 +336,7 @@ impl<D: Design> RasterStages<D> {
         let widths = self.design.widths();
         let drop = rows.fraction() as i32 - i32::from(widths.radial);
         let end = cutoff_in_lane(footprint.cutoff, widths.radial);
-        while let Some(run) = rows.next_run() {
+        while let Some(run) = rows.next_span() {
             let place = [number as i64, run.y.into(), run.x.into()];
             let lanes = [run.radial, run.first, run.second].map(Lane::to_wide);
             let record = place.into_iter().chain([run.length.into()]).chain(lanes);
@@ -352,12 +352,12 @@ impl<D: Design> RasterStages<D> {
 
     fn pixel(&mut self, number: usize, footprint: &Footprint, [x, y]: [u16; 2], radial: u64) {
         let widths = self.design.widths();
-        let at = usize::from(y) * usize::from(self.window.last[0]) + usize::from(x);
+        let at = usize::from(y) * usize::from(self.window.end[0]) + usize::from(x);
         let table = FootprintTable::new(&self.table, &widths, self.range);
         let (Ok(table), Some(pixel)) = (table, self.picture.get_mut(at)) else {
             return;
         };
-        let alpha = self.blend.opacity(footprint.peak, table.weight(radial));
+        let alpha = self.blend.opacity(footprint.opacity, table.weight(radial));
         if alpha > 0 && !pixel.is_finished() {
             match self.compositing {
                 Compositing::FrontToBack => {
@@ -408,7 +408,7 @@ fn pixel_values(pixel: &Pixel) -> [i64; 5] {
         r,
         g,
         b,
-        pixel.clear_share().into(),
+        pixel.transmittance().into(),
         pixel.is_finished().into(),
     ]
 }

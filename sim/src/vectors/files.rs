@@ -7,7 +7,7 @@ use crate::difference::differences;
 use crate::memory::TooLarge;
 use crate::{atomic, input};
 use fixed::types::U4F28;
-use splatline::math::Scaled;
+use splatline::math::SoftFloat;
 use splatline::splat::{Axis, VolumeSplat};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -199,7 +199,7 @@ fn splat(record: &[i64]) -> VolumeSplat {
     let mut values = record.iter().copied();
     let mut next = || values.next().unwrap_or_default();
     VolumeSplat {
-        centre: [(); 3].map(|()| Scaled {
+        centre: [(); 3].map(|()| SoftFloat {
             mantissa: next() as i32,
             exponent: next() as i32,
         }),
@@ -207,7 +207,7 @@ fn splat(record: &[i64]) -> VolumeSplat {
             mantissa: [(); 3].map(|()| next() as i32),
             exponent: next() as i32,
         }),
-        weight: Scaled {
+        weight: SoftFloat {
             mantissa: next() as i32,
             exponent: next() as i32,
         },

@@ -5,7 +5,7 @@ use crate::design::{DesignChoice, ResolvedDesign};
 use crate::rules::{Compositing, Rules};
 use fixed::types::{I2F30, I32F32};
 use serde::{Deserialize, Serialize};
-use splatline::math::{Extended, Scaled};
+use splatline::math::{Extended, SoftFloat};
 use splatline::view::{Eye, Projection, RatioLimits, View};
 use std::str::FromStr;
 
@@ -167,7 +167,7 @@ impl ViewRecord {
             },
             focal: self
                 .focal_mantissa_exponent
-                .map(|[mantissa, exponent]| Scaled { mantissa, exponent }),
+                .map(|[mantissa, exponent]| SoftFloat { mantissa, exponent }),
             principal: self.principal_q31_32.map(I32F32::from_bits),
             near: extended(self.near_mantissa_exponent),
             far: extended(self.far_mantissa_exponent),

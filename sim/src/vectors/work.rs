@@ -37,7 +37,7 @@ fn bytes(subject: &Subject) -> u64 {
             let rules = kernel_rules(&self.0.rules);
             let pixels = |splat| match setup::setup(design, &self.0.view, &rules, splat) {
                 Ok(print) => [0, 1]
-                    .map(|axis| u64::from(print.last[axis].saturating_sub(print.first[axis])))
+                    .map(|axis| u64::from(print.end[axis].saturating_sub(print.first[axis])))
                     .iter()
                     .product(),
                 Err(_) => 0,

@@ -60,7 +60,7 @@ impl DesignJob for Painted<'_> {
         }
         let window = Window {
             first: [0; 2],
-            last: view.viewport,
+            end: view.viewport,
         };
         let mut pixels = vec![Pixel::clear(&widths); 80 * 40];
         let mut target = Target::new(&mut pixels, window, 80).unwrap();
@@ -69,7 +69,7 @@ impl DesignJob for Painted<'_> {
         }
         let words = |p: &Pixel| {
             let [r, g, b] = p.colour.map(i64::from);
-            [r, g, b, p.clear_share().into(), p.is_finished().into()]
+            [r, g, b, p.transmittance().into(), p.is_finished().into()]
         };
         pixels.iter().map(words).collect()
     }

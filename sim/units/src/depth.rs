@@ -71,7 +71,7 @@ mod deep {
             return;
         };
         let colour = footprint.colour.map(|c| c << (28 - WIDTHS.colour));
-        let columns = usize::from(window.last[0] - window.first[0]);
+        let columns = usize::from(window.end[0] - window.first[0]);
         painter.visit(&footprint, window, |x, y, alpha| {
             let at = usize::from(y - window.first[1]) * columns + usize::from(x - window.first[0]);
             if let Some(pixel) = pixels.get_mut(at) {

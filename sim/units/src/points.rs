@@ -2,9 +2,9 @@
 
 use crate::common::{WIDTHS, painter};
 use splatline::blend::points::{Slab, Slabs};
-use splatline::draw::Gathering;
+use splatline::draw::PointSettings;
 use splatline::format::Standard24;
-use splatline::math::Scaled;
+use splatline::math::SoftFloat;
 #[cfg(feature = "stamp")]
 use splatline::raster::Stamp;
 use splatline::rules::{Compositing, Rules};
@@ -22,7 +22,7 @@ pub static mut STATE: core::mem::MaybeUninit<(splatline::blend::Pixel, Slab)> =
 #[unsafe(no_mangle)]
 pub fn entry(
     view: &View,
-    spacing: Scaled,
+    spacing: SoftFloat,
     splat: &VolumeSplat,
     target: &mut Target,
     slabs: &mut Slabs,
@@ -42,7 +42,7 @@ pub fn entry(
     let stamp = Some(stamp);
     #[cfg(not(feature = "stamp"))]
     let stamp = None;
-    let gathering = Gathering {
+    let gathering = PointSettings {
         range: 1 << 20,
         stamp,
     };

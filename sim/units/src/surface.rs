@@ -11,7 +11,7 @@ use splatline::blend::resolve::Resolve;
 use splatline::blend::shading::{Material, Shading};
 #[cfg(not(feature = "layers"))]
 use splatline::blend::surface::Accumulation;
-use splatline::blend::surface::Gather;
+use splatline::blend::surface::WeightedSum;
 use splatline::draw::surface::SurfacePainter;
 use splatline::format::{Standard24, Traversal};
 use splatline::kernel::FootprintTable;
@@ -47,7 +47,7 @@ pub fn entry(
     let Ok(table) = FootprintTable::new(&TABLE, &WIDTHS, rules.table_range) else {
         return;
     };
-    let gather = Gather::new(&WIDTHS, 1 << 20);
+    let gather = WeightedSum::new(&WIDTHS, 1 << 20);
     let painter = SurfacePainter::new(Standard24, &rules, table, gather, Traversal::Spans);
     if let Ok(footprint) = setup_surface(Standard24, view, &rules, splat) {
         painter.draw(&footprint, target);

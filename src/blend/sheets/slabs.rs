@@ -1,6 +1,6 @@
 //! Which slab a splat belongs to: two ways to cut space into sheets.
 
-use crate::math::{Product, Scaled, shift_round, square_root, sum_of_products};
+use crate::math::{Product, SoftFloat, shift_round, square_root, sum_of_products};
 use crate::splat::Axis;
 use crate::view::View;
 use fixed::types::{I2F30, I8F24};
@@ -52,7 +52,7 @@ pub struct AxisSlabs {
 
 impl AxisSlabs {
     /// Number of a centre's slab, growing away from the eye; saturates at the ends of `i32`.
-    pub fn slab(&self, centre: [Scaled; 3]) -> i32 {
+    pub fn slab(&self, centre: [SoftFloat; 3]) -> i32 {
         let coordinate = centre[self.facing.axis % 3].to_fixed(24);
         let distance = coordinate.saturating_sub(self.first.to_bits().into());
         // Q.24 times UQ16.16 does not fit 64 bits.
@@ -85,7 +85,7 @@ impl DepthSlabs {
     }
 
     /// First and last slab that a kernel at `depth` with a standard deviation of `spread` scene units along the view reaches.
-    pub fn reach(&self, depth: u32, spread: Scaled) -> (u32, u32) {
+    pub fn reach(&self, depth: u32, spread: SoftFloat) -> (u32, u32) {
         let half = REACH.saturating_mul(self.in_slabs(spread));
         let place = self.place(depth) as i64;
         let slab = |place: i64| (place >> 16).clamp(0, u32::MAX.into()) as u32;
@@ -98,7 +98,7 @@ impl DepthSlabs {
     /// The share of such a kernel that lies in `slab`, UQ1.16: its Gaussian integrated over the slab's depth.
     ///
     /// The shares of the slabs of [`reach`](Self::reach) sum to exactly 1: the outermost ones take the tails.
-    pub fn share(&self, slab: u32, depth: u32, spread: Scaled) -> u32 {
+    pub fn fraction_in(&self, slab: u32, depth: u32, spread: SoftFloat) -> u32 {
         let (first, last) = self.reach(depth, spread);
         let spread = self.in_slabs(spread).max(1);
         let place = self.place(depth) as i64;
@@ -116,15 +116,15 @@ impl DepthSlabs {
     }
 
     /// A length in slabs, Q.16, at most 2^40.
-    fn in_slabs(&self, length: Scaled) -> i64 {
-        let slabs = Scaled::from_wide(self.per_unit.into(), -16, 31);
+    fn in_slabs(&self, length: SoftFloat) -> i64 {
+        let slabs = SoftFloat::from_wide(self.per_unit.into(), -16, 31);
         length.times(slabs).to_fixed(16).clamp(0, 1 << 40)
     }
 }
 
 /// Standard deviation of a splat along the view: sqrt(sum_k (w . a_k)^2) with the third row w of the view's rotation, scene
 /// units, 24 bits rounded to nearest; sums are aligned to their largest term.
-pub fn depth_spread<P>(view: &View<P>, axes: &[Axis; 3]) -> Scaled {
+pub fn depth_spread<P>(view: &View<P>, axes: &[Axis; 3]) -> SoftFloat {
     let parts = axes.map(|axis| {
         let terms = [0, 1, 2].map(|i| Product {
             value: i64::from(view.rotation[2][i].to_bits())

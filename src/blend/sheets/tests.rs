@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::format::Standard24;
-use crate::math::Scaled;
+use crate::math::SoftFloat;
 use crate::rules::Rules;
 use fixed::types::{I2F30, I8F24};
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn value(pixel: &Pixel) -> [f64; 4] {
     let [r, g, b] = pixel
         .colour
         .map(|c| f64::from(c) / 2f64.powi(WIDTHS.accumulator.into()));
-    [r, g, b, f64::from(pixel.clear_share()) / 2f64.powi(30)]
+    [r, g, b, f64::from(pixel.transmittance()) / 2f64.powi(30)]
 }
 
 fn pixel() -> impl Strategy<Value = Pixel> {
@@ -55,21 +55,21 @@ proptest! {
         let sheet = Pixel { colour: sheet, transmittance: opacity };
         blend.sheet_behind(&mut pixel, &sheet);
         blend.sheet_over(&mut pixel, &sheet);
-        let spread = Scaled { mantissa, exponent };
+        let spread = SoftFloat { mantissa, exponent };
         let slabs = DepthSlabs { nearest, per_unit };
-        prop_assert!(slabs.share(slab, depth, spread) <= 1 << 16);
+        prop_assert!(slabs.fraction_in(slab, depth, spread) <= 1 << 16);
         let facing = Facing { axis, ascending: depth % 2 == 0 };
-        AxisSlabs { facing, first: I8F24::from_bits(mantissa), per_unit }.slab(centre.map(|(mantissa, exponent)| Scaled { mantissa, exponent }));
+        AxisSlabs { facing, first: I8F24::from_bits(mantissa), per_unit }.slab(centre.map(|(mantissa, exponent)| SoftFloat { mantissa, exponent }));
     }
 
     #[test]
     fn shares_of_a_kernel_sum_to_one(depth in 0u32..1 << 30, spread in 0.0f64..4.0, per_unit in 1u32..1 << 18) {
         let slabs = DepthSlabs { nearest: 1 << 23, per_unit };
-        let spread = Scaled::from_wide((spread * 2f64.powi(30)) as i64, -30, 31);
+        let spread = SoftFloat::from_wide((spread * 2f64.powi(30)) as i64, -30, 31);
         let (first, last) = slabs.reach(depth, spread);
-        let sum: u32 = (first..=last).map(|slab| slabs.share(slab, depth, spread)).sum();
+        let sum: u32 = (first..=last).map(|slab| slabs.fraction_in(slab, depth, spread)).sum();
         prop_assert_eq!(sum, 1 << 16);
-        prop_assert_eq!(slabs.share(last + 1, depth, spread), 0);
+        prop_assert_eq!(slabs.fraction_in(last + 1, depth, spread), 0);
     }
 }
 
@@ -80,8 +80,8 @@ fn shares_are_the_normal_distribution() {
         nearest: 0,
         per_unit: 1 << 16,
     };
-    let one = Scaled::from_wide(1, 0, 31);
-    let share = |slab| f64::from(slabs.share(slab, 11 << 22, one)) / 65536.0;
+    let one = SoftFloat::from_wide(1, 0, 31);
+    let share = |slab| f64::from(slabs.fraction_in(slab, 11 << 22, one)) / 65536.0;
     let expected = [0.0062, 0.0606, 0.2417, 0.3829, 0.2417, 0.0606, 0.0062];
     for (slab, expected) in (2..9).zip(expected) {
         assert!(
@@ -114,7 +114,7 @@ fn slabs_count_away_from_the_eye() {
         first: I8F24::from_num(-4),
         per_unit: 2 << 16,
     };
-    let number = |value: f64| Scaled {
+    let number = |value: f64| SoftFloat {
         mantissa: (value * 2f64.powi(24)) as i32,
         exponent: -24,
     };

@@ -8,10 +8,10 @@
 mod image {
     use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
-    use splatline::draw::{NarrowLanes, NarrowPainter, NarrowRun};
-    use splatline::footprint::{Conic, Footprint, Scan};
+    use splatline::draw::{NarrowLanes, Painter32, NarrowRun};
+    use splatline::footprint::{Conic, Footprint, Ldl};
     use splatline::kernel::PackedTable;
-    use splatline::math::Scaled;
+    use splatline::math::SoftFloat;
     use splatline_firmware::design::Firmware16;
     use splatline_firmware::fixed_picture::{INTERVALS, PACKED};
     use splatline_firmware::scene::RULES;
@@ -91,11 +91,11 @@ mod image {
                 centre: [0; 2],
                 first: [0; 2],
                 last: [0; 2],
-                scan: Scan {
-                    curvature: Scaled::ZERO,
-                    spread: Scaled::ZERO,
-                    slope: Scaled::ZERO,
-                    stretch: Scaled::ZERO,
+                scan: Ldl {
+                    curvature: SoftFloat::ZERO,
+                    spread: SoftFloat::ZERO,
+                    slope: SoftFloat::ZERO,
+                    stretch: SoftFloat::ZERO,
                 },
                 conic: Conic::default(),
                 cutoff: 0,
@@ -107,7 +107,7 @@ mod image {
 
     #[unsafe(no_mangle)]
     fn image_main() {
-        let Ok(painter) = NarrowPainter::new(Firmware16, &RULES, &PACKED) else {
+        let Ok(painter) = Painter32::new(Firmware16, &RULES, &PACKED) else {
             return;
         };
         let widths = Firmware16::WIDTHS;

@@ -161,7 +161,7 @@ struct PixelMethod<L: Floats> {
     alpha_max: L::Words,
     stop: L::Words,
     finished: L::Words,
-    stop_before: bool,
+    omit_finishing: bool,
 }
 
 /// What is constant for a footprint.
@@ -182,7 +182,7 @@ impl<L: Floats> PixelMethod<L> {
             // The next number: "at most stop" becomes "less".
             stop: lanes.splat(scene.stop.to_bits() + 1),
             finished: lanes.splat(FINISHED),
-            stop_before: scene.stop_before,
+            omit_finishing: scene.omit_finishing,
         }
     }
 
@@ -203,7 +203,7 @@ impl<L: Floats> PixelMethod<L> {
             peak: self.number(footprint.peak),
             colour: footprint.colour.map(|colour| self.number(colour)),
         };
-        let [first, last] = [part.first[0], part.last[0]].map(|x| usize::from(x - window.first[0]));
+        let [first, last] = [part.first[0], part.end[0]].map(|x| usize::from(x - window.first[0]));
         // One vector where one is enough, else those that lie in the box.
         let start = if last - first <= L::WIDTH {
             first.min(COLUMNS - L::WIDTH)
@@ -211,7 +211,7 @@ impl<L: Floats> PixelMethod<L> {
             0
         };
         let left = f32::from(window.first[0]) + 0.5 - footprint.centre[0];
-        for y in part.first[1]..part.last[1] {
+        for y in part.first[1]..part.end[1] {
             let dy = f32::from(y) + 0.5 - footprint.centre[1];
             let (along, vertical) = (self.number(2.0 * b * dy), self.number(c * dy * dy));
             let row = &mut tile[usize::from(y - window.first[1]) % COLUMNS];
@@ -241,7 +241,7 @@ impl<L: Floats> PixelMethod<L> {
         let share = lanes.float_mul(transmittance, alpha);
         let rest = lanes.float_sub(transmittance, share);
         let stop = lanes.float_greater(self.stop, rest);
-        let (share, marked) = if self.stop_before {
+        let (share, marked) = if self.omit_finishing {
             let marked = lanes.or(transmittance, self.finished);
             (lanes.clear(share, stop), marked)
         } else {

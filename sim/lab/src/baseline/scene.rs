@@ -44,7 +44,7 @@ pub struct FloatScene {
     /// A pixel is finished at this transmittance.
     pub stop: f32,
     /// The splat that would finish a pixel is left out.
-    pub stop_before: bool,
+    pub omit_finishing: bool,
 }
 
 /// How far a splat's bounding box reaches.
@@ -125,8 +125,8 @@ impl FloatScene {
             viewport: [camera.width as u16, camera.height as u16],
             alpha_max: rules.alpha_max as f32,
             alpha_min: rules.alpha_min as f32,
-            stop: rules.stop as f32,
-            stop_before: rules.stop_before,
+            stop: rules.minimum_transmittance as f32,
+            omit_finishing: rules.omit_finishing,
         }
     }
 
@@ -208,7 +208,7 @@ impl FloatScene {
     fn bounds(&self, centre: [f32; 2], extent: [f32; 2]) -> Option<Window> {
         let mut window = Window {
             first: [0; 2],
-            last: [0; 2],
+            end: [0; 2],
         };
         for axis in 0..2 {
             let limit = f32::from(self.viewport[axis]);
@@ -218,7 +218,7 @@ impl FloatScene {
             if low >= high {
                 return None;
             }
-            (window.first[axis], window.last[axis]) = (low as u16, high as u16);
+            (window.first[axis], window.end[axis]) = (low as u16, high as u16);
         }
         Some(window)
     }

@@ -122,7 +122,7 @@ impl VectorTask for Painting<'_> {
                 let Some(footprint) = &footprints[*index as usize] else {
                     continue;
                 };
-                if scene.stop_before {
+                if scene.omit_finishing {
                     path.draw::<true>(footprint, tile);
                 } else {
                     path.draw::<false>(footprint, tile);
@@ -188,8 +188,8 @@ impl<L: Floats> PixelMethod<L> {
                 lanes.splat(b.to_bits()),
             ],
         };
-        let (left, right) = (f32::from(part.first[0]), f32::from(part.last[0]));
-        for y in part.first[1]..part.last[1] {
+        let (left, right) = (f32::from(part.first[0]), f32::from(part.end[0]));
+        for y in part.first[1]..part.end[1] {
             let dy = f32::from(y) + 0.5 - footprint.centre[1];
             let vertical = stretch * dy * dy;
             let rest = footprint.cutoff - vertical;

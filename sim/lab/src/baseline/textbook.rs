@@ -100,17 +100,17 @@ fn paint_tile<'a>(
 ) -> [[f32; 4]; AREA] {
     let mut pixels = [[0.0, 0.0, 0.0, 1.0]; AREA];
     let mut finished = [false; AREA];
-    let area = usize::from(window.last[0] - window.first[0])
-        * usize::from(window.last[1] - window.first[1]);
+    let area =
+        usize::from(window.end[0] - window.first[0]) * usize::from(window.end[1] - window.first[1]);
     let mut left = area;
     // Under rules that skip by opacity no radial index ends a footprint.
     let end = scene.cutoff;
     for splat in splats {
         let part = splat.bounds.intersect(&window);
         let [a, b, c] = splat.conic;
-        for y in part.first[1]..part.last[1] {
+        for y in part.first[1]..part.end[1] {
             let dy = f32::from(y) + 0.5 - splat.centre[1];
-            for x in part.first[0]..part.last[0] {
+            for x in part.first[0]..part.end[0] {
                 let place = usize::from(y - window.first[1]) * usize::from(TILE)
                     + usize::from(x - window.first[0]);
                 if finished[place] {
@@ -131,7 +131,7 @@ fn paint_tile<'a>(
                 if stop {
                     finished[place] = true;
                     left -= 1;
-                    if scene.stop_before {
+                    if scene.omit_finishing {
                         continue;
                     }
                 }

@@ -4,7 +4,7 @@ use super::options::{Collection, GalleryOptions};
 use splatline_lab::gallery::{Exhibit, deep, kernels, page, sheet, surface, texture};
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
-use splatline_sim::cli::{Failure, say};
+use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::picture::Depth;
 use splatline_sim::progress::Progress;
 use std::path::{Path, PathBuf};
@@ -103,6 +103,6 @@ fn store(
     );
     let text = page::markdown(title, &command, exhibits);
     write(&folder.join("README.md"), text.as_bytes())?;
-    say(&text)?;
+    print_result(&text)?;
     Ok(())
 }

@@ -7,7 +7,7 @@ mod results;
 use clap::Parser;
 use options::{Command, Lab};
 use splatline_lab::results::lines::compared;
-use splatline_sim::cli::{Failure, finish, say};
+use splatline_sim::cli::{Failure, finish, print_result};
 use std::process::ExitCode;
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
@@ -18,6 +18,6 @@ pub fn run() -> ExitCode {
         Command::DrawOnce(options) => results::host::draw_once(&options),
         Command::Lines(options) => compared(&options.before)
             .map_err(Failure::from)
-            .and_then(|table| say(&table)),
+            .and_then(|table| print_result(&table)),
     })
 }

@@ -16,35 +16,35 @@ pub struct View {
     pub camera: Camera,
 }
 
-struct Entry {
+struct ViewEntry {
     name: &'static str,
     file: &'static str,
     /// Eye, target and vertical field of view in degrees; the scene's own camera if absent.
     pose: Option<([f64; 3], [f64; 3], f64)>,
 }
 
-const ENTRIES: [Entry; 5] = [
-    Entry {
+const ENTRIES: [ViewEntry; 5] = [
+    ViewEntry {
         name: "guitar close-up",
         file: "gaussians/guitar.ply",
         pose: Some(([2.2, -1.2, 0.5], [0.1, -1.2, 0.1], 50.0)),
     },
-    Entry {
+    ViewEntry {
         name: "playbot_lod4",
         file: "gaussians/playbot_lod4.ply",
         pose: Some(([2.2, -1.4, 2.2], [0.0, -0.45, 0.0], 45.0)),
     },
-    Entry {
+    ViewEntry {
         name: "brainsmall",
         file: "volumes/brainsmall.nhdr",
         pose: None,
     },
-    Entry {
+    ViewEntry {
         name: "aneurism",
         file: "volumes/aneurism.nhdr",
         pose: None,
     },
-    Entry {
+    ViewEntry {
         name: DEEP_STACK,
         file: "deep-stack",
         pose: None,
@@ -62,7 +62,7 @@ pub fn load_all(data: &Path, size: usize) -> Result<Vec<View>> {
         .collect()
 }
 
-fn load_view(entry: &Entry, data: &Path, size: usize) -> Result<View> {
+fn load_view(entry: &ViewEntry, data: &Path, size: usize) -> Result<View> {
     let path = if entry.name == DEEP_STACK {
         entry.file.into()
     } else {

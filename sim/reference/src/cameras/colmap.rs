@@ -9,23 +9,23 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Lens models in the order of their numbers: name, number of parameters, and what these mean.
-const MODELS: [(&str, usize, Model); 11] = [
-    ("SIMPLE_PINHOLE", 3, Model::Single),
-    ("PINHOLE", 4, Model::Double),
-    ("SIMPLE_RADIAL", 4, Model::Single),
-    ("RADIAL", 5, Model::Single),
-    ("OPENCV", 8, Model::Double),
-    ("OPENCV_FISHEYE", 8, Model::Other),
-    ("FULL_OPENCV", 12, Model::Double),
-    ("FOV", 5, Model::Other),
-    ("SIMPLE_RADIAL_FISHEYE", 4, Model::Other),
-    ("RADIAL_FISHEYE", 5, Model::Other),
-    ("THIN_PRISM_FISHEYE", 12, Model::Other),
+const MODELS: [(&str, usize, ColmapModel); 11] = [
+    ("SIMPLE_PINHOLE", 3, ColmapModel::Single),
+    ("PINHOLE", 4, ColmapModel::Double),
+    ("SIMPLE_RADIAL", 4, ColmapModel::Single),
+    ("RADIAL", 5, ColmapModel::Single),
+    ("OPENCV", 8, ColmapModel::Double),
+    ("OPENCV_FISHEYE", 8, ColmapModel::Other),
+    ("FULL_OPENCV", 12, ColmapModel::Double),
+    ("FOV", 5, ColmapModel::Other),
+    ("SIMPLE_RADIAL_FISHEYE", 4, ColmapModel::Other),
+    ("RADIAL_FISHEYE", 5, ColmapModel::Other),
+    ("THIN_PRISM_FISHEYE", 12, ColmapModel::Other),
 ];
 
 /// Order of a model's parameters.
 #[derive(Clone, Copy, PartialEq)]
-enum Model {
+enum ColmapModel {
     /// f, cx, cy, k1, k2.
     Single,
     /// fx, fy, cx, cy, k1, k2, p1, p2, k3 to k6.
@@ -34,7 +34,7 @@ enum Model {
     Other,
 }
 
-struct Lens {
+struct ColmapLens {
     size: [u64; 2],
     focal: [f64; 2],
     principal: [f64; 2],
@@ -85,7 +85,7 @@ fn text(bytes: &[u8], file: &str) -> Result<String, String> {
     String::from_utf8(bytes.to_vec()).map_err(|_| format!("{file} is no text: fetch it again"))
 }
 
-type Lenses = BTreeMap<i64, Lens>;
+type Lenses = BTreeMap<i64, ColmapLens>;
 
 fn text_cameras(text: &str) -> Result<Lenses, String> {
     let mut lenses = Lenses::new();
@@ -166,12 +166,12 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 }
 
 /// A cursor over a binary file.
-struct Bytes<'a> {
+struct ColmapBytes<'a> {
     rest: &'a [u8],
     file: &'static str,
 }
 
-impl Bytes<'_> {
+impl ColmapBytes<'_> {
     fn array<const N: usize>(&mut self) -> Result<[u8; N], String> {
         let cut = || format!("{} ends too early: fetch it again", self.file);
         let (taken, rest) = self.rest.split_first_chunk::<N>().ok_or_else(cut)?;
@@ -219,7 +219,7 @@ impl Bytes<'_> {
 }
 
 fn binary_cameras(bytes: &[u8]) -> Result<Lenses, String> {
-    let mut bytes = Bytes {
+    let mut bytes = ColmapBytes {
         rest: bytes,
         file: "cameras.bin",
     };
@@ -246,7 +246,7 @@ fn binary_cameras(bytes: &[u8]) -> Result<Lenses, String> {
 }
 
 fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
-    let mut bytes = Bytes {
+    let mut bytes = ColmapBytes {
         rest: bytes,
         file: "images.bin",
     };
@@ -270,10 +270,10 @@ fn binary_images(bytes: &[u8], lenses: &Lenses) -> Read {
 }
 
 fn lens(
-    (name, count, model): &(&str, usize, Model),
+    (name, count, model): &(&str, usize, ColmapModel),
     size: [u64; 2],
     p: &[f64],
-) -> Result<Lens, String> {
+) -> Result<ColmapLens, String> {
     if p.len() != *count {
         return Err(format!(
             "{name} has {count} parameters, but there are {}",
@@ -281,16 +281,16 @@ fn lens(
         ));
     }
     let (focal, principal, rest) = match model {
-        Model::Single => ([p[0]; 2], [p[1], p[2]], &p[3..]),
-        Model::Double => ([p[0], p[1]], [p[2], p[3]], &p[4..]),
-        Model::Other => {
+        ColmapModel::Single => ([p[0]; 2], [p[1], p[2]], &p[3..]),
+        ColmapModel::Double => ([p[0], p[1]], [p[2], p[3]], &p[4..]),
+        ColmapModel::Other => {
             return Err(format!(
                 "the lens model {name} is no pinhole; undistort the pictures (colmap image_undistorter) and give that model"
             ));
         }
     };
     let at = |k: usize| rest.get(k).copied().unwrap_or(0.0);
-    Ok(Lens {
+    Ok(ColmapLens {
         size,
         focal,
         principal,

@@ -59,9 +59,9 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<Pose>, CameraEr
         return Err(wrong(problem.to_string()));
     }
     match kind(path) {
-        Kind::Frames(text) => transforms::parse(&text, size).map_err(wrong),
-        Kind::List(text) => trainer::parse(&text).map_err(wrong),
-        Kind::Own => Ok(vec![own(path)?]),
+        CameraFormat::Frames(text) => transforms::parse(&text, size).map_err(wrong),
+        CameraFormat::List(text) => trainer::parse(&text).map_err(wrong),
+        CameraFormat::Own => Ok(vec![own(path)?]),
     }
 }
 
@@ -77,7 +77,7 @@ fn own(path: &Path) -> Result<Pose, CameraError> {
     })
 }
 
-enum Kind {
+enum CameraFormat {
     Frames(String),
     List(String),
     Own,
@@ -91,16 +91,16 @@ struct HasFrames {
 }
 
 /// What cannot be read is left to our own reader, whose messages name the fields.
-fn kind(path: &Path) -> Kind {
+fn kind(path: &Path) -> CameraFormat {
     let Ok(text) = input::text(path, input::TABLE) else {
-        return Kind::Own;
+        return CameraFormat::Own;
     };
     if text.trim_start().starts_with('[') {
-        return Kind::List(text);
+        return CameraFormat::List(text);
     }
     match serde_json::from_str::<HasFrames>(&text) {
-        Ok(_) => Kind::Frames(text),
-        Err(_) => Kind::Own,
+        Ok(_) => CameraFormat::Frames(text),
+        Err(_) => CameraFormat::Own,
     }
 }
 

@@ -5,7 +5,7 @@ use super::{Photograph, Pose, Read, inverted, unit_rows};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
-struct Entry {
+struct TrainerCamera {
     #[serde(default)]
     img_name: String,
     id: Option<i64>,
@@ -19,15 +19,15 @@ struct Entry {
 
 /// All cameras of a file.
 pub(super) fn parse(text: &str) -> Read {
-    let entries: Vec<Entry> =
+    let entries: Vec<TrainerCamera> =
         serde_json::from_str(text).map_err(|error| format!("is no cameras.json: {error}"))?;
-    let posed = |(index, entry): (usize, &Entry)| {
+    let posed = |(index, entry): (usize, &TrainerCamera)| {
         pose(entry).map_err(|what| format!("camera {index}: {what}"))
     };
     entries.iter().enumerate().map(posed).collect()
 }
 
-fn pose(entry: &Entry) -> Result<Pose, String> {
+fn pose(entry: &TrainerCamera) -> Result<Pose, String> {
     let column = |k: usize| entry.rotation.map(|row| row[k]);
     let (rotation, translation) =
         inverted(unit_rows([column(0), column(1), column(2)]), entry.position);

@@ -9,24 +9,24 @@ use super::{Photograph, Pose, Read, inverted, unit_rows};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
-struct File {
+struct TransformsFile {
     camera_model: Option<String>,
     #[serde(flatten)]
-    lens: Lens,
-    frames: Vec<Frame>,
+    lens: TransformsLens,
+    frames: Vec<TransformsFrame>,
 }
 
 #[derive(Deserialize)]
-struct Frame {
+struct TransformsFrame {
     #[serde(default)]
     file_path: String,
     transform_matrix: Vec<[f64; 4]>,
     #[serde(flatten)]
-    lens: Lens,
+    lens: TransformsLens,
 }
 
 #[derive(Clone, Deserialize)]
-struct Lens {
+struct TransformsLens {
     w: Option<f64>,
     h: Option<f64>,
     fl_x: Option<f64>,
@@ -45,7 +45,7 @@ struct Lens {
 
 /// All frames of a file; `size` is the picture's where the file has none.
 pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
-    let file: File =
+    let file: TransformsFile =
         serde_json::from_str(text).map_err(|error| format!("is no transforms.json: {error}"))?;
     if let Some(model) = &file.camera_model {
         let known = [
@@ -63,17 +63,17 @@ pub(super) fn parse(text: &str, size: Option<[usize; 2]>) -> Read {
             ));
         }
     }
-    let posed = |(index, frame): (usize, &Frame)| {
+    let posed = |(index, frame): (usize, &TransformsFrame)| {
         pose(frame, &frame.lens.or(&file.lens), size)
             .map_err(|what| format!("frame {index}: {what}"))
     };
     file.frames.iter().enumerate().map(posed).collect()
 }
 
-impl Lens {
+impl TransformsLens {
     /// The frame's own fields, else the file's.
-    fn or(&self, file: &Lens) -> Lens {
-        Lens {
+    fn or(&self, file: &TransformsLens) -> TransformsLens {
+        TransformsLens {
             w: self.w.or(file.w),
             h: self.h.or(file.h),
             fl_x: self.fl_x.or(file.fl_x),
@@ -92,7 +92,11 @@ impl Lens {
     }
 }
 
-fn pose(frame: &Frame, lens: &Lens, size: Option<[usize; 2]>) -> Result<Pose, String> {
+fn pose(
+    frame: &TransformsFrame,
+    lens: &TransformsLens,
+    size: Option<[usize; 2]>,
+) -> Result<Pose, String> {
     let [width, height] = match (lens.w, lens.h, size) {
         (Some(w), Some(h), _) if w >= 1.0 && h >= 1.0 => [w as u64, h as u64],
         (None, None, Some(size)) => size.map(|side| side as u64),

@@ -202,8 +202,8 @@ impl Pixel {
 
     fn add_behind(&mut self, opacity: f64, colour: [f64; 3], rules: &Rules) -> bool {
         let next = self.transmittance * (1.0 - opacity);
-        self.finished = next <= rules.stop;
-        if self.finished && rules.stop_before {
+        self.finished = next <= rules.minimum_transmittance;
+        if self.finished && rules.omit_finishing {
             return false;
         }
         for (sum, channel) in self.colour.iter_mut().zip(colour) {

@@ -233,8 +233,8 @@ impl Cell {
             return;
         }
         let next = self.transmittance * (1.0 - alpha);
-        self.finished = next <= rules.stop;
-        if self.finished && rules.stop_before {
+        self.finished = next <= rules.minimum_transmittance;
+        if self.finished && rules.omit_finishing {
             return;
         }
         for (sum, channel) in self.colour.iter_mut().zip(colour) {

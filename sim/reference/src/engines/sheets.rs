@@ -135,11 +135,11 @@ fn add_row(sheet: &mut [[f64; 4]], splat: &Footprint, y: usize, rules: &Rules) {
 }
 
 fn lay_behind(pixel: &mut [f64; 4], sheet: [f64; 4], rules: &Rules) {
-    if pixel[3] <= rules.stop {
+    if pixel[3] <= rules.minimum_transmittance {
         return;
     }
     let rest = pixel[3] * (1.0 - sheet[3].min(1.0));
-    if rest <= rules.stop && rules.stop_before {
+    if rest <= rules.minimum_transmittance && rules.omit_finishing {
         return;
     }
     for channel in 0..3 {

@@ -177,8 +177,8 @@ fn blend(pixel: &mut [f32; 4], alpha: f32, colour: &[f32; 3], rules: &Rules) {
         return;
     }
     let rest = clear * (1.0 - alpha);
-    let finished = rest <= rules.stop as f32;
-    if finished && rules.stop_before {
+    let finished = rest <= rules.minimum_transmittance as f32;
+    if finished && rules.omit_finishing {
         pixel[3] = -clear;
         return;
     }

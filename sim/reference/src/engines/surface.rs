@@ -190,7 +190,7 @@ pub fn exact_depth(point: &SurfacePoint, camera: &Camera, place: [f64; 2]) -> f6
 
 /// Weighted sums of one surface at one pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Fragment {
+pub struct FloatFragment {
     /// Sum of the weights.
     pub weight: f64,
     /// Weighted premultiplied colour.
@@ -205,9 +205,9 @@ pub struct Fragment {
     pub material: u8,
 }
 
-impl Fragment {
-    fn of(weight: f64, depth: f64, splat: &SurfaceFootprint) -> Fragment {
-        Fragment {
+impl FloatFragment {
+    fn of(weight: f64, depth: f64, splat: &SurfaceFootprint) -> FloatFragment {
+        FloatFragment {
             weight,
             colour: splat.colour.map(|c| weight * c),
             opacity: weight * splat.opacity,
@@ -217,13 +217,13 @@ impl Fragment {
         }
     }
 
-    fn sum(&self, other: &Fragment) -> Fragment {
+    fn sum(&self, other: &FloatFragment) -> FloatFragment {
         let nearer = if self.range[0] <= other.range[0] {
             self
         } else {
             other
         };
-        Fragment {
+        FloatFragment {
             weight: self.weight + other.weight,
             colour: vector::add(self.colour, other.colour),
             opacity: self.opacity + other.opacity,
@@ -237,7 +237,7 @@ impl Fragment {
     }
 
     /// SURF eq. 12 in premultiplied form, `self` in front.
-    fn over(&self, back: &Fragment) -> Fragment {
+    fn over(&self, back: &FloatFragment) -> FloatFragment {
         let weight = self.weight.max(back.weight);
         let (front_alpha, back_alpha) = (self.opacity / self.weight, back.opacity / back.weight);
         let blend = |front: f64, behind: f64| {
@@ -248,7 +248,7 @@ impl Fragment {
                 * (front_alpha * front / self.weight
                     + (1.0 - front_alpha) * back_alpha * behind / back.weight)
         };
-        Fragment {
+        FloatFragment {
             weight,
             colour: [0, 1, 2].map(|c: usize| blend(self.colour[c], back.colour[c])),
             opacity: blend(self.opacity, back.opacity),
@@ -263,10 +263,10 @@ impl Fragment {
 }
 
 /// What a pixel has gathered, nearest first.
-pub type Pixel = Vec<Fragment>;
+pub type FloatPixel = Vec<FloatFragment>;
 
 /// Accumulate, replace or discard (SURF 4).
-fn accumulate(pixel: &mut Pixel, sample: Fragment, threshold: f64) {
+fn accumulate(pixel: &mut FloatPixel, sample: FloatFragment, threshold: f64) {
     let Some(kept) = pixel.first_mut() else {
         pixel.push(sample);
         return;
@@ -279,8 +279,10 @@ fn accumulate(pixel: &mut Pixel, sample: Fragment, threshold: f64) {
 }
 
 /// Accumulate or separate, insert, merge the nearest pair (SURF 6).
-fn layer(pixel: &mut Pixel, sample: Fragment, threshold: f64, count: usize) {
-    let gap = |a: &Fragment, b: &Fragment| (b.range[0] - a.range[1]).max(a.range[0] - b.range[1]);
+fn layer(pixel: &mut FloatPixel, sample: FloatFragment, threshold: f64, count: usize) {
+    let gap = |a: &FloatFragment, b: &FloatFragment| {
+        (b.range[0] - a.range[1]).max(a.range[0] - b.range[1])
+    };
     // A sample may bridge fragments that were apart: everything within reach becomes one.
     let mut grown = sample;
     while let Some(index) = pixel.iter().position(|kept| gap(kept, &grown) <= threshold) {
@@ -307,7 +309,7 @@ pub struct SurfaceDrawing {
     /// What became of the points.
     pub counts: Counts,
     /// Fragments of every pixel, row-major.
-    pub fragments: Vec<Pixel>,
+    pub fragments: Vec<FloatPixel>,
 }
 
 /// Draws the scene in its own order.
@@ -319,7 +321,7 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDraw
         .collect();
     let mut counts = Counts::of_projected(&projected);
     let footprints: Vec<&SurfaceFootprint> = projected.iter().flatten().collect();
-    let mut fragments = vec![Pixel::new(); camera.width * camera.height];
+    let mut fragments = vec![FloatPixel::new(); camera.width * camera.height];
     let bands = fragments
         .par_chunks_mut((camera.width * BAND).max(1))
         .enumerate();
@@ -352,7 +354,7 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDraw
 /// Gathers one splat into a band of rows; returns the pixels inside its cut-off.
 fn gather(
     splat: &SurfaceFootprint,
-    pixels: &mut [Pixel],
+    pixels: &mut [FloatPixel],
     width: usize,
     rows: std::ops::Range<usize>,
     style: &Style,
@@ -361,7 +363,7 @@ fn gather(
     let first = rows.start;
     visit(splat, rows, style.cutoff, |x, y, weight, depth| {
         covered += 1;
-        let sample = Fragment::of(weight, depth, splat);
+        let sample = FloatFragment::of(weight, depth, splat);
         let pixel = &mut pixels[(y - first) * width + x];
         match style.buffer {
             Buffer::Accumulation => accumulate(pixel, sample, style.threshold),
@@ -421,7 +423,7 @@ pub fn overlapping_layers(scene: &SurfaceScene, camera: &Camera, style: &Style) 
 
 /// Divides, shades, covers and composites a pixel's fragments.
 fn resolve(
-    pixel: &Pixel,
+    pixel: &FloatPixel,
     place: [f64; 2],
     camera: &Camera,
     scene: &SurfaceScene,

@@ -20,7 +20,7 @@ const USUAL_HARMONIC: f64 = 1.5;
 /// Loads a `.ksplat` file.
 pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let mut reader = Reader::new(bytes);
-    let header = Header::parse(reader.take(HEADER_BYTES, "ksplat header")?)?;
+    let header = KsplatHeader::parse(reader.take(HEADER_BYTES, "ksplat header")?)?;
     let headers = reader.records(
         u64::from(header.sections),
         SECTION_BYTES,
@@ -65,7 +65,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     }
 }
 
-struct Header {
+struct KsplatHeader {
     sections: u32,
     count: u32,
     level: u16,
@@ -73,8 +73,8 @@ struct Header {
     range: [f64; 2],
 }
 
-impl Header {
-    fn parse(bytes: &[u8]) -> Result<Header, Problem> {
+impl KsplatHeader {
+    fn parse(bytes: &[u8]) -> Result<KsplatHeader, Problem> {
         let [major, minor] = [bytes[0], bytes[1]];
         if major != 0 || minor < 1 {
             return Err(Problem::malformed(
@@ -95,7 +95,7 @@ impl Header {
             0.0 => usual,
             stored => stored,
         };
-        Ok(Header {
+        Ok(KsplatHeader {
             sections: u32_at(bytes, 4),
             count: u32_at(bytes, 16),
             level,
@@ -123,7 +123,7 @@ struct Section {
 }
 
 impl Section {
-    fn parse(bytes: &[u8], number: usize, header: &Header) -> Result<Section, Problem> {
+    fn parse(bytes: &[u8], number: usize, header: &KsplatHeader) -> Result<Section, Problem> {
         let steps = match u32_at(bytes, 24) {
             0 if header.level == 0 => 1,
             0 => USUAL_RANGE,
@@ -179,7 +179,7 @@ impl Section {
     fn read(
         &self,
         reader: &mut Reader,
-        header: &Header,
+        header: &KsplatHeader,
         visit: &mut dyn FnMut(&Gaussian, &[[f32; 3]]),
     ) -> Result<(), Problem> {
         let field = |what: &str| format!("ksplat section {}, {what}", self.number);
@@ -190,7 +190,7 @@ impl Section {
             &field("bucket centres"),
         )?;
         let coefficients = coefficient_count(self.degree);
-        let layout = Layout::new(header.level, coefficients);
+        let layout = KsplatLayout::new(header.level, coefficients);
         let splats = reader.records(u64::from(self.capacity), layout.bytes, &field("splats"))?;
         let mut harmonics = vec![[0.0f32; 3]; coefficients];
         let mut bucket = Buckets::new(self, sizes);
@@ -262,7 +262,7 @@ impl<'a> Buckets<'a> {
 }
 
 /// Where a record holds each field.
-struct Layout {
+struct KsplatLayout {
     level: u16,
     scales: usize,
     rotation: usize,
@@ -271,13 +271,13 @@ struct Layout {
     bytes: usize,
 }
 
-impl Layout {
-    fn new(level: u16, coefficients: usize) -> Layout {
+impl KsplatLayout {
+    fn new(level: u16, coefficients: usize) -> KsplatLayout {
         let part = if level == 0 { 4 } else { 2 };
         let (scales, rotation, colour) = (3 * part, 6 * part, 10 * part);
         let harmonics = colour + 4;
         let harmonic_bytes = [4, 2, 1][usize::from(level.min(2))];
-        Layout {
+        KsplatLayout {
             level,
             scales,
             rotation,
@@ -308,7 +308,7 @@ impl Layout {
     }
 
     /// Degree by degree, and within each all of red, then green, then blue.
-    fn read_harmonics(&self, record: &[u8], header: &Header, harmonics: &mut [[f32; 3]]) {
+    fn read_harmonics(&self, record: &[u8], header: &KsplatHeader, harmonics: &mut [[f32; 3]]) {
         let [least, greatest] = header.range;
         let value = |index: usize| match self.level {
             0 | 1 => self.part(record, self.harmonics, index),

@@ -88,7 +88,7 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum SceneFormat {
     Ply,
     Splat,
     Spz,
@@ -99,42 +99,42 @@ enum Format {
 }
 
 /// The extension decides; a file without a known one is recognised by its first bytes.
-fn recognise(bytes: &[u8], path: &Path) -> Result<Format, Problem> {
+fn recognise(bytes: &[u8], path: &Path) -> Result<SceneFormat, Problem> {
     let extension = path
         .extension()
         .and_then(|extension| extension.to_str())
         .map(str::to_ascii_lowercase);
     match extension.as_deref() {
-        Some("ply") => Ok(Format::Ply),
-        Some("splat") => Ok(Format::Splat),
-        Some("spz") => Ok(Format::Spz),
-        Some("sog") => Ok(Format::Sog),
-        Some("ksplat") => Ok(Format::Ksplat),
-        Some("glb" | "gltf") => Ok(Format::Gltf),
-        Some("nrrd" | "nhdr") => Ok(Format::Nrrd),
-        _ if bytes.starts_with(b"ply") => Ok(Format::Ply),
-        _ if bytes.starts_with(b"NRRD") => Ok(Format::Nrrd),
-        _ if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"NGSP") => Ok(Format::Spz),
-        _ if bytes.starts_with(b"PK\x03\x04") => Ok(Format::Sog),
-        _ if bytes.starts_with(b"glTF") => Ok(Format::Gltf),
+        Some("ply") => Ok(SceneFormat::Ply),
+        Some("splat") => Ok(SceneFormat::Splat),
+        Some("spz") => Ok(SceneFormat::Spz),
+        Some("sog") => Ok(SceneFormat::Sog),
+        Some("ksplat") => Ok(SceneFormat::Ksplat),
+        Some("glb" | "gltf") => Ok(SceneFormat::Gltf),
+        Some("nrrd" | "nhdr") => Ok(SceneFormat::Nrrd),
+        _ if bytes.starts_with(b"ply") => Ok(SceneFormat::Ply),
+        _ if bytes.starts_with(b"NRRD") => Ok(SceneFormat::Nrrd),
+        _ if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"NGSP") => Ok(SceneFormat::Spz),
+        _ if bytes.starts_with(b"PK\x03\x04") => Ok(SceneFormat::Sog),
+        _ if bytes.starts_with(b"glTF") => Ok(SceneFormat::Gltf),
         _ => Err(Problem::UnknownFormat),
     }
 }
 
 fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, Problem> {
     let format = recognise(bytes, path)?;
-    if format != Format::Nrrd {
+    if format != SceneFormat::Nrrd {
         refuse_volume_options(options)?;
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let scene = match format {
-        Format::Gltf => return gltf::load(bytes, path.parent(), &name),
-        Format::Ply => ply::load(bytes, &name),
-        Format::Splat => splat_file::load(bytes, &name),
-        Format::Spz => spz::load(bytes, &name),
-        Format::Sog => sog::load_bundle(bytes, &name),
-        Format::Ksplat => ksplat::load(bytes, &name),
-        Format::Nrrd => load_volume(bytes, path, &name, options),
+        SceneFormat::Gltf => return gltf::load(bytes, path.parent(), &name),
+        SceneFormat::Ply => ply::load(bytes, &name),
+        SceneFormat::Splat => splat_file::load(bytes, &name),
+        SceneFormat::Spz => spz::load(bytes, &name),
+        SceneFormat::Sog => sog::load_bundle(bytes, &name),
+        SceneFormat::Ksplat => ksplat::load(bytes, &name),
+        SceneFormat::Nrrd => load_volume(bytes, path, &name, options),
     };
     scene.map(without_notes)
 }

@@ -38,7 +38,7 @@ const ENTRIES_PER_ROW: usize = 64;
 const CODES: usize = 256;
 
 /// Where the files are.
-enum Source<'a> {
+enum SogSource<'a> {
     Folder(&'a Path),
     Bundle(Archive<'a>, u64),
 }
@@ -47,12 +47,12 @@ enum Source<'a> {
 pub(super) fn load_bundle(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     let archive = Archive::open(bytes).map_err(|error| damaged("sog bundle", &error))?;
     let size = bytes.len() as u64;
-    load(&Source::Bundle(archive, size), name)
+    load(&SogSource::Bundle(archive, size), name)
 }
 
 /// Loads a folder with its `meta.json`.
 pub(super) fn load_folder(folder: &Path, name: &str) -> Result<Scene, Problem> {
-    load(&Source::Folder(folder), name)
+    load(&SogSource::Folder(folder), name)
 }
 
 fn damaged(field: &str, reason: &str) -> Problem {
@@ -63,7 +63,7 @@ fn damaged(field: &str, reason: &str) -> Problem {
     )
 }
 
-impl Source<'_> {
+impl SogSource<'_> {
     /// The bytes of one file, of `limit` bytes at most.
     fn read(&self, file: &str, limit: u64) -> Result<Vec<u8>, Problem> {
         let plain = !file.is_empty() && !file.contains(['/', '\\']) && file != "..";
@@ -75,9 +75,9 @@ impl Source<'_> {
             ));
         }
         let bytes = match self {
-            Source::Folder(folder) => read_file(&folder.join(file))
+            SogSource::Folder(folder) => read_file(&folder.join(file))
                 .map_err(|problem| damaged(file, &problem.to_string()))?,
-            Source::Bundle(archive, _) => archive
+            SogSource::Bundle(archive, _) => archive
                 .read(file, limit)
                 .map_err(|error| damaged(file, &error))?,
         };
@@ -94,8 +94,8 @@ impl Source<'_> {
     /// Bytes that the pictures of a scene are bounded by.
     fn size(&self, meta: &Meta) -> u64 {
         match self {
-            Source::Bundle(_, size) => *size,
-            Source::Folder(folder) => meta
+            SogSource::Bundle(_, size) => *size,
+            SogSource::Folder(folder) => meta
                 .files()
                 .filter_map(|file| std::fs::metadata(folder.join(file)).ok())
                 .map(|found| found.len())
@@ -113,7 +113,7 @@ struct Meta {
     quats: Plain,
     sh0: Coded,
     #[serde(rename = "shN")]
-    rest: Option<Palette>,
+    rest: Option<HarmonicsPalette>,
 }
 
 #[derive(Deserialize)]
@@ -135,7 +135,7 @@ struct Coded {
 }
 
 #[derive(Deserialize)]
-struct Palette {
+struct HarmonicsPalette {
     count: usize,
     bands: u8,
     codebook: Vec<f64>,
@@ -218,13 +218,18 @@ impl Meta {
 }
 
 /// A picture's pixels, RGBA.
-struct Pixels {
+struct SogImage {
     width: usize,
     rgba: Vec<[u8; 4]>,
 }
 
-impl Pixels {
-    fn read(source: &Source, file: &str, at_least: usize, size: u64) -> Result<Pixels, Problem> {
+impl SogImage {
+    fn read(
+        source: &SogSource,
+        file: &str,
+        at_least: usize,
+        size: u64,
+    ) -> Result<SogImage, Problem> {
         let bytes = source.read(file, size)?;
         let mut decoder = WebPDecoder::new(Cursor::new(&bytes))
             .map_err(|error| damaged(file, &error.to_string()))?;
@@ -245,7 +250,7 @@ impl Pixels {
             .read_image(&mut pixels)
             .map_err(|error| damaged(file, &error.to_string()))?;
         let rgba = |pixel: &[u8]| [pixel[0], pixel[1], pixel[2], *pixel.get(3).unwrap_or(&255)];
-        Ok(Pixels {
+        Ok(SogImage {
             width: width as usize,
             rgba: pixels.chunks_exact(channels).map(rgba).collect(),
         })
@@ -254,14 +259,14 @@ impl Pixels {
 
 /// All pictures of a scene.
 struct Pictures {
-    means: [Pixels; 2],
-    quats: Pixels,
-    scales: Pixels,
-    sh0: Pixels,
-    rest: Option<[Pixels; 2]>,
+    means: [SogImage; 2],
+    quats: SogImage,
+    scales: SogImage,
+    sh0: SogImage,
+    rest: Option<[SogImage; 2]>,
 }
 
-fn load(source: &Source, name: &str) -> Result<Scene, Problem> {
+fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
     let meta = Meta::parse(&source.read(META, MAX_META_BYTES)?)?;
     let size = source.size(&meta);
     let possible = size.saturating_mul(MAX_RATIO) / RECORD_BYTES;
@@ -273,7 +278,7 @@ fn load(source: &Source, name: &str) -> Result<Scene, Problem> {
         ));
     }
     let count = meta.count as usize;
-    let read = |file: &String, at_least: usize| Pixels::read(source, file, at_least, size);
+    let read = |file: &String, at_least: usize| SogImage::read(source, file, at_least, size);
     let rest = match &meta.rest {
         None => None,
         Some(palette) => {

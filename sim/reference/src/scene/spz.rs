@@ -52,7 +52,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     if bytes.starts_with(MAGIC) {
         return load_streams(bytes, name);
     }
-    let header = Header::parse(&gunzip_at_most(bytes, HEADER_BYTES as u64, "spz header")?)?;
+    let header = SpzHeader::parse(&gunzip_at_most(bytes, HEADER_BYTES as u64, "spz header")?)?;
     if header.version > 3 {
         return Err(unsupported_version(&header.version.to_string()));
     }
@@ -68,7 +68,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
 
 /// Version 4: header, table of packed and unpacked sizes, streams.
 fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
-    let header = Header::parse(bytes)?;
+    let header = SpzHeader::parse(bytes)?;
     if header.version != 4 {
         return Err(unsupported_version(&format!(
             "{} without gzip",
@@ -137,7 +137,7 @@ fn size_at(entry: &[u8; 16], at: usize) -> u64 {
         .map_or(0, |bytes| u64::from_le_bytes(*bytes))
 }
 
-fn decode(header: &Header, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
+fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
     let arrays = Arrays::new(arrays);
     let mut scene = GaussianScene::new(header.degree);
     let parities = harmonic_parities();
@@ -149,7 +149,7 @@ fn decode(header: &Header, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Prob
     scene.finish(name)
 }
 
-struct Header {
+struct SpzHeader {
     version: u32,
     count: u32,
     degree: u8,
@@ -158,8 +158,8 @@ struct Header {
     reserved: u8,
 }
 
-impl Header {
-    fn parse(bytes: &[u8]) -> Result<Header, Problem> {
+impl SpzHeader {
+    fn parse(bytes: &[u8]) -> Result<SpzHeader, Problem> {
         let mut reader = Reader::new(bytes);
         let magic: [u8; 4] = reader.array("spz magic")?;
         if magic != *MAGIC {
@@ -176,7 +176,7 @@ impl Header {
         let count = u32::from_le_bytes(reader.array("spz count")?);
         let [degree, fraction_bits, flags, reserved] = reader.array("spz header")?;
         check_header(count, degree, fraction_bits, flags)?;
-        Ok(Header {
+        Ok(SpzHeader {
             version,
             count,
             degree,
@@ -265,7 +265,7 @@ impl<'a> Arrays<'a> {
     fn gaussian<'h>(
         &self,
         index: usize,
-        header: &Header,
+        header: &SpzHeader,
         harmonics: &'h [[f32; 3]],
     ) -> Gaussian<'h> {
         let [position_bytes, .., size, _] = header.record_bytes();

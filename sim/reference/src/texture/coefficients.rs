@@ -120,7 +120,7 @@ pub fn coefficients(
 /// The weighted mean of the texels around a point: Gaussian of variance V_k + I.
 fn prefiltered(texture: &Texture, point: &SamplePoint) -> [f64; 3] {
     let [xx, xy, yy] = point.variance();
-    let filter = Ellipse::new(point.place, [xx + 1.0, xy, yy + 1.0], PREFILTER_CUTOFF);
+    let filter = TexelEllipse::new(point.place, [xx + 1.0, xy, yy + 1.0], PREFILTER_CUTOFF);
     let (mut sum, mut colour) = (0.0, [0.0; 3]);
     filter.for_each_texel(texture, 0..texture.height, |index, weight| {
         sum += weight;
@@ -142,9 +142,9 @@ fn optimised(
     cutoff: f64,
 ) -> Result<Coefficients, NotConverged> {
     let plain: Vec<[f64; 3]> = points.iter().map(|p| texture.sample(p.place)).collect();
-    let basis: Vec<Ellipse> = points
+    let basis: Vec<TexelEllipse> = points
         .iter()
-        .map(|point| Ellipse::new(point.place, point.variance(), cutoff))
+        .map(|point| TexelEllipse::new(point.place, point.variance(), cutoff))
         .collect();
     let mut equations = NormalEquations::new(points.len());
     for first in (0..texture.height).step_by(BAND) {
@@ -166,7 +166,11 @@ fn optimised(
 }
 
 /// For every texel of a band of rows the points whose basis functions reach it, with their heights there.
-fn heights(texture: &Texture, basis: &[Ellipse], rows: Range<usize>) -> Vec<Vec<(usize, f64)>> {
+fn heights(
+    texture: &Texture,
+    basis: &[TexelEllipse],
+    rows: Range<usize>,
+) -> Vec<Vec<(usize, f64)>> {
     let mut heights = vec![Vec::new(); rows.len() * texture.width];
     let offset = rows.start * texture.width;
     for (number, ellipse) in basis.iter().enumerate() {
@@ -178,17 +182,17 @@ fn heights(texture: &Texture, basis: &[Ellipse], rows: Range<usize>) -> Vec<Vec<
 }
 
 /// A Gaussian on the texture.
-struct Ellipse {
+struct TexelEllipse {
     place: [f64; 2],
     conic: [f64; 3],
     half: [f64; 2],
     cutoff: f64,
 }
 
-impl Ellipse {
-    fn new(place: [f64; 2], [xx, xy, yy]: [f64; 3], cutoff: f64) -> Ellipse {
+impl TexelEllipse {
+    fn new(place: [f64; 2], [xx, xy, yy]: [f64; 3], cutoff: f64) -> TexelEllipse {
         let determinant = xx * yy - xy * xy;
-        Ellipse {
+        TexelEllipse {
             place,
             conic: [yy / determinant, -xy / determinant, xx / determinant],
             half: [(cutoff * xx).sqrt(), (cutoff * yy).sqrt()],

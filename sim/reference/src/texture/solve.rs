@@ -133,7 +133,7 @@ impl NormalEquations {
 }
 
 /// One channel's unknowns.
-struct Channel {
+struct ColourChannel {
     values: Vec<f64>,
     iterations: usize,
     residual: f64,
@@ -143,7 +143,7 @@ fn solve_one(
     matrix: &CsMat<f64>,
     right: CsVec<f64>,
     start: CsVec<f64>,
-) -> Result<Channel, NotConverged> {
+) -> Result<ColourChannel, NotConverged> {
     let norm = right.l2_norm().max(f64::MIN_POSITIVE);
     let tolerance = TOLERANCE * norm;
     let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
@@ -169,7 +169,7 @@ fn solve_one(
             iterations: solver.iteration_count(),
         });
     }
-    Ok(Channel {
+    Ok(ColourChannel {
         values,
         iterations: solver.iteration_count(),
         residual: solver.err() / norm,

@@ -9,7 +9,7 @@
 
 use super::Texture;
 use crate::camera::Camera;
-use crate::engines::surface::{Fragment, SurfaceDrawing};
+use crate::engines::surface::{FloatFragment, SurfaceDrawing};
 use crate::hybrid::{DEVIATION_PER_SPACING, Hybrid, Points, spacing};
 use crate::rules::{Antialias, Rules};
 use crate::scene::{Scene, Skipped, Splat, Weight};
@@ -36,7 +36,7 @@ pub struct DepthImage {
 impl DepthImage {
     /// The nearest surface of a drawing, unlit, where it covers the pixel.
     pub fn of_drawing(drawing: &SurfaceDrawing, camera: &Camera) -> DepthImage {
-        let seen = |fragment: &Fragment| {
+        let seen = |fragment: &FloatFragment| {
             let [near, far] = fragment.range;
             let colour = fragment.colour.map(|sum| sum / fragment.weight);
             (fragment.weight >= COVERED).then_some((colour, 0.5 * (near + far)))

@@ -85,7 +85,7 @@ fn a_finished_pixel_stops_before_or_after_its_last_splat() {
         [0.9, 0.0, 0.0, 0.9],
     );
     let after = Rules {
-        stop_before: false,
+        omit_finishing: false,
         ..deeper
     };
     assert_close(
@@ -93,7 +93,7 @@ fn a_finished_pixel_stops_before_or_after_its_last_splat() {
         [0.9, 0.09995, 0.0, 0.99995],
     );
     let never = Rules {
-        stop: 0.0,
+        minimum_transmittance: 0.0,
         ..deeper
     };
     let expected = [0.9, 0.09995, 0.000025, 1.0 - 0.000025];

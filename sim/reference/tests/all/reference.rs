@@ -21,7 +21,7 @@ const COMPOSITINGS: [Compositing; 3] = [
 /// Rules without thresholds, under which a rounding error cannot switch a pixel on or off.
 const SMOOTH: Rules = Rules {
     alpha_min: 0.0,
-    stop: 0.0,
+    minimum_transmittance: 0.0,
     ..Rules::GAUSSIAN_3D
 };
 

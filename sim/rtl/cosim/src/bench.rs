@@ -106,7 +106,7 @@ impl Bench {
     /// Inputs that offer a tile.
     pub(crate) fn tile_offer(&self, tile: &Tile) -> Inputs {
         let [first_column, first_row] = tile.window.first;
-        let [last_column, last_row] = tile.window.last;
+        let [last_column, last_row] = tile.window.end;
         Inputs {
             tile_valid: 1,
             first_column,
@@ -279,8 +279,8 @@ fn rule_inputs(widths: &Widths, rules: &Rules) -> Inputs {
     Inputs {
         alpha_max: constants.alpha_max,
         least: constants.opacity_min,
-        stop: constants.stop,
-        stop_before: constants.stop_before.into(),
+        stop: constants.minimum_transmittance,
+        omit_finishing: constants.omit_finishing.into(),
         wide_table: (rules.table_range == 4).into(),
         lanes_enable: 1,
         ..Inputs::default()

@@ -269,7 +269,7 @@ fn an_empty_window_reads_out_nothing() {
         for last in [[x, y + 3], [x + 3, y], [x, y]] {
             let window = Window {
                 first: [x, y],
-                last,
+                end: last,
             };
             let list = Vec::new();
             let offer = scene.bench.tile_offer(&Tile { window, list });

@@ -9,7 +9,7 @@ use crate::workload::{GuitarView, TILE, Tile, Workload, guitar, tiles};
 use anyhow::{Context, Result};
 use splatline::footprint::Footprint;
 use splatline::format::Lean18;
-use splatline::raster::{Rows, SpanRows, Window};
+use splatline::raster::{EllipseSpans, Spans, Window};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::kernel_rules;
 use splatline_sim::machine::primitive::{LATENCY, PrimitiveClock, QUEUE, for_each_slot};
@@ -114,10 +114,10 @@ fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
     for footprint in drawn {
         let bounds = Window {
             first: footprint.first,
-            last: footprint.last,
+            end: footprint.end,
         };
         let visible = bounds.intersect(&tile.window);
-        slots += u64::from(visible.last[1] - visible.first[1]);
+        slots += u64::from(visible.end[1] - visible.first[1]);
         groups += splat_groups(footprint, &tile.window, layout);
     }
     slots.max(groups) + LATENCY
@@ -125,8 +125,8 @@ fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
 
 /// Groups of pixels that a splat's runs take.
 fn splat_groups(footprint: &Footprint, window: &Window, layout: Layout) -> u64 {
-    let mut rows = SpanRows::new(Lean18, footprint, window);
-    let runs: Vec<(u16, u16, u16)> = std::iter::from_fn(|| rows.next_run())
+    let mut rows = EllipseSpans::new(Lean18, footprint, window);
+    let runs: Vec<(u16, u16, u16)> = std::iter::from_fn(|| rows.next_span())
         .map(|run| (run.y, run.x, run.x + run.length))
         .collect();
     match layout {

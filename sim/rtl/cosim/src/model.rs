@@ -27,8 +27,8 @@ pub struct Inputs {
     pub pixel_ready: u8,
     /// The lanes may move.
     pub lanes_enable: u8,
-    /// The rules' `stop_before`.
-    pub stop_before: u8,
+    /// The rules' `omit_finishing`.
+    pub omit_finishing: u8,
     /// The footprint table ends at r = 16.
     pub wide_table: u8,
     /// Sign of what the units are fed with.

@@ -15,12 +15,11 @@ use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::footprint::Footprint;
-use splatline::format::Design;
-use splatline::kernel::{FootprintTable, entries, fill_gaussian};
-use splatline::rules::Rules as KernelRules;
+use splatline::format::{Design, Traversal};
+use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::setup::Cull;
 use splatline_sim::design::{DesignChoice, DesignJob};
-use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::fast::{Scratch, TILE, tile_painter};
 use splatline_sim::fixed::kernel_rules;
 use splatline_sim::machine::primitive::picture_cycles;
@@ -266,7 +265,7 @@ struct OneThread<'a>(Model<'a>);
 impl DesignJob for OneThread<'_> {
     type Output = (ModelSeconds, Drawn);
 
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
         let OneThread(model) = self;
         let mut seconds = ModelSeconds {
             drawing: 0.0,
@@ -292,7 +291,7 @@ struct AllCores<'a>(Model<'a>);
 impl DesignJob for AllCores<'_> {
     type Output = (f64, Drawn);
 
-    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
         let AllCores(model) = self;
         let started = Instant::now();
         let mut drawn = None;
@@ -306,20 +305,21 @@ impl DesignJob for AllCores<'_> {
 
 impl Model<'_> {
     /// The pixels of every one of the host's tiles, row by row.
-    fn draw<D: Design + Sync>(&self, design: D) -> Vec<Vec<Pixel>> {
-        let widths = design.widths();
-        let mut memory = vec![0; entries(&widths)];
-        fill_gaussian(&mut memory, &widths, self.rules.table_range);
-        let table = FootprintTable::new(&memory, &widths, self.rules.table_range)
-            .expect("the table was made for these widths");
-        let painter = tile_painter(design, self.rules, table, Choice::Best)
-            .expect("vectors can draw the named designs");
+    fn draw<D: Design + Send + Sync + 'static>(&self, design: D) -> Vec<Vec<Pixel>> {
+        let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
+        let painter = tile_painter(
+            design,
+            self.rules,
+            order,
+            traversal,
+            Some(VectorLevel::Best),
+            false,
+        );
         let tiles = self.tiles.par_iter();
         let paint = |scratch: &mut Scratch, tile: &Tile| {
             let [columns, rows] = tile.size();
             let mut pixels = vec![Pixel::default(); columns * rows];
-            let mut lines: Vec<&mut [Pixel]> = pixels.chunks_exact_mut(columns).collect();
-            painter.paint(scratch, tile.window, self.results, &tile.list, &mut lines);
+            painter.paint(scratch, tile.window, self.results, &tile.list, &mut pixels);
             pixels
         };
         tiles.map_init(Scratch::default, paint).collect()
@@ -361,7 +361,13 @@ impl Model<'_> {
             lanes,
             ..
         } = *self;
-        picture_cycles(design, &workload.footprints, viewport, lanes, Choice::Best)
-            .expect("the clock has as many lanes as the circuit")
+        picture_cycles(
+            design,
+            &workload.footprints,
+            viewport,
+            lanes,
+            VectorLevel::Best,
+        )
+        .expect("the clock has as many lanes as the circuit")
     }
 }

@@ -3,7 +3,7 @@
 use crate::model::Outputs;
 use crate::workload::{Tile, Workload};
 use splatline::format::Design;
-use splatline_sim::fast::lanes::Choice;
+use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::machine::primitive::{
     LaneRun, PacketStamp, PrimitiveClock, QUEUE, SETUP_INTERVAL, for_each_slot, tile_cycles,
 };
@@ -127,7 +127,7 @@ impl Stamps {
             same.check("packet taken", first + stamp.taken, taken);
             same.check("rows begun", first + stamp.begun, begun);
         };
-        let choice = Choice::Best;
+        let choice = VectorLevel::Best;
         let cycles = tile_cycles(design, footprints, tile.window, lanes, choice, compare);
         let idle_at = cycles.map_or(0, |cycles| first + cycles);
         same.check("last pixel", idle_at, Some(&self.idle_at));

@@ -5,7 +5,7 @@
 use crate::bench::Bench;
 use crate::model::{Inputs, Outputs};
 use crate::workload::split_mix;
-use splatline::math::{Scaled, shift_signed};
+use splatline::math::{SoftFloat, shift_signed};
 use std::collections::VecDeque;
 
 /// Words that each comparison feeds.
@@ -75,7 +75,7 @@ fn of_alignment(Word { value, shift }: &Word, out: &Outputs) -> Option<String> {
 }
 
 fn of_normalisation(Word { value, .. }: &Word, mantissa: u8, out: &Outputs) -> Option<String> {
-    let expected = Scaled::from_wide(*value, 0, mantissa.into());
+    let expected = SoftFloat::from_wide(*value, 0, mantissa.into());
     let magnitude = out.normal as i32;
     let signed = if out.normal_negative == 1 {
         -magnitude

@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use splatline::footprint::{Conic, Footprint};
 use splatline::format::Widths;
 use splatline::raster::Window;
-use splatline::setup::{Variance, scan};
+use splatline::setup::{Covariance2d, ldl};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
@@ -30,7 +30,7 @@ pub struct Tile {
 impl Tile {
     /// Columns and rows.
     pub fn size(&self) -> [usize; 2] {
-        [0, 1].map(|axis| usize::from(self.window.last[axis] - self.window.first[axis]))
+        [0, 1].map(|axis| usize::from(self.window.end[axis] - self.window.first[axis]))
     }
 }
 
@@ -167,14 +167,14 @@ pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Ve
         .map(|first| {
             let last = [0, 1].map(|axis| (first[axis] + size[axis]).min(viewport[axis]));
             Tile {
-                window: Window { first, last },
+                window: Window { first, end: last },
                 list: Vec::new(),
             }
         })
         .collect();
     for (index, footprint) in footprints.iter().enumerate() {
-        for y in footprint.first[1] / size[1]..=(footprint.last[1] - 1) / size[1] {
-            for x in footprint.first[0] / size[0]..=(footprint.last[0] - 1) / size[0] {
+        for y in footprint.first[1] / size[1]..=(footprint.end[1] - 1) / size[1] {
+            for x in footprint.first[0] / size[0]..=(footprint.end[0] - 1) / size[0] {
                 tiles[usize::from(y * columns + x)].list.push(index as u32);
             }
         }
@@ -236,14 +236,14 @@ impl Random {
     fn window(&mut self, block: [u16; 2]) -> Window {
         let mut window = Window {
             first: block,
-            last: [0, 1].map(|axis| block[axis] + TILE[axis]),
+            end: [0, 1].map(|axis| block[axis] + TILE[axis]),
         };
         if self.below(2) == 0 {
             for axis in 0..2 {
                 let size = u32::from(TILE[axis]);
                 let (a, b) = (self.below(size), self.below(size));
                 window.first[axis] = block[axis] + a.min(b) as u16;
-                window.last[axis] = block[axis] + a.max(b) as u16 + 1;
+                window.end[axis] = block[axis] + a.max(b) as u16 + 1;
             }
         }
         window
@@ -258,7 +258,7 @@ impl Random {
         );
         let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
         let (sine, cosine) = angle.sin_cos();
-        let variance = Variance {
+        let variance = Covariance2d {
             xx: fixed::scaled(long * cosine * cosine + short * sine * sine),
             xy: fixed::scaled((long - short) * sine * cosine),
             yy: fixed::scaled(long * sine * sine + short * cosine * cosine),
@@ -276,14 +276,14 @@ impl Random {
             depth: u64::from(self.bits(32)) << 16,
             centre: [0; 2],
             first: [0; 2],
-            last: [0; 2],
-            scan: scan(widths, &variance)?,
+            end: [0; 2],
+            ldl: ldl(widths, &variance)?,
             conic: Conic {
                 mantissa: [0; 3],
                 exponent: 0,
             },
             cutoff,
-            peak,
+            opacity: peak,
             colour: [0; 3].map(|_: u32| self.bits(4 + widths.colour) >> self.below(8)),
         };
         // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
@@ -295,7 +295,7 @@ impl Random {
             along * sine + across * cosine,
         ];
         for axis in 0..2 {
-            let middle = f64::from(window.first[axis] + window.last[axis]) / 2.0;
+            let middle = f64::from(window.first[axis] + window.end[axis]) / 2.0;
             let size = f64::from(TILE[axis]);
             let spot = self.between(-1.0, 1.0);
             let centre = middle
@@ -307,8 +307,8 @@ impl Random {
             footprint.centre[axis] = (centre * f64::from(widths.subpixel).exp2()) as i64;
             // `as` saturates: boxes are clipped to the widest viewport.
             footprint.first[axis] = (centre - reach[axis] - 0.5).ceil() as u16;
-            footprint.last[axis] = (centre + reach[axis] + 0.5) as u16;
-            if footprint.last[axis] <= footprint.first[axis] {
+            footprint.end[axis] = (centre + reach[axis] + 0.5) as u16;
+            if footprint.end[axis] <= footprint.first[axis] {
                 return None;
             }
         }

@@ -77,13 +77,13 @@ mod with_verilator {
         for footprint in &mut hostile {
             let mut bits = || workload::split_mix(&mut state) as i64;
             footprint.centre = [bits(), bits()];
-            footprint.scan.slope.mantissa = bits() as i32;
-            footprint.scan.slope.exponent = bits() as i32 % 512;
-            footprint.scan.stretch.exponent = bits() as i32 % 512;
-            footprint.scan.curvature.exponent = bits() as i32 % 512;
-            footprint.scan.spread.exponent = bits() as i32 % 512;
+            footprint.ldl.shear.mantissa = bits() as i32;
+            footprint.ldl.shear.exponent = bits() as i32 % 512;
+            footprint.ldl.vertical.exponent = bits() as i32 % 512;
+            footprint.ldl.horizontal.exponent = bits() as i32 % 512;
+            footprint.ldl.squared_width.exponent = bits() as i32 % 512;
             footprint.first = [bits() as u16, bits() as u16];
-            footprint.last = [bits() as u16, bits() as u16];
+            footprint.end = [bits() as u16, bits() as u16];
             footprint.cutoff = bits() as u32;
         }
         for lanes in LANES {

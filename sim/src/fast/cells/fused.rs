@@ -68,14 +68,14 @@ impl super::PixelScheme for FusedScheme {
         let FusedScheme { widths, scale, .. } = self;
         let end = self.intervals.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
-        let fits = in_format(footprint.peak, widths.peak)
+        let fits = in_format(footprint.opacity, widths.peak)
             && footprint
                 .colour
                 .iter()
                 .all(|c| in_format(*c, widths.colour));
         fits.then(|| SplatNumbers {
             end,
-            peak: u64::from(footprint.peak) << scale.peak,
+            peak: u64::from(footprint.opacity) << scale.peak,
             colour: footprint.colour.map(|c| u64::from(c) << scale.colour),
         })
     }
@@ -83,7 +83,7 @@ impl super::PixelScheme for FusedScheme {
     #[inline(always)]
     fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
         match (
-            painting.rules.stop_before,
+            painting.rules.omit_finishing,
             painting.scheme.intervals.reach.deep,
         ) {
             (true, false) => run::<L, true, false>(lanes, painting),
@@ -222,7 +222,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
             share_half: half(scale.share),
             share_mask: above(scale.share),
             to_light: turn(64 - scale.to_light),
-            stop: splat((u64::from(constants.stop) + 1) << scale.transmittance),
+            stop: splat((u64::from(constants.minimum_transmittance) + 1) << scale.transmittance),
             mark: splat(u64::MARK),
             sum_half: half(scale.sum),
             sum_mask: splat(u64::MAX << scale.sum),

@@ -29,7 +29,7 @@ impl TableReach {
         let entries = table.entries();
         let deep = lane_bits > 32;
         let fits = entries.iter().all(|entry| *entry <= 1 << widths.weight)
-            && u64::from(constants.stop) < 1 << widths.transmittance
+            && u64::from(constants.minimum_transmittance) < 1 << widths.transmittance
             && constants.alpha_max <= 1 << widths.alpha
             && (deep || widths.radial <= 27);
         fits.then_some(TableReach {

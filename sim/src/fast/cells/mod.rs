@@ -27,7 +27,7 @@ use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Lane, Traversal, Widths};
 use splatline::kernel::FootprintTable;
-use splatline::raster::{SpanRows, Window};
+use splatline::raster::{EllipseSpans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
@@ -169,7 +169,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
             prefetch(footprint(next));
         }
         let footprint = footprint(list.first()?).as_ref().ok()?;
-        let rows = SpanRows::new(self.design, footprint, window)
+        let rows = EllipseSpans::new(self.design, footprint, window)
             .constants()
             .widened();
         let numbers = self.scheme.numbers(footprint)?;
@@ -182,7 +182,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     fn paint_scalar(&self, footprint: &Result<Footprint, Cull>, tile: &mut TileOf<P>) -> Coverage {
         let mut pixels = tile.to_pixels();
         let window = tile.window();
-        let stride = usize::from(window.last[0] - window.first[0]);
+        let stride = usize::from(window.end[0] - window.first[0]);
         let target = Target::new(&mut pixels, window, stride);
         let (Ok(footprint), Ok(mut target)) = (footprint, target) else {
             return Coverage::default();
@@ -271,7 +271,7 @@ impl<P: PixelScheme> Painting<'_, P> {
                 break;
             }
         }
-        let columns = usize::from(window.last[0] - window.first[0]).max(1);
+        let columns = usize::from(window.end[0] - window.first[0]).max(1);
         tile.copy(pixels.chunks_exact_mut(columns));
         coverage
     }

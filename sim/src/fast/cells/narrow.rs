@@ -79,18 +79,18 @@ impl super::PixelScheme for NarrowScheme {
             products, reach, ..
         } = self;
         let end = reach.end(footprint.cutoff)?;
-        let fits = footprint.peak <= products.peak
+        let fits = footprint.opacity <= products.peak
             && footprint.colour.iter().all(|c| *c <= products.colour);
         fits.then_some(SplatNumbers {
             end: end as u32,
-            peak: footprint.peak,
+            peak: footprint.opacity,
             colour: footprint.colour,
         })
     }
 
     #[inline(always)]
     fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
-        if painting.rules.stop_before {
+        if painting.rules.omit_finishing {
             run::<L, true>(lanes, painting)
         } else {
             run::<L, false>(lanes, painting)
@@ -231,7 +231,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> NarrowPixels<'a, L, STOP_BEFORE> {
             alpha_max: splat(constants.alpha_max),
             opacity_min: splat(products.opacity_min as u32),
             largest: splat(i32::MAX as u32),
-            stop: splat(constants.stop + 1),
+            stop: splat(constants.minimum_transmittance + 1),
             mark: splat(u32::MARK),
             raise: splat(products.raise),
             sum_half: splat(products.sum_half),

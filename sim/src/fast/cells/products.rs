@@ -92,7 +92,7 @@ impl Products {
         let least = constants.opacity_min + u64::from(opacity.half);
         let opacity_min = i32::try_from(least >> opacity.bits).ok()?;
         let alpha = constants.alpha_max.into();
-        let (share, light) = Split::new(LIGHT_PART, constants.share_shift, alpha, rounding)?;
+        let (share, light) = Split::new(LIGHT_PART, constants.contribution_shift, alpha, rounding)?;
         // At least one bit, for rounding, and not more than the sum of 16 has room for.
         let sum = (LIGHT_PART + colour)
             .checked_sub(accumulator)

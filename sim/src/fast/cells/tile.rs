@@ -118,7 +118,7 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
             cells: vec![C::filled(format.words(Pixel::default())); AREA / COLUMNS / C::ROWS].into(),
             window: Window {
                 first: [0; 2],
-                last: [0; 2],
+                end: [0; 2],
             },
             format,
             spilled: None,
@@ -152,11 +152,11 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
     }
 
     fn columns(&self) -> usize {
-        usize::from(self.window.last[0] - self.window.first[0]).min(TILE[0].into())
+        usize::from(self.window.end[0] - self.window.first[0]).min(TILE[0].into())
     }
 
     fn rows(&self) -> usize {
-        usize::from(self.window.last[1] - self.window.first[1]).min(TILE[1].into())
+        usize::from(self.window.end[1] - self.window.first[1]).min(TILE[1].into())
     }
 
     /// The cells, counted along the rows from the tile's first; `None` if only the kernel's painter can go on.

@@ -17,9 +17,9 @@ pub use surface::{SurfaceOutcome, set_up_surface};
 
 use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch};
 use number::{Arithmetic, Number};
-use splatline::footprint::{Conic, Footprint, Scan};
-use splatline::format::{Custom, Design, Widths};
-use splatline::math::Scaled;
+use splatline::footprint::{Conic, Footprint, Ldl};
+use splatline::format::{Design, RuntimeWidths, Widths};
+use splatline::math::SoftFloat;
 use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
@@ -39,7 +39,7 @@ pub fn set_up<D: Design>(
     choice: VectorLevel,
 ) {
     // Widths as values: constants would gain little here, and one compiled copy serves all designs.
-    match Custom::new(design.widths()) {
+    match RuntimeWidths::new(design.widths()) {
         Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
             let batch = Batch {
                 design: widths,
@@ -60,7 +60,7 @@ pub fn set_up<D: Design>(
 
 /// Can vectors set up under this view and these rules?
 fn covers(view: &View, rules: &Rules) -> bool {
-    let mild = |number: Scaled| number.exponent.unsigned_abs() < 1 << 24;
+    let mild = |number: SoftFloat| number.exponent.unsigned_abs() < 1 << 24;
     let spaced = rules.spacing.mantissa > 0;
     let by_opacity = rules.cutoff == Cutoff::Opacity;
     let gaussian = rules.kernel == splatline::kernel::Kernel::Gaussian;
@@ -80,9 +80,9 @@ fn covers(view: &View, rules: &Rules) -> bool {
 /// What vectors read of a splat.
 #[derive(Clone, Copy)]
 struct Parts {
-    centre: [Scaled; 3],
+    centre: [SoftFloat; 3],
     axes: [Axis; 3],
-    weight: Scaled,
+    weight: SoftFloat,
 }
 
 impl Parts {
@@ -98,7 +98,7 @@ impl Parts {
 /// Is the splat one of those that vectors take? Its exponents must not come near the end of their word, and its coordinates be normalised.
 #[inline(always)]
 fn is_mild_part(splat: &Parts) -> bool {
-    let normalised = |number: &Scaled| {
+    let normalised = |number: &SoftFloat| {
         let magnitude = number.mantissa.unsigned_abs();
         let length = u32::BITS - magnitude.leading_zeros();
         (magnitude == 0 || length == position::COORDINATE)
@@ -113,7 +113,7 @@ fn is_mild_part(splat: &Parts) -> bool {
 }
 
 struct Batch<'a> {
-    design: Custom,
+    design: RuntimeWidths,
     view: &'a View,
     rules: &'a Rules,
     splats: &'a [VolumeSplat],
@@ -283,7 +283,7 @@ impl Lists {
     /// The footprint of splat `k`.
     #[inline(always)]
     fn footprint(&self, k: usize, colour: [u32; 3]) -> Footprint {
-        let scaled = |[mantissa, exponent]: &[[i64; 8]; 2]| Scaled {
+        let scaled = |[mantissa, exponent]: &[[i64; 8]; 2]| SoftFloat {
             mantissa: mantissa[k] as i32,
             exponent: exponent[k] as i32,
         };
@@ -292,19 +292,19 @@ impl Lists {
             depth: self.depth[k] as u64,
             centre: [self.centre[0][k], self.centre[1][k]],
             first: [self.first[0][k] as u16, self.first[1][k] as u16],
-            last: [self.last[0][k] as u16, self.last[1][k] as u16],
-            scan: Scan {
-                curvature: scaled(curvature),
-                spread: scaled(spread),
-                slope: scaled(slope),
-                stretch: scaled(stretch),
+            end: [self.last[0][k] as u16, self.last[1][k] as u16],
+            ldl: Ldl {
+                horizontal: scaled(curvature),
+                squared_width: scaled(spread),
+                shear: scaled(slope),
+                vertical: scaled(stretch),
             },
             conic: Conic {
                 mantissa: [0, 1, 2].map(|i| self.conic[i][k] as i32),
                 exponent: self.conic_exponent[k] as i32,
             },
             cutoff: self.cutoff[k] as u32,
-            peak: self.peak[k] as u32,
+            opacity: self.peak[k] as u32,
             colour,
         }
     }

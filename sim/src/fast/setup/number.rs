@@ -1,4 +1,4 @@
-//! The kernel's normalised numbers ([`Scaled`], [`Product`]) on vectors: one splat per word.
+//! The kernel's normalised numbers ([`SoftFloat`], [`Product`]) on vectors: one splat per word.
 //!
 //! Bit for bit what `splatline::math` computes, for exponents below 2^30: the kernel saturates sums of exponents at the ends of 32 bits,
 //! 64-bit words do not reach them. Two identities replace branches. A right shift that rounds, `(v + 2^(s-1)) >> s`, is
@@ -7,7 +7,7 @@
 //! [`Product`]: splatline::math::Product
 
 use crate::fast::lanes::Wide;
-use splatline::math::{LN_2, LOGARITHMS, RECIPROCALS, REST, ROOTS, Scaled, fraction};
+use splatline::math::{LN_2, LOGARITHMS, RECIPROCALS, REST, ROOTS, SoftFloat, fraction};
 
 /// `mantissa * 2^exponent` per word; also an exact product, whose mantissa has up to 62 bits.
 #[derive(Clone, Copy)]
@@ -32,7 +32,7 @@ impl<W: Wide> Arithmetic<W> {
     }
 
     #[inline(always)]
-    pub fn number(self, value: Scaled) -> Number<W> {
+    pub fn number(self, value: SoftFloat) -> Number<W> {
         Number {
             mantissa: self.splat(value.mantissa.into()),
             exponent: self.splat(value.exponent.into()),
@@ -136,7 +136,7 @@ impl<W: Wide> Arithmetic<W> {
         self.sub(self.splat(64), zeros)
     }
 
-    /// `Scaled::from_wide`.
+    /// `SoftFloat::from_wide`.
     #[inline(always)]
     pub fn normalise(self, value: Number<W>, bits: u32) -> Number<W> {
         let shift = self.plus(self.length(value.mantissa), -i64::from(bits));
@@ -150,11 +150,11 @@ impl<W: Wide> Arithmetic<W> {
         let zero = self.lanes.wide_equal(value.mantissa, self.splat(0));
         Number {
             mantissa,
-            exponent: self.select(exponent, self.splat(Scaled::ZERO.exponent.into()), zero),
+            exponent: self.select(exponent, self.splat(SoftFloat::ZERO.exponent.into()), zero),
         }
     }
 
-    /// `Scaled::times`.
+    /// `SoftFloat::times`.
     #[inline(always)]
     pub fn times(self, a: Number<W>, b: Number<W>) -> Number<W> {
         Number {
@@ -163,7 +163,7 @@ impl<W: Wide> Arithmetic<W> {
         }
     }
 
-    /// `Scaled::multiply`.
+    /// `SoftFloat::multiply`.
     #[inline(always)]
     pub fn multiply(self, a: Number<W>, b: Number<W>, bits: u32) -> Number<W> {
         self.normalise(self.times(a, b), bits)
@@ -225,7 +225,7 @@ impl<W: Wide> Arithmetic<W> {
         self.select(saturated, zero, nothing)
     }
 
-    /// `Scaled::leading`.
+    /// `SoftFloat::leading`.
     #[inline(always)]
     pub fn leading(self, a: Number<W>) -> Word<W> {
         self.plus(self.add(a.exponent, self.length(a.mantissa)), -1)
@@ -297,7 +297,7 @@ impl<W: Wide> Arithmetic<W> {
         Number {
             mantissa: self.select(zero, result.mantissa, positive),
             exponent: self.select(
-                self.splat(Scaled::ZERO.exponent.into()),
+                self.splat(SoftFloat::ZERO.exponent.into()),
                 result.exponent,
                 positive,
             ),

@@ -7,7 +7,7 @@ use super::number::{Arithmetic, Number};
 use super::position::CameraPoint;
 use crate::fast::lanes::Wide;
 use splatline::format::Widths;
-use splatline::math::{Scaled, ln};
+use splatline::math::{SoftFloat, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::Cull;
 use splatline::view::{View, round_entry};
@@ -420,7 +420,7 @@ impl<W: Wide> Stages<'_, W> {
         if self.rules.normalised {
             // A variance without an inverse has been culled.
             let [x, y] = projected.ratio;
-            let one = math.number(Scaled {
+            let one = math.number(SoftFloat {
                 mantissa: 1,
                 exponent: 0,
             });
@@ -441,7 +441,7 @@ impl<W: Wide> Stages<'_, W> {
         let math = self.math;
         let zero = math.splat(0);
         let positive = math.greater(word, zero);
-        let none = math.splat(Scaled::ZERO.exponent.into());
+        let none = math.splat(SoftFloat::ZERO.exponent.into());
         Number {
             mantissa: math.select(zero, number.mantissa, positive),
             exponent: math.select(none, number.exponent, positive),
@@ -457,7 +457,7 @@ impl<W: Wide> Stages<'_, W> {
             return math.splat(cutoff.min(end).into());
         }
         let least = (self.rules.alpha_min >> 1) as i64;
-        let smallest = Scaled::from_wide(least, 1 - THRESHOLD as i32, 31);
+        let smallest = SoftFloat::from_wide(least, 1 - THRESHOLD as i32, 31);
         let below = ln(smallest).unwrap_or(i64::MAX >> 1);
         let dark = math.greater(math.splat(1), peak.mantissa);
         self.cull(culled, Cull::Transparent, dark);

@@ -5,8 +5,8 @@
 
 use super::stages::{Footprints, Projected, Splats, Stages, Variance};
 use super::{
-    Custom, Floats, Lists, Number, Parts, VectorLevel, VectorTask, covers, dispatch, is_mild_part,
-    list, read,
+    Floats, Lists, Number, Parts, RuntimeWidths, VectorLevel, VectorTask, covers, dispatch,
+    is_mild_part, list, read,
 };
 use crate::fast::lanes::{Lanes, Wide};
 use splatline::footprint::surface::{
@@ -31,7 +31,7 @@ pub fn set_up_surface<D: Design>(
     outcomes: &mut [SurfaceOutcome],
     choice: VectorLevel,
 ) {
-    match Custom::new(design.widths()) {
+    match RuntimeWidths::new(design.widths()) {
         Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
             let batch = Batch {
                 design: widths,
@@ -60,7 +60,7 @@ fn parts(splat: &SurfaceSplat) -> Parts {
 }
 
 struct Batch<'a> {
-    design: Custom,
+    design: RuntimeWidths,
     view: &'a View,
     rules: &'a Rules,
     splats: &'a [SurfaceSplat],

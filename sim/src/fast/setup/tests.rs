@@ -25,14 +25,16 @@ fn splat() -> impl Strategy<Value = VolumeSplat> {
         .prop_map(|(mantissa, exponent)| Axis { mantissa, exponent });
     // Normalised, as the host has them, or any.
     let normalised =
-        (1i32 << 30..=i32::MAX, any::<bool>(), -40i32..-24).prop_map(|(m, s, exponent)| Scaled {
-            mantissa: if s { -m } else { m },
-            exponent,
+        (1i32 << 30..=i32::MAX, any::<bool>(), -40i32..-24).prop_map(|(m, s, exponent)| {
+            SoftFloat {
+                mantissa: if s { -m } else { m },
+                exponent,
+            }
         });
-    let any_number =
-        (bits(), exponent.clone()).prop_map(|(mantissa, exponent)| Scaled { mantissa, exponent });
+    let any_number = (bits(), exponent.clone())
+        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
     let centre = prop::array::uniform3(
-        prop_oneof![20 => normalised, 1 => any_number, 1 => Just(Scaled::ZERO)],
+        prop_oneof![20 => normalised, 1 => any_number, 1 => Just(SoftFloat::ZERO)],
     );
     (
         centre,
@@ -44,7 +46,7 @@ fn splat() -> impl Strategy<Value = VolumeSplat> {
         .prop_map(|(centre, axes, mantissa, exponent, colour)| VolumeSplat {
             centre,
             axes,
-            weight: Scaled { mantissa, exponent },
+            weight: SoftFloat { mantissa, exponent },
             colour: colour.map(U4F28::from_bits),
         })
 }

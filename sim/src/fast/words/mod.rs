@@ -16,7 +16,7 @@ use path::{PathNumbers, Pixels, SplatNumbers, WordPixels};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::format::{Design, Lane, Traversal};
-use splatline::raster::{RowConstants, SpanRows, Window};
+use splatline::raster::{EllipseSpans, RowConstants, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::target::Target;
 pub use tile::WordTile;
@@ -62,12 +62,12 @@ impl<D: Design> WordPainter<D> {
         };
         let bounds = Window {
             first: footprint.first,
-            last: footprint.last,
+            end: footprint.end,
         };
         if bounds.intersect(window).is_empty() {
             return Prepared::Nothing;
         }
-        let rows = SpanRows::new(self.design, footprint, window);
+        let rows = EllipseSpans::new(self.design, footprint, window);
         match self.numbers.splat(footprint) {
             Some(splat) => Prepared::Rows(rows.constants().widened(), splat),
             None => Prepared::Scalar,
@@ -82,7 +82,7 @@ impl<D: Design> WordPainter<D> {
         let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
         let mut pixels = tile.to_pixels();
         let window = tile.window();
-        let stride = usize::from(window.last[0] - window.first[0]);
+        let stride = usize::from(window.end[0] - window.first[0]);
         let target = Target::new(&mut pixels, window, stride);
         let (Ok(footprint), Ok(mut target)) = (&footprints[index as usize], target) else {
             return Coverage::default();
@@ -148,7 +148,7 @@ impl PixelTask for Painting<'_> {
 
     #[inline(always)]
     fn run<L: PixelWords>(self, lanes: L) -> Coverage {
-        if self.numbers.stop_before {
+        if self.numbers.omit_finishing {
             self.paint::<L, true>(lanes)
         } else {
             self.paint::<L, false>(lanes)

@@ -58,7 +58,7 @@ pub struct PathNumbers {
     opacity_min: i64,
     /// Transmittances below this finish a pixel.
     stop: i64,
-    pub stop_before: bool,
+    pub omit_finishing: bool,
 }
 
 /// What a footprint's pixels need beside its rows.
@@ -87,12 +87,12 @@ impl PathNumbers {
             kept: u32::from(widths.interpolation).min(reach.rest_bits),
             raise: if reach.deep { 0 } else { 32 },
             opacity: shift(constants.opacity_shift)?,
-            share: shift(constants.share_shift)?,
+            share: shift(constants.contribution_shift)?,
             colour: shift(constants.colour_shift)?,
             alpha_max: constants.alpha_max,
             opacity_min: i64::try_from(constants.opacity_min).ok()?,
-            stop: i64::from(constants.stop) + 1,
-            stop_before: constants.stop_before,
+            stop: i64::from(constants.minimum_transmittance) + 1,
+            omit_finishing: constants.omit_finishing,
             reach,
         })
     }
@@ -102,14 +102,14 @@ impl PathNumbers {
     pub fn splat(&self, footprint: &Footprint) -> Option<SplatNumbers> {
         let end = self.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
-        let fits = in_format(footprint.peak, self.widths.peak)
+        let fits = in_format(footprint.opacity, self.widths.peak)
             && footprint
                 .colour
                 .iter()
                 .all(|c| in_format(*c, self.widths.colour));
         fits.then(|| SplatNumbers {
             end: end << self.raise,
-            peak: footprint.peak,
+            peak: footprint.opacity,
             colour: footprint.colour,
         })
     }

@@ -38,7 +38,7 @@ impl WordTile {
             live: [0; ROWS],
             window: Window {
                 first: [0; 2],
-                last: [0; 2],
+                end: [0; 2],
             },
         }
     }
@@ -64,11 +64,11 @@ impl WordTile {
     }
 
     fn columns(&self) -> usize {
-        usize::from(self.window.last[0] - self.window.first[0]).min(COLUMNS)
+        usize::from(self.window.end[0] - self.window.first[0]).min(COLUMNS)
     }
 
     fn rows(&self) -> usize {
-        usize::from(self.window.last[1] - self.window.first[1]).min(ROWS)
+        usize::from(self.window.end[1] - self.window.first[1]).min(ROWS)
     }
 
     /// Row `y` of the screen.
@@ -110,7 +110,7 @@ impl WordTile {
         let [left, top] = self.window.first;
         Some(Window {
             first: [left + columns.trailing_zeros() as u16, top + first as u16],
-            last: [
+            end: [
                 left + (64 - columns.leading_zeros()) as u16,
                 top + last as u16,
             ],

@@ -20,7 +20,7 @@ use crate::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
 use rayon::prelude::*;
 use splatline::footprint::Footprint;
 use splatline::format::Design;
-use splatline::raster::{SpanRows, Window};
+use splatline::raster::{EllipseSpans, Window};
 
 /// Rows of a tile.
 const ROWS: usize = TILE[1] as usize;
@@ -116,7 +116,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
         let row = |tile: usize| (tile * ROWS).min(viewport[1].into()) as u16;
         let window = Window {
             first: [0, row(number * height)],
-            last: [viewport[0], row((number + 1) * height)],
+            end: [viewport[0], row((number + 1) * height)],
         };
         let footprints = footprints
             .iter()
@@ -138,7 +138,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
 fn touches(footprint: &Footprint, window: &Window) -> bool {
     let bounds = Window {
         first: footprint.first,
-        last: footprint.last,
+        end: footprint.end,
     };
     !bounds.intersect(window).is_empty()
 }
@@ -169,12 +169,12 @@ where
             units,
             mut observe,
         } = self;
-        let mut spans = Spans::new(usize::from(window.last[1] - window.first[1]));
+        let mut spans = Spans::new(usize::from(window.end[1] - window.first[1]));
         let blocks = blocks(&window);
         for footprint in footprints {
             let bounds = Window {
                 first: footprint.first,
-                last: footprint.last,
+                end: footprint.end,
             };
             let visible = bounds.intersect(&window);
             if visible.is_empty() {
@@ -183,13 +183,13 @@ where
                 }
                 continue;
             }
-            spans.fill(lanes, SpanRows::new(design, footprint, &window));
+            spans.fill(lanes, EllipseSpans::new(design, footprint, &window));
             for_each_tile(&visible, |tile, part| {
                 let row = usize::from(part.first[1] - visible.first[1]);
                 let Some((first, end)) = spans.starting_at(row) else {
                     return;
                 };
-                let count = usize::from(part.last[1] - part.first[1]);
+                let count = usize::from(part.end[1] - part.first[1]);
                 let columns = columns_from(first, &part);
                 let lengths = lengths(&columns, end, &part, count);
                 let [x, y] = [0, 1].map(|axis| usize::from(tile[axis]) - blocks.first[axis]);
@@ -209,15 +209,14 @@ struct Blocks {
 
 fn blocks(window: &Window) -> Blocks {
     let first = [0, 1].map(|axis| usize::from(window.first[axis] / TILE[axis]));
-    let columns = usize::from(window.last[0].div_ceil(TILE[0])) - first[0];
+    let columns = usize::from(window.end[0].div_ceil(TILE[0])) - first[0];
     Blocks { first, columns }
 }
 
 /// The tiles that a window touches, which has pixels: their numbers, and their parts of the window.
 #[inline(always)]
 fn for_each_tile(window: &Window, mut each: impl FnMut([u16; 2], Window)) {
-    let range =
-        |axis: usize| window.first[axis] / TILE[axis]..=(window.last[axis] - 1) / TILE[axis];
+    let range = |axis: usize| window.first[axis] / TILE[axis]..=(window.end[axis] - 1) / TILE[axis];
     for y in range(1) {
         for x in range(0) {
             let tile = [x, y];
@@ -225,8 +224,8 @@ fn for_each_tile(window: &Window, mut each: impl FnMut([u16; 2], Window)) {
             // Not the product for the next tile, which may lie beyond 16 bits.
             let rest = [0, 1].map(|axis| TILE[axis] - first[axis] % TILE[axis]);
             let last =
-                [0, 1].map(|axis| window.last[axis].min(first[axis].saturating_add(rest[axis])));
-            each(tile, Window { first, last });
+                [0, 1].map(|axis| window.end[axis].min(first[axis].saturating_add(rest[axis])));
+            each(tile, Window { first, end: last });
         }
     }
 }
@@ -241,7 +240,7 @@ fn columns_from(first: &[u16; ROWS], part: &Window) -> [u16; ROWS] {
 #[inline(always)]
 fn lengths(first: &[u16; ROWS], end: &[u16; ROWS], part: &Window, count: usize) -> [u16; ROWS] {
     std::array::from_fn(|row| {
-        let length = end[row].min(part.last[0]).saturating_sub(first[row]);
+        let length = end[row].min(part.end[0]).saturating_sub(first[row]);
         if row < count { length } else { 0 }
     })
 }

@@ -1,4 +1,4 @@
-//! First and last columns of a footprint's rows, eight rows in a vector, bit for bit those of the kernel's [`SpanRows`].
+//! First and last columns of a footprint's rows, eight rows in a vector, bit for bit those of the kernel's [`EllipseSpans`].
 //!
 //! The clock needs no seeds, so that a footprint's rows are computed once, whatever the tiles that they cross. Where a word would be too long
 //! for the vectors' arithmetic the kernel's own rows are taken.
@@ -7,7 +7,7 @@ use crate::fast::lanes::Wide;
 use crate::fast::recurrence::{RowVectors, is_zero, stays_near};
 use crate::fast::rows::columns;
 use crate::fast::setup::number::Arithmetic;
-use splatline::raster::{RowConstants, Rows, SpanRows};
+use splatline::raster::{EllipseSpans, RowConstants, Spans as _};
 
 /// Rows of a vector, whatever the processor: one with fewer words takes two turns.
 const STEP: usize = 8;
@@ -40,7 +40,7 @@ impl Spans {
 
     /// Fills in the rows of a footprint.
     #[inline(always)]
-    pub fn fill<L: Wide, K: splatline::format::Lane>(&mut self, lanes: L, rows: SpanRows<K>) {
+    pub fn fill<L: Wide, K: splatline::format::Lane>(&mut self, lanes: L, rows: EllipseSpans<K>) {
         let constants = rows.constants().widened();
         if !self.by_vectors(lanes, &constants) {
             self.by_the_kernel(rows, constants.rows);
@@ -69,13 +69,13 @@ impl Spans {
     #[inline(never)]
     fn by_the_kernel<K: splatline::format::Lane>(
         &mut self,
-        mut rows: SpanRows<K>,
+        mut rows: EllipseSpans<K>,
         [top, bottom]: [u16; 2],
     ) {
         let count = usize::from(bottom.saturating_sub(top));
         self.first[..count].fill(0);
         self.end[..count].fill(0);
-        while let Some(run) = rows.next_run() {
+        while let Some(run) = rows.next_span() {
             let row = usize::from(run.y - top);
             if self.end[row] == 0 {
                 self.first[row] = run.x;

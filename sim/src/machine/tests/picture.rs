@@ -9,9 +9,9 @@ use crate::fixed;
 use crate::rules::{Compositing, Rules};
 use crate::scene::synthetic;
 use proptest::prelude::*;
-use splatline::footprint::{Conic, Footprint, Scan};
+use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{Design, Lean18, Standard24, Traversal};
-use splatline::math::Scaled;
+use splatline::math::SoftFloat;
 use splatline::raster::Window;
 
 const CHOICES: [VectorLevel; 3] = [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable];
@@ -51,7 +51,7 @@ fn tiles() -> Vec<Window> {
     let tile = |index: u16| {
         let first = [index % columns * TILE[0], index / columns * TILE[1]];
         let last = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
-        Window { first, last }
+        Window { first, end: last }
     };
     (0..columns * rows).map(tile).collect()
 }
@@ -60,7 +60,7 @@ fn tiles() -> Vec<Window> {
 fn touching(footprints: &[Footprint], window: &Window) -> Vec<Footprint> {
     let bounds = |footprint: &Footprint| Window {
         first: footprint.first,
-        last: footprint.last,
+        end: footprint.end,
     };
     let touches = |footprint: &&Footprint| !bounds(footprint).intersect(window).is_empty();
     footprints.iter().filter(touches).copied().collect()
@@ -128,8 +128,8 @@ fn lanes_that_no_circuit_has_are_refused() {
 
 /// Any words at all, which leave the vectors' arithmetic; the box within the viewport, as the packet promises.
 fn arbitrary() -> impl Strategy<Value = Footprint> {
-    let number =
-        (any::<i32>(), -70i32..10).prop_map(|(mantissa, exponent)| Scaled { mantissa, exponent });
+    let number = (any::<i32>(), -70i32..10)
+        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
     let scan = (number.clone(), number.clone(), number.clone(), number);
     let corner = (0..VIEWPORT[0], 0..VIEWPORT[1]);
     let centre = (any::<[i64; 2]>(), 0u32..60);
@@ -138,16 +138,16 @@ fn arbitrary() -> impl Strategy<Value = Footprint> {
             depth: 0,
             centre: centre.map(|c| c >> spare),
             first: [a.0.min(b.0), a.1.min(b.1)],
-            last: [a.0.max(b.0) + 1, a.1.max(b.1) + 1],
-            scan: Scan {
-                curvature: scan.0,
-                spread: scan.1,
-                slope: scan.2,
-                stretch: scan.3,
+            end: [a.0.max(b.0) + 1, a.1.max(b.1) + 1],
+            ldl: Ldl {
+                horizontal: scan.0,
+                squared_width: scan.1,
+                shear: scan.2,
+                vertical: scan.3,
             },
             conic: Conic::default(),
             cutoff: cutoff >> (spare % 6),
-            peak: 0,
+            opacity: 0,
             colour: [0; 3],
         },
     )
@@ -175,7 +175,7 @@ proptest! {
         let [left, top, right, bottom] = corners;
         let first = [32 + left.min(right), top.min(bottom)];
         let last = [33 + left.max(right), 1 + top.max(bottom)];
-        let window = Window { first, last };
+        let window = Window { first, end: last };
         let expected = clocked(Standard24, &footprints, &window, 1 << lanes);
         let got = fast(Standard24, &footprints, window, 1 << lanes, VectorLevel::Best);
         prop_assert_eq!(got, Some(expected));

@@ -17,7 +17,7 @@ use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Lane, Rounding, Traversal, Widths};
 use splatline::math::{shift_signed, shift_unsigned};
-use splatline::raster::{ConicRows, Rows, Run, SpanRows, Window};
+use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans, Window};
 use splatline::setup::Cull;
 use splatline::target::Target;
 
@@ -77,19 +77,19 @@ impl DesignJob for Job<'_> {
             self.footprints[*index as usize]
                 .as_ref()
                 .ok()
-                .map(|footprint| (*index, footprint.first, footprint.last))
+                .map(|footprint| (*index, footprint.first, footprint.end))
         });
         let bins = Bins::new(boxes, self.viewport, self.tile);
         let window = |tile: usize| {
             let (first, last) = bins.window(tile, self.viewport, self.tile);
-            Window { first, last }
+            Window { first, end: last }
         };
         let parts = (0..bins.lists.len())
             .into_par_iter()
             .map(|tile| self.tile(design, &painter, &bins.lists[tile], window(tile)))
             .collect();
         let pixels = |tile: usize| {
-            let Window { first, last } = window(tile);
+            let Window { first, end: last } = window(tile);
             u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
         };
         let packet_bytes = 4 * Layout::new(&widths).words() as u32;
@@ -128,8 +128,8 @@ impl Job<'_> {
         window: Window,
     ) -> TilePart {
         let widths = design.widths();
-        let columns = usize::from(window.last[0] - window.first[0]);
-        let rows = usize::from(window.last[1] - window.first[1]);
+        let columns = usize::from(window.end[0] - window.first[0]);
+        let rows = usize::from(window.end[1] - window.first[1]);
         let mut pixels = vec![Pixel::clear(&widths); columns * rows];
         let Ok(mut target) = Target::new(&mut pixels, window, columns) else {
             unreachable!("the tile's memory has just been made for its window")
@@ -141,12 +141,12 @@ impl Job<'_> {
             };
             let visible = Window {
                 first: footprint.first,
-                last: footprint.last,
+                end: footprint.end,
             }
             .intersect(&window);
             let first = part.rows.len();
             part.rows.resize(
-                first + usize::from(visible.last[1] - visible.first[1]),
+                first + usize::from(visible.end[1] - visible.first[1]),
                 Row::default(),
             );
             let note = Note {
@@ -157,14 +157,14 @@ impl Job<'_> {
             };
             let rows = &mut part.rows[first..];
             match self.options.traversal {
-                Traversal::Spans => {
-                    note.rows(SpanRows::new(design, footprint, &window), &mut target, rows)
-                }
-                Traversal::Box => note.rows(
-                    ConicRows::new(design, footprint, &window),
+                Traversal::Spans => note.rows(
+                    EllipseSpans::new(design, footprint, &window),
                     &mut target,
                     rows,
                 ),
+                Traversal::Box => {
+                    note.rows(BoxSpans::new(design, footprint, &window), &mut target, rows)
+                }
             }
             let visits = rows.iter().any(|row| row.length > 0);
             // Nothing that comes after the last pixel has finished changes the tile.
@@ -196,9 +196,9 @@ struct Note<'a> {
 }
 
 impl Note<'_> {
-    fn rows<R: Rows>(&self, mut runs: R, target: &mut Target, rows: &mut [Row]) {
+    fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [Row]) {
         let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
-        while let Some(run) = runs.next_run() {
+        while let Some(run) = runs.next_span() {
             // A second seed within a row of the tile continues its run.
             let part = self.row(run, drop, target);
             let row = &mut rows[usize::from(run.y - self.first_row)];
@@ -215,7 +215,7 @@ impl Note<'_> {
     }
 
     /// The same comparison as in the painter's lanes.
-    fn row<L: Lane>(&self, run: Run<L>, drop: i32, target: &mut Target) -> Row {
+    fn row<L: Lane>(&self, run: Span<L>, drop: i32, target: &mut Target) -> Row {
         let radial = i32::from(self.widths.radial);
         let end = shift_unsigned(self.footprint.cutoff.into(), 28 - radial, Rounding::Nearest);
         let x = run.x - self.window.first[0];

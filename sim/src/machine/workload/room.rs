@@ -35,12 +35,12 @@ fn bytes(footprints: &[Result<Footprint, Cull>], viewport: [usize; 2], tile: [u1
         * (TILE_BYTES + size_of::<Tile>() as u64);
     for print in footprints.iter().flatten() {
         let tiles = |axis: usize, size: u64| {
-            u64::from(print.last[axis])
+            u64::from(print.end[axis])
                 .div_ceil(size)
                 .saturating_sub(u64::from(print.first[axis]) / size)
         };
         let (across, down) = (tiles(0, columns), tiles(1, rows));
-        let height = u64::from(print.last[1].saturating_sub(print.first[1]));
+        let height = u64::from(print.end[1].saturating_sub(print.first[1]));
         let each =
             across * height * size_of::<Row>() as u64 + across * down * size_of::<Pair>() as u64;
         bytes = bytes.saturating_add(COPIES * each);

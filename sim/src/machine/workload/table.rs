@@ -77,7 +77,7 @@ const LARGEST_WORK: u64 = 1 << 25;
 const ROUNDED: f64 = 1.0 / 128.0;
 
 /// One footprint of the table.
-struct Entry {
+struct TableEntry {
     splat: u32,
     centre: [f64; 2],
     depth: f64,
@@ -115,7 +115,7 @@ pub fn read_table(text: &str, options: &TableOptions) -> Result<Workload, TableE
         .filter(|(_, line)| !line.trim().is_empty())
     {
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-        let reader = Reader {
+        let reader = TableReader {
             line: number + 2,
             fields: &fields,
             places: &places,
@@ -141,7 +141,7 @@ struct Work {
 impl Work {
     fn add(
         &mut self,
-        entry: &Entry,
+        entry: &TableEntry,
         options: &TableOptions,
         line: usize,
     ) -> Result<(), TableError> {
@@ -163,14 +163,14 @@ impl Work {
     }
 }
 
-struct Reader<'a> {
+struct TableReader<'a> {
     line: usize,
     fields: &'a [&'a str],
     places: &'a [usize; COLUMNS.len()],
     optional: [Option<usize>; 2],
 }
 
-impl Reader<'_> {
+impl TableReader<'_> {
     fn text(&self, place: usize) -> &str {
         self.fields.get(place).copied().unwrap_or("")
     }
@@ -206,7 +206,7 @@ impl Reader<'_> {
             })
     }
 
-    fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<Entry>, TableError> {
+    fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<TableEntry>, TableError> {
         if self.places.iter().all(|place| self.text(*place).is_empty()) {
             return Ok(None);
         }
@@ -219,7 +219,7 @@ impl Reader<'_> {
                 *end = limit.min(*end);
             }
         }
-        let entry = Entry {
+        let entry = TableEntry {
             splat,
             centre: [self.number(0)?, self.number(1)?],
             depth: self.number(2)?,
@@ -274,7 +274,7 @@ impl Reader<'_> {
     }
 }
 
-fn workload(entries: &[Entry], splats: usize, options: &TableOptions) -> Workload {
+fn workload(entries: &[TableEntry], splats: usize, options: &TableOptions) -> Workload {
     let mut viewport = options.viewport;
     for (axis, size) in viewport.iter_mut().enumerate() {
         if *size == 0 {
@@ -291,7 +291,7 @@ fn workload(entries: &[Entry], splats: usize, options: &TableOptions) -> Workloa
     let bins = Bins::new(boxes, viewport, options.tile);
     let parts = (0..bins.lists.len()).map(|tile| {
         let window = bins.window(tile, viewport, options.tile);
-        let listed = |entry: &&Entry| {
+        let listed = |entry: &&TableEntry| {
             entry
                 .tiles
                 .as_ref()
@@ -317,7 +317,7 @@ fn workload(entries: &[Entry], splats: usize, options: &TableOptions) -> Workloa
 }
 
 fn tile_part<'a>(
-    list: impl Iterator<Item = &'a Entry>,
+    list: impl Iterator<Item = &'a TableEntry>,
     (first, last): ([u16; 2], [u16; 2]),
     traversal: Traversal,
 ) -> TilePart {
@@ -338,7 +338,7 @@ fn tile_part<'a>(
     part
 }
 
-impl Entry {
+impl TableEntry {
     fn row(&self, y: u16, [from, to]: [u16; 2], origin: u16, traversal: Traversal) -> Row {
         let [a, b, c] = self.conic;
         let dy = f64::from(y) + 0.5 - self.centre[1];

@@ -171,8 +171,8 @@ impl<F, O> Floating<'_, F, O> {
     /// Each engine compares with the threshold in its own precision.
     fn stop(&self) -> f64 {
         match size_of::<F>() {
-            4 => f64::from(self.rules.stop as f32),
-            _ => self.rules.stop,
+            4 => f64::from(self.rules.minimum_transmittance as f32),
+            _ => self.rules.minimum_transmittance,
         }
     }
 }
@@ -208,7 +208,7 @@ impl Decides for Fixed<'_> {
             return NOWHERE;
         };
         let [x0, y0] = footprint.first.map(usize::from);
-        let [x1, y1] = footprint.last.map(usize::from);
+        let [x1, y1] = footprint.end.map(usize::from);
         PixelBox { x0, y0, x1, y1 }
     }
 
@@ -268,7 +268,7 @@ impl DesignJob for DrawOne<'_, '_> {
         let DrawOne { engine, area, .. } = self;
         let window = Window {
             first: [area.x0 as u16, area.y0 as u16],
-            last: [area.x1 as u16, area.y1 as u16],
+            end: [area.x1 as u16, area.y1 as u16],
         };
         let Ok(mut target) = Target::new(self.pixels, window, area.x1 - area.x0) else {
             unreachable!("the memory has been made for its window")
@@ -474,7 +474,13 @@ mod tests {
 
     #[test]
     fn another_stop_finishes_pixels_sooner_or_later() {
-        let moved = |stop: f64| under(Rules { stop, ..RULES }).0;
+        let moved = |stop: f64| {
+            under(Rules {
+                minimum_transmittance: stop,
+                ..RULES
+            })
+            .0
+        };
         let (sooner, later) = (moved(0.5), moved(0.0));
         assert!(sooner.early > 10 && sooner.late == 0, "{sooner:?}");
         assert_eq!((sooner.added, sooner.removed), (0, 0));

@@ -1,7 +1,7 @@
 //! Speed against error three ways: host time, simulated cycles and error of every named design by both traversals.
 
 use super::{COMMAND, Subject};
-use splatline_sim::cli::{Failure, say, write};
+use splatline_sim::cli::{Failure, print_result, write};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::plan::{Effort, Prepared, all_entries, compare_all};
 use splatline_sim::report::plot::{Across, svg_across};
@@ -50,6 +50,6 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
         );
     }
     write(&folder.join("designs.md"), text.as_bytes())?;
-    say(&text)?;
+    print_result(&text)?;
     Ok(())
 }

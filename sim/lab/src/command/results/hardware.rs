@@ -6,7 +6,7 @@ use super::{designs, layouts, throughput};
 use anyhow::Result;
 use splatline_sim::camera::Camera;
 use splatline_sim::cli::write;
-use splatline_sim::cli::{Failure, say};
+use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::progress::Progress;
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::points::{self, spheres};
@@ -28,7 +28,7 @@ pub struct Subject {
 }
 
 /// Where a captured scene is seen from.
-struct Place {
+struct Viewpoint {
     name: &'static str,
     file: &'static str,
     eye: [f64; 3],
@@ -40,8 +40,8 @@ struct Place {
 const UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 /// The captured scenes.
-const PLACES: [Place; 4] = [
-    Place {
+const PLACES: [Viewpoint; 4] = [
+    Viewpoint {
         name: "guitar",
         file: "gaussians/guitar.ply",
         eye: [5.5, -2.1, 0.2],
@@ -49,7 +49,7 @@ const PLACES: [Place; 4] = [
         up: UP,
         fov: 50.0,
     },
-    Place {
+    Viewpoint {
         name: "guitar, close",
         file: "gaussians/guitar.ply",
         eye: [2.2, -1.2, 0.5],
@@ -57,7 +57,7 @@ const PLACES: [Place; 4] = [
         up: UP,
         fov: 50.0,
     },
-    Place {
+    Viewpoint {
         name: "playbot",
         file: "gaussians/playbot_lod4.ply",
         eye: [2.2, -1.4, 2.2],
@@ -65,7 +65,7 @@ const PLACES: [Place; 4] = [
         up: UP,
         fov: 45.0,
     },
-    Place {
+    Viewpoint {
         name: "lion",
         file: LION,
         eye: [4.11, 3.88, -0.16],
@@ -83,7 +83,7 @@ pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
     drop(progress);
     let text = throughput::text(&tables, &missing);
     write(&output.join("throughput.md"), text.as_bytes())?;
-    say(&text)?;
+    print_result(&text)?;
     designs::write_all(subjects, output)
 }
 
@@ -127,7 +127,7 @@ pub fn lion(data: &Path) -> Result<Option<Subject>> {
 }
 
 /// A captured scene, unless its file is missing.
-fn subject(data: &Path, place: &Place) -> Result<Option<Subject>> {
+fn subject(data: &Path, place: &Viewpoint) -> Result<Option<Subject>> {
     let path = data.join(place.file);
     if !path.exists() {
         return Ok(None);

@@ -10,7 +10,7 @@ use crate::command::options::DrawOnceOptions;
 use anyhow::{Context, Result};
 use splatline_lab::baseline::scene::BoxExtent;
 use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
-use splatline_sim::cli::{Failure, say};
+use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fast::lanes::{self, VectorLevel};
 use splatline_sim::fixed::{Engine, Times};
@@ -67,7 +67,7 @@ struct Runs {
 }
 
 /// A scene's table.
-struct Measured {
+struct HostTimes {
     name: &'static str,
     /// Least ratios of standard24 and of lean18 to (a).
     bars: [f64; 2],
@@ -243,7 +243,7 @@ fn count_pixels(
     Ok([coverage.covered, coverage.finished])
 }
 
-fn measure(subject: &Subject, choice: VectorLevel) -> Result<Measured> {
+fn measure(subject: &Subject, choice: VectorLevel) -> Result<HostTimes> {
     let Subject {
         name,
         scene,
@@ -282,7 +282,7 @@ fn measure(subject: &Subject, choice: VectorLevel) -> Result<Measured> {
         })??;
     }
     let [covered, finished] = count_pixels(subject, choice, &mut pixels)?;
-    Ok(Measured {
+    Ok(HostTimes {
         name,
         // A tenth of the splats leaves half of the frame to what does not depend on them.
         bars: if *name == "random 10k" {
@@ -324,7 +324,7 @@ fn raster_ratio(one: &[Frame], other: &[Frame]) -> f64 {
 }
 
 /// Bars against what was measured.
-fn summary(vectors: &str, tables: &[Measured]) -> String {
+fn summary(vectors: &str, tables: &[HostTimes]) -> String {
     let mut text = format!(
         "\n## {vectors}\n\n| scene | standard24 to (a) | bar | lean18 to (a) | bar | standard24 to (b) | rest | bar | standard24, two threads | bar | deep32's raster to standard24's | bar |\n\
          |---|--:|---|--:|---|--:|--:|---|--:|---|--:|---|\n"
@@ -355,7 +355,7 @@ fn summary(vectors: &str, tables: &[Measured]) -> String {
 }
 
 /// Milliseconds and errors of one scene.
-fn details(vectors: &str, table: &Measured) -> String {
+fn details(vectors: &str, table: &HostTimes) -> String {
     let mut text = format!(
         "\n## {}, {vectors}\n\n{} splats; {:.2} million covered pixels, of them {:.2} million already finished.\n\n\
          | engine | setup ms | sort ms | raster ms | frame ms | ns per covered pixel | to (a) | to (b) | two threads | PSNR dB | largest error | bias |\n\
@@ -433,7 +433,7 @@ pub fn draw_once(options: &DrawOnceOptions) -> Result<(), Failure> {
         let drawn = renderer.draw_floats(&mut pixels, &|_, _| true);
         covered += drawn.map_err(anyhow::Error::from)?.facts.coverage.covered;
     }
-    say(&format!("{covered}\n"))?;
+    print_result(&format!("{covered}\n"))?;
     Ok(())
 }
 

@@ -14,7 +14,7 @@ use splatline_lab::results::check::differences;
 use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
-use splatline_sim::cli::{Failure, say};
+use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::progress::Progress;
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     for page in ResultsPage::value_variants().iter().filter(asked) {
         if let Some(Page { file, text }) = measure(*page, options)? {
             write(&options.output.join(file), text.as_bytes())?;
-            say(&format!("{text}\n"))?;
+            print_result(&format!("{text}\n"))?;
         }
     }
     Ok(())
@@ -56,7 +56,7 @@ fn check(options: &ResultsOptions) -> Result<(), Failure> {
     let found = compare_folders(&options.output, &again);
     std::fs::remove_dir_all(&again)?;
     let found = found?;
-    say(&format!("{} differences\n", found.len()))?;
+    print_result(&format!("{} differences\n", found.len()))?;
     match found.is_empty() {
         true => Ok(()),
         false => {

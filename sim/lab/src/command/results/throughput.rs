@@ -52,7 +52,7 @@ const MACHINES: [(&str, &[&str]); 11] = [
 ];
 
 /// One machine on one scene by one traversal.
-pub struct Line {
+pub struct ThroughputLine {
     machine: &'static str,
     traversal: Traversal,
     timing: Timing,
@@ -60,14 +60,14 @@ pub struct Line {
 }
 
 /// All lines of one scene.
-pub struct Table {
+pub struct ThroughputTable {
     name: &'static str,
     splats: usize,
     visible: usize,
-    lines: Vec<Line>,
+    lines: Vec<ThroughputLine>,
 }
 
-pub fn measure(subjects: &[Subject], progress: &Progress) -> Result<Vec<Table>> {
+pub fn measure(subjects: &[Subject], progress: &Progress) -> Result<Vec<ThroughputTable>> {
     subjects
         .iter()
         .map(|subject| {
@@ -79,7 +79,7 @@ pub fn measure(subjects: &[Subject], progress: &Progress) -> Result<Vec<Table>> 
         .collect()
 }
 
-fn table(subject: &Subject) -> Result<Table> {
+fn table(subject: &Subject) -> Result<ThroughputTable> {
     let mut lines = Vec::new();
     let mut visible = 0;
     for traversal in [Traversal::Box, Traversal::Spans] {
@@ -92,7 +92,7 @@ fn table(subject: &Subject) -> Result<Table> {
             let started = Instant::now();
             let timing = simulate_alone(&workload, &config);
             let cycles_per_second = timing.total as f64 / started.elapsed().as_secs_f64();
-            lines.push(Line {
+            lines.push(ThroughputLine {
                 machine,
                 traversal,
                 timing,
@@ -100,7 +100,7 @@ fn table(subject: &Subject) -> Result<Table> {
             });
         }
     }
-    Ok(Table {
+    Ok(ThroughputTable {
         name: subject.name,
         splats: subject.scene.splats.len(),
         visible,
@@ -130,7 +130,7 @@ pub fn workload(subject: &Subject, traversal: Traversal) -> Workload {
 }
 
 /// The page.
-pub fn text(tables: &[Table], missing: &[&str]) -> String {
+pub fn text(tables: &[ThroughputTable], missing: &[&str]) -> String {
     let mut text = format!(
         "# Throughput of the raster unit\n\nPrinted by `{COMMAND}`. Pictures of 512 x 512, tiles of 16 x 16, design standard24; a machine is the \
          default one (`splatline model` with `-o` writes it out) with the changes that its name says.\n\n\
@@ -161,7 +161,7 @@ pub fn text(tables: &[Table], missing: &[&str]) -> String {
     text
 }
 
-fn row(line: &Line) -> String {
+fn row(line: &ThroughputLine) -> String {
     let Timing {
         total,
         raster,

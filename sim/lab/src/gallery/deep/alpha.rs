@@ -179,7 +179,7 @@ fn aneurism(data: &Path) -> Exhibit {
         splat.weight *= XRAY_EXTINCTION;
     }
     let rules = Rules {
-        stop: 0.0,
+        minimum_transmittance: 0.0,
         ..Rules::EWA
     };
     let what = "Aneurism by an X-ray-like transfer function: a sixteenth of the preset's extinction, so that the arteries shine \
@@ -194,7 +194,7 @@ fn fog() -> Exhibit {
     let rules = Rules {
         alpha_min: 0.0,
         cutoff: 9.0,
-        stop: 0.0,
+        minimum_transmittance: 0.0,
         ..Rules::GAUSSIAN_3D
     };
     let what = "The deep stack: 20,000 splats of fog, cut off at three standard deviations, without a threshold on opacity.";

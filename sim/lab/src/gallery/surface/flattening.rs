@@ -18,14 +18,14 @@ use splatline_sim::vector;
 const FLATTENINGS: [i32; 7] = [0, 2, 4, 6, 8, 10, 14];
 
 /// A conic and the height of its kernel.
-struct Shape {
+struct FlatShape {
     conic: [f64; 3],
     peak: f64,
 }
 
-impl Shape {
+impl FlatShape {
     /// Largest deviation of the conic, relative to its trace, and of the peak, relative to a kernel seen head-on.
-    fn deviation(&self, from: &Shape) -> [f64; 2] {
+    fn deviation(&self, from: &FlatShape) -> [f64; 2] {
         let size = from.conic[0] + from.conic[2];
         let conic = self
             .conic
@@ -103,7 +103,7 @@ fn flattened(points: &[SurfacePoint], camera: &Camera, s: f64) -> Scene {
     }
 }
 
-type Shapes = Vec<Option<Shape>>;
+type Shapes = Vec<Option<FlatShape>>;
 
 fn surface_shapes(points: &[SurfacePoint], camera: &Camera, style: &Style) -> (Shapes, Shapes) {
     let design = standard();
@@ -117,7 +117,7 @@ fn surface_shapes(points: &[SurfacePoint], camera: &Camera, style: &Style) -> (S
         .iter()
         .map(|point| surface::project(point, camera, style).ok());
     let float = float.map(|f| {
-        f.map(|f| Shape {
+        f.map(|f| FlatShape {
             conic: f.conic,
             peak: f.peak,
         })
@@ -142,7 +142,7 @@ fn volume_shapes(scene: &Scene, camera: &Camera, style: &Style) -> (Shapes, Shap
     let fixed = fixed.iter().map(|f| f.as_ref().ok().map(fixed_shape));
     let float = float::footprints(scene, camera, &rules);
     let float = float.iter().map(|f| {
-        f.as_ref().ok().map(|f| Shape {
+        f.as_ref().ok().map(|f| FlatShape {
             conic: f.conic,
             peak: f.peak,
         })
@@ -150,11 +150,11 @@ fn volume_shapes(scene: &Scene, camera: &Camera, style: &Style) -> (Shapes, Shap
     (float.collect(), fixed.collect())
 }
 
-fn fixed_shape(footprint: &splatline::footprint::Footprint) -> Shape {
+fn fixed_shape(footprint: &splatline::footprint::Footprint) -> FlatShape {
     let unit = f64::from(footprint.conic.exponent).exp2();
-    Shape {
+    FlatShape {
         conic: footprint.conic.mantissa.map(|m| f64::from(m) * unit),
-        peak: f64::from(footprint.peak) / f64::from(standard().widths.peak).exp2(),
+        peak: f64::from(footprint.opacity) / f64::from(standard().widths.peak).exp2(),
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Accessor {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct View {
+pub(super) struct GltfView {
     buffer: usize,
     #[serde(default)]
     byte_offset: usize,
@@ -42,7 +42,7 @@ pub(super) struct View {
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct Buffer {
+pub(super) struct GltfBuffer {
     uri: Option<String>,
     byte_length: usize,
 }

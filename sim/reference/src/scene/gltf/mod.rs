@@ -43,9 +43,9 @@ struct Document {
     #[serde(default)]
     accessors: Vec<buffers::Accessor>,
     #[serde(default)]
-    buffer_views: Vec<buffers::View>,
+    buffer_views: Vec<buffers::GltfView>,
     #[serde(default)]
-    buffers: Vec<buffers::Buffer>,
+    buffers: Vec<buffers::GltfBuffer>,
     #[serde(default)]
     extensions_required: Vec<String>,
 }

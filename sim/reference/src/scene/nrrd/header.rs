@@ -10,7 +10,7 @@ pub(super) enum Encoding {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Header {
+pub(super) struct NrrdHeader {
     pub(super) sizes: [usize; 3],
     pub(super) spacings: [f64; 3],
     pub(super) kind: Scalar,
@@ -44,7 +44,7 @@ const DESCRIPTIVE: [&str; 20] = [
 ];
 
 /// A field's value and the line on which it stands.
-struct Field {
+struct HeaderField {
     line: usize,
     value: String,
 }
@@ -52,19 +52,19 @@ struct Field {
 /// The fields that matter, as found.
 #[derive(Default)]
 struct Fields {
-    kind: Option<Field>,
-    dimension: Option<Field>,
-    sizes: Option<Field>,
-    spacings: Option<Field>,
-    directions: Option<Field>,
-    encoding: Option<Field>,
-    endian: Option<Field>,
-    data_file: Option<Field>,
+    kind: Option<HeaderField>,
+    dimension: Option<HeaderField>,
+    sizes: Option<HeaderField>,
+    spacings: Option<HeaderField>,
+    directions: Option<HeaderField>,
+    encoding: Option<HeaderField>,
+    endian: Option<HeaderField>,
+    data_file: Option<HeaderField>,
     lines: usize,
 }
 
 /// The header, and what follows its blank line if there is one.
-pub(super) fn parse(bytes: &[u8]) -> Result<(Header, Option<&[u8]>), Problem> {
+pub(super) fn parse(bytes: &[u8]) -> Result<(NrrdHeader, Option<&[u8]>), Problem> {
     let mut fields = Fields::default();
     let mut rest = bytes;
     while !rest.is_empty() {
@@ -155,7 +155,7 @@ impl Fields {
         if slot.is_some() {
             return Err(malformed(line, name, "it is given twice", "give it once"));
         }
-        *slot = Some(Field {
+        *slot = Some(HeaderField {
             line,
             value: value.trim().to_string(),
         });
@@ -163,7 +163,7 @@ impl Fields {
     }
 }
 
-fn interpret(fields: Fields) -> Result<Header, Problem> {
+fn interpret(fields: Fields) -> Result<NrrdHeader, Problem> {
     let Fields {
         kind,
         dimension,
@@ -175,7 +175,7 @@ fn interpret(fields: Fields) -> Result<Header, Problem> {
         data_file,
         lines,
     } = fields;
-    let required = |field: Option<Field>, name: &str| {
+    let required = |field: Option<HeaderField>, name: &str| {
         field.ok_or_else(|| malformed(lines, name, "the header lacks it", "add it before the data"))
     };
     check_dimension(&required(dimension, "dimension")?)?;
@@ -185,7 +185,7 @@ fn interpret(fields: Fields) -> Result<Header, Problem> {
         None if kind.size() == 1 => Endian::Little,
         None => required(None, "endian").and(Ok(Endian::Little))?,
     };
-    Ok(Header {
+    Ok(NrrdHeader {
         sizes: parse_sizes(&required(sizes, "sizes")?)?,
         spacings: parse_spacings(spacings, directions)?,
         kind,
@@ -195,7 +195,7 @@ fn interpret(fields: Fields) -> Result<Header, Problem> {
     })
 }
 
-fn check_dimension(field: &Field) -> Result<(), Problem> {
+fn check_dimension(field: &HeaderField) -> Result<(), Problem> {
     match field.value.as_str() {
         "3" => Ok(()),
         other => Err(malformed(
@@ -207,7 +207,7 @@ fn check_dimension(field: &Field) -> Result<(), Problem> {
     }
 }
 
-fn parse_kind(field: &Field) -> Result<Scalar, Problem> {
+fn parse_kind(field: &HeaderField) -> Result<Scalar, Problem> {
     match field.value.as_str() {
         "signed char" | "int8" | "int8_t" => Ok(Scalar::I8),
         "uchar" | "unsigned char" | "uint8" | "uint8_t" => Ok(Scalar::U8),
@@ -227,7 +227,7 @@ fn parse_kind(field: &Field) -> Result<Scalar, Problem> {
     }
 }
 
-fn parse_endian(field: &Field) -> Result<Endian, Problem> {
+fn parse_endian(field: &HeaderField) -> Result<Endian, Problem> {
     match field.value.as_str() {
         "little" => Ok(Endian::Little),
         "big" => Ok(Endian::Big),
@@ -240,7 +240,7 @@ fn parse_endian(field: &Field) -> Result<Endian, Problem> {
     }
 }
 
-fn parse_encoding(field: &Field) -> Result<Encoding, Problem> {
+fn parse_encoding(field: &HeaderField) -> Result<Encoding, Problem> {
     match field.value.as_str() {
         "raw" => Ok(Encoding::Raw),
         "gzip" | "gz" => Ok(Encoding::Gzip),
@@ -253,7 +253,7 @@ fn parse_encoding(field: &Field) -> Result<Encoding, Problem> {
     }
 }
 
-fn parse_sizes(field: &Field) -> Result<[usize; 3], Problem> {
+fn parse_sizes(field: &HeaderField) -> Result<[usize; 3], Problem> {
     let sizes: Option<Vec<usize>> = field
         .value
         .split_whitespace()
@@ -273,7 +273,10 @@ fn parse_sizes(field: &Field) -> Result<[usize; 3], Problem> {
     }
 }
 
-fn parse_spacings(spacings: Option<Field>, directions: Option<Field>) -> Result<[f64; 3], Problem> {
+fn parse_spacings(
+    spacings: Option<HeaderField>,
+    directions: Option<HeaderField>,
+) -> Result<[f64; 3], Problem> {
     match (spacings, directions) {
         (None, None) => Ok([1.0; 3]),
         (Some(field), None) => parse_lengths(&field),
@@ -287,7 +290,7 @@ fn parse_spacings(spacings: Option<Field>, directions: Option<Field>) -> Result<
     }
 }
 
-fn parse_lengths(field: &Field) -> Result<[f64; 3], Problem> {
+fn parse_lengths(field: &HeaderField) -> Result<[f64; 3], Problem> {
     let length = |word: &str| match word.parse::<f64>() {
         // NRRD's word for "unknown".
         Ok(unknown) if unknown.is_nan() => Some(1.0),
@@ -311,7 +314,7 @@ fn is_spacing(length: f64) -> bool {
     (1e-12..=1e12).contains(&length)
 }
 
-fn parse_directions(field: &Field) -> Result<[f64; 3], Problem> {
+fn parse_directions(field: &HeaderField) -> Result<[f64; 3], Problem> {
     let lengths: Option<Vec<f64>> = field.value.split_inclusive(')').map(axis_length).collect();
     match lengths.as_deref() {
         Some(&[x, y, z]) => Ok([x, y, z]),
@@ -345,7 +348,7 @@ fn axis_length(text: &str) -> Option<f64> {
     (parts.len() == 3 && aligned && is_spacing(longest)).then_some(longest)
 }
 
-fn check_data_file(field: &Field) -> Result<String, Problem> {
+fn check_data_file(field: &HeaderField) -> Result<String, Problem> {
     if field.value.is_empty() || field.value.contains('%') || field.value.starts_with("LIST") {
         return Err(malformed(
             field.line,

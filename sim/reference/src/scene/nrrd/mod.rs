@@ -14,7 +14,7 @@ use std::path::Path;
 use super::bytes::{checked_bytes, gunzip_exact, truncated};
 use super::error::Problem;
 use super::read_file;
-use header::{Encoding, Header};
+use header::{Encoding, NrrdHeader};
 
 /// A regular grid of numbers, x fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +52,7 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Proble
     })
 }
 
-fn data_bytes(header: &Header) -> Result<u64, Problem> {
+fn data_bytes(header: &NrrdHeader) -> Result<u64, Problem> {
     let mut bytes = header.kind.size() as u64;
     for size in header.sizes {
         bytes = checked_bytes(bytes, size as u64, "sizes")?;
@@ -60,7 +60,7 @@ fn data_bytes(header: &Header) -> Result<u64, Problem> {
     Ok(bytes)
 }
 
-fn decode(header: &Header, data: &[u8], needed: u64) -> Result<Vec<f32>, Problem> {
+fn decode(header: &NrrdHeader, data: &[u8], needed: u64) -> Result<Vec<f32>, Problem> {
     let number = |stored: &[u8]| header.kind.decode(stored, header.endian) as f32;
     let unpacked;
     let bytes = match header.encoding {

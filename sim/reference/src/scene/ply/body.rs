@@ -6,11 +6,11 @@
 
 use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, truncated};
 use super::super::error::Problem;
-use super::header::{Element, Format, Header, Kind, Property, shorten, split_line};
+use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, shorten, split_line};
 
 /// Calls `visit` with each record of the element called `wanted`.
 pub(super) fn for_each_record(
-    header: &Header,
+    header: &PlyHeader,
     body: &[u8],
     wanted: &str,
     visit: &mut dyn FnMut(&[f64]),
@@ -24,16 +24,16 @@ pub(super) fn for_each_record(
 
 /// Calls `visit` with each record of every element that has properties.
 pub(super) fn walk(
-    header: &Header,
+    header: &PlyHeader,
     body: &[u8],
     visit: &mut dyn FnMut(&Element, &[f64]),
 ) -> Result<(), Problem> {
     let mut source = match header.format {
-        Format::Ascii => Source::Ascii {
+        PlyEncoding::Ascii => Source::Ascii {
             rest: body,
             line: header.lines,
         },
-        Format::Binary(endian) => Source::Binary {
+        PlyEncoding::Binary(endian) => Source::Binary {
             reader: Reader::new(body),
             endian,
         },
@@ -137,8 +137,8 @@ fn read_binary(
         )),
     };
     match property.kind {
-        Kind::Number(scalar) => number(scalar),
-        Kind::List { count, item } => {
+        PropertyKind::Number(scalar) => number(scalar),
+        PropertyKind::List { count, item } => {
             let length = number(count)?;
             let length = list_length(length).ok_or_else(|| bad_list(&field(), length))?;
             reader.records(length, item.size(), &field())?;
@@ -168,8 +168,8 @@ fn read_ascii(
         let mut number = || parse_number(words.next(), &field());
         let value = number()?;
         match property.kind {
-            Kind::Number(_) => values.push(value),
-            Kind::List { .. } => {
+            PropertyKind::Number(_) => values.push(value),
+            PropertyKind::List { .. } => {
                 let length = list_length(value).ok_or_else(|| bad_list(&field(), value))?;
                 for _ in 0..length {
                     number()?;

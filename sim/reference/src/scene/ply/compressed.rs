@@ -14,7 +14,7 @@ use super::super::gaussian::{
 };
 use super::super::quaternion::smallest_three;
 use super::body;
-use super::header::{Element, Header, Kind};
+use super::header::{Element, PlyHeader, PropertyKind};
 use super::{bad_harmonics, number};
 
 /// Gaussians per chunk.
@@ -36,8 +36,8 @@ const PACKED: [&str; 4] = [
 ];
 
 /// Loads the Gaussians of a compressed PLY file.
-pub(super) fn load(header: &Header, body: &[u8], name: &str) -> Result<Scene, Problem> {
-    let layout = Layout::find(header)?;
+pub(super) fn load(header: &PlyHeader, body: &[u8], name: &str) -> Result<Scene, Problem> {
+    let layout = ChunkLayout::find(header)?;
     let mut chunks: Vec<[[f64; 3]; 6]> = Vec::new();
     let mut packed: Vec<[u32; 4]> = Vec::new();
     let mut harmonics: Vec<u8> = Vec::new();
@@ -74,7 +74,7 @@ fn read(record: &[f64], column: Option<usize>) -> f64 {
     column.map_or(0.0, |column| number(record, column))
 }
 
-struct Layout {
+struct ChunkLayout {
     ranges: [[Option<usize>; 3]; 6],
     packed: [usize; 4],
     rest: Vec<usize>,
@@ -82,8 +82,8 @@ struct Layout {
     coloured: bool,
 }
 
-impl Layout {
-    fn find(header: &Header) -> Result<Layout, Problem> {
+impl ChunkLayout {
+    fn find(header: &PlyHeader) -> Result<ChunkLayout, Problem> {
         let element = |name: &str| header.elements.iter().find(|element| element.name == name);
         let (Some(chunk), Some(vertex)) = (element("chunk"), element("vertex")) else {
             return Err(Problem::malformed(
@@ -120,7 +120,7 @@ impl Layout {
             0 => degree_of(rest.len() / 3),
             _ => None,
         };
-        Ok(Layout {
+        Ok(ChunkLayout {
             ranges,
             packed,
             degree: degree.ok_or_else(|| bad_harmonics(rest.len()))?,
@@ -146,7 +146,7 @@ fn harmonics_of(sh: &Element, vertex: &Element) -> Result<Vec<usize>, Problem> {
 /// The column of a property of the one type that it has in this layout.
 fn typed(element: &Element, name: &str, scalar: Scalar) -> Result<usize, Problem> {
     let column = element.column(name);
-    let right = |column: &usize| element.properties[*column].kind == Kind::Number(scalar);
+    let right = |column: &usize| element.properties[*column].kind == PropertyKind::Number(scalar);
     column.filter(right).ok_or_else(|| {
         Problem::malformed(
             format!("element {}, property {name}", element.name),

@@ -5,14 +5,14 @@ use super::super::error::Problem;
 
 /// How the body is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Format {
+pub(super) enum PlyEncoding {
     Ascii,
     Binary(Endian),
 }
 
 /// Type of one property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum PropertyKind {
     Number(Scalar),
     /// A count followed by so many items; walked over, never used.
     List {
@@ -24,7 +24,7 @@ pub(super) enum Kind {
 #[derive(Clone, Debug)]
 pub(super) struct Property {
     pub(super) name: String,
-    pub(super) kind: Kind,
+    pub(super) kind: PropertyKind,
 }
 
 #[derive(Clone, Debug)]
@@ -39,29 +39,29 @@ impl Element {
     pub(super) fn column(&self, name: &str) -> Option<usize> {
         self.properties
             .iter()
-            .position(|p| p.name == name && matches!(p.kind, Kind::Number(_)))
+            .position(|p| p.name == name && matches!(p.kind, PropertyKind::Number(_)))
     }
 
     /// Least bytes of one binary record: lists may be empty.
     pub(super) fn least_bytes(&self) -> u64 {
         let least = |property: &Property| match property.kind {
-            Kind::Number(scalar) => scalar.size() as u64,
-            Kind::List { count, .. } => count.size() as u64,
+            PropertyKind::Number(scalar) => scalar.size() as u64,
+            PropertyKind::List { count, .. } => count.size() as u64,
         };
         self.properties.iter().map(least).sum()
     }
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Header {
-    pub(super) format: Format,
+pub(super) struct PlyHeader {
+    pub(super) format: PlyEncoding,
     pub(super) elements: Vec<Element>,
     /// Lines of the header, so that the body's lines can be numbered.
     pub(super) lines: usize,
 }
 
 /// Splits a PLY file into its header and its body.
-pub(super) fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), Problem> {
+pub(super) fn parse(bytes: &[u8]) -> Result<(PlyHeader, &[u8]), Problem> {
     let mut rest = bytes;
     let mut format = None;
     let mut elements: Vec<Element> = Vec::new();
@@ -75,7 +75,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Header, &[u8]), Problem> {
             ["end_header"] => {
                 let format = format.ok_or_else(|| missing_format(number))?;
                 return Ok((
-                    Header {
+                    PlyHeader {
                         format,
                         elements,
                         lines: number,
@@ -153,11 +153,11 @@ fn stray_property(line: usize) -> Problem {
     )
 }
 
-fn parse_format(name: &str, line: usize) -> Result<Format, Problem> {
+fn parse_format(name: &str, line: usize) -> Result<PlyEncoding, Problem> {
     match name {
-        "ascii" => Ok(Format::Ascii),
-        "binary_little_endian" => Ok(Format::Binary(Endian::Little)),
-        "binary_big_endian" => Ok(Format::Binary(Endian::Big)),
+        "ascii" => Ok(PlyEncoding::Ascii),
+        "binary_little_endian" => Ok(PlyEncoding::Binary(Endian::Little)),
+        "binary_big_endian" => Ok(PlyEncoding::Binary(Endian::Big)),
         other => Err(Problem::malformed(
             format!("PLY header line {line}, format"),
             format!("'{}' is unknown", shorten(other)),
@@ -184,7 +184,7 @@ fn parse_element(name: &str, count: &str, line: usize) -> Result<Element, Proble
 fn parse_property(words: &[&str], line: usize) -> Result<Property, Problem> {
     match words {
         ["list", count, item, name] => {
-            let kind = Kind::List {
+            let kind = PropertyKind::List {
                 count: parse_scalar(count, line)?,
                 item: parse_scalar(item, line)?,
             };
@@ -195,7 +195,7 @@ fn parse_property(words: &[&str], line: usize) -> Result<Property, Problem> {
         }
         [scalar, name] => Ok(Property {
             name: name.to_string(),
-            kind: Kind::Number(parse_scalar(scalar, line)?),
+            kind: PropertyKind::Number(parse_scalar(scalar, line)?),
         }),
         _ => Err(Problem::malformed(
             format!("PLY header line {line}, property"),

@@ -26,7 +26,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     if vertex.column("packed_position").is_some() {
         return compressed::load(&header, body, name);
     }
-    let columns = Columns::find(vertex)?;
+    let columns = GaussianColumns::find(vertex)?;
     let degree = columns.degree();
     let mut scene = GaussianScene::new(degree);
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
@@ -64,7 +64,7 @@ fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
 }
 
 /// Where a record holds each field.
-struct Columns {
+struct GaussianColumns {
     centre: [usize; 3],
     scales: [usize; 3],
     rotation: [usize; 4],
@@ -73,10 +73,10 @@ struct Columns {
     rest: Vec<usize>,
 }
 
-impl Columns {
-    fn find(vertex: &Element) -> Result<Columns, Problem> {
+impl GaussianColumns {
+    fn find(vertex: &Element) -> Result<GaussianColumns, Problem> {
         refuse_other_kinds(vertex)?;
-        Ok(Columns {
+        Ok(GaussianColumns {
             centre: [
                 required(vertex, "x")?,
                 required(vertex, "y")?,

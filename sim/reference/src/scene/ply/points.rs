@@ -5,11 +5,11 @@
 use super::super::bytes::Scalar;
 use super::super::error::Problem;
 use super::super::points::Record;
-use super::header::{self, Element, Kind};
+use super::header::{self, Element, PropertyKind};
 use super::{body, number, vertex_element};
 
 /// Where a record holds each field.
-struct Columns {
+struct PointColumns {
     centre: [usize; 3],
     normal: Option<[usize; 3]>,
     colour: Option<[usize; 3]>,
@@ -21,7 +21,7 @@ struct Columns {
 /// Every vertex as a record.
 pub(in super::super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
     let (header, body) = header::parse(bytes)?;
-    let columns = Columns::find(vertex_element(&header.elements)?)?;
+    let columns = PointColumns::find(vertex_element(&header.elements)?)?;
     let mut records = Vec::new();
     body::for_each_record(&header, body, "vertex", &mut |values| {
         records.push(columns.record(values));
@@ -29,8 +29,8 @@ pub(in super::super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
     Ok(records)
 }
 
-impl Columns {
-    fn find(vertex: &Element) -> Result<Columns, Problem> {
+impl PointColumns {
+    fn find(vertex: &Element) -> Result<PointColumns, Problem> {
         if vertex.column("scale_0").is_some() {
             return Err(Problem::malformed(
                 "property scale_0",
@@ -49,7 +49,7 @@ impl Columns {
             Some(columns) => Some(columns),
             None => all(vertex, ["diffuse_red", "diffuse_green", "diffuse_blue"])?,
         };
-        Ok(Columns {
+        Ok(PointColumns {
             centre,
             normal: all(vertex, ["nx", "ny", "nz"])?,
             colour,
@@ -89,9 +89,9 @@ fn all(vertex: &Element, names: [&str; 3]) -> Result<Option<[usize; 3]>, Problem
 /// The value of full intensity for the type of a property.
 fn full_scale(vertex: &Element, column: usize) -> f64 {
     match vertex.properties.get(column).map(|property| property.kind) {
-        Some(Kind::Number(Scalar::U8 | Scalar::I8)) => 255.0,
-        Some(Kind::Number(Scalar::U16 | Scalar::I16)) => 65_535.0,
-        Some(Kind::Number(Scalar::U32 | Scalar::I32)) => f64::from(u32::MAX),
+        Some(PropertyKind::Number(Scalar::U8 | Scalar::I8)) => 255.0,
+        Some(PropertyKind::Number(Scalar::U16 | Scalar::I16)) => 65_535.0,
+        Some(PropertyKind::Number(Scalar::U32 | Scalar::I32)) => f64::from(u32::MAX),
         _ => 1.0,
     }
 }

@@ -8,7 +8,7 @@ use super::{GradientPoint, Shading, Transfer, ValuePoint};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct TransferFile {
     #[serde(default)]
     value: Vec<FileValue>,
     #[serde(default)]
@@ -45,7 +45,8 @@ struct FileShading {
 impl Transfer {
     /// Reads a transfer function from TOML text.
     pub fn from_toml(text: &str) -> Result<Transfer, Problem> {
-        let file: File = toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
+        let file: TransferFile =
+            toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
         let check = Check { text };
         if file.value.is_empty() {
             return Err(Problem::malformed(

@@ -154,7 +154,7 @@ pub fn gather(
             Compositing::BackToFront => front_to_back(
                 &samples,
                 &Rules {
-                    stop: -1.0,
+                    minimum_transmittance: -1.0,
                     ..*rules
                 },
             ),
@@ -169,14 +169,14 @@ fn front_to_back(samples: &[(f64, [f64; 3])], rules: &Rules) -> [f64; 4] {
     let mut transmittance = 1.0;
     for (alpha, colour) in samples {
         let next = transmittance * (1.0 - alpha);
-        if rules.stop_before && next <= rules.stop {
+        if rules.omit_finishing && next <= rules.minimum_transmittance {
             break;
         }
         for i in 0..3 {
             rgb[i] += transmittance * alpha * colour[i];
         }
         transmittance = next;
-        if transmittance <= rules.stop {
+        if transmittance <= rules.minimum_transmittance {
             break;
         }
     }

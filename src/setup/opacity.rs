@@ -8,23 +8,23 @@
 //!
 //! with J in pixels, |W| = 1 and I the integral of the kernel's profile (2 for the Gaussian). Orthographic views have |t|/z = 1. All other rules take the weight itself.
 
+use super::covariance::Covariance2d;
 use super::project::Projected;
-use super::variance::Variance;
 use crate::format::Widths;
 use crate::kernel::Kernel;
-use crate::math::{Product, Scaled, ln, reciprocal, shift_round, square_root, sum_of_products};
+use crate::math::{Product, SoftFloat, ln, reciprocal, shift_round, square_root, sum_of_products};
 use crate::rules::{Cutoff, Rules, THRESHOLD};
 
 /// Peak opacity; 0 for negative weights.
-pub fn peak(
+pub fn centre_opacity(
     widths: &Widths,
     rules: &Rules,
-    weight: Scaled,
+    weight: SoftFloat,
     projected: &Projected,
-    variance: &Variance,
-) -> Scaled {
+    covariance: &Covariance2d,
+) -> SoftFloat {
     if weight.mantissa <= 0 {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     }
     if !rules.normalised {
         return weight;
@@ -36,8 +36,8 @@ pub fn peak(
         exponent: 0,
     };
     let slant = sum_of_products([one, x.times(x), y.times(y)], bits);
-    let Some(inverse) = reciprocal(variance.determinant, bits) else {
-        return Scaled::ZERO;
+    let Some(inverse) = reciprocal(covariance.determinant, bits) else {
+        return SoftFloat::ZERO;
     };
     let density = square_root(slant.multiply(inverse, bits), bits);
     let area = projected.gain[0].multiply(projected.gain[1], bits);
@@ -54,7 +54,7 @@ pub fn peak(
 ///
 /// Halves go to even, as those of colours do: a faint opacity of single precision has a few bits more than the format, and one in four of them
 /// lies in the middle.
-pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
+pub fn opacity_fixed(peak: SoftFloat, fraction: u32) -> Option<u32> {
     let fixed = peak.to_fixed(fraction);
     let odd_half = fixed & 1 != 0 && is_half(peak, fraction);
     match (fixed - i64::from(odd_half)).clamp(0, (16 << fraction.min(28)) - 1) {
@@ -64,7 +64,7 @@ pub fn peak_fixed(peak: Scaled, fraction: u32) -> Option<u32> {
 }
 
 /// Does a number lie in the middle between two multiples of `2^-fraction`?
-fn is_half(number: Scaled, fraction: u32) -> bool {
+fn is_half(number: SoftFloat, fraction: u32) -> bool {
     let dropped = 0i32
         .saturating_sub(number.exponent)
         .saturating_sub(fraction as i32);
@@ -78,14 +78,14 @@ fn is_half(number: Scaled, fraction: u32) -> bool {
 ///
 /// Where the opacity decides, c = 2 ln(peak / alpha_min), rounded to nearest. The comparison r < c in the lanes is then the decision itself:
 /// it sees the unrounded peak, and no rounding of table or opacity, whose errors are ten times those of r.
-pub fn cutoff(rules: &Rules, peak: Scaled) -> Option<u32> {
+pub fn cutoff(rules: &Rules, peak: SoftFloat) -> Option<u32> {
     const END: i64 = 15 << 28;
     match rules.cutoff {
         Cutoff::Radial(cutoff) => Some(cutoff.min(rules.kernel.end())),
         Cutoff::Opacity if rules.kernel != Kernel::Gaussian => Some(rules.kernel.end()),
         Cutoff::Opacity => {
             let smallest =
-                Scaled::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
+                SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
             let difference = ln(peak)?.wrapping_sub(ln(smallest)?);
             // Twice as much, from 32 to 28 fraction bits.
             let cutoff = shift_round(difference, 3);

@@ -7,29 +7,29 @@ use crate::memory::{modify, read, write};
 use crate::status::{Error, SPLATLINE_OK, code};
 use crate::types::*;
 use core::mem::MaybeUninit;
-use splatline::format::{Custom, Design, Traversal};
+use splatline::format::{Design, RuntimeWidths, Traversal};
 use splatline::math::shift_signed;
-use splatline::raster::{ConicRows, Rows, Run, SpanRows};
+use splatline::raster::{BoxSpans, EllipseSpans, Span, Spans};
 
-/// Words of the state in SplatlineRows.
+/// Words of the state in SplatlineSpans.
 pub const SPLATLINE_ROWS_STATE: usize = 32;
 
 /// Tells prepared rows from memory that never was.
 const PREPARED: u32 = 0x5350_4c31;
 
-/// The rows of one footprint being stepped through. Prepared by splatline_rows_begin; the content is private and may be copied.
+/// The rows of one footprint being stepped through. Prepared by splatline_spans_begin; the content is private and may be copied.
 #[repr(C)]
 #[derive(Clone, Copy)]
-pub struct SplatlineRows {
+pub struct SplatlineSpans {
     prepared: u32,
     traversal: u32,
     state: [MaybeUninit<u64>; SPLATLINE_ROWS_STATE],
 }
 
-/// Adjacent pixels of one row. The radial index at the first is `radial`; splatline_run_step moves on to the next.
+/// Adjacent pixels of one row. The radial index at the first is `radial`; splatline_span_step moves on to the next.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SplatlineRun {
+pub struct SplatlineSpan {
     /// Radial index at the first pixel, `fraction` fraction bits.
     pub radial: i64,
     /// Difference to the next pixel.
@@ -46,14 +46,14 @@ pub struct SplatlineRun {
     pub length: u16,
 }
 
-type Spans = SpanRows<<Custom as Design>::Lane>;
+type Ellipse = EllipseSpans<<RuntimeWidths as Design>::Lane>;
 
 /// Both states consist of integers alone and fit the memory, so that any content of it is a valid state.
 const _: () = assert!(
-    size_of::<Spans>() <= 8 * SPLATLINE_ROWS_STATE
-        && size_of::<ConicRows>() <= 8 * SPLATLINE_ROWS_STATE
-        && align_of::<Spans>() <= align_of::<u64>()
-        && align_of::<ConicRows>() <= align_of::<u64>()
+    size_of::<Ellipse>() <= 8 * SPLATLINE_ROWS_STATE
+        && size_of::<BoxSpans>() <= 8 * SPLATLINE_ROWS_STATE
+        && align_of::<Ellipse>() <= align_of::<u64>()
+        && align_of::<BoxSpans>() <= align_of::<u64>()
 );
 
 /// Prepares `rows` (uninitialised memory) for the part of a footprint that lies in `window`.
@@ -61,19 +61,19 @@ const _: () = assert!(
 /// # Safety
 /// Pointers are null or lead to what their types say.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn splatline_rows_begin(
+pub unsafe extern "C" fn splatline_spans_begin(
     widths: *const SplatlineWidths,
     footprint: *const SplatlineFootprint,
     traversal: u32,
     window: *const SplatlineWindow,
-    rows: *mut SplatlineRows,
+    rows: *mut SplatlineSpans,
 ) -> i32 {
     let begin = || {
         // SAFETY: the function's own contract.
         let (widths, footprint, window) =
             unsafe { (read(widths)?, read(footprint)?, read(window)?) };
         let (design, footprint, window) = (widths.design()?, footprint.into(), window.into());
-        let mut prepared = SplatlineRows {
+        let mut prepared = SplatlineSpans {
             prepared: PREPARED,
             traversal,
             state: [MaybeUninit::uninit(); SPLATLINE_ROWS_STATE],
@@ -83,14 +83,14 @@ pub unsafe extern "C" fn splatline_rows_begin(
             // SAFETY: the state has the size and alignment of either kind of rows (asserted above).
             Traversal::Spans => unsafe {
                 state
-                    .cast::<Spans>()
-                    .write(SpanRows::new(design, &footprint, &window));
+                    .cast::<Ellipse>()
+                    .write(EllipseSpans::new(design, &footprint, &window));
             },
             // SAFETY: as above.
             Traversal::Box => unsafe {
                 state
-                    .cast::<ConicRows>()
-                    .write(ConicRows::new(design, &footprint, &window));
+                    .cast::<BoxSpans>()
+                    .write(BoxSpans::new(design, &footprint, &window));
             },
         }
         // SAFETY: the function's own contract.
@@ -102,11 +102,11 @@ pub unsafe extern "C" fn splatline_rows_begin(
 /// Writes the next run and returns 1, or returns SPLATLINE_OK when there is none.
 ///
 /// # Safety
-/// Pointers are null or lead to what their types say; `rows` was prepared by splatline_rows_begin.
+/// Pointers are null or lead to what their types say; `rows` was prepared by splatline_spans_begin.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn splatline_rows_next(
-    rows: *mut SplatlineRows,
-    run: *mut SplatlineRun,
+pub unsafe extern "C" fn splatline_spans_next(
+    rows: *mut SplatlineSpans,
+    run: *mut SplatlineSpan,
 ) -> i32 {
     let next = || {
         // SAFETY: the function's own contract.
@@ -115,10 +115,10 @@ pub unsafe extern "C" fn splatline_rows_next(
             return Err(Error::State);
         }
         let state = rows.state.as_mut_ptr();
-        // SAFETY: written by splatline_rows_begin for the same traversal.
+        // SAFETY: written by splatline_spans_begin for the same traversal.
         let found = match traversal(rows.traversal)? {
-            Traversal::Spans => next_of(unsafe { &mut *state.cast::<Spans>() }),
-            Traversal::Box => next_of(unsafe { &mut *state.cast::<ConicRows>() }),
+            Traversal::Spans => next_of(unsafe { &mut *state.cast::<Ellipse>() }),
+            Traversal::Box => next_of(unsafe { &mut *state.cast::<BoxSpans>() }),
         };
         match found {
             // SAFETY: the function's own contract.
@@ -129,17 +129,17 @@ pub unsafe extern "C" fn splatline_rows_next(
     code(next())
 }
 
-fn next_of<R: Rows<Lane = i64>>(rows: &mut R) -> Option<SplatlineRun> {
+fn next_of<R: Spans<Lane = i64>>(rows: &mut R) -> Option<SplatlineSpan> {
     let fraction = rows.fraction();
-    let Run {
+    let Span {
         y,
         x,
         length,
         radial,
         first,
         second,
-    } = rows.next_run()?;
-    Some(SplatlineRun {
+    } = rows.next_span()?;
+    Some(SplatlineSpan {
         radial,
         first,
         second,
@@ -155,7 +155,7 @@ fn next_of<R: Rows<Lane = i64>>(rows: &mut R) -> Option<SplatlineRun> {
 /// # Safety
 /// Pointers are null or lead to what their types say.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn splatline_run_step(run: *mut SplatlineRun) -> i32 {
+pub unsafe extern "C" fn splatline_span_step(run: *mut SplatlineSpan) -> i32 {
     // SAFETY: the function's own contract.
     code(unsafe { modify(run) }.map(|run| {
         run.radial = run.radial.wrapping_add(run.first);
@@ -175,7 +175,7 @@ pub unsafe extern "C" fn splatline_run_step(run: *mut SplatlineRun) -> i32 {
 pub unsafe extern "C" fn splatline_pixel_opacity(
     painter: *const SplatlinePainter,
     footprint: *const SplatlineFootprint,
-    run: *const SplatlineRun,
+    run: *const SplatlineSpan,
     opacity: *mut u32,
 ) -> i32 {
     let look = || {
@@ -188,7 +188,7 @@ pub unsafe extern "C" fn splatline_pixel_opacity(
         let radial = shift_signed(run.radial, drop).max(0) as u64;
         let inside = radial < splatline::draw::cutoff_in_lane(footprint.cutoff, widths.radial);
         let alpha = if inside {
-            blend.opacity(footprint.peak, table.weight(radial))
+            blend.opacity(footprint.opacity, table.weight(radial))
         } else {
             0
         };

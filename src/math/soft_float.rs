@@ -13,7 +13,7 @@ use super::words::{
 
 /// `mantissa * 2^exponent`. Normalised: the magnitude has exactly the design's mantissa bits, or is 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Scaled {
+pub struct SoftFloat {
     /// Signed mantissa, at most 31 bits of magnitude.
     pub mantissa: i32,
     /// Power of two.
@@ -32,9 +32,9 @@ pub struct Product {
 /// Exponent given to zero: below every other, and far from the ends of `i32`.
 const ZERO_EXPONENT: i32 = -(1 << 20);
 
-impl Scaled {
+impl SoftFloat {
     /// Zero.
-    pub const ZERO: Scaled = Scaled {
+    pub const ZERO: SoftFloat = SoftFloat {
         mantissa: 0,
         exponent: ZERO_EXPONENT,
     };
@@ -42,9 +42,9 @@ impl Scaled {
     /// `value * 2^exponent` with the magnitude rounded to nearest to `bits` (at most 31) bits.
     #[cfg_attr(not(target_pointer_width = "32"), inline)]
     #[cfg_attr(target_pointer_width = "32", inline(never))]
-    pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> Scaled {
+    pub const fn from_wide(value: i64, exponent: i32, bits: u32) -> SoftFloat {
         if value == 0 {
-            return Scaled::ZERO;
+            return SoftFloat::ZERO;
         }
         // Halves go towards positive infinity: for a negative number, to the smaller magnitude.
         let (mut magnitude, zeros) = leading_bits(value.unsigned_abs(), bits, value > 0);
@@ -53,7 +53,7 @@ impl Scaled {
             magnitude >>= 1;
             exponent = exponent.saturating_add(1);
         }
-        Scaled {
+        SoftFloat {
             mantissa: if value < 0 {
                 (magnitude as i32).wrapping_neg()
             } else {
@@ -65,7 +65,7 @@ impl Scaled {
 
     /// Exact product.
     #[inline(always)]
-    pub const fn times(self, other: Scaled) -> Product {
+    pub const fn times(self, other: SoftFloat) -> Product {
         Product {
             value: product(self.mantissa, other.mantissa),
             exponent: self.exponent.saturating_add(other.exponent),
@@ -74,14 +74,14 @@ impl Scaled {
 
     /// Product rounded to `bits`.
     #[inline]
-    pub const fn multiply(self, other: Scaled, bits: u32) -> Scaled {
+    pub const fn multiply(self, other: SoftFloat, bits: u32) -> SoftFloat {
         self.times(other).normalise(bits)
     }
 
     /// `self * 2^power`, exactly.
     #[inline(always)]
-    pub const fn scaled_by(self, power: i32) -> Scaled {
-        Scaled {
+    pub const fn scaled_by(self, power: i32) -> SoftFloat {
+        SoftFloat {
             mantissa: self.mantissa,
             exponent: self.exponent.saturating_add(power),
         }
@@ -110,8 +110,8 @@ impl Scaled {
 impl Product {
     /// Rounded to `bits`.
     #[inline]
-    pub const fn normalise(self, bits: u32) -> Scaled {
-        Scaled::from_wide(self.value, self.exponent, bits)
+    pub const fn normalise(self, bits: u32) -> SoftFloat {
+        SoftFloat::from_wide(self.value, self.exponent, bits)
     }
 
     /// Fixed point with `fraction` bits, rounded to nearest, saturated to 64 bits.
@@ -129,7 +129,7 @@ impl Product {
 ///
 /// Alignment error: at most half of `2^-60` of the largest term for each term.
 #[inline]
-pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled {
+pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
     sum(&terms, bits)
 }
@@ -137,7 +137,7 @@ pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> Scaled
 /// One function for any number of terms: a copy per number would be a tenth of a small image.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-fn sum(terms: &[Product], bits: u32) -> Scaled {
+fn sum(terms: &[Product], bits: u32) -> SoftFloat {
     let mut leading = i32::MIN;
     for term in terms {
         if term.value != 0 {
@@ -146,7 +146,7 @@ fn sum(terms: &[Product], bits: u32) -> Scaled {
         }
     }
     if leading == i32::MIN {
-        return Scaled::ZERO;
+        return SoftFloat::ZERO;
     }
     let unit = leading.saturating_sub(60);
     let mut sum = 0i64;
@@ -162,7 +162,7 @@ fn sum(terms: &[Product], bits: u32) -> Scaled {
             sum = sum.wrapping_add(aligned);
         }
     }
-    Scaled::from_wide(sum, unit, bits)
+    SoftFloat::from_wide(sum, unit, bits)
 }
 
 #[cfg(test)]
@@ -170,14 +170,14 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn value(number: Scaled) -> f64 {
+    fn value(number: SoftFloat) -> f64 {
         number.mantissa as f64 * (number.exponent as f64).exp2()
     }
 
     proptest! {
         #[test]
         fn normalising_rounds_to_the_mantissa(wide: i64, exponent in -100i32..100, bits in 8u32..=31) {
-            let number = Scaled::from_wide(wide, exponent, bits);
+            let number = SoftFloat::from_wide(wide, exponent, bits);
             let exact = wide as f64 * (exponent as f64).exp2();
             prop_assert!((value(number) - exact).abs() <= exact.abs() * (-(bits as f64)).exp2() * 1.0001);
             if wide != 0 {
@@ -201,9 +201,9 @@ mod tests {
             // Half of the values are short, some end in a half or next to it.
             let wide = wide >> drop;
             let wide = [wide, wide & -1 << 32, (wide & -1 << 33) | 1 << 32, (wide & -1 << 33) | 1][tail as usize];
-            let got = Scaled::from_wide(wide, 3, bits);
+            let got = SoftFloat::from_wide(wide, 3, bits);
             if wide == 0 {
-                prop_assert_eq!(got, Scaled::ZERO);
+                prop_assert_eq!(got, SoftFloat::ZERO);
                 return Ok(());
             }
             let shift = 64 - wide.unsigned_abs().leading_zeros() as i32 - bits as i32;
@@ -214,13 +214,13 @@ mod tests {
             };
             let carried = rounded.unsigned_abs() >> bits != 0;
             let mantissa = if carried { rounded / 2 } else { rounded };
-            prop_assert_eq!(got, Scaled { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
+            prop_assert_eq!(got, SoftFloat { mantissa: mantissa as i32, exponent: 3 + shift + i32::from(carried) });
         }
 
         #[test]
         fn fixed_point_by_words_is_a_shift(mantissa: i32, exponent in -100i32..80, fraction in 0u32..64) {
             let expected = shift_signed(mantissa.into(), -exponent - fraction as i32);
-            prop_assert_eq!(Scaled { mantissa, exponent }.to_fixed(fraction), expected);
+            prop_assert_eq!(SoftFloat { mantissa, exponent }.to_fixed(fraction), expected);
         }
 
         /// The oracle aligns with shifts that saturate.
@@ -232,14 +232,14 @@ mod tests {
             let unit = leading.saturating_sub(60);
             let aligned = terms.iter().filter(|t| t.value != 0).map(|t| shift_signed(t.value, unit.saturating_sub(t.exponent)));
             let sum = aligned.fold(0, i64::wrapping_add);
-            prop_assert_eq!(sum_of_products(terms, 20), Scaled::from_wide(sum, unit, 20));
+            prop_assert_eq!(sum_of_products(terms, 20), SoftFloat::from_wide(sum, unit, 20));
         }
 
         #[test]
         fn every_bit_pattern_is_defined(mantissa: i32, exponent: i32, wide: i64, fraction in 0u32..64, bits in 1u32..=31) {
-            let number = Scaled { mantissa, exponent };
+            let number = SoftFloat { mantissa, exponent };
             let _ = (number.to_fixed(fraction), number.leading(), number.multiply(number, bits));
-            let _ = Scaled::from_wide(wide, exponent, bits);
+            let _ = SoftFloat::from_wide(wide, exponent, bits);
             let product = Product { value: wide, exponent };
             let _ = (product.to_fixed(fraction), sum_of_products([product; 4], bits));
         }
@@ -247,13 +247,13 @@ mod tests {
 
     #[test]
     fn fixed_point_saturates() {
-        let number = Scaled {
+        let number = SoftFloat {
             mantissa: 3,
             exponent: 80,
         };
         assert_eq!(number.to_fixed(16), i64::MAX);
         assert_eq!(
-            Scaled {
+            SoftFloat {
                 mantissa: -3,
                 exponent: 80
             }
@@ -261,13 +261,13 @@ mod tests {
             i64::MIN
         );
         assert_eq!(
-            Scaled {
+            SoftFloat {
                 mantissa: 3,
                 exponent: -1
             }
             .to_fixed(0),
             2
         );
-        assert_eq!(Scaled::ZERO.to_fixed(40), 0);
+        assert_eq!(SoftFloat::ZERO.to_fixed(40), 0);
     }
 }

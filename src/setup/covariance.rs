@@ -8,27 +8,27 @@
 //!
 //! a sum of positive terms. The usual Vxx Vyy - Vxy^2 loses twice as many bits as the axis ratio has.
 
-use super::jacobian::Column;
+use super::jacobian::ScreenAxis;
 use crate::format::Widths;
-use crate::math::{Product, Scaled, sum_of_products};
+use crate::math::{Product, SoftFloat, sum_of_products};
 
 /// V' + V^h in square pixels and its determinant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Variance {
-    /// Horizontal variance.
-    pub xx: Scaled,
+pub struct Covariance2d {
+    /// Horizontal covariance.
+    pub xx: SoftFloat,
     /// Covariance.
-    pub xy: Scaled,
-    /// Vertical variance.
-    pub yy: Scaled,
+    pub xy: SoftFloat,
+    /// Vertical covariance.
+    pub yy: SoftFloat,
     /// Determinant, to the fourth power of pixels.
-    pub determinant: Scaled,
+    pub determinant: SoftFloat,
 }
 
-/// Variance and determinant from the columns of M and the low-pass variance h (square pixels, not negative).
+/// Covariance2d and determinant from the columns of M and the low-pass variance h (square pixels, not negative).
 ///
 /// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more.
-pub fn variance(widths: &Widths, low_pass: Scaled, columns: &[Column; 3]) -> Variance {
+pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3]) -> Covariance2d {
     let bits = u32::from(widths.mantissa);
     let h = Product {
         value: low_pass.mantissa.into(),
@@ -38,7 +38,7 @@ pub fn variance(widths: &Widths, low_pass: Scaled, columns: &[Column; 3]) -> Var
     let xx = sum_of_products([a.x.times(a.x), b.x.times(b.x), c.x.times(c.x), h], bits);
     let yy_sharp = sum_of_products([a.y.times(a.y), b.y.times(b.y), c.y.times(c.y)], bits);
     let xy = sum_of_products([a.x.times(a.y), b.x.times(b.y), c.x.times(c.y)], bits);
-    let plain = |value: Scaled| Product {
+    let plain = |value: SoftFloat| Product {
         value: value.mantissa.into(),
         exponent: value.exponent,
     };
@@ -54,7 +54,7 @@ pub fn variance(widths: &Widths, low_pass: Scaled, columns: &[Column; 3]) -> Var
         ],
         bits,
     );
-    Variance {
+    Covariance2d {
         xx,
         xy,
         yy,
@@ -63,7 +63,7 @@ pub fn variance(widths: &Widths, low_pass: Scaled, columns: &[Column; 3]) -> Var
 }
 
 /// The 2x2 minor m_j x m_k.
-pub(super) fn minor(j: &Column, k: &Column, bits: u32) -> Scaled {
+pub(super) fn minor(j: &ScreenAxis, k: &ScreenAxis, bits: u32) -> SoftFloat {
     let crossed = j.y.times(k.x);
     let crossed = Product {
         value: crossed.value.wrapping_neg(),
