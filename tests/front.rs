@@ -203,9 +203,9 @@ fn gaussians_and_points_are_their_splats() {
     let [round] = list.footprints() else {
         panic!("one footprint");
     };
-    assert_eq!(round.scan.slope.mantissa, 0);
+    assert_eq!(round.ldl.shear.mantissa, 0);
     assert_eq!(round.first[0], round.first[1]);
-    assert_eq!(round.last[0], round.last[1]);
+    assert_eq!(round.end[0], round.end[1]);
 }
 
 #[test]
@@ -265,7 +265,7 @@ fn windows_may_be_empty_inverted_or_outside() {
         ([65000, 3], [65010, 5], 20),
         ([0, 0], [3, 65535], 3 * 65535),
     ] {
-        let window = Window { first, last };
+        let window = Window { first, end: last };
         match renderer.draw(&list, window, &mut pixels) {
             Ok(frame) => {
                 assert_eq!(frame.pixels.len(), expected);

@@ -202,7 +202,7 @@ fn alpha_operations_at_8_bits_for_all_pairs() {
             &Rules {
                 alpha_min: 0,
                 alpha_max: 1 << 31,
-                stop: 0,
+                minimum_transmittance: 0,
                 ..Rules::EWA
             },
         );

@@ -70,7 +70,8 @@ impl Wide {
             },
             alpha_max: unit(rules.alpha_max, widths.alpha).min(1 << widths.alpha),
             // The largest integer below the threshold.
-            stop: ((u128::from(rules.stop) << widths.transmittance).max(1) - 1) >> 60,
+            stop: ((u128::from(rules.minimum_transmittance) << widths.transmittance).max(1) - 1)
+                >> 60,
             omit_finishing: rules.omit_finishing,
         }
     }
@@ -182,7 +183,7 @@ proptest! {
         let rules = Rules {
             alpha_min: source.bits(60) & 0x1fff_ffff_ffff,
             alpha_max: 1 << 31,
-            stop: source.bits(60) & 0x1f_ffff_ffff_ffff,
+            minimum_transmittance: source.bits(60) & 0x1f_ffff_ffff_ffff,
             omit_finishing: source.byte() < 128,
             ..Rules::EWA
         };

@@ -26,7 +26,7 @@ const WIDTHS: Widths = Standard24::WIDTHS;
 
 const SCREEN: Window = Window {
     first: [0; 2],
-    last: [SIZE; 2],
+    end: [SIZE; 2],
 };
 
 fn rules(spacing: f64) -> Rules {
@@ -104,7 +104,7 @@ fn a_stamp_is_the_footprint_at_its_phase() {
                 let placed = Footprint {
                     centre: placed,
                     first: bounds.first,
-                    last: bounds.last,
+                    end: bounds.end,
                     ..model
                 };
                 let (mut by_spans, mut by_stamp) = (screen(), screen());
@@ -131,10 +131,10 @@ fn distance_scaling_keeps_the_size_and_the_energy() {
         let splat = ball([-0.1, 0.2, depth - 4.0]);
         setup(Standard24, &view, &rules, &splat).unwrap()
     };
-    let spread = |depth: f64| double(at(depth).scan.spread);
+    let spread = |depth: f64| double(at(depth).ldl.squared_width);
     assert!((spread(9.0) / spread(18.0) - 1.0).abs() < 1e-6);
     assert!((spread(2.0) / spread(4.0) - 4.0).abs() < 1e-6);
-    let peak = |depth: f64| f64::from(at(depth).peak);
+    let peak = |depth: f64| f64::from(at(depth).opacity);
     assert!((peak(9.0) / peak(18.0) - 4.0).abs() < 1e-4);
     assert!((peak(2.0) / peak(4.0) - 1.0).abs() < 1e-4);
     // Under peak opacity the weight itself is dimmed.
@@ -144,7 +144,7 @@ fn distance_scaling_keeps_the_size_and_the_energy() {
     };
     let dimmed = setup(Standard24, &view, &opacity, &ball([-0.1, 0.2, 5.0])).unwrap();
     let expected = 0.002 * (4.5f64 / 9.0).powi(2) * f64::from(WIDTHS.peak).exp2();
-    assert!((f64::from(dimmed.peak) / expected - 1.0).abs() < 1e-5);
+    assert!((f64::from(dimmed.opacity) / expected - 1.0).abs() < 1e-5);
 }
 
 /// Where the choice between point and splat changes, both are the same footprint, in the middle of the picture.
@@ -157,8 +157,8 @@ fn points_and_splats_meet_at_the_distance_k() {
     let as_point = setup_point(Standard24, &view, &rules, &splat, &filter).unwrap();
     assert_eq!(as_splat.centre, as_point.centre);
     let ratio = |a: SoftFloat, b: SoftFloat| (double(a) / double(b) - 1.0).abs();
-    assert!(ratio(as_splat.scan.spread, as_point.scan.spread) < 1e-3);
-    assert!((f64::from(as_splat.peak) / f64::from(as_point.peak) - 1.0).abs() < 0.06);
+    assert!(ratio(as_splat.ldl.squared_width, as_point.ldl.squared_width) < 1e-3);
+    assert!((f64::from(as_splat.opacity) / f64::from(as_point.opacity) - 1.0).abs() < 0.06);
 }
 
 /// Equal for every kernel: nothing is drawn beyond the shape's end, something just before it.
@@ -177,7 +177,7 @@ fn every_kernel_ends_where_it_says() {
         let end = f64::from(footprint.cutoff) / 2f64.powi(28);
         let unit = f64::from(WIDTHS.subpixel).exp2();
         let [u, v] = footprint.centre.map(|c| c as f64 / unit);
-        let (curvature, stretch) = (footprint.scan.curvature, footprint.scan.stretch);
+        let (curvature, stretch) = (footprint.ldl.horizontal, footprint.ldl.vertical);
         for (index, pixel) in pixels.iter().enumerate() {
             let x = (index % usize::from(SIZE)) as f64 + 0.5 - u;
             let y = (index / usize::from(SIZE)) as f64 + 0.5 - v;
@@ -234,7 +234,7 @@ proptest! {
             fill_stamps(&mut words, Standard24, &table, &shape, &point);
             Stamp::new(&words, shape)
         });
-        let window = Window { first: [13, 7], last: [70, 64] };
+        let window = Window { first: [13, 7], end: [70, 64] };
         let mut pixels = vec![Pixel::clear(&WIDTHS); 57 * 57];
         let mut memory = vec![Slab::default(); 57 * 57];
         let mut target = Target::new(&mut pixels, window, 57).unwrap();

@@ -89,7 +89,7 @@ fn in_strips(widths: &Widths, mut draw: impl FnMut(&mut Target)) -> Vec<Pixel> {
     for (strip, first) in strips.zip((0..SIZE).step_by(ROWS.into())) {
         let window = Window {
             first: [0, first],
-            last: [SIZE, first + ROWS],
+            end: [SIZE, first + ROWS],
         };
         draw(&mut Target::new(strip, window, SIZE.into()).unwrap());
     }

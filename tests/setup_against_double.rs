@@ -175,11 +175,11 @@ fn check_shape<D: Design>(
         "{name} conic: {error:e} > {:e}",
         bounds.form()
     );
-    let scan = footprint.scan;
+    let scan = footprint.ldl;
     let pairs = [
-        ("curvature", double(scan.curvature), exact.conic[0]),
-        ("spread", double(scan.spread), 1.0 / exact.conic[0]),
-        ("stretch", double(scan.stretch), 1.0 / exact.variance[2]),
+        ("curvature", double(scan.horizontal), exact.conic[0]),
+        ("spread", double(scan.squared_width), 1.0 / exact.conic[0]),
+        ("stretch", double(scan.vertical), 1.0 / exact.variance[2]),
     ];
     for (part, got, expected) in pairs {
         let error = (got / expected - 1.0).abs();
@@ -192,13 +192,13 @@ fn check_shape<D: Design>(
     // In the coordinates in which the form is a circle.
     let slope = exact.variance[1] / exact.variance[2];
     let stretched = (exact.conic[0] * exact.variance[2]).sqrt();
-    let error = (double(scan.slope) - slope).abs() * stretched;
+    let error = (double(scan.shear) - slope).abs() * stretched;
     prop_assert!(
         error <= bounds.form(),
         "{name} slope: {error:e} > {:e}",
         bounds.form()
     );
-    let peak = f64::from(footprint.peak) / f64::from(widths.peak).exp2();
+    let peak = f64::from(footprint.opacity) / f64::from(widths.peak).exp2();
     let lost = match rules.normalised {
         true => 0.5 * bounds.determinant() + 10.0 * bounds.u + 3.0 * bounds.w + 2.0 * bounds.near,
         false => unit(31),
@@ -289,7 +289,7 @@ proptest! {
                 let [a, b, c] = exact.conic;
                 if a * dx * dx + 2.0 * b * dx * dy + c * dy * dy < cutoff * 0.9999 - 1e-4 {
                     match &result {
-                        Ok(Footprint { first, last, .. }) => prop_assert!(
+                        Ok(Footprint { first, end: last, .. }) => prop_assert!(
                             (first[0]..last[0]).contains(&x) && (first[1]..last[1]).contains(&y), "{x} {y} {first:?} {last:?}"),
                         Err(reason) => prop_assert!(matches!(reason, Cull::Near | Cull::Far | Cull::Range), "{reason:?} at {x} {y}"),
                     }

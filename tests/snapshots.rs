@@ -77,7 +77,7 @@ fn picture<D: Design>(design: D, traversal: Traversal, compositing: Compositing)
     let mut pixels = [Pixel::clear(&widths); 28 * 20];
     let window = Window {
         first: [0; 2],
-        last: [28, 20],
+        end: [28, 20],
     };
     let mut target = Target::new(&mut pixels, window, 28).unwrap();
     Painter::new(design, &rules, table, compositing, traversal).draw(&footprint, &mut target);

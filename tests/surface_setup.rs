@@ -138,7 +138,7 @@ proptest! {
             prop_assert!((c - e).abs() <= CONIC_TOLERANCE * trace, "{conic:?} {expected:?}");
         }
         // Without the filter the weight does not depend on the view.
-        let peak = f64::from(got.footprint.peak) / 2f64.powi(28);
+        let peak = f64::from(got.footprint.opacity) / 2f64.powi(28);
         prop_assert!((peak - 1.0).abs() < 1e-4, "{peak}");
     }
 
@@ -161,7 +161,7 @@ proptest! {
         let slope = [(yy * cx - xy * cy) / determinant, (xx * cy - xy * cx) / determinant];
         let foot = [FOCAL * x / z + CENTRE, FOCAL * y / z + CENTRE];
         let radius = (dot(first, first) + dot(second, second)).sqrt();
-        let [[first_x, first_y], [last_x, last_y]] = [got.footprint.first, got.footprint.last];
+        let [[first_x, first_y], [last_x, last_y]] = [got.footprint.first, got.footprint.end];
         for (column, row) in [(first_x, first_y), (last_x - 1, first_y), (last_x - 1, last_y - 1)] {
             let [du, dv] = [f64::from(column) + 0.5 - foot[0], f64::from(row) + 0.5 - foot[1]];
             let expected = z + slope[0] * du + slope[1] * dv;

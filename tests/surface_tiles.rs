@@ -72,7 +72,7 @@ fn cells(footprints: &[SurfaceFootprint], window: Window, traversal: Traversal) 
     let table = FootprintTable::new(&TABLE, &widths, 2).unwrap();
     let gather = WeightedSum::new(&widths, 1 << 20);
     let painter = SurfacePainter::new(Standard24, &Rules::SURFACE, table, gather, traversal);
-    let size = [0, 1].map(|axis| usize::from(window.last[axis] - window.first[axis]));
+    let size = [0, 1].map(|axis| usize::from(window.end[axis] - window.first[axis]));
     let mut cells = vec![Layers::EMPTY; size[0] * size[1] + 1];
     let mut target = CellTarget::new(&mut cells, window).unwrap();
     for footprint in footprints {
@@ -121,10 +121,10 @@ proptest! {
         let traversal = if by_box { Traversal::Box } else { Traversal::Spans };
         let footprints: Vec<_> =
             places.iter().filter_map(|([x, y, z], frame)| footprint([*x, *y, z + 4.0], *frame)).collect();
-        let whole = cells(&footprints, Window { first: [0; 2], last: [SIDE; 2] }, traversal);
+        let whole = cells(&footprints, Window { first: [0; 2], end: [SIDE; 2] }, traversal);
         let [x, y] = cut;
         for (first, last) in [([0, 0], [x, y]), ([x, 0], [SIDE, y]), ([0, y], [x, SIDE]), ([x, y], [SIDE, SIDE])] {
-            let part = cells(&footprints, Window { first, last }, traversal);
+            let part = cells(&footprints, Window { first, end: last }, traversal);
             let columns = usize::from(last[0] - first[0]);
             for (index, cell) in part.iter().enumerate() {
                 let (column, row) = (index % columns + usize::from(first[0]), index / columns + usize::from(first[1]));
@@ -140,10 +140,10 @@ fn one_splat_as_text() {
     let splat = footprint([-1.9, -1.95, 4.0], [[0.2, 0.05, 0.1], [-0.05, 0.12, 0.0]]).unwrap();
     let window = Window {
         first: [0, 0],
-        last: [14, 11],
+        end: [14, 11],
     };
     let cells = cells(&[splat], window, Traversal::Spans);
-    let peak = f64::from(splat.footprint.peak) / 2f64.powi(28 - 24);
+    let peak = f64::from(splat.footprint.opacity) / 2f64.powi(28 - 24);
     let sign = |cell: &Layers<3>| match cell.fragments().first() {
         Some(fragment) => format!("{:.0}", 9.0 * f64::from(fragment.weight) / peak),
         None => ".".to_owned(),

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 
 const SCREEN: Window = Window {
     first: [0; 2],
-    last: [SIZE; 2],
+    end: [SIZE; 2],
 };
 
 /// The radial index of every visited pixel; a pixel must not be visited twice, nor a stray one.
@@ -33,11 +33,11 @@ fn visited<R: Spans>(mut rows: R, window: &Window) -> BTreeMap<(u16, u16), f64> 
         last = Some((run.y, run.x));
         for (x, radial) in (run.x..).zip(run.radials()) {
             assert!(
-                (window.first[0]..window.last[0]).contains(&x),
+                (window.first[0]..window.end[0]).contains(&x),
                 "stray column {x}"
             );
             assert!(
-                (window.first[1]..window.last[1]).contains(&run.y),
+                (window.first[1]..window.end[1]).contains(&run.y),
                 "stray row {}",
                 run.y
             );
@@ -53,8 +53,8 @@ fn naive(footprint: &Footprint, subpixel: u8, x: u16, y: u16) -> f64 {
     let unit = f64::from(subpixel).exp2();
     let [u, v] = footprint.centre.map(|c| c as f64 / unit);
     let dy = f64::from(y) + 0.5 - v;
-    let dx = f64::from(x) + 0.5 - u - double(footprint.scan.slope) * dy;
-    double(footprint.scan.curvature) * dx * dx + double(footprint.scan.stretch) * dy * dy
+    let dx = f64::from(x) + 0.5 - u - double(footprint.ldl.shear) * dy;
+    double(footprint.ldl.horizontal) * dx * dx + double(footprint.ldl.vertical) * dy * dy
 }
 
 fn check<D: Design>(
@@ -74,15 +74,15 @@ fn check<D: Design>(
     };
     let widths = design.widths();
     // xc is off by the rounding of slope times rows; a thin row feels it as so many of its own half-widths.
-    let rows = f64::from(footprint.last[1] - footprint.first[1]);
+    let rows = f64::from(footprint.end[1] - footprint.first[1]);
     let thinness =
-        1.0 + (double(footprint.scan.slope) * rows).abs() * double(footprint.scan.curvature).sqrt();
+        1.0 + (double(footprint.ldl.shear) * rows).abs() * double(footprint.ldl.horizontal).sqrt();
     let bound = tolerances::of(name, &widths).radial * thinness;
     let cutoff = f64::from(footprint.cutoff) / 28f64.exp2();
     let found = visited(EllipseSpans::new(design, &footprint, &SCREEN), &SCREEN);
     let mut covered = 0;
-    for y in footprint.first[1]..footprint.last[1] {
-        for x in footprint.first[0]..footprint.last[0] {
+    for y in footprint.first[1]..footprint.end[1] {
+        for x in footprint.first[0]..footprint.end[0] {
             let exact = naive(&footprint, widths.subpixel, x, y);
             covered += usize::from(exact < cutoff);
             match found.get(&(y, x)) {
@@ -104,7 +104,7 @@ fn check<D: Design>(
     );
     let boxed = visited(BoxSpans::new(design, &footprint, &SCREEN), &SCREEN);
     let [columns, rows] =
-        [0, 1].map(|axis| usize::from(footprint.last[axis] - footprint.first[axis]));
+        [0, 1].map(|axis| usize::from(footprint.end[axis] - footprint.first[axis]));
     prop_assert_eq!(boxed.len(), columns * rows);
     Ok(())
 }
@@ -128,7 +128,7 @@ fn draw<D: Design>(
         for x in (0..SIZE).step_by(tile[0].into()) {
             let window = Window {
                 first: [x, y],
-                last: [(x + tile[0]).min(SIZE), (y + tile[1]).min(SIZE)],
+                end: [(x + tile[0]).min(SIZE), (y + tile[1]).min(SIZE)],
             };
             let start = usize::from(y) * usize::from(SIZE) + usize::from(x);
             let mut target = Target::new(&mut frame[start..], window, SIZE.into()).unwrap();

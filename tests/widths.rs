@@ -38,7 +38,7 @@ fn run<D: Design>(
     let mut pixels = vec![Pixel::clear(&widths); usize::from(SIZE) * usize::from(SIZE)];
     let window = Window {
         first: [0; 2],
-        last: [SIZE; 2],
+        end: [SIZE; 2],
     };
     let mut target = Target::new(&mut pixels, window, SIZE.into()).unwrap();
     let mut coverage = Coverage::default();

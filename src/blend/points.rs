@@ -150,7 +150,7 @@ mod tests {
     fn slabs_end_with_their_window() {
         let window = Window {
             first: [3, 5],
-            last: [7, 8],
+            end: [7, 8],
         };
         let mut memory = [Slab::default(); 40];
         let mut slabs = Slabs::new(&mut memory, window).unwrap();

@@ -272,7 +272,7 @@ impl<'a> Source<'a> {
                 },
                 alpha_max: self.u32(),
                 alpha_min: self.i64() as u64,
-                stop: self.i64() as u64,
+                minimum_transmittance: self.i64() as u64,
                 omit_finishing: self.bool(),
                 clamp_jacobian: self.bool(),
                 table_range: self.bits(8) as u8,
@@ -295,19 +295,19 @@ impl<'a> Source<'a> {
             depth: self.i64() as u64 >> (64 - KEY_BITS),
             centre: [(); 2].map(|()| self.i64()),
             first: [self.edge(), self.edge()],
-            last: [self.edge(), self.edge()],
-            scan: Ldl {
-                curvature: self.scaled(),
-                spread: self.scaled(),
-                slope: self.scaled(),
-                stretch: self.scaled(),
+            end: [self.edge(), self.edge()],
+            ldl: Ldl {
+                horizontal: self.scaled(),
+                squared_width: self.scaled(),
+                shear: self.scaled(),
+                vertical: self.scaled(),
             },
             conic: Conic {
                 mantissa: [(); 3].map(|()| self.i32()),
                 exponent: self.exponent(),
             },
             cutoff: self.u32(),
-            peak: self.u32(),
+            opacity: self.u32(),
             colour: [(); 3].map(|()| self.u32()),
         }
     }
@@ -337,6 +337,6 @@ impl<'a> Source<'a> {
             0 => edge.saturating_sub(self.byte().into()),
             _ => edge.saturating_add(u16::from(self.byte() % 97)),
         });
-        Window { first, last }
+        Window { first, end: last }
     }
 }

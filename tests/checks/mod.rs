@@ -81,10 +81,10 @@ pub fn setup(source: &mut Source) {
 
 fn check_footprint(outcome: &Result<Footprint, setup::Cull>, viewport: [u16; 2]) {
     let Ok(footprint) = outcome else { return };
-    for ((first, last), size) in footprint.first.iter().zip(footprint.last).zip(viewport) {
+    for ((first, last), size) in footprint.first.iter().zip(footprint.end).zip(viewport) {
         assert!(*first < last && last <= size);
     }
-    assert!(footprint.cutoff <= 15 << 28 && footprint.peak > 0);
+    assert!(footprint.cutoff <= 15 << 28 && footprint.opacity > 0);
 }
 
 fn units_of_setup(source: &mut Source, widths: &Widths) {
@@ -229,7 +229,7 @@ pub fn splat_to_pixels(source: &mut Source) -> u64 {
     };
     let window = Window {
         first: [0, 0],
-        last: view.viewport,
+        end: view.viewport,
     };
     let compositing = source.compositing();
     let mut covered = 0;
@@ -265,7 +265,7 @@ const FOREIGN: Pixel = Pixel {
 impl Job<'_> {
     /// Draws into lent memory between guards; checks the guards, the gaps between rows and the bound of the work.
     fn run<D: Design>(&self, design: D, start: Pixel) -> Coverage {
-        let Window { first, last } = self.window;
+        let Window { first, end: last } = self.window;
         let size = [0, 1].map(|axis| usize::from(last[axis].saturating_sub(first[axis])));
         let [columns, rows] = size;
         let stride = columns + GAP;
@@ -326,8 +326,8 @@ pub fn target(source: &mut Source) {
         let found = target.row(y, x, length).len();
         assert!(found == 0 || found == usize::from(length));
     }
-    for y in window.first[1]..window.last[1] {
-        let columns = window.last[0].saturating_sub(window.first[0]);
+    for y in window.first[1]..window.end[1] {
+        let columns = window.end[0].saturating_sub(window.first[0]);
         let x = window.first[0];
         assert_eq!(
             target.row(y, x, columns).len(),

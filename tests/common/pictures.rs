@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Compares a frame over a background (255ths) with `tests/pictures/NAME.png`.
 pub fn check(name: &str, frame: &Frame, background: [u8; 3]) {
-    let Window { first, last } = frame.window;
+    let Window { first, end: last } = frame.window;
     let [columns, rows] = [0, 1].map(|axis| u32::from(last[axis] - first[axis]));
     let bytes = frame.rgb8(background).flatten().collect();
     let got =

@@ -29,7 +29,7 @@ proptest! {
     #[test]
     fn sheets_follow_the_formula(back in pixel(), sheet in pixel()) {
         let mut rules = Rules::EWA;
-        rules.stop = 0;
+        rules.minimum_transmittance = 0;
         let blend = Blend::new(&WIDTHS, &rules);
         let (b, s) = (value(&back), value(&sheet));
         let (mut behind, mut over) = (back, back);
@@ -129,7 +129,7 @@ fn slabs_count_away_from_the_eye() {
 fn a_composited_sheet_is_empty_again() {
     let window = Window {
         first: [0, 0],
-        last: [3, 2],
+        end: [3, 2],
     };
     let (mut memory, mut frame) = ([Pixel::default(); 6], [Pixel::clear(&WIDTHS); 6]);
     let mut sheet = SheetBuffer::new(&mut memory, window, 3, &WIDTHS).unwrap();
