@@ -39,6 +39,9 @@ use std::borrow::Borrow;
 use std::path::Path;
 use std::time::Instant;
 
+/// Bytes of stack of each thread of a renderer.
+const STACK: usize = 16 << 20;
+
 /// How frames are drawn.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -156,6 +159,8 @@ impl<S: Borrow<Scene>> Renderer<S> {
     pub fn with_threads(mut self, threads: usize) -> Result<Self, ThreadPoolBuildError> {
         let pool = ThreadPoolBuilder::new()
             .num_threads(threads.max(1))
+            // A tile's vectors lie on the stack, and a program built without optimisation keeps copies of them.
+            .stack_size(STACK)
             .build()?;
         self.pool = Some(pool);
         Ok(self)

@@ -13,7 +13,7 @@ const MAGIC: &[u8; 8] = b"SPLPAGE1";
 const NUMBERS: usize = 16;
 /// Numbers that state the rules.
 const RULES: usize = 10;
-/// Doubles of a camera, in the order of [`camera_numbers`].
+/// Doubles of a camera, in the order of `camera_numbers`.
 pub const CAMERA: usize = 21;
 
 /// The scene's bytes under `rules`, whose weights it holds.
