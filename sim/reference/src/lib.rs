@@ -19,6 +19,8 @@ pub mod camera;
 pub mod cameras;
 pub mod engines;
 pub mod framing;
+// Its quaternions come from golden, which reads an archive; a page needs neither.
+#[cfg(not(target_family = "wasm"))]
 pub mod hard;
 pub mod hybrid;
 pub mod input;
