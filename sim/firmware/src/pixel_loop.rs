@@ -44,15 +44,15 @@ const LANE: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
 const BELOW: u32 = LANE - INTERVALS.ilog2();
 
 /// From the peak's scale to the one at which opacity and share are rounded at the same bit.
-const SCALE: i32 = BLEND.share_shift - BLEND.opacity_shift;
+const SCALE: i32 = BLEND.contribution_shift - BLEND.opacity_shift;
 
 // What the assembly takes for granted.
 const _: () = {
     assert!(matches!(BLEND.rounding, Rounding::Nearest) && BLEND.omit_finishing);
     // The threshold lies where opacities begin to be rounded to a word, so that the rounded one can be compared with an immediate.
     assert!((ALPHA_MIN as u64) << BLEND.opacity_shift == BLEND.opacity_min + OPACITY_HALF);
-    assert!(ALPHA_MIN < 256 && BLEND.stop < 256 && BLEND.alpha_max >= ALPHA_MIN);
-    assert!(BLEND.share_shift > 0 && BLEND.opacity_shift > 0 && BLEND.colour_shift == 0);
+    assert!(ALPHA_MIN < 256 && BLEND.minimum_transmittance < 256 && BLEND.alpha_max >= ALPHA_MIN);
+    assert!(BLEND.contribution_shift > 0 && BLEND.opacity_shift > 0 && BLEND.colour_shift == 0);
     // The scaled peak of a splat that is not clamped is below 2^(peak + SCALE).
     let widths = Firmware16::WIDTHS;
     assert!(SCALE >= 0 && widths.peak as i32 + SCALE + (widths.weight as i32) < 32);
@@ -321,13 +321,13 @@ unsafe extern "C" fn paint_range(
         ",
         below = const BELOW,
         interpolation = const INTERPOLATION,
-        peak = const offset_of!(Footprint, peak),
+        peak = const offset_of!(Footprint, opacity),
         colour = const offset_of!(Footprint, colour),
-        share_shift = const BLEND.share_shift,
+        share_shift = const BLEND.contribution_shift,
         opacity_shift = const BLEND.opacity_shift,
         alpha_min = const ALPHA_MIN,
         alpha_max = const BLEND.alpha_max,
-        stop = const BLEND.stop,
+        stop = const BLEND.minimum_transmittance,
         finished = const FINISHED,
         table = sym TABLE,
     )

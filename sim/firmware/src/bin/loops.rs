@@ -8,7 +8,7 @@
 mod image {
     use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
-    use splatline::draw::{NarrowLanes, Painter32, NarrowRun};
+    use splatline::draw::{NarrowLanes, NarrowRun, Painter32};
     use splatline::footprint::{Conic, Footprint, Ldl};
     use splatline::kernel::PackedTable;
     use splatline::math::SoftFloat;
@@ -90,16 +90,16 @@ mod image {
                 depth: 0,
                 centre: [0; 2],
                 first: [0; 2],
-                last: [0; 2],
-                scan: Ldl {
-                    curvature: SoftFloat::ZERO,
-                    spread: SoftFloat::ZERO,
-                    slope: SoftFloat::ZERO,
-                    stretch: SoftFloat::ZERO,
+                end: [0; 2],
+                ldl: Ldl {
+                    horizontal: SoftFloat::ZERO,
+                    squared_width: SoftFloat::ZERO,
+                    shear: SoftFloat::ZERO,
+                    vertical: SoftFloat::ZERO,
                 },
                 conic: Conic::default(),
                 cutoff: 0,
-                peak: self.bits(peak),
+                opacity: self.bits(peak),
                 colour: [0; 3].map(|_: u32| self.bits(14)),
             }
         }
@@ -123,7 +123,7 @@ mod image {
             let length = (random.next() % (LONGEST as u32 + 1)) as usize;
             let lanes = random.lanes(length);
             let footprint = &random.footprint();
-            let clamped = blend.is_clamped(footprint.peak, widths.weight);
+            let clamped = blend.is_clamped(footprint.opacity, widths.weight);
             clamped_runs += u32::from(clamped);
             let run = |pixels| NarrowRun {
                 pixels,
