@@ -28,6 +28,7 @@ pub mod renderer;
 pub mod report;
 pub mod stability;
 pub mod systems;
+mod threads;
 pub mod trace;
 pub mod vectors;
 

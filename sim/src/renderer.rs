@@ -30,7 +30,8 @@ use crate::fixed::{Engine, Options, QuantisedScene, best_engine, converter, pain
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{self, LoadError, LoadOptions, Scene};
-use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use crate::threads;
+use rayon::{ThreadPool, ThreadPoolBuildError};
 use splatline::blend::Pixel;
 use splatline::format::{Design, Traversal};
 use splatline::rules as kernel;
@@ -38,9 +39,6 @@ use splatline::splat::VolumeSplat;
 use std::borrow::Borrow;
 use std::path::Path;
 use std::time::Instant;
-
-/// Bytes of stack of each thread of a renderer.
-const STACK: usize = 16 << 20;
 
 /// How frames are drawn.
 #[derive(Clone, Debug)]
@@ -157,12 +155,7 @@ impl<S: Borrow<Scene>> Renderer<S> {
 
     /// The same with so many threads of its own.
     pub fn with_threads(mut self, threads: usize) -> Result<Self, ThreadPoolBuildError> {
-        let pool = ThreadPoolBuilder::new()
-            .num_threads(threads.max(1))
-            // A tile's vectors lie on the stack, and a program built without optimisation keeps copies of them.
-            .stack_size(STACK)
-            .build()?;
-        self.pool = Some(pool);
+        self.pool = Some(threads::pool(threads)?);
         Ok(self)
     }
 

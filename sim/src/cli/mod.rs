@@ -41,6 +41,7 @@ use std::process::ExitCode;
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
+    crate::threads::deepen_global_stacks();
     finish(match Cli::try_parse() {
         Ok(cli) => dispatch(cli.command),
         // Help and version, which are results and must arrive.

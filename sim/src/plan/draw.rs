@@ -17,8 +17,8 @@ use crate::report::{HostTimes, Pixels};
 use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::surface::Style;
+use crate::threads;
 use anyhow::{Context, Error, Result, bail};
-use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use splatline::draw::Coverage;
 use splatline::footprint::surface::SurfaceFootprint;
@@ -65,8 +65,7 @@ pub struct FootprintLine {
 
 /// Runs `work` on so many threads.
 pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T> {
-    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-    Ok(pool
+    Ok(threads::pool(threads)
         .with_context(|| format!("cannot start {threads} threads"))?
         .install(work))
 }

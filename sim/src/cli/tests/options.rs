@@ -1,0 +1,210 @@
+//! Options: what parses, what is refused with which message, and what the help promises.
+
+use super::*;
+
+#[test]
+fn the_definition_is_consistent() {
+    Cli::command().debug_assert();
+}
+
+#[test]
+fn each_command_shows_examples() {
+    let command = Cli::command();
+    for sub in command.get_subcommands() {
+        assert!(
+            sub.get_after_help()
+                .unwrap()
+                .to_string()
+                .contains("Examples:"),
+            "{}",
+            sub.get_name()
+        );
+    }
+    assert!(
+        command
+            .get_after_help()
+            .unwrap()
+            .to_string()
+            .contains("Examples:")
+    );
+}
+
+#[test]
+fn the_examples_of_the_help_parse() {
+    let command = Cli::command();
+    let texts = command
+        .get_subcommands()
+        .map(|sub| sub.get_after_help().unwrap().to_string());
+    let mut tried = 0;
+    for text in texts.chain([command.get_after_help().unwrap().to_string()]) {
+        for line in text
+            .lines()
+            .filter_map(|line| line.strip_prefix("  splatline"))
+        {
+            let options = line.split("      ").next().unwrap();
+            parse(options).unwrap_or_else(|error| panic!("{options}: {error}"));
+            tried += 1;
+        }
+    }
+    assert!(tried > command.get_subcommands().count());
+}
+
+#[test]
+fn negative_coordinates_parse() {
+    let cli = parse(
+        "render a.ply -o a.png --eye -1,2,-3.5 --target 0,-0.5,1e1 --up 0,-1,0 --light -1,-1,0",
+    )
+    .unwrap();
+    let Some(Command::Render(options)) = cli.command else {
+        panic!("not render")
+    };
+    assert_eq!(options.view.eye, Some(Vector([-1.0, 2.0, -3.5])));
+    assert_eq!(options.view.target, Some(Vector([0.0, -0.5, 10.0])));
+    assert_eq!(options.view.up, Some(Vector([0.0, -1.0, 0.0])));
+    assert_eq!(options.view.light, Some(Vector([-1.0, -1.0, 0.0])));
+}
+
+#[test]
+fn defaults_are_those_of_the_help() {
+    let Some(Command::Render(options)) = parse("render a.ply -o a.png").unwrap().command else {
+        panic!("not render")
+    };
+    assert_eq!(options.drawing.engine, Engine::Fixed);
+    let work = &options.drawing.work;
+    assert_eq!(work.design, DesignName("standard24".to_owned()));
+    assert_eq!(
+        (options.drawing.depth, options.drawing.repeat),
+        (Depth::Eight, 1)
+    );
+    assert_eq!(
+        (work.traversal, work.compositing),
+        (None, Compositing::FrontToBack)
+    );
+    assert!(options.view.rules.is_none() && options.view.size.is_none());
+}
+
+#[test]
+fn values_that_make_no_sense_are_refused() {
+    for options in [
+        "--size 0x5",
+        "--size 5x0",
+        "--size 16385x1",
+        "--size 5",
+        "--size 5x-1",
+        "--size x",
+        "--size 1e3x2",
+        "--eye 1,2 --target 0,0,0",
+        "--eye 1,2,3,4 --target 0,0,0",
+        "--eye 1,nan,3 --target 0,0,0",
+        "--eye inf,0,0 --target 0,0,0",
+        "--eye a,b,c --target 0,0,0",
+        "--eye 1,2,3",
+        "--target 1,2,3",
+        "--orbit 30",
+        "--orbit 30,90",
+        "--zoom 0",
+        "--background grey",
+        "--background 1,1,2",
+        "--alpha --background white",
+        "--fov 0 --eye 1,2,3 --target 0,0,0",
+        "--fov 180 --eye 1,2,3 --target 0,0,0",
+        "--camera c.json --eye 1,2,3 --target 0,0,0",
+        "--camera c.json --fov 40",
+        "--camera c.json --orbit 30,0",
+        "--rules gl",
+        "--engine gpu",
+        "--design fancy",
+        "--depth 12",
+        "--threads 0",
+        "--repeat 0",
+        "--threads -1",
+        "--threads 99999",
+        "--traversal zigzag",
+        "--compositing sideways",
+    ] {
+        let error = parse(&format!("render a.ply -o a.png {options}")).expect_err(options);
+        assert_eq!(error.exit_code(), 2, "{options}");
+    }
+    assert_eq!(
+        parse("render a.ply").unwrap_err().kind(),
+        ErrorKind::MissingRequiredArgument
+    );
+    assert_eq!(
+        parse("modell a.ply").unwrap_err().kind(),
+        ErrorKind::InvalidSubcommand
+    );
+}
+
+#[test]
+fn every_cause_is_named_once() {
+    let cause = std::io::Error::other("disk full");
+    let quoting = anyhow::Error::new(cause)
+        .context("cannot write 'a': disk full")
+        .context("render failed");
+    assert_eq!(
+        explain(&quoting),
+        "render failed: cannot write 'a': disk full"
+    );
+    let plain = anyhow::anyhow!("disk full").context("cannot write 'a'");
+    assert_eq!(explain(&plain), "cannot write 'a': disk full");
+}
+
+#[test]
+fn usage_and_input_failures_are_told_apart() {
+    let usage = |line: &str| match run_line(line) {
+        Err(Failure::Usage(message)) => message,
+        other => panic!("{line}: {other:?}"),
+    };
+    let input = |line: &str| match run_line(line) {
+        Err(Failure::Input(error)) => explain(&error),
+        other => panic!("{line}: {other:?}"),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().display();
+    assert!(
+        usage(&format!(
+            "render random:9 -o {out}/a.png --eye 0,0,0 --target 0,0,0"
+        ))
+        .contains("--eye")
+    );
+    assert!(
+        usage(&format!("footprints a.ply -o {out}/a.csv --engine exact")).contains("no footprints")
+    );
+    assert!(
+        usage(&format!(
+            "render a.ply -o {out}/a.png --engine float --traversal box"
+        ))
+        .contains("no meaning")
+    );
+    assert!(input(&format!("render missing.ply -o {out}/a.png")).contains("missing.ply"));
+    assert!(input(&format!("render a.ply -o {out}/no/such/a.png")).contains("does not exist"));
+    assert!(input(&format!("render a.ply -o {out}")).contains("is a folder"));
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    assert!(input(&format!("compare a.ply -o {out}/file")).contains("cannot create"));
+}
+
+#[test]
+fn surface_options_that_make_no_sense_are_refused() {
+    let usage = |line: &str| match run_line(line) {
+        Err(Failure::Usage(message)) => message,
+        other => panic!("{line}: {other:?}"),
+    };
+    assert!(
+        usage("render a.ply --as surface --rules ewa -o a.png")
+            .starts_with("--rules has no meaning")
+    );
+    assert!(
+        usage("render a.ply --as surface --engine exact -o a.png").contains("use fixed or float")
+    );
+    for line in [
+        "--layers 2",
+        "--edges",
+        "--as surface --layers 5",
+        "--as surface --z-threshold 0",
+    ] {
+        assert!(
+            parse(&format!("render a.ply {line} -o a.png")).is_err(),
+            "{line}"
+        );
+    }
+}
