@@ -95,6 +95,37 @@ pub const WIDTH_RANGES: [(&str, u8, u8); 13] = [
 ];
 
 impl Widths {
+    /// The widths whose numeric fields are `numbers`, in the order of [`WIDTH_RANGES`]. They are not checked: see [`check`](Self::check).
+    pub const fn from_numbers(numbers: [u8; 13], rounding: Rounding) -> Self {
+        let [
+            position,
+            view,
+            mantissa,
+            subpixel,
+            radial,
+            table,
+            interpolation,
+            ..,
+        ] = numbers;
+        let [.., weight, peak, alpha, transmittance, colour, accumulator] = numbers;
+        Widths {
+            position,
+            view,
+            mantissa,
+            subpixel,
+            radial,
+            table,
+            interpolation,
+            weight,
+            peak,
+            alpha,
+            transmittance,
+            colour,
+            accumulator,
+            rounding,
+        }
+    }
+
     /// The numeric fields, in the order of [`WIDTH_RANGES`].
     pub const fn numbers(&self) -> [u8; 13] {
         [

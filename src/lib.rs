@@ -64,7 +64,7 @@ pub use float::{Camera, CameraError, Gaussian, Point, Surfel};
 pub use format::{Classic8, Deep32, Lean18, Standard24, Traversal};
 pub use front::{
     BoundedList, Counts, DisplayList, Frame, LentList, ListFull, Primitive, Rejected, RenderError,
-    Renderer, SurfacePrimitive, SurfaceRenderer,
+    Renderer, SurfaceRenderer,
 };
 pub use raster::Window;
 pub use rules::{Compositing, Rules};

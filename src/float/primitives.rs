@@ -7,7 +7,7 @@ use super::{axis, colour, position, scaled};
 use crate::footprint::Footprint;
 use crate::footprint::surface::SurfaceFootprint;
 use crate::format::Design;
-use crate::front::{Primitive, Rejected, SurfacePrimitive};
+use crate::front::{Primitive, Rejected};
 use crate::rules::Rules;
 use crate::setup::{setup, setup_surface};
 use crate::splat::surface::SurfaceSplat;
@@ -219,6 +219,8 @@ fn is_finite(numbers: &[f32]) -> bool {
 macro_rules! primitive {
     ($type:ty) => {
         impl Primitive<Eye> for $type {
+            type Footprint = Footprint;
+
             #[inline(always)]
             fn set_up<D: Design>(
                 &self,
@@ -235,7 +237,9 @@ macro_rules! primitive {
 primitive!(Gaussian);
 primitive!(Point);
 
-impl SurfacePrimitive<Eye> for Surfel {
+impl Primitive<Eye> for Surfel {
+    type Footprint = SurfaceFootprint;
+
     #[inline(always)]
     fn set_up<D: Design>(
         &self,

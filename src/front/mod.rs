@@ -25,4 +25,4 @@ pub use list::{BoundedList, DisplayList, LentList, ListFull};
 pub use order::sort_by_key;
 pub use primitive::{Primitive, Rejected};
 pub use renderer::{NoTable, RenderError, Renderer};
-pub use surfaces::{SurfacePrimitive, SurfaceRenderer};
+pub use surfaces::SurfaceRenderer;

@@ -3,6 +3,7 @@
 use super::{Counts, DisplayList, Frame, ListFull, PixelReader, Primitive};
 use crate::blend::Pixel;
 use crate::draw::{Coverage, Painter};
+use crate::footprint::Footprint;
 use crate::format::{Design, Traversal};
 use crate::kernel::{FootprintTable, Kernel, TableSizeError, Tabled, table_4, table_16};
 use crate::raster::Window;
@@ -125,7 +126,7 @@ impl<'t, D: Design> Renderer<'t, D> {
     /// Culls and sets up a scene: `list` afterwards holds its footprints, and only them, in drawing order.
     ///
     /// If they do not all fit the list is left empty, and the error says how many there are.
-    pub fn set_up<P: Pose, S: Primitive<P>>(
+    pub fn set_up<P: Pose, S: Primitive<P, Footprint = Footprint>>(
         &self,
         view: &View<P>,
         scene: impl IntoIterator<Item = S>,
@@ -139,7 +140,7 @@ impl<'t, D: Design> Renderer<'t, D> {
 
     /// The same for a scene of several kinds of primitives: adds to what the list holds; [`DisplayList::sort`] is the caller's to call when
     /// all are added. A list that is full is left empty.
-    pub fn add<P: Pose, S: Primitive<P>>(
+    pub fn add<P: Pose, S: Primitive<P, Footprint = Footprint>>(
         &self,
         view: &View<P>,
         scene: impl IntoIterator<Item = S>,
@@ -215,7 +216,7 @@ impl<'t, D: Design> Renderer<'t, D> {
     }
 
     /// [`set_up`](Renderer::set_up) and [`draw`](Renderer::draw) of the whole frame.
-    pub fn render<'p, P: Pose, S: Primitive<P>>(
+    pub fn render<'p, P: Pose, S: Primitive<P, Footprint = Footprint>>(
         &self,
         view: &View<P>,
         scene: impl IntoIterator<Item = S>,

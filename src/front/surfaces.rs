@@ -3,57 +3,20 @@
 //! Surfaces need no order: the accumulation buffer decides by depth, the A-buffer by ranges of depths (\[SURF\] 4 and 6). Each splat is set up and
 //! drawn at once, so that a picture in strips sets a scene up once per strip: memory against time.
 
-use super::{Counts, Frame, PixelReader, Rejected};
+use super::{Counts, Frame, PixelReader, Primitive};
 use crate::blend::Pixel;
 use crate::blend::resolve::Resolve;
 use crate::blend::surface::{Cell, WeightedSum};
 use crate::draw::Coverage;
 use crate::draw::surface::SurfacePainter;
 use crate::footprint::surface::SurfaceFootprint;
-use crate::format::{Design, Traversal};
+use crate::format::Traversal;
 use crate::kernel::{Tabled, table_4};
 use crate::raster::Window;
 use crate::rules::Rules;
-use crate::setup::setup_surface;
-use crate::splat::surface::SurfaceSplat;
 use crate::target::TargetError;
 use crate::target::cells::CellTarget;
 use crate::view::{Pose, View};
-
-/// A surface splat that setup can bring to the screen.
-pub trait SurfacePrimitive<P: Pose> {
-    /// The footprint, or why there is none. Must be defined for all values, and not panic.
-    fn set_up<D: Design>(
-        &self,
-        design: D,
-        view: &View<P>,
-        rules: &Rules,
-    ) -> Result<SurfaceFootprint, Rejected>;
-}
-
-impl<P: Pose, S: SurfacePrimitive<P>> SurfacePrimitive<P> for &S {
-    #[inline(always)]
-    fn set_up<D: Design>(
-        &self,
-        design: D,
-        view: &View<P>,
-        rules: &Rules,
-    ) -> Result<SurfaceFootprint, Rejected> {
-        (**self).set_up(design, view, rules)
-    }
-}
-
-impl<P: Pose> SurfacePrimitive<P> for SurfaceSplat<P::Centre> {
-    #[inline(always)]
-    fn set_up<D: Design>(
-        &self,
-        design: D,
-        view: &View<P>,
-        rules: &Rules,
-    ) -> Result<SurfaceFootprint, Rejected> {
-        setup_surface(design, view, rules, self).map_err(Rejected::Culled)
-    }
-}
 
 /// Everything that is constant for a picture of surfaces, under [`Rules::SURFACE`]. By spans, unshaded and without antialiased edges unless told
 /// otherwise.
@@ -95,7 +58,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
     /// Draws the part of the picture that `window` selects: gathers the scene in `cells` and resolves them into `pixels`, both of at least the
     /// window's size; neither needs to be cleared. [`Accumulation`](crate::blend::surface::Accumulation) is the cell of opaque scenes,
     /// [`Layers`](crate::blend::layers::Layers) of transparent ones.
-    pub fn draw<'p, P: Pose, S: SurfacePrimitive<P>, C: Cell>(
+    pub fn draw<'p, P: Pose, S: Primitive<P, Footprint = SurfaceFootprint>, C: Cell>(
         &self,
         view: &View<P>,
         scene: impl IntoIterator<Item = S>,
@@ -122,7 +85,7 @@ impl<'r, D: Tabled> SurfaceRenderer<'r, D> {
         Ok((frame, counts))
     }
 
-    fn gather<P: Pose, S: SurfacePrimitive<P>, C: Cell>(
+    fn gather<P: Pose, S: Primitive<P, Footprint = SurfaceFootprint>, C: Cell>(
         &self,
         view: &View<P>,
         scene: impl IntoIterator<Item = S>,

@@ -19,7 +19,7 @@ use crate::math::{SoftFloat, root_seed, shift_left, shift_round, shift_signed};
 /// Columns between two seeds of the radial index within a row.
 pub const BLOCK: u16 = 32;
 
-/// Bits of the curvature below the lanes' unit from which the seeds are balanced.
+/// Bits of the horizontal factor below the lanes' unit from which the seeds are balanced.
 pub const GUARD: u32 = 8;
 
 /// Fraction bits of C dy^2.
@@ -39,7 +39,7 @@ pub struct EllipseSpans<L> {
     visible: [u16; 2],
     /// xc - 1/2 in the row to come, Q.32 pixels, and its change per row.
     centre: i64,
-    slope: i64,
+    shear: i64,
     /// C dy^2 in the row to come, Q.52.
     vertical: Quadratic,
     /// Cut-off and slack, Q.52.
@@ -92,11 +92,11 @@ impl<L: Lane> RowConstants<L> {
             bounds,
             visible,
             centre,
-            shear: slope,
+            shear,
             vertical,
             reach,
-            squared_width: spread,
-            horizontal: curvature,
+            squared_width,
+            horizontal,
             drops,
             fraction,
             unit,
@@ -108,11 +108,11 @@ impl<L: Lane> RowConstants<L> {
             bounds,
             visible,
             centre,
-            shear: slope,
+            shear,
             vertical,
             reach,
-            squared_width: spread,
-            horizontal: curvature,
+            squared_width,
+            horizontal,
             drops,
             fraction,
             unit,
@@ -142,7 +142,7 @@ impl<L: Lane> EllipseSpans<L> {
     pub fn new<D: Design<Lane = L>>(design: D, footprint: &Footprint, window: &Window) -> Self {
         let widths = design.widths();
         let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
-        let scan = &footprint.ldl;
+        let ldl = &footprint.ldl;
         let bounds = Window {
             first: footprint.first,
             end: footprint.end,
@@ -152,16 +152,16 @@ impl<L: Lane> EllipseSpans<L> {
         let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1))
             .wrapping_sub(footprint.centre[1]);
         let dy = SoftFloat::from_wide(dy, -(subpixel as i32), mantissa);
-        let slope = scan.shear.to_fixed(32);
+        let shear = ldl.shear.to_fixed(32);
         let skipped = visible.first[1] - bounds.first[1];
-        let mut vertical = vertical(scan.vertical, dy, mantissa);
+        let mut vertical = vertical(ldl.vertical, dy, mantissa);
         let mut centre = shift_left(footprint.centre[0], 32 - subpixel)
             .wrapping_sub(1 << 31)
-            .wrapping_add(scan.shear.times(dy).to_fixed(32));
+            .wrapping_add(ldl.shear.times(dy).to_fixed(32));
         // Four 64-bit products, which a window that begins above the footprint saves a small processor.
         if skipped > 0 {
             vertical.jump(skipped);
-            centre = centre.wrapping_add(slope.wrapping_mul(skipped.into()));
+            centre = centre.wrapping_add(shear.wrapping_mul(skipped.into()));
         }
         EllipseSpans {
             y: visible.first[1],
@@ -173,13 +173,13 @@ impl<L: Lane> EllipseSpans<L> {
             bounds: [bounds.first[0], bounds.end[0]],
             visible: [visible.first[0], visible.end[0]],
             centre,
-            slope,
+            shear,
             vertical,
             reach: (i64::from(footprint.cutoff) << (VERTICAL - 28)) + SLACK,
-            half_width: HalfWidth::new(scan.squared_width),
+            half_width: HalfWidth::new(ldl.squared_width),
             seed: Seed::new(
-                scan.horizontal,
-                scan.squared_width,
+                ldl.horizontal,
+                ldl.squared_width,
                 mantissa,
                 widths.radial.into(),
             ),
@@ -196,7 +196,7 @@ impl<L: Lane> EllipseSpans<L> {
             bounds: self.bounds,
             visible: self.visible,
             centre: self.centre,
-            shear: self.slope,
+            shear: self.shear,
             vertical: [
                 self.vertical.value,
                 self.vertical.first,
@@ -204,7 +204,7 @@ impl<L: Lane> EllipseSpans<L> {
             ],
             reach: self.reach,
             squared_width: (half.mantissa.into(), half.odd, half.power),
-            horizontal: seed.curvature,
+            horizontal: seed.horizontal,
             drops: (seed.drop_dx, seed.bits, seed.drop_radial, seed.drop_first),
             fraction: seed.fraction,
             unit: seed.balance.unit,
@@ -236,7 +236,7 @@ impl<L: Lane> EllipseSpans<L> {
         }
         self.row = row;
         self.y += 1;
-        self.centre = self.centre.wrapping_add(self.slope);
+        self.centre = self.centre.wrapping_add(self.shear);
         self.vertical.step();
     }
 
@@ -318,9 +318,9 @@ fn ends(centre: i64, half: i64, narrow: bool) -> (i32, i32) {
 
 /// C dy^2 and its differences per row, C (2 dy + 1) and 2 C, in Q.52.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-fn vertical(stretch: SoftFloat, dy: SoftFloat, bits: u32) -> Quadratic {
-    let along = stretch.multiply(dy, bits);
-    let unit = stretch.to_fixed(VERTICAL);
+fn vertical(coefficient: SoftFloat, dy: SoftFloat, bits: u32) -> Quadratic {
+    let along = coefficient.multiply(dy, bits);
+    let unit = coefficient.to_fixed(VERTICAL);
     Quadratic {
         value: along.times(dy).to_fixed(VERTICAL),
         first: along.scaled_by(1).to_fixed(VERTICAL).wrapping_add(unit),
@@ -338,13 +338,13 @@ struct HalfWidth {
 
 impl HalfWidth {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(spread: SoftFloat) -> Self {
-        let odd = spread.exponent & 1;
+    fn new(squared_width: SoftFloat) -> Self {
+        let odd = squared_width.exponent & 1;
         // With rest in Q.28: sqrt(m rest 2^(e - 28)) = root 2^(shift + (e - odd)/2 - 14), then Q.32.
         HalfWidth {
-            mantissa: spread.mantissa.unsigned_abs(),
+            mantissa: squared_width.mantissa.unsigned_abs(),
             odd: odd as u32,
-            power: ((spread.exponent - odd) / 2).saturating_add(32 - 14),
+            power: ((squared_width.exponent - odd) / 2).saturating_add(32 - 14),
         }
     }
 
@@ -375,7 +375,7 @@ impl HalfWidth {
 /// largest half-width, so that all alignments are constants of the footprint.
 #[derive(Clone, Copy, Debug)]
 struct Seed<L> {
-    curvature: i64,
+    horizontal: i64,
     bits: u32,
     fraction: u32,
     /// Right shifts: dx from Q.32, r and its difference to Q.fraction.
@@ -388,7 +388,7 @@ struct Seed<L> {
 
 /// The constants of a footprint's seeds, Q.fraction: what the lanes add up stays within `BLOCK^2 / 32` units of A dx^2.
 ///
-/// With the lanes' curvature second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
+/// With the lanes' horizontal factor second/2 = A + e, the sum n first + n (n - 1) second/2 exceeds the truth by e n^2 if first is
 /// 2 A dx + second/2. Here first is smaller by e BLOCK and the start larger by e BLOCK^2/8, which leaves e (n^2 - n BLOCK + BLOCK^2/8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Balance {
@@ -417,14 +417,14 @@ impl Balance {
 
 impl<L: Lane> Seed<L> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-    fn new(curvature: SoftFloat, spread: SoftFloat, bits: u32, fraction: u32) -> Self {
-        // |dx|^2 <= 16 spread < 2^(leading + 5), hence |dx| < 2^half in pixels.
-        let half = spread.leading().saturating_add(6) >> 1;
+    fn new(horizontal: SoftFloat, squared_width: SoftFloat, bits: u32, fraction: u32) -> Self {
+        // |dx|^2 <= 16 squared_width < 2^(leading + 5), hence |dx| < 2^half in pixels.
+        let half = squared_width.leading().saturating_add(6) >> 1;
         let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);
-        let power = curvature.exponent.clamp(-1024, 1024) + drop_dx - 32;
-        let balance = Balance::new(curvature.to_fixed(fraction + GUARD));
+        let power = horizontal.exponent.clamp(-1024, 1024) + drop_dx - 32;
+        let balance = Balance::new(horizontal.to_fixed(fraction + GUARD));
         Seed {
-            curvature: curvature.mantissa.into(),
+            horizontal: horizontal.mantissa.into(),
             bits,
             fraction,
             drop_dx: drop_dx as u32,
@@ -448,7 +448,7 @@ impl<L: Lane> Seed<L> {
         let dx = (i64::from(x) << 32).wrapping_sub(centre);
         if self.is_narrow() {
             let dx = shift_signed(dx, self.drop_dx as i32) as i32;
-            let along = (self.curvature as i32).wrapping_mul(dx);
+            let along = (self.horizontal as i32).wrapping_mul(dx);
             let across = shift_word(along, self.bits as i32).wrapping_mul(dx);
             let radial = shift_word(across, self.drop_radial)
                 .wrapping_add(shift_round(vertical, VERTICAL - self.fraction) as i32)
@@ -461,7 +461,7 @@ impl<L: Lane> Seed<L> {
             );
         }
         let dx = shift_round(dx, self.drop_dx);
-        let along = self.curvature.wrapping_mul(dx);
+        let along = self.horizontal.wrapping_mul(dx);
         let across = shift_round(along, self.bits).wrapping_mul(dx);
         let radial = shift_signed(across, self.drop_radial)
             .wrapping_add(shift_round(vertical, VERTICAL - self.fraction))
@@ -481,12 +481,12 @@ mod tests {
         #[test]
         fn balanced_differences_stay_close_to_the_parabola(fine in 0i64..1 << 40, dx in -64.0f64..64.0) {
             let Balance { second, unit, start } = Balance::new(fine);
-            let curvature = fine as f64 / f64::from(1 << GUARD);
+            let horizontal = fine as f64 / f64::from(1 << GUARD);
             // The part of the first difference that depends on dx, rounded as the seed rounds it.
-            let along = (2.0 * curvature * dx).round();
+            let along = (2.0 * horizontal * dx).round();
             let (mut radial, mut first) = (start as f64, along + unit as f64);
             for n in 0..=i32::from(BLOCK) {
-                let exact = curvature * f64::from(n * n) + 2.0 * curvature * dx * f64::from(n);
+                let exact = horizontal * f64::from(n * n) + 2.0 * horizontal * dx * f64::from(n);
                 // A quarter of BLOCK^2/8, and the roundings of both parts of the first difference.
                 let bound = f64::from(BLOCK).powi(2) / 32.0 + f64::from(n) + 1.0;
                 prop_assert!((radial - exact).abs() <= bound, "{n}: {}", radial - exact);

@@ -74,8 +74,8 @@ pub fn setup<D: Design, P: Pose>(
     rules: &Rules,
     splat: &VolumeSplat<P::Centre>,
 ) -> Result<Footprint, Cull> {
-    footprint(design, view, rules, splat, |widths, covariance, scan| {
-        conic(widths, covariance, scan.horizontal)
+    footprint(design, view, rules, splat, |widths, covariance, ldl| {
+        conic(widths, covariance, ldl.horizontal)
     })
 }
 
@@ -108,8 +108,8 @@ fn footprint<D: Design, P: Pose>(
         weight = distance::dim(&widths, rules, weight, factor);
     }
     let covariance = covariance(&widths, rules.low_pass, &columns);
-    let scan = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &covariance, &scan).ok_or(Cull::Degenerate)?;
+    let ldl = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &covariance, &ldl).ok_or(Cull::Degenerate)?;
     let peak = centre_opacity(&widths, rules, weight, &projected, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
     let (first, last) = bounding_box(
@@ -126,7 +126,7 @@ fn footprint<D: Design, P: Pose>(
         centre: projected.centre,
         first,
         end: last,
-        ldl: scan,
+        ldl,
         conic,
         cutoff,
         opacity: peak,

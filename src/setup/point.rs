@@ -22,7 +22,7 @@ use crate::view::{Pose, View};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PointFilter {
     covariance: Covariance2d,
-    scan: Ldl,
+    ldl: Ldl,
     conic: Conic,
     cutoff: u32,
     /// 1 / (pi I v): the peak of a normalised filter.
@@ -45,19 +45,19 @@ impl PointFilter {
             yy: area,
             determinant: area.multiply(area, bits),
         };
-        let scan = ldl(widths, &covariance)?;
+        let ldl = ldl(widths, &covariance)?;
         let Cutoff::Radial(cutoff) = rules.cutoff else {
             return None;
         };
         Some(PointFilter {
             covariance,
-            conic: conic(widths, &covariance, scan.horizontal)?,
+            conic: conic(widths, &covariance, ldl.horizontal)?,
             cutoff: cutoff.min(rules.kernel.end()),
-            peak: scan
+            peak: ldl
                 .horizontal
                 .multiply(rules.kernel.inverse_integral(), bits),
             spacing: rules.spacing,
-            scan,
+            ldl,
         })
     }
 }
@@ -106,7 +106,7 @@ pub fn setup_point<D: Design, P: Pose>(
         centre: projected.centre,
         first,
         end: last,
-        ldl: filter.scan,
+        ldl: filter.ldl,
         conic: filter.conic,
         cutoff: filter.cutoff,
         opacity: opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,

@@ -11,18 +11,18 @@ use crate::math::{SoftFloat, reciprocal};
 /// LDL coefficients; `None` where the variance has no inverse or a coefficient no place in the packet.
 pub fn ldl(widths: &Widths, covariance: &Covariance2d) -> Option<Ldl> {
     let bits = u32::from(widths.mantissa);
-    let stretch = reciprocal(covariance.yy, bits)?;
+    let vertical = reciprocal(covariance.yy, bits)?;
     let inverse = reciprocal(covariance.determinant, bits)?;
-    let scan = Ldl {
+    let ldl = Ldl {
         horizontal: covariance.yy.multiply(inverse, bits),
-        squared_width: covariance.determinant.multiply(stretch, bits),
-        shear: packable_slope(covariance.xy.multiply(stretch, bits)),
-        vertical: stretch,
+        squared_width: covariance.determinant.multiply(vertical, bits),
+        shear: packable_shear(covariance.xy.multiply(vertical, bits)),
+        vertical,
     };
-    [scan.horizontal, scan.squared_width, scan.vertical]
+    [ldl.horizontal, ldl.squared_width, ldl.vertical]
         .into_iter()
         .all(packable)
-        .then_some(scan)
+        .then_some(ldl)
 }
 
 /// Is the exponent within the packet's 10 bits?
@@ -30,22 +30,22 @@ fn packable(number: SoftFloat) -> bool {
     (-512..512).contains(&number.exponent)
 }
 
-/// A slope too small for the packet's exponent (0 included) moves no pixel: exactly 0.
-fn packable_slope(slope: SoftFloat) -> SoftFloat {
-    if slope.exponent < -512 {
+/// A shear too small for the packet's exponent (0 included) moves no pixel: exactly 0.
+fn packable_shear(shear: SoftFloat) -> SoftFloat {
+    if shear.exponent < -512 {
         SoftFloat {
             mantissa: 0,
             exponent: 0,
         }
     } else {
-        slope
+        shear
     }
 }
 
 /// Conic coefficients, aligned to the largest; `None` where the variance has no inverse.
 ///
-/// `curvature` is the first coefficient, Vyy / det, already computed for the LDL form.
-pub fn conic(widths: &Widths, covariance: &Covariance2d, curvature: SoftFloat) -> Option<Conic> {
+/// `horizontal` is the first coefficient, Vyy / det, already computed for the LDL form.
+pub fn conic(widths: &Widths, covariance: &Covariance2d, horizontal: SoftFloat) -> Option<Conic> {
     let bits = u32::from(widths.mantissa);
     let inverse = reciprocal(covariance.determinant, bits)?;
     let cross = covariance.xy.multiply(inverse, bits);
@@ -53,7 +53,7 @@ pub fn conic(widths: &Widths, covariance: &Covariance2d, curvature: SoftFloat) -
         mantissa: -cross.mantissa,
         exponent: cross.exponent,
     };
-    let coefficients = [curvature, cross, covariance.xx.multiply(inverse, bits)];
+    let coefficients = [horizontal, cross, covariance.xx.multiply(inverse, bits)];
     let leading = coefficients
         .iter()
         .filter(|c| c.mantissa != 0)

@@ -88,8 +88,8 @@ pub fn setup_sphere<D: Design, P: Pose>(
     let cone =
         Cone::new(&widths, view, &projected, splat, end, (ellipse, index)).ok_or(Cull::Near)?;
     let covariance = cone.covariance(bits, projected.gain, splat.deviation, rules.low_pass);
-    let scan = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &covariance, scan.horizontal).ok_or(Cull::Degenerate)?;
+    let ldl = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &covariance, ldl.horizontal).ok_or(Cull::Degenerate)?;
     let centre = cone.centre(&widths, view, &projected);
     let (first, last) = bounding_box(
         widths.subpixel.into(),
@@ -103,7 +103,7 @@ pub fn setup_sphere<D: Design, P: Pose>(
         centre,
         first,
         end: last,
-        ldl: scan,
+        ldl,
         conic,
         cutoff: cone.cutoff,
         opacity: opacity_fixed(peak, widths.peak.into()).ok_or(Cull::Transparent)?,

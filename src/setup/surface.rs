@@ -59,8 +59,8 @@ pub fn setup_surface<D: Design, P: Pose>(
         &[first_axis, second_axis, Axis::default()],
     );
     let covariance = covariance(&widths, rules.low_pass, &columns);
-    let scan = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
-    let conic = conic(&widths, &covariance, scan.horizontal).ok_or(Cull::Degenerate)?;
+    let ldl = ldl(&widths, &covariance).ok_or(Cull::Degenerate)?;
+    let conic = conic(&widths, &covariance, ldl.horizontal).ok_or(Cull::Degenerate)?;
     let area = minor(&columns[0], &columns[1], bits);
     let peak = surface_opacity(&widths, splat.weight, area, &covariance);
     let cutoff = cutoff(rules, peak).ok_or(Cull::Transparent)?;
@@ -89,7 +89,7 @@ pub fn setup_surface<D: Design, P: Pose>(
         centre: projected.centre,
         first,
         end: last,
-        ldl: scan,
+        ldl,
         conic,
         cutoff,
         opacity: peak,

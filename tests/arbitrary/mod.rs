@@ -109,38 +109,12 @@ impl<'a> Source<'a> {
     /// Any widths that a design may have.
     pub fn widths(&mut self) -> Widths {
         let numbers = WIDTH_RANGES.map(|(_, low, high)| low + self.byte() % (high - low + 1));
-        let [
-            position,
-            view,
-            mantissa,
-            subpixel,
-            radial,
-            table,
-            interpolation,
-            ..,
-        ] = numbers;
-        let [.., weight, peak, alpha, transmittance, colour, accumulator] = numbers;
         let rounding = if self.bool() {
             Rounding::Nearest
         } else {
             Rounding::Truncate
         };
-        Widths {
-            position,
-            view,
-            mantissa,
-            subpixel,
-            radial,
-            table,
-            interpolation,
-            weight,
-            peak,
-            alpha,
-            transmittance,
-            colour,
-            accumulator,
-            rounding,
-        }
+        Widths::from_numbers(numbers, rounding)
     }
 
     /// Any run-time design.

@@ -246,42 +246,12 @@ fn camera_from(numbers: &[f64; bytes::CAMERA]) -> Option<Camera> {
 }
 
 fn design_from(bytes: &[u8; DESIGN]) -> Option<(RuntimeWidths, Traversal)> {
-    let [
-        position,
-        view,
-        mantissa,
-        subpixel,
-        radial,
-        table,
-        interpolation,
-        weight,
-        peak,
-        alpha,
-        transmittance,
-        colour,
-        accumulator,
-        rounding,
-        traversal,
-    ] = *bytes;
-    let widths = Widths {
-        position,
-        view,
-        mantissa,
-        subpixel,
-        radial,
-        table,
-        interpolation,
-        weight,
-        peak,
-        alpha,
-        transmittance,
-        colour,
-        accumulator,
-        rounding: match rounding {
-            0 => Rounding::Nearest,
-            _ => Rounding::Truncate,
-        },
+    let [numbers @ .., rounding, traversal] = *bytes;
+    let rounding = match rounding {
+        0 => Rounding::Nearest,
+        _ => Rounding::Truncate,
     };
+    let widths = Widths::from_numbers(numbers, rounding);
     let traversal = match traversal {
         0 => Traversal::Box,
         _ => Traversal::Spans,

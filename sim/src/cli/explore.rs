@@ -149,7 +149,7 @@ fn table_name(shard: Shard) -> String {
     }
 }
 
-/// The texts of all settings files that take part: whatever they print_result, another text is another sweep.
+/// The texts of all settings files that take part: whatever they say, another text is another sweep.
 fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();

@@ -281,7 +281,7 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
     }
 }
 
-/// As the options print_result, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
+/// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
 fn culls_backfaces(options: &SurfaceOptions, scene: &SurfaceScene) -> bool {
     match options.backfaces() {
         Backfaces::On => true,

@@ -40,7 +40,7 @@ pub struct Needs {
     pub longest_tile_list: u32,
     /// Splats visible.
     pub visible: usize,
-    /// Smallest and largest binary exponent of the curvature 1/(half-width)^2 per square pixel.
+    /// Smallest and largest binary exponent of the LDL form's horizontal factor 1/(half-width)^2 per square pixel.
     pub curvature_log2: Option<[i32; 2]>,
     /// Largest footprint: columns and rows on the screen.
     pub largest_box: [u16; 2],

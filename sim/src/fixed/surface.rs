@@ -11,7 +11,7 @@ use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
 use super::render::{Engine, best_engine};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
-use crate::fast::setup::{SurfaceOutcome, set_up_surface};
+use crate::fast::setup::{self, SurfaceOutcome};
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
 use crate::surface::{Buffer, Style};
@@ -177,7 +177,7 @@ fn set_up(points: &QuantisedPoints, style: &Style, design: &DesignChoice, engine
                 let outcomes = &mut outcomes[..splats.len()];
                 match engine {
                     Engine::Vectors(choice) => {
-                        set_up_surface(design, view, &rules, splats, outcomes, choice);
+                        setup::set_up(design, view, &rules, splats, outcomes, choice);
                     }
                     Engine::Scalar => {
                         for (splat, outcome) in splats.iter().zip(&mut *outcomes) {

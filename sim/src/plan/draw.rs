@@ -9,7 +9,7 @@ use crate::hybrid::Hybrid;
 use crate::machine::workload::{Workload, extract_from, extract_if_room, room_for};
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
-use crate::reference::compositor::Progress as Rows;
+use crate::reference::compositor::{self, Progress as Rows};
 use crate::reference::{self, Culled, PixelBox, exact, float};
 use crate::renderer::{Drawn, Renderer, Settings};
 use crate::report::facts::{Counts, SceneFacts};
@@ -250,8 +250,14 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<r
         ..
     } = splats;
     Ok(match engine {
-        Engine::Float => float::draw_with_progress(scene, camera, rules, compositing, rows),
-        Engine::Exact => exact::draw_with_progress(scene, camera, rules, compositing, rows),
+        Engine::Float => {
+            let footprints = float::footprints(scene, camera, rules);
+            compositor::draw(&footprints, camera, rules, compositing, rows)
+        }
+        Engine::Exact => {
+            let footprints = exact::footprints(scene, camera, rules);
+            compositor::draw(&footprints, camera, rules, compositing, rows)
+        }
         Engine::Fixed => bail!("engine 'fixed' is not a reference"),
     })
 }

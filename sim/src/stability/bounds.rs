@@ -80,15 +80,15 @@ impl Bounds {
     /// Of the radial index in the lanes, where it is `r`.
     pub fn radial(&self, r: f64) -> f64 {
         let ExactFootprint {
-            curvature,
-            slope,
-            stretch,
+            horizontal,
+            shear,
+            vertical,
             ..
         } = self.footprint;
         let u = 2.0 * half(self.widths.mantissa);
         // Moving the centre by d changes r by at most 2 sqrt(r k) d + k d^2, k the largest eigenvalue of Q. The first row's distance is
         // rounded to a mantissa, and the rows' sums drift by less than 2^-25.
-        let steepest = curvature * (1.0 + slope * slope) + stretch;
+        let steepest = horizontal * (1.0 + shear * shear) + vertical;
         let reach = (self.footprint.cutoff * self.footprint.variance[2]).sqrt() + 1.0;
         let first_row = reach.min(self.footprint.centre[1].abs() + 0.5);
         let moved = std::f64::consts::SQRT_2 * self.centre + u * first_row + half(24);

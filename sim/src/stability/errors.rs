@@ -145,18 +145,18 @@ fn spectral([a, b, c]: [f64; 3]) -> f64 {
 /// Q' - Q in the coordinates in which Q is the identity, from a conic.
 pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -> f64 {
     let ExactFootprint {
-        curvature,
-        slope,
-        stretch,
+        horizontal,
+        shear,
+        vertical,
         ..
     } = *truth;
-    let mixed = (a * slope + b) / (curvature * stretch).sqrt();
-    let down = (a * slope * slope + 2.0 * b * slope + c) / stretch;
-    spectral([a / curvature - 1.0, mixed, down - 1.0])
+    let mixed = (a * shear + b) / (horizontal * vertical).sqrt();
+    let down = (a * shear * shear + 2.0 * b * shear + c) / vertical;
+    spectral([a / horizontal - 1.0, mixed, down - 1.0])
 }
 
 /// The same from LDL coefficients.
-pub(super) fn form_error_of_scan(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
+pub(super) fn form_error_of_ldl(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
     let number = |x: SoftFloat| value(x.mantissa, x.exponent);
     let [a, s, c] = [
         footprint.ldl.horizontal,
@@ -164,11 +164,11 @@ pub(super) fn form_error_of_scan(footprint: &Footprint, truth: &ExactFootprint) 
         footprint.ldl.vertical,
     ]
     .map(number);
-    let lean = truth.slope - s;
-    let mixed = a * lean / (truth.curvature * truth.stretch).sqrt();
+    let lean = truth.shear - s;
+    let mixed = a * lean / (truth.horizontal * truth.vertical).sqrt();
     spectral([
-        a / truth.curvature - 1.0,
+        a / truth.horizontal - 1.0,
         mixed,
-        (a * lean * lean + c) / truth.stretch - 1.0,
+        (a * lean * lean + c) / truth.vertical - 1.0,
     ])
 }

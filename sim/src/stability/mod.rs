@@ -31,7 +31,7 @@ pub use splatline_reference::hard::cases;
 
 use cases::Case;
 pub use errors::{BOUNDED, StageErrors};
-use errors::{form_error_of_conic, form_error_of_scan, value, worse};
+use errors::{form_error_of_conic, form_error_of_ldl, value, worse};
 use exact::ExactFootprint;
 use pictures::Truth;
 use rayon::prelude::*;
@@ -241,7 +241,7 @@ fn setup_errors(
     errors.worsen_depth_and_peak(depth, peak, truth);
     errors.worsen_variance(variance, truth);
     errors.form = match design.traversal {
-        Traversal::Spans => form_error_of_scan(fixed, truth),
+        Traversal::Spans => form_error_of_ldl(fixed, truth),
         Traversal::Box => {
             let conic = fixed.conic;
             form_error_of_conic(conic.mantissa.map(|m| value(m, conic.exponent)), truth)

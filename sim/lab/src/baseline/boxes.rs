@@ -2,21 +2,19 @@
 //!
 //! Bounding boxes of three sigmas and 16 x 16 tiles as in [`textbook`](super::textbook), and everything that makes the fastest of them fast: splats are
 //! binned by counting and sorted by integer keys tile by tile, a row's pixels are vectors chosen at run time, everything that is constant
-//! along a row is computed once, pixels beyond the cut-off never extent the exponential, which is an integer trick with a parabola and no
+//! along a row is computed once, pixels beyond the cut-off never enter the exponential, which is an integer trick with a parabola and no
 //! more accurate than eight bits of colour need, and a tile is left when its pixels have finished.
 //!
 //! What makes the kernel's engine fast is not in it: spans instead of boxes, large tiles, rows in vectors.
 
 use super::FloatDrawing;
+use super::binned::draw_binned;
 use super::scene::{BoxExtent, FloatFootprint, FloatScene};
-use super::spans::keys;
 use rayon::prelude::*;
 use splatline::blend::FINISHED;
 use splatline::raster::Window;
 use splatline_sim::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch, prefetch};
-use splatline_sim::fast::order::{Grid, Key, tile_lists};
-use splatline_sim::fixed::Times;
-use std::time::Instant;
+use splatline_sim::fast::order::Grid;
 
 const TILE: u16 = 16;
 
@@ -34,30 +32,9 @@ type Row = [[u32; COLUMNS]; 4];
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
 pub fn draw(scene: &FloatScene, extent: BoxExtent, choice: VectorLevel) -> FloatDrawing {
-    let started = Instant::now();
-    let footprints = scene.footprints(extent);
-    let set_up_at = started.elapsed().as_secs_f64();
-    let grid = Grid::new(scene.viewport, [TILE; 2]);
-    let part = footprints
-        .len()
-        .div_ceil(rayon::current_num_threads())
-        .max(1);
-    let parts: Vec<Vec<Key>> = footprints
-        .par_chunks(part)
-        .enumerate()
-        .map(|(number, footprints)| keys(footprints, number * part))
-        .collect();
-    let lists = tile_lists(&grid, parts);
-    let sorted_at = started.elapsed().as_secs_f64();
-    let frame = raster(scene, &grid, &footprints, &lists, choice);
-    FloatDrawing {
-        frame,
-        times: Times {
-            setup: set_up_at,
-            sort: sorted_at - set_up_at,
-            raster: started.elapsed().as_secs_f64() - sorted_at,
-        },
-    }
+    draw_binned(scene, extent, [TILE; 2], |grid, footprints, lists| {
+        raster(scene, grid, footprints, lists, choice)
+    })
 }
 
 /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.

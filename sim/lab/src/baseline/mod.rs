@@ -10,6 +10,7 @@
 //! arithmetic alone. All share [`scene`], the usual single-precision setup, and draw by the same [`Rules`](splatline_sim::rules::Rules): the same footprints end where
 //! the same cut-off says, opacities are clamped, skipped and finished alike. They draw front to back only.
 
+mod binned;
 pub mod boxes;
 pub mod scene;
 pub mod spans;

@@ -4,58 +4,22 @@
 //! product, a fused product), `exp` is a polynomial of degree 5 on the fraction of the exponent, and colours are fused products.
 
 use super::FloatDrawing;
-use super::scene::{BoxExtent, FloatFootprint, FloatScene, depth_key};
+use super::binned::draw_binned;
+use super::scene::{BoxExtent, FloatFootprint, FloatScene};
 use rayon::prelude::*;
 use splatline::blend::{FINISHED, Pixel};
 use splatline_sim::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
-use splatline_sim::fast::order::{Grid, Key, tile_lists};
+use splatline_sim::fast::order::Grid;
 use splatline_sim::fast::tile::{TILE, Tile, TileRow};
-use splatline_sim::fixed::Times;
-use std::time::Instant;
 
 /// Footprints painted between two checks whether the tile has finished, as in the fast engine.
 const CHECK_INTERVAL: usize = 64;
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
 pub fn draw(scene: &FloatScene, choice: VectorLevel) -> FloatDrawing {
-    let started = Instant::now();
-    let footprints = scene.footprints(BoxExtent::Cutoff);
-    let set_up_at = started.elapsed().as_secs_f64();
-    let grid = Grid::new(scene.viewport, TILE);
-    let part = footprints
-        .len()
-        .div_ceil(rayon::current_num_threads())
-        .max(1);
-    let parts: Vec<Vec<Key>> = footprints
-        .par_chunks(part)
-        .enumerate()
-        .map(|(number, footprints)| keys(footprints, number * part))
-        .collect();
-    let lists = tile_lists(&grid, parts);
-    let sorted_at = started.elapsed().as_secs_f64();
-    let frame = raster(scene, &grid, &footprints, &lists, choice);
-    FloatDrawing {
-        frame,
-        times: Times {
-            setup: set_up_at,
-            sort: sorted_at - set_up_at,
-            raster: started.elapsed().as_secs_f64() - sorted_at,
-        },
-    }
-}
-
-/// What orders the splats that are seen, numbered from `start`.
-pub(super) fn keys(footprints: &[Option<FloatFootprint>], start: usize) -> Vec<Key> {
-    let numbered = footprints.iter().zip(start as u32..);
-    numbered
-        .filter_map(|(footprint, index)| {
-            footprint.as_ref().map(|footprint| Key {
-                depth: depth_key(footprint.depth).into(),
-                index,
-                bounds: footprint.bounds,
-            })
-        })
-        .collect()
+    draw_binned(scene, BoxExtent::Cutoff, TILE, |grid, footprints, lists| {
+        raster(scene, grid, footprints, lists, choice)
+    })
 }
 
 /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.

@@ -107,24 +107,8 @@ pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<F
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, compositing: Compositing) -> Drawing {
-    draw_with_progress(scene, camera, rules, compositing, &|_, _| ())
-}
-
-/// Like [`draw`], reporting the rows done and the rows in all.
-pub fn draw_with_progress(
-    scene: &Scene,
-    camera: &Camera,
-    rules: &Rules,
-    compositing: Compositing,
-    progress: compositor::Progress,
-) -> Drawing {
-    compositor::draw(
-        &footprints(scene, camera, rules),
-        camera,
-        rules,
-        compositing,
-        progress,
-    )
+    let footprints = footprints(scene, camera, rules);
+    compositor::draw(&footprints, camera, rules, compositing, &|_, _| ())
 }
 
 impl Projected for Footprint {

@@ -22,11 +22,11 @@ pub struct ExactFootprint {
     /// Vxx, Vxy, Vyy, square pixels, and the determinant.
     pub variance: [f64; 4],
     /// A = Vyy / det, per square pixel.
-    pub curvature: f64,
+    pub horizontal: f64,
     /// S = Vxy / Vyy, pixels per row.
-    pub slope: f64,
+    pub shear: f64,
     /// C = 1 / Vyy, per square pixel.
-    pub stretch: f64,
+    pub vertical: f64,
     /// Opacity at r = 0, not yet clamped.
     pub peak: f64,
     /// r at which the footprint ends.
@@ -36,14 +36,14 @@ pub struct ExactFootprint {
 impl ExactFootprint {
     /// G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
     pub fn gain(&self) -> f64 {
-        (1.0 + self.slope * self.slope * self.curvature / self.stretch).sqrt()
+        (1.0 + self.shear * self.shear * self.horizontal / self.vertical).sqrt()
     }
 
     /// The radial index at a point, a sum of two positive terms.
     pub fn radial(&self, x: f64, y: f64) -> f64 {
         let [dx, dy] = [x - self.centre[0], y - self.centre[1]];
-        let across = dx - self.slope * dy;
-        self.curvature * across * across + self.stretch * dy * dy
+        let across = dx - self.shear * dy;
+        self.horizontal * across * across + self.vertical * dy * dy
     }
 }
 
@@ -129,9 +129,9 @@ pub fn project(
         depth: double(z),
         cancellation,
         variance: [&xx, &xy, &yy, &determinant].map(double),
-        curvature: double(&(&yy / &determinant)),
-        slope: double(&(&xy / &yy)),
-        stretch: double(&yy.recip()),
+        horizontal: double(&(&yy / &determinant)),
+        shear: double(&(&xy / &yy)),
+        vertical: double(&yy.recip()),
         peak,
         cutoff: rules.cutoff.min(faint),
     })

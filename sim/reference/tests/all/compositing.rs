@@ -125,12 +125,8 @@ fn progress_reaches_the_last_row() {
         assert_eq!(total, camera.height);
         most.fetch_max(done, Ordering::Relaxed);
     };
-    float::draw_with_progress(
-        &scene,
-        &camera,
-        &Rules::EWA,
-        Compositing::FrontToBack,
-        &progress,
-    );
+    let footprints = float::footprints(&scene, &camera, &Rules::EWA);
+    let order = Compositing::FrontToBack;
+    compositor::draw(&footprints, &camera, &Rules::EWA, order, &progress);
     assert_eq!(most.into_inner(), camera.height);
 }

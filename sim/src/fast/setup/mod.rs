@@ -13,7 +13,7 @@ mod position;
 mod stages;
 mod surface;
 
-pub use surface::{SurfaceOutcome, set_up_surface};
+pub use surface::SurfaceOutcome;
 
 use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch};
 use number::{Arithmetic, Number};
@@ -29,13 +29,33 @@ use stages::{Footprints, Splats, Stages};
 /// What setup makes of a splat.
 pub type Outcome = Result<Footprint, Cull>;
 
+/// A kind of splat that vectors set up: how the kernel sets up one, and what differs between kinds when vectors set up many.
+pub trait Batched: Sized {
+    /// What setup makes of one.
+    type Outcome;
+    /// What setup makes of a vector's splats, as lists.
+    type Lists;
+
+    /// By the kernel.
+    fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> Self::Outcome;
+
+    /// What vectors read.
+    fn parts(&self) -> Parts;
+
+    /// By vectors.
+    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> Self::Lists;
+
+    /// The outcome of this splat, the `k`th of its vector.
+    fn outcome(&self, lists: &Self::Lists, k: usize, widths: &Widths) -> Self::Outcome;
+}
+
 /// Setup of `splats` into as many places of `outcomes`.
-pub fn set_up<D: Design>(
+pub fn set_up<D: Design, S: Batched>(
     design: D,
     view: &View,
     rules: &Rules,
-    splats: &[VolumeSplat],
-    outcomes: &mut [Outcome],
+    splats: &[S],
+    outcomes: &mut [S::Outcome],
     choice: VectorLevel,
 ) {
     // Widths as values: constants would gain little here, and one compiled copy serves all designs.
@@ -52,7 +72,7 @@ pub fn set_up<D: Design>(
         }
         _ => {
             for (splat, outcome) in splats.iter().zip(outcomes) {
-                *outcome = setup(design, view, rules, splat);
+                *outcome = splat.set_up_alone(design, view, rules);
             }
         }
     }
@@ -79,20 +99,10 @@ fn covers(view: &View, rules: &Rules) -> bool {
 
 /// What vectors read of a splat.
 #[derive(Clone, Copy)]
-struct Parts {
+pub struct Parts {
     centre: [SoftFloat; 3],
     axes: [Axis; 3],
     weight: SoftFloat,
-}
-
-impl Parts {
-    fn of(splat: &VolumeSplat) -> Self {
-        Parts {
-            centre: splat.centre,
-            axes: splat.axes,
-            weight: splat.weight,
-        }
-    }
 }
 
 /// Is the splat one of those that vectors take? Its exponents must not come near the end of their word, and its coordinates be normalised.
@@ -112,15 +122,15 @@ fn is_mild_part(splat: &Parts) -> bool {
         && splat.centre.iter().all(normalised)
 }
 
-struct Batch<'a> {
+struct Batch<'a, S: Batched> {
     design: RuntimeWidths,
     view: &'a View,
     rules: &'a Rules,
-    splats: &'a [VolumeSplat],
-    outcomes: &'a mut [Outcome],
+    splats: &'a [S],
+    outcomes: &'a mut [S::Outcome],
 }
 
-impl VectorTask for Batch<'_> {
+impl<S: Batched> VectorTask for Batch<'_, S> {
     type Output = ();
 
     #[inline(always)]
@@ -134,21 +144,47 @@ impl VectorTask for Batch<'_> {
         };
         let groups = self.splats.chunks(L::WIDE);
         for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
-            let is_mild = splats.iter().all(|splat| is_mild_part(&Parts::of(splat)));
+            let is_mild = splats.iter().all(|splat| is_mild_part(&splat.parts()));
             if splats.len() < L::WIDE || !is_mild {
                 for (splat, outcome) in splats.iter().zip(outcomes) {
-                    *outcome = setup(self.design, self.view, self.rules, splat);
+                    *outcome = splat.set_up_alone(self.design, self.view, self.rules);
                 }
                 continue;
             }
-            let footprints = Lists::new(
-                lanes,
-                &stages.setup(&read(lanes, splats.iter().map(Parts::of))),
-            );
+            let lists = S::set_up_together(&stages, &read(lanes, splats.iter().map(S::parts)));
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                *outcome = footprints.get(k, splat, &widths);
+                *outcome = splat.outcome(&lists, k, &widths);
             }
         }
+    }
+}
+
+impl Batched for VolumeSplat {
+    type Outcome = Outcome;
+    type Lists = Lists;
+
+    fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> Outcome {
+        setup(design, view, rules, self)
+    }
+
+    #[inline(always)]
+    fn parts(&self) -> Parts {
+        Parts {
+            centre: self.centre,
+            axes: self.axes,
+            weight: self.weight,
+        }
+    }
+
+    #[inline(always)]
+    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> Lists {
+        Lists::new(stages.math.lanes, &stages.setup(words))
+    }
+
+    #[inline(always)]
+    fn outcome(&self, lists: &Lists, k: usize, widths: &Widths) -> Outcome {
+        lists.reason(k)?;
+        Ok(lists.footprint(k, colour(widths, self.colour)))
     }
 }
 
@@ -220,14 +256,14 @@ fn lists<L: Lanes>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
 }
 
 /// Words to footprints.
-struct Lists {
+pub struct Lists {
     culled: [i64; 8],
     depth: [i64; 8],
     centre: [[i64; 8]; 2],
     first: [[i64; 8]; 2],
     last: [[i64; 8]; 2],
-    /// Mantissas and exponents of curvature, spread, slope, stretch.
-    scan: [[[i64; 8]; 2]; 4],
+    /// Mantissas and exponents of the LDL form's factors, in the order of [`Ldl`].
+    ldl: [[[i64; 8]; 2]; 4],
     conic: [[i64; 8]; 3],
     conic_exponent: [i64; 8],
     cutoff: [i64; 8],
@@ -241,7 +277,7 @@ impl Lists {
             centre: [u, v],
             first: [left, top],
             last: [right, bottom],
-            scan: [curvature, spread, slope, stretch],
+            ldl: [horizontal, squared_width, shear, vertical],
             conic: [a, b, c],
             ..
         } = *footprints;
@@ -251,24 +287,17 @@ impl Lists {
             centre: [list(lanes, u), list(lanes, v)],
             first: [list(lanes, left), list(lanes, top)],
             last: [list(lanes, right), list(lanes, bottom)],
-            scan: [
-                lists(lanes, curvature),
-                lists(lanes, spread),
-                lists(lanes, slope),
-                lists(lanes, stretch),
+            ldl: [
+                lists(lanes, horizontal),
+                lists(lanes, squared_width),
+                lists(lanes, shear),
+                lists(lanes, vertical),
             ],
             conic: [list(lanes, a), list(lanes, b), list(lanes, c)],
             conic_exponent: list(lanes, footprints.conic_exponent),
             cutoff: list(lanes, footprints.cutoff),
             peak: list(lanes, footprints.peak),
         }
-    }
-
-    /// What setup makes of splat `k`.
-    #[inline(always)]
-    fn get(&self, k: usize, splat: &VolumeSplat, widths: &Widths) -> Outcome {
-        self.reason(k)?;
-        Ok(self.footprint(k, colour(widths, splat.colour)))
     }
 
     /// Why splat `k` is culled, if it is.
@@ -287,17 +316,17 @@ impl Lists {
             mantissa: mantissa[k] as i32,
             exponent: exponent[k] as i32,
         };
-        let [curvature, spread, slope, stretch] = &self.scan;
+        let [horizontal, squared_width, shear, vertical] = &self.ldl;
         Footprint {
             depth: self.depth[k] as u64,
             centre: [self.centre[0][k], self.centre[1][k]],
             first: [self.first[0][k] as u16, self.first[1][k] as u16],
             end: [self.last[0][k] as u16, self.last[1][k] as u16],
             ldl: Ldl {
-                horizontal: scaled(curvature),
-                squared_width: scaled(spread),
-                shear: scaled(slope),
-                vertical: scaled(stretch),
+                horizontal: scaled(horizontal),
+                squared_width: scaled(squared_width),
+                shear: scaled(shear),
+                vertical: scaled(vertical),
             },
             conic: Conic {
                 mantissa: [0, 1, 2].map(|i| self.conic[i][k] as i32),

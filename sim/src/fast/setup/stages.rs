@@ -34,8 +34,8 @@ pub struct Footprints<W: Wide> {
     pub centre: [Word<W>; 2],
     pub first: [Word<W>; 2],
     pub last: [Word<W>; 2],
-    /// Curvature, spread, slope, stretch.
-    pub scan: [Number<W>; 4],
+    /// The factors of the LDL form, in the order of `Ldl`.
+    pub ldl: [Number<W>; 4],
     pub conic: [Word<W>; 3],
     pub conic_exponent: Word<W>,
     pub cutoff: Word<W>,
@@ -85,8 +85,8 @@ impl<W: Wide> Stages<'_, W> {
         let inverse = self
             .math
             .reciprocal(variance.determinant, self.widths.mantissa.into());
-        let scan = self.scan(&variance, inverse, &mut culled);
-        let (conic, conic_exponent) = self.conic(&variance, scan[0], inverse, &mut culled);
+        let ldl = self.ldl(&variance, inverse, &mut culled);
+        let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
         let peak = self.peak(splats.weight, &projected, inverse);
         let cutoff = self.cutoff(peak, &mut culled);
         let mut first = [self.math.splat(0); 2];
@@ -102,7 +102,7 @@ impl<W: Wide> Stages<'_, W> {
             centre: projected.centre,
             first,
             last,
-            scan,
+            ldl,
             conic,
             conic_exponent,
             cutoff,
@@ -340,9 +340,9 @@ impl<W: Wide> Stages<'_, W> {
         self.math.times(minor, minor)
     }
 
-    /// Curvature, spread, slope and stretch.
+    /// Curvature, squared_width, shear and vertical.
     #[inline(always)]
-    pub fn scan(
+    pub fn ldl(
         &self,
         variance: &Variance<W>,
         inverse: Number<W>,
@@ -354,19 +354,19 @@ impl<W: Wide> Stages<'_, W> {
             let nothing = math.lanes.wide_equal(value.mantissa, zero);
             self.cull(culled, Cull::Degenerate, nothing);
         }
-        let stretch = math.reciprocal(variance.yy, bits);
-        let curvature = math.multiply(variance.yy, inverse, bits);
-        let spread = math.multiply(variance.determinant, stretch, bits);
-        let slope = math.multiply(variance.xy, stretch, bits);
-        let tiny = math.greater(math.splat(-512), slope.exponent);
-        let slope = Number {
-            mantissa: math.select(slope.mantissa, zero, tiny),
-            exponent: math.select(slope.exponent, zero, tiny),
+        let vertical = math.reciprocal(variance.yy, bits);
+        let horizontal = math.multiply(variance.yy, inverse, bits);
+        let squared_width = math.multiply(variance.determinant, vertical, bits);
+        let shear = math.multiply(variance.xy, vertical, bits);
+        let tiny = math.greater(math.splat(-512), shear.exponent);
+        let shear = Number {
+            mantissa: math.select(shear.mantissa, zero, tiny),
+            exponent: math.select(shear.exponent, zero, tiny),
         };
-        for number in [curvature, spread, stretch] {
+        for number in [horizontal, squared_width, vertical] {
             self.unpackable(number.exponent, culled);
         }
-        [curvature, spread, slope, stretch]
+        [horizontal, squared_width, shear, vertical]
     }
 
     /// Culls where an exponent has no place in the packet.

@@ -4,10 +4,7 @@
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
 use super::stages::{Footprints, Projected, Splats, Stages, Variance};
-use super::{
-    Floats, Lists, Number, Parts, RuntimeWidths, VectorLevel, VectorTask, covers, dispatch,
-    is_mild_part, list, read,
-};
+use super::{Batched, Floats, Lists, Number, Parts, list};
 use crate::fast::lanes::{Lanes, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
@@ -22,78 +19,32 @@ use splatline::view::View;
 /// What setup makes of a surface splat.
 pub type SurfaceOutcome = Result<SurfaceFootprint, Cull>;
 
-/// Setup of `splats` into as many places of `outcomes`.
-pub fn set_up_surface<D: Design>(
-    design: D,
-    view: &View,
-    rules: &Rules,
-    splats: &[SurfaceSplat],
-    outcomes: &mut [SurfaceOutcome],
-    choice: VectorLevel,
-) {
-    match RuntimeWidths::new(design.widths()) {
-        Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
-            let batch = Batch {
-                design: widths,
-                view,
-                rules,
-                splats,
-                outcomes,
-            };
-            dispatch(choice, batch);
-        }
-        _ => {
-            for (splat, outcome) in splats.iter().zip(outcomes) {
-                *outcome = setup_surface(design, view, rules, splat);
-            }
-        }
+impl Batched for SurfaceSplat {
+    type Outcome = SurfaceOutcome;
+    type Lists = SurfaceLists;
+
+    fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> SurfaceOutcome {
+        setup_surface(design, view, rules, self)
     }
-}
-
-fn parts(splat: &SurfaceSplat) -> Parts {
-    let [first, second] = splat.frame;
-    Parts {
-        centre: splat.centre,
-        axes: [first, second, splat.normal],
-        weight: splat.weight,
-    }
-}
-
-struct Batch<'a> {
-    design: RuntimeWidths,
-    view: &'a View,
-    rules: &'a Rules,
-    splats: &'a [SurfaceSplat],
-    outcomes: &'a mut [SurfaceOutcome],
-}
-
-impl VectorTask for Batch<'_> {
-    type Output = ();
 
     #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) {
-        let widths = self.design.widths();
-        let stages = Stages {
-            math: super::Arithmetic { lanes },
-            widths,
-            view: self.view,
-            rules: self.rules,
-        };
-        let groups = self.splats.chunks(L::WIDE);
-        for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
-            let is_mild = splats.iter().all(|splat| is_mild_part(&parts(splat)));
-            if splats.len() < L::WIDE || !is_mild {
-                for (splat, outcome) in splats.iter().zip(outcomes) {
-                    *outcome = setup_surface(self.design, self.view, self.rules, splat);
-                }
-                continue;
-            }
-            let words = stages.surface(&read(lanes, splats.iter().map(parts)));
-            let lists = SurfaceLists::new(lanes, &words);
-            for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                *outcome = lists.get(k, splat, &widths);
-            }
+    fn parts(&self) -> Parts {
+        let [first, second] = self.frame;
+        Parts {
+            centre: self.centre,
+            axes: [first, second, self.normal],
+            weight: self.weight,
         }
+    }
+
+    #[inline(always)]
+    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> SurfaceLists {
+        SurfaceLists::new(stages.math.lanes, &stages.surface(words))
+    }
+
+    #[inline(always)]
+    fn outcome(&self, lists: &SurfaceLists, k: usize, widths: &Widths) -> SurfaceOutcome {
+        lists.outcome(k, self, widths)
     }
 }
 
@@ -120,8 +71,8 @@ impl<W: Wide> Stages<'_, W> {
         let area = self.minor(&first, &second);
         let variance = self.flat_variance(&first, &second, area);
         let inverse = math.reciprocal(variance.determinant, self.bits());
-        let scan = self.scan(&variance, inverse, &mut culled);
-        let (conic, conic_exponent) = self.conic(&variance, scan[0], inverse, &mut culled);
+        let ldl = self.ldl(&variance, inverse, &mut culled);
+        let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
         let peak = self.surface_peak(splats.weight, area, &variance);
         let cutoff = self.cutoff(peak, &mut culled);
         let peak = self.peak_fixed(peak, &mut culled);
@@ -157,7 +108,7 @@ impl<W: Wide> Stages<'_, W> {
                 centre: projected.centre,
                 first: [left, top],
                 last: [right, bottom],
-                scan,
+                ldl,
                 conic,
                 conic_exponent,
                 cutoff,
@@ -284,7 +235,7 @@ impl<W: Wide> Stages<'_, W> {
 }
 
 /// Words to surface footprints.
-struct SurfaceLists {
+pub struct SurfaceLists {
     footprints: Lists,
     origin: [[i64; 8]; 3],
     step: [[i64; 8]; 2],
@@ -307,7 +258,7 @@ impl SurfaceLists {
 
     /// What setup makes of splat `k`.
     #[inline(always)]
-    fn get(&self, k: usize, splat: &SurfaceSplat, widths: &Widths) -> SurfaceOutcome {
+    fn outcome(&self, k: usize, splat: &SurfaceSplat, widths: &Widths) -> SurfaceOutcome {
         self.footprints.reason(k)?;
         let fraction = i32::from(attribute_fraction(widths));
         let one = 1u64 << fraction;

@@ -94,7 +94,7 @@ fn check_surface<D: Design>(design: D, splats: &[SurfaceSplat], view: &View) {
     let rules = Rules::SURFACE;
     for choice in [VectorLevel::Best, VectorLevel::Avx2] {
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up_surface(design, view, &rules, splats, &mut outcomes, choice);
+        set_up(design, view, &rules, splats, &mut outcomes, choice);
         for (splat, outcome) in splats.iter().zip(outcomes) {
             let expected = setup_surface(design, view, &rules, splat);
             assert_eq!(outcome, expected, "{choice:?} {splat:?}");

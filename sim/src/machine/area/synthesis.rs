@@ -121,38 +121,11 @@ fn parse_line(line: &str) -> Option<Synthesised> {
     })
 }
 
+/// The circuit begins at the packet: how positions became footprints is nothing to it.
 fn widths_of(numbers: [u8; 12]) -> Widths {
-    let [
-        view,
-        mantissa,
-        subpixel,
-        radial,
-        table,
-        interpolation,
-        weight,
-        peak,
-        alpha,
-        transmittance,
-        colour,
-        accumulator,
-    ] = numbers;
-    // The circuit begins at the packet; how positions became footprints is nothing to it.
-    Widths {
-        position: Standard24::WIDTHS.position,
-        view,
-        mantissa,
-        subpixel,
-        radial,
-        table,
-        interpolation,
-        weight,
-        peak,
-        alpha,
-        transmittance,
-        colour,
-        accumulator,
-        rounding: Rounding::Nearest,
-    }
+    let mut all = [Standard24::WIDTHS.position; 13];
+    all[1..].copy_from_slice(&numbers);
+    Widths::from_numbers(all, Rounding::Nearest)
 }
 
 /// The table's text.

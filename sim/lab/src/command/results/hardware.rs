@@ -37,43 +37,55 @@ struct Viewpoint {
     fov: f64,
 }
 
-const UP: [f64; 3] = [0.0, -1.0, 0.0];
+const GUITAR: &str = "gaussians/guitar.ply";
+const PLAYBOT: &str = "gaussians/playbot_lod4.ply";
 
-/// The captured scenes.
+/// The captured scenes. The first three are y-down, the last z-up.
 const PLACES: [Viewpoint; 4] = [
+    seen("guitar", GUITAR, [5.5, -2.1, 0.2], [0.1, -2.1, 0.1], 50.0),
+    seen(
+        "guitar, close",
+        GUITAR,
+        [2.2, -1.2, 0.5],
+        [0.1, -1.2, 0.1],
+        50.0,
+    ),
+    seen(
+        "playbot",
+        PLAYBOT,
+        [2.2, -1.4, 2.2],
+        [0.0, -0.45, 0.0],
+        45.0,
+    ),
     Viewpoint {
-        name: "guitar",
-        file: "gaussians/guitar.ply",
-        eye: [5.5, -2.1, 0.2],
-        target: [0.1, -2.1, 0.1],
-        up: UP,
-        fov: 50.0,
-    },
-    Viewpoint {
-        name: "guitar, close",
-        file: "gaussians/guitar.ply",
-        eye: [2.2, -1.2, 0.5],
-        target: [0.1, -1.2, 0.1],
-        up: UP,
-        fov: 50.0,
-    },
-    Viewpoint {
-        name: "playbot",
-        file: "gaussians/playbot_lod4.ply",
-        eye: [2.2, -1.4, 2.2],
-        target: [0.0, -0.45, 0.0],
-        up: UP,
-        fov: 45.0,
-    },
-    Viewpoint {
-        name: "lion",
-        file: LION,
-        eye: [4.11, 3.88, -0.16],
-        target: [-2.89, 3.88, -1.16],
         up: [0.0, 0.0, 1.0],
-        fov: 45.0,
+        ..seen(
+            "lion",
+            LION,
+            [4.11, 3.88, -0.16],
+            [-2.89, 3.88, -1.16],
+            45.0,
+        )
     },
 ];
+
+/// A place in a captured scene of which -y is up.
+const fn seen(
+    name: &'static str,
+    file: &'static str,
+    eye: [f64; 3],
+    target: [f64; 3],
+    fov: f64,
+) -> Viewpoint {
+    Viewpoint {
+        name,
+        file,
+        eye,
+        target,
+        up: [0.0, -1.0, 0.0],
+        fov,
+    }
+}
 
 /// Writes the tables of throughput and designs into `output`.
 pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
