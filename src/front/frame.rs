@@ -109,11 +109,11 @@ impl<'p> Frame<'p> {
 
     /// The pixel at column `x` and row `y` of the screen, if it lies in the window.
     pub fn pixel(&self, x: u16, y: u16) -> Option<&'p Pixel> {
-        let Window { first, end: last } = self.window;
-        if x < first[0] || x >= last[0] || y < first[1] || y >= last[1] {
+        let Window { first, end } = self.window;
+        if x < first[0] || x >= end[0] || y < first[1] || y >= end[1] {
             return None;
         }
-        let columns = usize::from(last[0] - first[0]);
+        let columns = usize::from(end[0] - first[0]);
         let place = usize::from(y - first[1]) * columns + usize::from(x - first[0]);
         self.pixels.get(place)
     }

@@ -76,11 +76,7 @@ impl BoxSpans {
 
     /// Moves the differences to the visible part's corner, exactly.
     fn clip(&mut self, footprint: &Footprint, window: &Window) {
-        let visible = Window {
-            first: footprint.first,
-            end: footprint.end,
-        }
-        .intersect(window);
+        let visible = Window::of(footprint).intersect(window);
         if visible.is_empty() {
             return;
         }

@@ -14,6 +14,7 @@ pub use stamp::{
     MAX_PHASE_BITS, MAX_SIDE, Placement, Stamp, StampError, StampRow, StampShape, fill_stamps,
 };
 
+use crate::footprint::Footprint;
 use crate::format::Lane;
 
 /// The part of the screen to be drawn: columns and rows `first .. end`.
@@ -26,6 +27,15 @@ pub struct Window {
 }
 
 impl Window {
+    /// The box of a footprint.
+    #[inline(always)]
+    pub const fn of(footprint: &Footprint) -> Window {
+        Window {
+            first: footprint.first,
+            end: footprint.end,
+        }
+    }
+
     /// The pixels that both windows contain; empty where `first >= end` on an axis.
     pub fn intersect(&self, other: &Window) -> Window {
         let mut both = *self;

@@ -143,10 +143,7 @@ impl<L: Lane> EllipseSpans<L> {
         let widths = design.widths();
         let (subpixel, mantissa) = (u32::from(widths.subpixel), u32::from(widths.mantissa));
         let ldl = &footprint.ldl;
-        let bounds = Window {
-            first: footprint.first,
-            end: footprint.end,
-        };
+        let bounds = Window::of(footprint);
         let visible = bounds.intersect(window);
         // Distance of the first row's sample points from the centre, in pixels.
         let dy = ((2 * i64::from(bounds.first[1]) + 1) << (subpixel - 1))

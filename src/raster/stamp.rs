@@ -195,10 +195,7 @@ fn fill_stamp<D: Design>(
     footprint: &Footprint,
 ) {
     let widths = design.widths();
-    let window = Window {
-        first: footprint.first,
-        end: footprint.end,
-    };
+    let window = Window::of(footprint);
     let columns = usize::from(window.end[0] - window.first[0]);
     let mut rows = EllipseSpans::new(design, footprint, &window);
     let drop = rows.fraction() as i32 - i32::from(widths.radial);

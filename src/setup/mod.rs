@@ -63,7 +63,21 @@ impl Cull {
         Cull::Transparent,
         Cull::Outside,
     ];
+
+    /// Its place in [`Cull::ALL`].
+    #[inline(always)]
+    pub const fn place(self) -> usize {
+        self as usize
+    }
 }
+
+const _: () = {
+    let mut place = 0;
+    while place < Cull::ALL.len() {
+        assert!(Cull::ALL[place].place() == place);
+        place += 1;
+    }
+};
 
 /// The whole of setup for one volume splat (\[EWA\] 6.2 and 7.1).
 ///

@@ -253,13 +253,13 @@ typedef struct {
   // One past the last column and row.
   uint16_t end[2];
   // A = Vyy / det, per square pixel.
-  SplatlineSoftFloat curvature;
+  SplatlineSoftFloat horizontal;
   // 1 / A, square pixels.
-  SplatlineSoftFloat spread;
+  SplatlineSoftFloat squared_width;
   // S = Vxy / Vyy, pixels per row.
-  SplatlineSoftFloat slope;
+  SplatlineSoftFloat shear;
   // C = 1 / Vyy, per square pixel.
-  SplatlineSoftFloat stretch;
+  SplatlineSoftFloat vertical;
   // Conic a, b, c, per square pixel: mantissas.
   int32_t conic_mantissa[3];
   // Conic: power of two of all three.

@@ -188,13 +188,13 @@ pub struct SplatlineFootprint {
     /// One past the last column and row.
     pub end: [u16; 2],
     /// A = Vyy / det, per square pixel.
-    pub curvature: SplatlineSoftFloat,
+    pub horizontal: SplatlineSoftFloat,
     /// 1 / A, square pixels.
-    pub spread: SplatlineSoftFloat,
+    pub squared_width: SplatlineSoftFloat,
     /// S = Vxy / Vyy, pixels per row.
-    pub slope: SplatlineSoftFloat,
+    pub shear: SplatlineSoftFloat,
     /// C = 1 / Vyy, per square pixel.
-    pub stretch: SplatlineSoftFloat,
+    pub vertical: SplatlineSoftFloat,
     /// Conic a, b, c, per square pixel: mantissas.
     pub conic_mantissa: [i32; 3],
     /// Conic: power of two of all three.
@@ -415,18 +415,16 @@ impl SplatlineRules {
 
 impl From<&Footprint> for SplatlineFootprint {
     fn from(footprint: &Footprint) -> Self {
-        let Footprint {
-            ldl: scan, conic, ..
-        } = footprint;
+        let Footprint { ldl, conic, .. } = footprint;
         SplatlineFootprint {
             centre: footprint.centre,
             depth: footprint.depth,
             first: footprint.first,
             end: footprint.end,
-            curvature: scan.horizontal.into(),
-            spread: scan.squared_width.into(),
-            slope: scan.shear.into(),
-            stretch: scan.vertical.into(),
+            horizontal: ldl.horizontal.into(),
+            squared_width: ldl.squared_width.into(),
+            shear: ldl.shear.into(),
+            vertical: ldl.vertical.into(),
             conic_mantissa: conic.mantissa,
             conic_exponent: conic.exponent,
             cutoff: footprint.cutoff,
@@ -444,10 +442,10 @@ impl From<&SplatlineFootprint> for Footprint {
             first: footprint.first,
             end: footprint.end,
             ldl: Ldl {
-                horizontal: footprint.curvature.into(),
-                squared_width: footprint.spread.into(),
-                shear: footprint.slope.into(),
-                vertical: footprint.stretch.into(),
+                horizontal: footprint.horizontal.into(),
+                squared_width: footprint.squared_width.into(),
+                shear: footprint.shear.into(),
+                vertical: footprint.vertical.into(),
             },
             conic: Conic {
                 mantissa: footprint.conic_mantissa,

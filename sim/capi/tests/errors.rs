@@ -238,12 +238,12 @@ prop_compose! {
     fn footprint()(
         centre in prop::array::uniform2(prop_oneof![any::<i64>(), -(1i64 << 26)..1 << 26]),
         depth: u64, first in prop::array::uniform2(0u16..20), last in prop::array::uniform2(prop_oneof![any::<u16>(), 0u16..20]),
-        scan in [number(), number(), number(), number()],
+        ldl in [number(), number(), number(), number()],
         conic_mantissa: [i32; 3], conic_exponent: i32, cutoff: u32, peak: u32, colour: [u32; 3],
     ) -> SplatlineFootprint {
-        let [curvature, spread, slope, stretch] = scan;
+        let [horizontal, squared_width, shear, vertical] = ldl;
         SplatlineFootprint {
-            centre, depth, first, end: last, curvature, spread, slope, stretch,
+            centre, depth, first, end: last, horizontal, squared_width, shear, vertical,
             conic_mantissa, conic_exponent, cutoff, opacity: peak, colour,
         }
     }

@@ -278,10 +278,7 @@ fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>, culled: &mut Cu
     for (outcome, index) in outcomes.iter().zip(first as u32..) {
         match outcome {
             Ok(footprint) => {
-                let bounds = Window {
-                    first: footprint.first,
-                    end: footprint.end,
-                };
+                let bounds = Window::of(footprint);
                 if !bounds.is_empty() {
                     keys.push(Key {
                         depth: footprint.depth,
@@ -290,9 +287,7 @@ fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>, culled: &mut Cu
                     });
                 }
             }
-            Err(reason) => {
-                culled[Cull::ALL.iter().position(|r| r == reason).unwrap_or(0)] += 1;
-            }
+            Err(reason) => culled[reason.place()] += 1,
         }
     }
 }

@@ -70,7 +70,7 @@ impl TileLists {
         let grid = Grid::new(viewport, tile);
         let mut lists = vec![Vec::new(); grid.len()];
         for (index, footprint) in (0..).zip(footprints) {
-            let bounds = bounds(footprint);
+            let bounds = Window::of(footprint);
             if !bounds.is_empty() {
                 grid.touched(&bounds, |tile| lists[tile].push(index));
             }
@@ -87,20 +87,13 @@ impl TileLists {
     }
 }
 
-fn bounds(footprint: &Footprint) -> Window {
-    Window {
-        first: footprint.first,
-        end: footprint.end,
-    }
-}
-
 /// Keys of the splats that have a footprint, numbered from `start`.
 fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
     let footprints = splats.iter().zip(start as u32..);
     footprints
         .filter_map(|(splat, index)| {
             let footprint = splat.footprint()?;
-            let bounds = bounds(footprint);
+            let bounds = Window::of(footprint);
             (!bounds.is_empty()).then_some(Key {
                 depth: footprint.depth,
                 index,

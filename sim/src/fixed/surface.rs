@@ -142,10 +142,7 @@ impl SetUp {
             match outcome {
                 Ok(footprint) if cull_backfaces && footprint.back => all.backfaces += 1,
                 Ok(footprint) => all.drawn.push(*footprint),
-                Err(reason) => {
-                    let place = Cull::ALL.iter().position(|r| r == reason);
-                    all.culled[place.unwrap_or(0)] += 1;
-                }
+                Err(reason) => all.culled[reason.place()] += 1,
             }
         }
         all

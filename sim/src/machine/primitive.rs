@@ -333,10 +333,7 @@ pub fn for_each_slot<D: Design>(
     lanes: usize,
     mut slot: impl FnMut(Option<LaneRun>),
 ) {
-    let bounds = Window {
-        first: footprint.first,
-        end: footprint.end,
-    };
+    let bounds = Window::of(footprint);
     let visible = bounds.intersect(window);
     if visible.is_empty() {
         return slot(None);

@@ -107,13 +107,10 @@ struct SetupStages {
 
 /// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
 fn reason<T>(result: &Result<T, Cull>) -> i64 {
-    let place = |cull: &Cull| {
-        Cull::ALL
-            .iter()
-            .position(|c| c == cull)
-            .map_or(0, |i| i + 1)
-    };
-    result.as_ref().err().map_or(0, place) as i64
+    result
+        .as_ref()
+        .err()
+        .map_or(0, |cull| cull.place() as i64 + 1)
 }
 
 impl SetupStages {

@@ -112,10 +112,7 @@ fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
     }
     let (mut slots, mut groups) = (0, 0);
     for footprint in drawn {
-        let bounds = Window {
-            first: footprint.first,
-            end: footprint.end,
-        };
+        let bounds = Window::of(footprint);
         let visible = bounds.intersect(&tile.window);
         slots += u64::from(visible.end[1] - visible.first[1]);
         groups += splat_groups(footprint, &tile.window, layout);

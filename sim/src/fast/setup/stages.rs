@@ -524,24 +524,5 @@ impl<W: Wide> Stages<'_, W> {
 
 /// One more than the reason's place in [`Cull::ALL`].
 pub const fn code(reason: Cull) -> i64 {
-    match reason {
-        Cull::Near => 1,
-        Cull::Far => 2,
-        Cull::Range => 3,
-        Cull::Degenerate => 4,
-        Cull::Transparent => 5,
-        Cull::Outside => 6,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn codes_are_places() {
-        for (place, reason) in (1..).zip(Cull::ALL) {
-            assert_eq!(code(reason), place);
-        }
-    }
+    reason.place() as i64 + 1
 }

@@ -60,10 +60,7 @@ impl<D: Design> WordPainter<D> {
         let Some(Ok(footprint)) = list.first().map(footprint) else {
             return Prepared::Nothing;
         };
-        let bounds = Window {
-            first: footprint.first,
-            end: footprint.end,
-        };
+        let bounds = Window::of(footprint);
         if bounds.intersect(window).is_empty() {
             return Prepared::Nothing;
         }

@@ -136,10 +136,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
 }
 
 fn touches(footprint: &Footprint, window: &Window) -> bool {
-    let bounds = Window {
-        first: footprint.first,
-        end: footprint.end,
-    };
+    let bounds = Window::of(footprint);
     !bounds.intersect(window).is_empty()
 }
 
@@ -172,10 +169,7 @@ where
         let mut spans = Spans::new(usize::from(window.end[1] - window.first[1]));
         let blocks = blocks(&window);
         for footprint in footprints {
-            let bounds = Window {
-                first: footprint.first,
-                end: footprint.end,
-            };
+            let bounds = Window::of(footprint);
             let visible = bounds.intersect(&window);
             if visible.is_empty() {
                 if let Some(unit) = units.first_mut() {

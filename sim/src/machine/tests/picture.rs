@@ -58,10 +58,7 @@ fn tiles() -> Vec<Window> {
 
 /// The footprints whose boxes touch the window.
 fn touching(footprints: &[Footprint], window: &Window) -> Vec<Footprint> {
-    let bounds = |footprint: &Footprint| Window {
-        first: footprint.first,
-        end: footprint.end,
-    };
+    let bounds = Window::of;
     let touches = |footprint: &&Footprint| !bounds(footprint).intersect(window).is_empty();
     footprints.iter().filter(touches).copied().collect()
 }

@@ -139,11 +139,7 @@ impl Job<'_> {
             let Ok(footprint) = &self.footprints[*index as usize] else {
                 continue;
             };
-            let visible = Window {
-                first: footprint.first,
-                end: footprint.end,
-            }
-            .intersect(&window);
+            let visible = Window::of(footprint).intersect(&window);
             let first = part.rows.len();
             part.rows.resize(
                 first + usize::from(visible.end[1] - visible.first[1]),
