@@ -415,7 +415,7 @@ impl Balance {
 impl<L: Lane> Seed<L> {
     #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn new(horizontal: SoftFloat, squared_width: SoftFloat, bits: u32, fraction: u32) -> Self {
-        // |dx|^2 <= 16 squared_width < 2^(leading + 5), hence |dx| < 2^half in pixels.
+        // |dx|^2 <= 16 / A < 2^(leading + 5), hence |dx| < 2^half in pixels.
         let half = squared_width.leading().saturating_add(6) >> 1;
         let drop_dx = half.saturating_add(32 - bits as i32).clamp(0, 63);
         let power = horizontal.exponent.clamp(-1024, 1024) + drop_dx - 32;

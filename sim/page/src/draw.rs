@@ -25,15 +25,15 @@ const TILE: usize = 64;
 const CHECK_INTERVAL: usize = 64;
 
 /// A scene, and its splats in the kernel's formats.
-pub struct Loaded {
+pub struct LoadedScene {
     scene: Scene,
     rules: Rules,
     quantised: Option<QuantisedScene>,
 }
 
-impl Loaded {
-    pub fn new(scene: Scene, rules: Rules) -> Loaded {
-        Loaded {
+impl LoadedScene {
+    pub fn new(scene: Scene, rules: Rules) -> LoadedScene {
+        LoadedScene {
             scene,
             rules,
             quantised: None,
@@ -65,7 +65,7 @@ impl Loaded {
 }
 
 /// A picture through the kernel.
-pub struct Fixed {
+pub struct FixedPicture {
     pub picture: Picture,
     pub rgba: Vec<u8>,
     pub coverage: Coverage,
@@ -79,17 +79,17 @@ pub struct Fixed {
     pub traversal: Traversal,
 }
 
-impl Fixed {
+impl FixedPicture {
     pub fn draw(
-        loaded: &mut Loaded,
+        loaded: &mut LoadedScene,
         camera: &Camera,
         design: RuntimeWidths,
         traversal: Traversal,
-    ) -> Fixed {
+    ) -> FixedPicture {
         let stated = loaded.rules;
         let quantised = loaded.quantised(camera);
         let rules = quantised.rules(&stated);
-        let view = SoftFloat {
+        let view = Asked {
             quantised,
             rules: &rules,
             camera,
@@ -101,14 +101,14 @@ impl Fixed {
             widths if widths == Standard24::WIDTHS => view.draw(Standard24),
             _ => view.draw(design),
         };
-        let Drawn {
+        let PaintedTiles {
             footprints,
             lists,
             pixels,
             coverage,
         } = drawn;
         let picture = picture_of(&pixels, camera, &design.widths(), quantised.colour_log2);
-        Fixed {
+        FixedPicture {
             rgba: rgba(&picture),
             checksum: bytes::checksum(
                 pixels
@@ -128,7 +128,7 @@ impl Fixed {
 }
 
 /// What is drawn, whatever the widths.
-struct SoftFloat<'a> {
+struct Asked<'a> {
     quantised: &'a QuantisedScene,
     rules: &'a splatline::rules::Rules,
     camera: &'a Camera,
@@ -136,15 +136,15 @@ struct SoftFloat<'a> {
 }
 
 /// What setup and raster made of it.
-struct Drawn {
+struct PaintedTiles {
     footprints: Vec<Result<Footprint, Cull>>,
     lists: Vec<Vec<u32>>,
     pixels: Vec<Pixel>,
     coverage: Coverage,
 }
 
-impl SoftFloat<'_> {
-    fn draw<D: Design>(&self, design: D) -> Drawn {
+impl Asked<'_> {
+    fn draw<D: Design>(&self, design: D) -> PaintedTiles {
         let (rules, camera) = (self.rules, self.camera);
         let footprints: Vec<_> = self
             .quantised
@@ -152,7 +152,7 @@ impl SoftFloat<'_> {
             .iter()
             .map(|splat| setup(design, &self.quantised.view, rules, splat))
             .collect();
-        let tiles = Tiles::new(camera);
+        let tiles = PageTiles::new(camera);
         let lists = tiles.lists(&footprints);
         let widths = design.widths();
         let memory = table(&widths, rules);
@@ -167,7 +167,7 @@ impl SoftFloat<'_> {
             };
             coverage += paint(&painter, &footprints, list, &mut target);
         }
-        Drawn {
+        PaintedTiles {
             footprints,
             lists,
             pixels,
@@ -177,16 +177,16 @@ impl SoftFloat<'_> {
 }
 
 /// A picture in double precision.
-pub struct Float {
+pub struct FloatPicture {
     pub picture: Picture,
     pub rgba: Vec<u8>,
 }
 
-impl Float {
-    pub fn draw(loaded: &Loaded, camera: &Camera) -> Float {
-        let Loaded { scene, rules, .. } = loaded;
+impl FloatPicture {
+    pub fn draw(loaded: &LoadedScene, camera: &Camera) -> FloatPicture {
+        let LoadedScene { scene, rules, .. } = loaded;
         let picture = float::draw(scene, camera, rules, Compositing::FrontToBack).picture;
-        Float {
+        FloatPicture {
             rgba: rgba(&picture),
             picture,
         }
@@ -236,18 +236,18 @@ fn paint<D: Design>(
 }
 
 /// The screen in tiles, row by row.
-pub struct Tiles {
+pub struct PageTiles {
     viewport: [usize; 2],
     columns: usize,
 }
 
-impl Tiles {
-    pub fn new(camera: &Camera) -> Tiles {
-        Tiles::of([camera.width, camera.height])
+impl PageTiles {
+    pub fn new(camera: &Camera) -> PageTiles {
+        PageTiles::of([camera.width, camera.height])
     }
 
-    pub fn of(viewport: [usize; 2]) -> Tiles {
-        Tiles {
+    pub fn of(viewport: [usize; 2]) -> PageTiles {
+        PageTiles {
             viewport,
             columns: viewport[0].div_ceil(TILE),
         }

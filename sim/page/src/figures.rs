@@ -3,7 +3,7 @@
 //! The figures are those of the host's `metrics` without SSIM, which takes longer than drawing. The host's are not called because they come
 //! with it.
 
-use crate::draw::{Fixed, Float};
+use crate::draw::{FixedPicture, FloatPicture};
 use crate::scale::{Scale, colour};
 
 /// What [`Compared::figures`] holds, in this order; the page's script reads them by place.
@@ -41,7 +41,12 @@ pub struct Compared {
 }
 
 impl Compared {
-    pub fn new(fixed: &Fixed, float: &Float, percentile: f64, limit: f64) -> Compared {
+    pub fn new(
+        fixed: &FixedPicture,
+        float: &FloatPicture,
+        percentile: f64,
+        limit: f64,
+    ) -> Compared {
         let (differences, errors) = errors(fixed, float);
         let mut scale = Scale::of(&differences, percentile);
         if limit > 0.0 && scale.limit > 0.0 {
@@ -77,7 +82,7 @@ impl Compared {
     }
 
     /// Brings the figures up to date with the kernel's last picture.
-    pub fn tell(&mut self, fixed: Option<&Fixed>) {
+    pub fn tell(&mut self, fixed: Option<&FixedPicture>) {
         let Some(fixed) = fixed else { return };
         let [psnr, largest, bias, x, y, psnr_covered, bias_covered] = self.errors;
         let drawn = fixed.footprints.len() - fixed.culled;
@@ -103,8 +108,8 @@ impl Compared {
 }
 
 /// Per pixel the difference of the colour channel that differs most; then PSNR, largest, bias, its place, PSNR and bias over covered pixels.
-fn errors(fixed: &Fixed, float: &Float) -> (Vec<f64>, [f64; 7]) {
-    let (mut whole, mut covered) = (Sums::default(), Sums::default());
+fn errors(fixed: &FixedPicture, float: &FloatPicture) -> (Vec<f64>, [f64; 7]) {
+    let (mut whole, mut covered) = (ErrorSums::default(), ErrorSums::default());
     let mut at = 0;
     let mut differences = Vec::with_capacity(fixed.picture.pixels.len());
     let pairs = fixed.picture.pixels.iter().zip(&float.picture.pixels);
@@ -140,14 +145,14 @@ fn errors(fixed: &Fixed, float: &Float) -> (Vec<f64>, [f64; 7]) {
 }
 
 #[derive(Default)]
-struct Sums {
+struct ErrorSums {
     count: f64,
     sum: f64,
     squares: f64,
     largest: f64,
 }
 
-impl Sums {
+impl ErrorSums {
     fn add(&mut self, difference: f64) {
         self.count += 1.0;
         self.sum += difference;

@@ -1,6 +1,6 @@
 //! The splat under the pointer: which one it is, and its packet, field by field.
 
-use crate::draw::{Fixed, Loaded, Tiles, painter, table};
+use crate::draw::{FixedPicture, LoadedScene, PageTiles, painter, table};
 use splatline::blend::Pixel;
 use splatline::footprint::packet::Layout;
 use splatline::format::Design;
@@ -20,7 +20,7 @@ pub struct Picked {
 }
 
 /// The splat that takes the largest share of the pixel's transmittance, found by drawing the pixel's splats once more, into that pixel alone.
-pub fn heaviest(fixed: &Fixed, loaded: &Loaded, x: u32, y: u32) -> Option<Picked> {
+pub fn heaviest(fixed: &FixedPicture, loaded: &LoadedScene, x: u32, y: u32) -> Option<Picked> {
     let (width, height) = (fixed.picture.width, fixed.picture.height);
     let (column, row) = (x as usize, y as usize);
     if column >= width || row >= height {
@@ -37,7 +37,7 @@ pub fn heaviest(fixed: &Fixed, loaded: &Loaded, x: u32, y: u32) -> Option<Picked
     let (mut best, mut covering) = (None, 0);
     for &splat in fixed
         .lists
-        .get(Tiles::of([width, height]).at(column, row))?
+        .get(PageTiles::of([width, height]).at(column, row))?
     {
         let Ok(footprint) = &fixed.footprints[splat as usize] else {
             continue;
@@ -64,7 +64,7 @@ pub fn heaviest(fixed: &Fixed, loaded: &Loaded, x: u32, y: u32) -> Option<Picked
 }
 
 /// The packet as JSON: fields with their bits, most significant first.
-pub fn packet_json(fixed: &Fixed, picked: &Picked) -> String {
+pub fn packet_json(fixed: &FixedPicture, picked: &Picked) -> String {
     let mut text = String::new();
     let Some(Ok(footprint)) = fixed.footprints.get(picked.splat as usize) else {
         return text;

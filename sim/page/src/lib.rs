@@ -26,7 +26,7 @@ mod quantise;
 mod scale;
 
 use camera::Camera;
-use draw::{Fixed, Float};
+use draw::{FixedPicture, FloatPicture};
 use figures::Compared;
 use splatline::format::{Rounding, RuntimeWidths, Traversal, WIDTH_RANGES, Widths};
 use std::cell::RefCell;
@@ -40,9 +40,9 @@ struct Page {
     input: Vec<u8>,
     camera: [f64; bytes::CAMERA],
     design: [u8; DESIGN],
-    scene: Option<draw::Loaded>,
-    fixed: Option<Fixed>,
-    float: Option<Float>,
+    scene: Option<draw::LoadedScene>,
+    fixed: Option<FixedPicture>,
+    float: Option<FloatPicture>,
     compared: Compared,
     text: String,
 }
@@ -57,18 +57,18 @@ fn with<T>(work: impl FnOnce(&mut Page) -> T) -> T {
 
 /// What a picture is of.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Layer {
-    Fixed,
-    Float,
+enum ShownLayer {
+    FixedPicture,
+    FloatPicture,
     Error,
 }
 
-impl Layer {
-    fn of(number: u32) -> Layer {
+impl ShownLayer {
+    fn of(number: u32) -> ShownLayer {
         match number {
-            0 => Layer::Fixed,
-            1 => Layer::Float,
-            _ => Layer::Error,
+            0 => ShownLayer::FixedPicture,
+            1 => ShownLayer::FloatPicture,
+            _ => ShownLayer::Error,
         }
     }
 }
@@ -88,7 +88,7 @@ pub extern "C" fn load() -> i32 {
     with(|page| {
         let loaded = bytes::decode(&std::mem::take(&mut page.input));
         (page.fixed, page.float) = (None, None);
-        page.scene = loaded.map(|(scene, rules)| draw::Loaded::new(scene, rules));
+        page.scene = loaded.map(|(scene, rules)| draw::LoadedScene::new(scene, rules));
         page.scene
             .as_ref()
             .map_or(-1, |loaded| loaded.splats() as i32)
@@ -122,10 +122,10 @@ impl Page {
         let (design, traversal) = design_from(&self.design).ok_or(3u32)?;
         let loaded = self.scene.as_mut().ok_or(1u32)?;
         if what & 1 != 0 {
-            self.fixed = Some(Fixed::draw(loaded, &camera, design, traversal));
+            self.fixed = Some(FixedPicture::draw(loaded, &camera, design, traversal));
         }
         if what & 2 != 0 {
-            self.float = Some(Float::draw(loaded, &camera));
+            self.float = Some(FloatPicture::draw(loaded, &camera));
         }
         Ok(())
     }
@@ -146,16 +146,16 @@ pub extern "C" fn compare(percentile: f64, limit: f64) -> u32 {
 /// RGBA bytes of a layer (0 fixed, 1 float, 2 error), row by row.
 #[unsafe(no_mangle)]
 pub extern "C" fn pixels(layer: u32) -> *const u8 {
-    with(|page| match Layer::of(layer) {
-        Layer::Fixed => page
+    with(|page| match ShownLayer::of(layer) {
+        ShownLayer::FixedPicture => page
             .fixed
             .as_ref()
             .map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
-        Layer::Float => page
+        ShownLayer::FloatPicture => page
             .float
             .as_ref()
             .map_or(std::ptr::null(), |f| f.rgba.as_ptr()),
-        Layer::Error => page.compared.rgba.as_ptr(),
+        ShownLayer::Error => page.compared.rgba.as_ptr(),
     })
 }
 
@@ -187,10 +187,10 @@ pub extern "C" fn value(layer: u32, channel: u32, x: u32, y: u32) -> f64 {
         };
         let fixed = || of(&page.fixed.as_ref()?.picture);
         let float = || of(&page.float.as_ref()?.picture);
-        let value = match Layer::of(layer) {
-            Layer::Fixed => fixed(),
-            Layer::Float => float(),
-            Layer::Error => fixed().zip(float()).map(|(a, b)| a - b),
+        let value = match ShownLayer::of(layer) {
+            ShownLayer::FixedPicture => fixed(),
+            ShownLayer::FloatPicture => float(),
+            ShownLayer::Error => fixed().zip(float()).map(|(a, b)| a - b),
         };
         value.unwrap_or(f64::NAN)
     })

@@ -1,6 +1,6 @@
 //! What paints a tile: cells of fused or short products, words of 64 bits, or the kernel's own painter, by what processor and design allow.
 
-use super::cells::{FusedPainter, NarrowPainter, Tiles};
+use super::cells::{CellTiles, FusedPainter, NarrowPainter};
 use super::lanes::VectorLevel;
 use super::words::{WordPainter, WordTile};
 use splatline::blend::Pixel;
@@ -49,7 +49,7 @@ impl TableMemory {
 #[derive(Clone, Debug, Default)]
 pub struct Scratch {
     pub(super) words: Option<WordTile>,
-    pub(super) cells: Tiles,
+    pub(super) cells: CellTiles,
 }
 
 /// What setup made of every splat, in the scene's order.

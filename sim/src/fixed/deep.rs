@@ -21,15 +21,17 @@ use splatline::setup::setup;
 
 /// Draws `scene` through `channel`, front to back or, if the options say so, back to front (X-ray counts as front to back).
 pub fn draw(scene: &Scene, camera: &Camera, options: &Options, channel: Channel) -> Picture {
-    struct Job<'a>(&'a QuantisedScene, &'a Options<'a>, Channel);
-    impl DesignJob for Job<'_> {
+    struct DeepJob<'a>(&'a QuantisedScene, &'a Options<'a>, Channel);
+    impl DesignJob for DeepJob<'_> {
         type Output = Vec<DeepPixel>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Vec<DeepPixel> {
             draw_with(design, self.0, self.1, self.2)
         }
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
-    let pixels = options.design.dispatch(Job(&quantised, options, channel));
+    let pixels = options
+        .design
+        .dispatch(DeepJob(&quantised, options, channel));
     to_picture(&pixels, camera, &channel, quantised.colour_log2)
 }
 

@@ -42,23 +42,23 @@ pub fn draw_hybrid(
     options: &Options,
     hybrid: &Hybrid,
 ) -> Result<HybridDrawing, String> {
-    struct Job<'a>(
+    struct HybridJob<'a>(
         &'a Hybrid,
         &'a QuantisedScene,
         &'a Camera,
         &'a Options<'a>,
         f64,
     );
-    impl DesignJob for Job<'_> {
+    impl DesignJob for HybridJob<'_> {
         type Output = Result<HybridDrawing, String>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            let Job(hybrid, quantised, camera, options, deviation) = self;
+            let HybridJob(hybrid, quantised, camera, options, deviation) = self;
             let rules = quantised.rules(options.rules);
             let deviation = scaled(deviation).scaled_by(quantised.scale_log2);
             let filter = PointFilter::new(&design.widths(), &rules, deviation).ok_or(
                 "points need rules with a spacing and a constant cut-off, such as 'ewa' with --antialias swan",
             )?;
-            let engine = Engine {
+            let engine = HybridEngine {
                 design,
                 quantised,
                 rules,
@@ -69,14 +69,14 @@ pub fn draw_hybrid(
         }
     }
     let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
-    let job = Job(hybrid, &quantised, camera, options, deviation(scene));
+    let job = HybridJob(hybrid, &quantised, camera, options, deviation(scene));
     options.design.dispatch(job)
 }
 
 /// A footprint and whether it is the point filter's.
-type Primitive = (Footprint, bool);
+type SplatOrPoint = (Footprint, bool);
 
-struct Engine<'a, D> {
+struct HybridEngine<'a, D> {
     design: D,
     quantised: &'a QuantisedScene,
     rules: kernel::Rules,
@@ -84,7 +84,7 @@ struct Engine<'a, D> {
     hybrid: &'a Hybrid,
 }
 
-impl<D: Design + Send + Sync> Engine<'_, D> {
+impl<D: Design + Send + Sync> HybridEngine<'_, D> {
     fn draw(&self, camera: &Camera, options: &Options) -> Result<HybridDrawing, String> {
         let widths = self.design.widths();
         let started = Instant::now();
@@ -147,12 +147,12 @@ impl<D: Design + Send + Sync> Engine<'_, D> {
         })
     }
 
-    fn set_up(&self) -> Vec<Result<Primitive, Cull>> {
+    fn set_up(&self) -> Vec<Result<SplatOrPoint, Cull>> {
         let splats = self.quantised.splats.par_iter();
         splats.map(|splat| self.set_up_one(splat)).collect()
     }
 
-    fn set_up_one(&self, splat: &VolumeSplat) -> Result<Primitive, Cull> {
+    fn set_up_one(&self, splat: &VolumeSplat) -> Result<SplatOrPoint, Cull> {
         let (view, widths) = (&self.quantised.view, self.design.widths());
         let as_point = match self.hybrid.points {
             Points::All => true,

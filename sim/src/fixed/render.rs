@@ -83,8 +83,8 @@ pub fn footprints(
     camera: &Camera,
     options: &Options,
 ) -> Vec<Result<Footprint, Cull>> {
-    struct Job<'a>(&'a QuantisedScene, &'a kernel::Rules);
-    impl DesignJob for Job<'_> {
+    struct SetupJob<'a>(&'a QuantisedScene, &'a kernel::Rules);
+    impl DesignJob for SetupJob<'_> {
         type Output = Vec<Result<Footprint, Cull>>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
             set_up(design, self.0, self.1, best_engine())
@@ -93,7 +93,7 @@ pub fn footprints(
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     options
         .design
-        .dispatch(Job(&quantised, &quantised.rules(options.rules)))
+        .dispatch(SetupJob(&quantised, &quantised.rules(options.rules)))
 }
 
 /// Conics (a, b, c) of all splats in double precision, whether or not they reach the viewport; `None` where the depth, the range or the shape
@@ -217,8 +217,8 @@ pub fn draw_quantised(
     options: &Options,
     engine: Engine,
 ) -> (Drawing, Vec<Result<Footprint, Cull>>) {
-    struct Job<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, Engine);
-    impl DesignJob for Job<'_> {
+    struct DrawJob<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, Engine);
+    impl DesignJob for DrawJob<'_> {
         type Output = (Drawing, Vec<Result<Footprint, Cull>>);
         fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
             draw_with(design, self.0, self.1, self.2, self.3)
@@ -226,7 +226,7 @@ pub fn draw_quantised(
     }
     options
         .design
-        .dispatch(Job(quantised, camera, options, engine))
+        .dispatch(DrawJob(quantised, camera, options, engine))
 }
 
 fn draw_with<D: Design + Send + Sync + 'static>(

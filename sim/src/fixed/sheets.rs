@@ -22,15 +22,17 @@ use splatline::target::Target;
 
 /// Draws `scene` sheet by sheet, nearest first.
 pub fn draw(scene: &Scene, camera: &Camera, options: &Options, plan: &SheetPlan) -> Picture {
-    struct Job<'a>(&'a QuantisedScene, &'a Options<'a>, &'a SheetPlan);
-    impl DesignJob for Job<'_> {
+    struct SheetsJob<'a>(&'a QuantisedScene, &'a Options<'a>, &'a SheetPlan);
+    impl DesignJob for SheetsJob<'_> {
         type Output = Vec<Pixel>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Vec<Pixel> {
             draw_with(design, self.0, self.1, self.2)
         }
     }
     let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
-    let pixels = options.design.dispatch(Job(&quantised, options, plan));
+    let pixels = options
+        .design
+        .dispatch(SheetsJob(&quantised, options, plan));
     to_picture(
         &pixels,
         camera,
@@ -47,7 +49,7 @@ fn draw_with<D: Design + Send + Sync>(
 ) -> Vec<Pixel> {
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
-    let slabs = Slabs::new(plan, quantised.scale_log2);
+    let slabs = SlabRule::new(plan, quantised.scale_log2);
     let mut parts: Vec<(i64, Footprint)> = quantised
         .splats
         .par_iter()
@@ -84,13 +86,13 @@ fn draw_with<D: Design + Send + Sync>(
 }
 
 /// The plan in the kernel's formats.
-enum Slabs {
+enum SlabRule {
     Axis(AxisSlabs),
     Depth(DepthSlabs, SheetKind),
 }
 
-impl Slabs {
-    fn new(plan: &SheetPlan, scale_log2: i32) -> Slabs {
+impl SlabRule {
+    fn new(plan: &SheetPlan, scale_log2: i32) -> SlabRule {
         let unit = f64::from(scale_log2).exp2();
         let per_unit = (65536.0 / (plan.thickness * unit)).round() as u32;
         match plan.kind {
@@ -99,7 +101,7 @@ impl Slabs {
                 let direction = plan
                     .direction
                     .map(|d| I2F30::saturating_from_num(d / largest));
-                Slabs::Axis(AxisSlabs {
+                SlabRule::Axis(AxisSlabs {
                     facing: Facing::new(direction),
                     first: I8F24::saturating_from_num(plan.first * unit),
                     per_unit,
@@ -107,7 +109,7 @@ impl Slabs {
             }
             kind => {
                 let nearest = (plan.first * unit * 23f64.exp2()).round() as u32;
-                Slabs::Depth(DepthSlabs { nearest, per_unit }, kind)
+                SlabRule::Depth(DepthSlabs { nearest, per_unit }, kind)
             }
         }
     }
@@ -120,8 +122,8 @@ impl Slabs {
         footprint: Footprint,
     ) -> Vec<(i64, Footprint)> {
         match self {
-            Slabs::Axis(slabs) => vec![(slabs.slab(splat.centre).into(), footprint)],
-            Slabs::Depth(slabs, SheetKind::ImageAlignedCut) => {
+            SlabRule::Axis(slabs) => vec![(slabs.slab(splat.centre).into(), footprint)],
+            SlabRule::Depth(slabs, SheetKind::ImageAlignedCut) => {
                 let depth = depth::fixed(footprint.depth);
                 let spread = depth_spread(&quantised.view, &splat.axes);
                 let (first, last) = slabs.reach(depth, spread);
@@ -141,7 +143,7 @@ impl Slabs {
                     })
                     .collect()
             }
-            Slabs::Depth(slabs, _) => {
+            SlabRule::Depth(slabs, _) => {
                 vec![(slabs.slab(depth::fixed(footprint.depth)).into(), footprint)]
             }
         }

@@ -20,14 +20,16 @@ pub fn draw_spheres(
     options: &Options,
     shape: (Ellipse, Index),
 ) -> Drawing {
-    struct Job<'a>(&'a Scene, &'a Camera, &'a Options<'a>, (Ellipse, Index));
-    impl DesignJob for Job<'_> {
+    struct SphereJob<'a>(&'a Scene, &'a Camera, &'a Options<'a>, (Ellipse, Index));
+    impl DesignJob for SphereJob<'_> {
         type Output = Drawing;
         fn run<D: Design + Send + Sync>(self, design: D) -> Drawing {
             draw_with(design, self.0, self.1, self.2, self.3)
         }
     }
-    options.design.dispatch(Job(scene, camera, options, shape))
+    options
+        .design
+        .dispatch(SphereJob(scene, camera, options, shape))
 }
 
 fn draw_with<D: Design + Send + Sync>(

@@ -111,16 +111,16 @@ pub fn footprints(
     style: &Style,
     design: &DesignChoice,
 ) -> Vec<Result<SurfaceFootprint, Cull>> {
-    struct Job<'a>(&'a QuantisedPoints, kernel::Rules);
-    impl DesignJob for Job<'_> {
+    struct FootprintsJob<'a>(&'a QuantisedPoints, kernel::Rules);
+    impl DesignJob for FootprintsJob<'_> {
         type Output = Vec<Result<SurfaceFootprint, Cull>>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
-            let Job(points, rules) = self;
+            let FootprintsJob(points, rules) = self;
             let set_up = |splat| setup_surface(design, &points.view, &rules, splat);
             points.splats.par_iter().map(set_up).collect()
         }
     }
-    design.dispatch(Job(points, kernel_rules(style)))
+    design.dispatch(FootprintsJob(points, kernel_rules(style)))
 }
 
 /// Points set up by one task: their footprints fit the second-level cache.
@@ -164,11 +164,12 @@ impl SetUp {
 
 /// Setup of all points, batch by batch, so that the many that are not drawn leave nothing in memory.
 fn set_up(points: &QuantisedPoints, style: &Style, design: &DesignChoice, engine: Engine) -> SetUp {
-    struct Job<'a>(&'a QuantisedPoints, kernel::Rules, bool, Engine);
-    impl DesignJob for Job<'_> {
+    struct SurfaceSetup<'a>(&'a QuantisedPoints, kernel::Rules, bool, Engine);
+    impl DesignJob for SurfaceSetup<'_> {
         type Output = SetUp;
         fn run<D: Design + Send + Sync>(self, design: D) -> SetUp {
-            let Job(QuantisedPoints { view, splats, .. }, rules, cull_backfaces, engine) = self;
+            let SurfaceSetup(QuantisedPoints { view, splats, .. }, rules, cull_backfaces, engine) =
+                self;
             let batch = |splats: &[SurfaceSplat]| {
                 let mut outcomes = [const { Err(Cull::Near) }; BATCH];
                 let outcomes = &mut outcomes[..splats.len()];
@@ -189,7 +190,12 @@ fn set_up(points: &QuantisedPoints, style: &Style, design: &DesignChoice, engine
         }
     }
     let cull_backfaces = style.cull_backfaces;
-    design.dispatch(Job(points, kernel_rules(style), cull_backfaces, engine))
+    design.dispatch(SurfaceSetup(
+        points,
+        kernel_rules(style),
+        cull_backfaces,
+        engine,
+    ))
 }
 
 /// The rules of surfaces with the style's filter and cut-off.
@@ -256,7 +262,7 @@ pub fn draw_quantised(
         backfaces,
     } = set_up(points, style, design, engine);
     let setup_time = started.elapsed().as_secs_f64();
-    let frame = Frame {
+    let frame = SurfaceFrame {
         view: &points.view,
         footprints: &drawn,
         materials: scene.materials.iter().map(material).collect(),
@@ -269,12 +275,12 @@ pub fn draw_quantised(
         traversal,
     };
     let raster = match style.buffer {
-        Buffer::Accumulation => design.dispatch(Job::<Accumulation>::new(&frame)),
-        Buffer::Layers(0 | 1) => design.dispatch(Job::<Layers<1>>::new(&frame)),
-        Buffer::Layers(2) => design.dispatch(Job::<Layers<2>>::new(&frame)),
-        Buffer::Layers(3) => design.dispatch(Job::<Layers<3>>::new(&frame)),
-        Buffer::Layers(4) => design.dispatch(Job::<Layers<4>>::new(&frame)),
-        Buffer::Layers(_) => design.dispatch(Job::<Layers<8>>::new(&frame)),
+        Buffer::Accumulation => design.dispatch(GatherJob::<Accumulation>::new(&frame)),
+        Buffer::Layers(0 | 1) => design.dispatch(GatherJob::<Layers<1>>::new(&frame)),
+        Buffer::Layers(2) => design.dispatch(GatherJob::<Layers<2>>::new(&frame)),
+        Buffer::Layers(3) => design.dispatch(GatherJob::<Layers<3>>::new(&frame)),
+        Buffer::Layers(4) => design.dispatch(GatherJob::<Layers<4>>::new(&frame)),
+        Buffer::Layers(_) => design.dispatch(GatherJob::<Layers<8>>::new(&frame)),
     };
     SurfaceDrawing {
         picture: to_picture(&raster.pixels, camera, &design.widths, 0),
@@ -309,7 +315,7 @@ fn direction(camera: &Camera, world: vector::Vector) -> shading::Direction {
 }
 
 /// What all tiles of a picture share.
-struct Frame<'a> {
+struct SurfaceFrame<'a> {
     view: &'a View,
     footprints: &'a [SurfaceFootprint],
     materials: Vec<shading::Material>,
@@ -321,7 +327,7 @@ struct Frame<'a> {
 }
 
 /// What gathering and resolving give.
-struct Raster {
+struct SurfaceRaster {
     pixels: Vec<Pixel>,
     weights: Vec<f64>,
     coverage: Coverage,
@@ -343,24 +349,24 @@ impl<const L: usize> HostCell for Layers<L> {
     }
 }
 
-struct Job<'a, C> {
-    frame: &'a Frame<'a>,
+struct GatherJob<'a, C> {
+    frame: &'a SurfaceFrame<'a>,
     cell: std::marker::PhantomData<C>,
 }
 
-impl<'a, C> Job<'a, C> {
-    fn new(frame: &'a Frame<'a>) -> Self {
-        Job {
+impl<'a, C> GatherJob<'a, C> {
+    fn new(frame: &'a SurfaceFrame<'a>) -> Self {
+        GatherJob {
             frame,
             cell: std::marker::PhantomData,
         }
     }
 }
 
-impl<C: HostCell> DesignJob for Job<'_, C> {
-    type Output = Raster;
+impl<C: HostCell> DesignJob for GatherJob<'_, C> {
+    type Output = SurfaceRaster;
 
-    fn run<D: Design + Send + Sync>(self, design: D) -> Raster {
+    fn run<D: Design + Send + Sync>(self, design: D) -> SurfaceRaster {
         let frame = self.frame;
         let widths = design.widths();
         let memory = table_entries(&widths, &frame.rules);
@@ -396,7 +402,7 @@ impl<C: HostCell> DesignJob for Job<'_, C> {
         let (resolved, parts) = paint_apart((Pixel::default(), 0.0), &tiles, paint);
         let (pixels, weights) = resolved.into_iter().unzip();
         let (coverage, merged): (Vec<_>, Vec<usize>) = parts.into_iter().unzip();
-        Raster {
+        SurfaceRaster {
             pixels,
             weights,
             coverage: total(coverage),

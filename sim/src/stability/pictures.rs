@@ -69,7 +69,7 @@ fn by_depth<F>(projected: &[Option<F>], depth: impl Fn(&F) -> f64) -> Vec<(usize
 }
 
 /// A splat's part in a pixel.
-struct Layer {
+struct PictureLayer {
     index: usize,
     r: f64,
     /// Its opacity, and the light that reaches it.
@@ -92,7 +92,7 @@ fn composite(
     order: &[(usize, &ExactFootprint)],
     (x, y): (f64, f64),
     edge_of: impl Fn(usize) -> Edge,
-    mut each: impl FnMut(Layer),
+    mut each: impl FnMut(PictureLayer),
 ) -> (f64, bool) {
     let (mut clear, mut edge) = (1.0, false);
     let mut before = f64::NEG_INFINITY;
@@ -111,7 +111,7 @@ fn composite(
         if rules.omit_finishing && rest <= rules.minimum_transmittance {
             break;
         }
-        each(Layer {
+        each(PictureLayer {
             index: *index,
             r,
             alpha,

@@ -19,14 +19,14 @@ use splatline::splat::VolumeSplat;
 
 /// All stages in the order of the data flow. The records of one stage refer to those of another by number.
 pub fn compute(subject: &Subject) -> Vec<Stage> {
-    struct Job<'a>(&'a Subject);
-    impl DesignJob for Job<'_> {
+    struct StagesJob<'a>(&'a Subject);
+    impl DesignJob for StagesJob<'_> {
         type Output = Vec<Stage>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Vec<Stage> {
             compute_with(design, self.0)
         }
     }
-    subject.design.dispatch(Job(subject))
+    subject.design.dispatch(StagesJob(subject))
 }
 
 fn compute_with<D: Design>(design: D, subject: &Subject) -> Vec<Stage> {

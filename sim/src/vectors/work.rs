@@ -30,8 +30,8 @@ pub fn room_for_splats(count: usize) -> Result<(), TooLarge> {
 }
 
 fn bytes(subject: &Subject) -> u64 {
-    struct Job<'a>(&'a Subject);
-    impl DesignJob for Job<'_> {
+    struct WorkJob<'a>(&'a Subject);
+    impl DesignJob for WorkJob<'_> {
         type Output = u64;
         fn run<D: Design + Send + Sync>(self, design: D) -> u64 {
             let rules = kernel_rules(&self.0.rules);
@@ -45,7 +45,7 @@ fn bytes(subject: &Subject) -> u64 {
             self.0.splats.iter().map(pixels).sum()
         }
     }
-    let boxes: u64 = subject.design.dispatch(Job(subject));
+    let boxes: u64 = subject.design.dispatch(WorkJob(subject));
     let picture: u64 = subject.view.viewport.map(u64::from).iter().product();
     boxes * PIXEL_BYTES + picture * PICTURE_BYTES + subject.splats.len() as u64 * SPLAT_BYTES
 }

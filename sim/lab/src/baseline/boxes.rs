@@ -28,7 +28,7 @@ const CHECK_INTERVAL: usize = 32;
 const AHEAD: usize = 4;
 
 /// One row of a tile: transmittance, red, green, blue.
-type Row = [[u32; COLUMNS]; 4];
+type BoxRow = [[u32; COLUMNS]; 4];
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
 pub fn draw(scene: &FloatScene, extent: BoxExtent, choice: VectorLevel) -> FloatDrawing {
@@ -54,7 +54,7 @@ fn raster(
         .enumerate()
         .for_each(|(number, (mut rows, list))| {
             let mut tile = opened(rows.len(), rows.first().map_or(0, |row| row.len()));
-            let painting = Painting {
+            let painting = BoxPainting {
                 scene,
                 window: grid.window(number),
                 tile: &mut tile,
@@ -74,7 +74,7 @@ fn raster(
 }
 
 /// A tile's transparent pixels; what lies beyond the screen has finished.
-fn opened(rows: usize, columns: usize) -> [Row; TILE as usize] {
+fn opened(rows: usize, columns: usize) -> [BoxRow; TILE as usize] {
     let clear = |x: usize, y: usize| x < columns && y < rows;
     std::array::from_fn(|y| {
         let transmittance = |x| 1f32.to_bits() | if clear(x, y) { 0 } else { FINISHED };
@@ -88,33 +88,33 @@ fn opened(rows: usize, columns: usize) -> [Row; TILE as usize] {
     })
 }
 
-fn is_finished(tile: &[Row]) -> bool {
-    let all = |row: &Row| row[0].iter().fold(FINISHED, |all, word| all & word);
+fn is_finished(tile: &[BoxRow]) -> bool {
+    let all = |row: &BoxRow| row[0].iter().fold(FINISHED, |all, word| all & word);
     tile.iter().fold(FINISHED, |both, row| both & all(row)) != 0
 }
 
 /// A tile to be painted, by whatever vectors.
-struct Painting<'a> {
+struct BoxPainting<'a> {
     scene: &'a FloatScene,
     window: Window,
-    tile: &'a mut [Row; TILE as usize],
+    tile: &'a mut [BoxRow; TILE as usize],
     footprints: &'a [Option<FloatFootprint>],
     list: &'a [u32],
 }
 
-impl VectorTask for Painting<'_> {
+impl VectorTask for BoxPainting<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Floats>(self, lanes: L) {
-        let Painting {
+        let BoxPainting {
             scene,
             window,
             tile,
             footprints,
             list,
         } = self;
-        let path = PixelMethod::new(lanes, scene);
+        let path = BoxPixels::new(lanes, scene);
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
                 if let Some(next) = part.get(number + AHEAD) {
@@ -132,7 +132,7 @@ impl VectorTask for Painting<'_> {
 }
 
 /// What is constant for a picture, on vectors.
-struct PixelMethod<L: Floats> {
+struct BoxPixels<L: Floats> {
     lanes: L,
     iota: L::Words,
     alpha_max: L::Words,
@@ -142,17 +142,17 @@ struct PixelMethod<L: Floats> {
 }
 
 /// What is constant for a footprint.
-struct SplatConstants<L: Floats> {
+struct BoxConstants<L: Floats> {
     curvature: L::Words,
     cutoff: L::Words,
     peak: L::Words,
     colour: [L::Words; 3],
 }
 
-impl<L: Floats> PixelMethod<L> {
+impl<L: Floats> BoxPixels<L> {
     #[inline(always)]
     fn new(lanes: L, scene: &FloatScene) -> Self {
-        PixelMethod {
+        BoxPixels {
             lanes,
             iota: lanes.to_float(lanes.iota()),
             alpha_max: lanes.splat(scene.alpha_max.to_bits()),
@@ -170,11 +170,16 @@ impl<L: Floats> PixelMethod<L> {
 
     /// All rows of a footprint's box within the tile.
     #[inline(always)]
-    fn draw(&self, footprint: &FloatFootprint, window: &Window, tile: &mut [Row; TILE as usize]) {
+    fn draw(
+        &self,
+        footprint: &FloatFootprint,
+        window: &Window,
+        tile: &mut [BoxRow; TILE as usize],
+    ) {
         let lanes = self.lanes;
         let part = footprint.bounds.intersect(window);
         let [a, b, c] = footprint.conic;
-        let constants = SplatConstants {
+        let constants = BoxConstants {
             curvature: self.number(a),
             cutoff: self.number(footprint.cutoff),
             peak: self.number(footprint.peak),
@@ -202,7 +207,7 @@ impl<L: Floats> PixelMethod<L> {
     }
 
     #[inline(always)]
-    fn blend(&self, splat: &SplatConstants<L>, radial: L::Words, x: usize, row: &mut Row) {
+    fn blend(&self, splat: &BoxConstants<L>, radial: L::Words, x: usize, row: &mut BoxRow) {
         let lanes = self.lanes;
         // Never changes x; tells the compiler that a vector fits.
         let x = x.min(COLUMNS - L::WIDTH);

@@ -43,7 +43,7 @@ fn raster(
         .enumerate()
         .for_each_init(Tile::new, |tile, (number, (mut rows, list))| {
             tile.open(grid.window(number), clear);
-            let painting = Painting {
+            let painting = SpanPainting {
                 scene,
                 tile,
                 footprints,
@@ -62,25 +62,25 @@ fn raster(
 }
 
 /// A tile to be painted, by whatever vectors.
-struct Painting<'a> {
+struct SpanPainting<'a> {
     scene: &'a FloatScene,
     tile: &'a mut Tile,
     footprints: &'a [Option<FloatFootprint>],
     list: &'a [u32],
 }
 
-impl VectorTask for Painting<'_> {
+impl VectorTask for SpanPainting<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<L: Floats>(self, lanes: L) {
-        let Painting {
+        let SpanPainting {
             scene,
             tile,
             footprints,
             list,
         } = self;
-        let path = PixelMethod::new(lanes, scene);
+        let path = SpanPixels::new(lanes, scene);
         for part in list.chunks(CHECK_INTERVAL) {
             for index in part {
                 let Some(footprint) = &footprints[*index as usize] else {
@@ -100,7 +100,7 @@ impl VectorTask for Painting<'_> {
 }
 
 /// What is constant for a picture, on vectors.
-struct PixelMethod<L: Floats> {
+struct SpanPixels<L: Floats> {
     lanes: L,
     iota: L::Words,
     alpha_max: L::Words,
@@ -110,17 +110,17 @@ struct PixelMethod<L: Floats> {
 }
 
 /// What is constant for a footprint.
-struct SplatConstants<L: Floats> {
+struct SpanConstants<L: Floats> {
     curvature: L::Words,
     cutoff: L::Words,
     peak: L::Words,
     colour: [L::Words; 3],
 }
 
-impl<L: Floats> PixelMethod<L> {
+impl<L: Floats> SpanPixels<L> {
     #[inline(always)]
     fn new(lanes: L, scene: &FloatScene) -> Self {
-        PixelMethod {
+        SpanPixels {
             lanes,
             iota: lanes.to_float(lanes.iota()),
             alpha_max: lanes.splat(scene.alpha_max.to_bits()),
@@ -142,7 +142,7 @@ impl<L: Floats> PixelMethod<L> {
         let (slope, stretch) = (xy / yy, 1.0 / yy);
         let spread = (xx * yy - xy * xy) * stretch;
         let [r, g, b] = footprint.colour;
-        let splat = SplatConstants {
+        let splat = SpanConstants {
             curvature: lanes.splat(curvature.to_bits()),
             cutoff: lanes.splat(footprint.cutoff.to_bits()),
             peak: lanes.splat(footprint.peak.to_bits()),
@@ -177,7 +177,7 @@ impl<L: Floats> PixelMethod<L> {
     #[inline(always)]
     fn paint<const STOP_BEFORE: bool>(
         &self,
-        splat: &SplatConstants<L>,
+        splat: &SpanConstants<L>,
         (dx, vertical): (f32, f32),
         x: u16,
         length: u16,
@@ -208,7 +208,7 @@ impl<L: Floats> PixelMethod<L> {
     #[inline(always)]
     fn blend<const STOP_BEFORE: bool>(
         &self,
-        splat: &SplatConstants<L>,
+        splat: &SpanConstants<L>,
         radial: L::Words,
         inside: L::Mask,
         x: usize,

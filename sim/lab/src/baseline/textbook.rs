@@ -37,9 +37,9 @@ pub fn draw(scene: &FloatScene, extent: BoxExtent) -> FloatDrawing {
 }
 
 /// Tile and depth, and the splat's number.
-type Entry = (u64, u32);
+type TextbookEntry = (u64, u32);
 
-fn sorted_entries(grid: &Grid, footprints: &[Option<FloatFootprint>]) -> Vec<Entry> {
+fn sorted_entries(grid: &Grid, footprints: &[Option<FloatFootprint>]) -> Vec<TextbookEntry> {
     let mut entries = Vec::new();
     for (footprint, index) in footprints.iter().zip(0..) {
         let Some(footprint) = footprint else { continue };
@@ -53,7 +53,7 @@ fn sorted_entries(grid: &Grid, footprints: &[Option<FloatFootprint>]) -> Vec<Ent
 }
 
 /// Where each tile's entries begin, and the end of the last.
-fn tile_starts(entries: &[Entry], tiles: usize) -> Vec<usize> {
+fn tile_starts(entries: &[TextbookEntry], tiles: usize) -> Vec<usize> {
     let mut starts = Vec::with_capacity(tiles + 1);
     for (number, (key, _)) in entries.iter().enumerate() {
         let tile = (key >> 32) as usize;
@@ -71,7 +71,7 @@ fn raster(
     scene: &FloatScene,
     grid: &Grid,
     footprints: &[Option<FloatFootprint>],
-    entries: &[Entry],
+    entries: &[TextbookEntry],
     starts: &[usize],
 ) -> Vec<[f32; 4]> {
     let [width, height] = scene.viewport.map(usize::from);

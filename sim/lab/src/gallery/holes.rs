@@ -6,14 +6,14 @@
 
 /// A mask of pixels, row-major.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Mask {
+pub struct HoleMask {
     /// Columns.
     pub width: usize,
     /// Is the pixel in the mask?
     pub pixels: Vec<bool>,
 }
 
-impl Mask {
+impl HoleMask {
     /// How many pixels are in the mask.
     pub fn count(&self) -> usize {
         self.pixels.iter().filter(|pixel| **pixel).count()
@@ -31,7 +31,7 @@ impl Mask {
     }
 
     /// Pixels of the mask grown by a disc.
-    fn grown(&self, radius: f64) -> Mask {
+    fn grown(&self, radius: f64) -> HoleMask {
         let offsets = disc(radius);
         let mut grown = self.clone();
         for index in (0..self.pixels.len()).filter(|index| self.pixels[*index]) {
@@ -44,8 +44,8 @@ impl Mask {
         grown
     }
 
-    fn inverted(&self) -> Mask {
-        Mask {
+    fn inverted(&self) -> HoleMask {
+        HoleMask {
             width: self.width,
             pixels: self.pixels.iter().map(|pixel| !pixel).collect(),
         }
@@ -94,9 +94,9 @@ fn disc(radius: f64) -> Vec<(i32, i32)> {
 }
 
 /// The holes among the pixels that are not `covered`, closed with a disc of `radius` pixels.
-pub fn holes(covered: &Mask, radius: f64) -> Mask {
+pub fn holes(covered: &HoleMask, radius: f64) -> HoleMask {
     let closed = covered.grown(radius).inverted().grown(radius).inverted();
-    let mut holes = Mask {
+    let mut holes = HoleMask {
         width: covered.width,
         pixels: vec![false; covered.pixels.len()],
     };
@@ -121,7 +121,7 @@ mod tests {
             .iter()
             .flat_map(|line| line.chars().map(|c| c == '#'))
             .collect();
-        let covered = Mask {
+        let covered = HoleMask {
             width: lines[0].len(),
             pixels,
         };

@@ -13,7 +13,7 @@ use splatline_sim::picture::Picture;
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::path::{Path, PathBuf};
 
-pub use plane::{Plane, plane};
+pub use plane::{KernelPlane, plane};
 
 /// All exhibits; those that need a data set that is missing say so in their caption and have no pictures.
 ///

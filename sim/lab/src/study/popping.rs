@@ -25,7 +25,7 @@ pub struct Change {
 
 /// One kind of sheets along the orbit.
 #[derive(Clone, Debug)]
-pub struct Orbit {
+pub struct PoppingOrbit {
     /// Kind of sheets.
     pub kind: SheetKind,
     /// Change from frame to frame.
@@ -38,7 +38,7 @@ pub struct Orbit {
     pub errors: Errors,
 }
 
-impl Orbit {
+impl PoppingOrbit {
     /// Change across 45 degrees over the median of all others: mean and largest.
     pub fn jump(&self) -> Change {
         let others = |part: fn(&Change) -> f64| {
@@ -76,7 +76,7 @@ pub fn orbit(
     design: &DesignChoice,
     frames: usize,
     size: usize,
-) -> Result<Orbit, OrbitError> {
+) -> Result<PoppingOrbit, OrbitError> {
     let half = (frames / 2).max(1);
     let angle = |frame: usize| 45.0 + (frame as f64 - half as f64 + 0.5) * STEP;
     let rules = scene.natural_rules;
@@ -102,7 +102,7 @@ pub fn orbit(
     let changes = changes.collect();
     let after = pictures.swap_remove(half);
     let before = pictures.swap_remove(half - 1);
-    Ok(Orbit {
+    Ok(PoppingOrbit {
         kind,
         changes,
         switch: half - 1,

@@ -147,7 +147,7 @@ fn draw_band<S: Projected>(
     let of_band: Vec<&S> = of_band.into_iter().map(|i| ordered[i]).collect();
     let mut covered = 0;
     for x0 in (0..width).step_by(TILE) {
-        let mut tile = Tile::new(PixelBox {
+        let mut tile = FloatTile::new(PixelBox {
             x0,
             y0,
             x1: (x0 + TILE).min(width),
@@ -166,7 +166,7 @@ fn draw_band<S: Projected>(
 
 /// A pixel that is being gathered.
 #[derive(Clone, Copy)]
-struct Pixel {
+struct TilePixel {
     /// Premultiplied colour so far.
     colour: [f64; 3],
     /// Product of 1 - opacity so far.
@@ -177,8 +177,8 @@ struct Pixel {
     finished: bool,
 }
 
-impl Pixel {
-    const EMPTY: Pixel = Pixel {
+impl TilePixel {
+    const EMPTY: TilePixel = TilePixel {
         colour: [0.0; 3],
         transmittance: 1.0,
         opacity_sum: 0.0,
@@ -240,20 +240,20 @@ impl Pixel {
 }
 
 /// A rectangle of pixels that are being gathered.
-struct Tile {
+struct FloatTile {
     area: PixelBox,
     /// Row by row, `TILE` to a row.
-    pixels: [Pixel; TILE * TILE],
+    pixels: [TilePixel; TILE * TILE],
     /// Pixels that still take splats.
     unfinished: usize,
 }
 
-impl Tile {
-    fn new(area: PixelBox) -> Tile {
+impl FloatTile {
+    fn new(area: PixelBox) -> FloatTile {
         let unfinished = (area.x1 - area.x0) * (area.y1 - area.y0);
-        Tile {
+        FloatTile {
             area,
-            pixels: [Pixel::EMPTY; TILE * TILE],
+            pixels: [TilePixel::EMPTY; TILE * TILE],
             unfinished,
         }
     }

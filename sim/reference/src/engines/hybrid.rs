@@ -22,20 +22,20 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> D
     let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
         if is_point(splat, camera, rules, hybrid.points) {
             let point = point(splat, weight, colour, camera, rules, deviation)?;
-            Ok(Primitive {
+            Ok(FloatPrimitive {
                 footprint: stamped(point, hybrid.phase_bits, rules, camera),
                 is_point: true,
             })
         } else {
             let footprint = float::project(splat, weight, colour, camera, rules)?;
-            Ok(Primitive {
+            Ok(FloatPrimitive {
                 footprint,
                 is_point: false,
             })
         }
     });
     let mut counts = Counts::of_projected(&projected);
-    let mut cells = vec![Cell::EMPTY; camera.width * camera.height];
+    let mut cells = vec![FloatCell::EMPTY; camera.width * camera.height];
     for index in compositor::order(&projected) {
         if let Ok(primitive) = &projected[index] {
             counts.covered_pixels += splat_into(&mut cells, camera, primitive, rules, hybrid);
@@ -126,12 +126,12 @@ fn stamped(mut point: Footprint, bits: Option<u8>, _rules: &Rules, camera: &Came
     bounded(point, camera)
 }
 
-struct Primitive {
+struct FloatPrimitive {
     footprint: Footprint,
     is_point: bool,
 }
 
-impl Projected for Primitive {
+impl Projected for FloatPrimitive {
     fn bounds(&self) -> PixelBox {
         self.footprint.bounds
     }
@@ -151,9 +151,9 @@ impl Projected for Primitive {
 
 /// Blends one primitive into its pixels; returns how many it covered.
 fn splat_into(
-    cells: &mut [Cell],
+    cells: &mut [FloatCell],
     camera: &Camera,
-    primitive: &Primitive,
+    primitive: &FloatPrimitive,
     rules: &Rules,
     hybrid: &Hybrid,
 ) -> u64 {
@@ -186,7 +186,7 @@ fn splat_into(
 
 /// A pixel with what it has gathered and not yet composited.
 #[derive(Clone, Copy)]
-struct Cell {
+struct FloatCell {
     colour: [f64; 3],
     transmittance: f64,
     finished: bool,
@@ -194,15 +194,15 @@ struct Cell {
     slab: Option<(f64, [f64; 3], f64)>,
 }
 
-impl Cell {
-    const EMPTY: Cell = Cell {
+impl FloatCell {
+    const EMPTY: FloatCell = FloatCell {
         colour: [0.0; 3],
         transmittance: 1.0,
         finished: false,
         slab: None,
     };
 
-    fn gather(&mut self, alpha: f64, point: &Primitive, range: f64, rules: &Rules) {
+    fn gather(&mut self, alpha: f64, point: &FloatPrimitive, range: f64, rules: &Rules) {
         if self
             .slab
             .is_some_and(|(_, _, first)| point.depth() - first > range)

@@ -19,12 +19,12 @@ const BAND: usize = 16;
 const REACH: f64 = 3.0;
 
 /// A splat in one sheet: the sheet's number, growing away from the eye, the splat's index and the share of its opacity.
-type Part = (i64, usize, f64);
+type SheetPart = (i64, usize, f64);
 
 /// Draws the scene sheet by sheet, nearest first.
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> Picture {
     let footprints = float::footprints(scene, camera, rules);
-    let mut parts: Vec<Part> = Vec::new();
+    let mut parts: Vec<SheetPart> = Vec::new();
     for (index, (splat, footprint)) in scene.splats.iter().zip(&footprints).enumerate() {
         if footprint.is_ok() {
             parts_of(splat, index, camera, plan, &mut parts);
@@ -49,7 +49,13 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, plan: &SheetPlan) -> 
 }
 
 /// The sheets that a splat takes part in.
-fn parts_of(splat: &Splat, index: usize, camera: &Camera, plan: &SheetPlan, parts: &mut Vec<Part>) {
+fn parts_of(
+    splat: &Splat,
+    index: usize,
+    camera: &Camera,
+    plan: &SheetPlan,
+    parts: &mut Vec<SheetPart>,
+) {
     let depth = (camera.to_camera(splat.centre)[2] - plan.first) / plan.thickness;
     match plan.kind {
         SheetKind::AxisAligned => parts.push((axis_slab(splat, plan), index, 1.0)),

@@ -17,10 +17,10 @@ fn turned(camera: &Camera) -> Camera {
 }
 
 /// A file, the same scene in another form, and the least PSNR that the other form's steps allow.
-type Pair = (PathBuf, PathBuf, f64);
+type FormatPair = (PathBuf, PathBuf, f64);
 
 /// What lies in the shared data.
-fn at_hand() -> Vec<Pair> {
+fn at_hand() -> Vec<FormatPair> {
     let pairs = [
         (
             "gaussians/playbot_lod4.ply",
@@ -56,7 +56,7 @@ fn at_hand() -> Vec<Pair> {
 }
 
 /// What other people's writers made of the captured scenes, in the folder of the environment's FORMATS: NAME.ext or NAME_anything.ext.
-fn further() -> Vec<Pair> {
+fn further() -> Vec<FormatPair> {
     let Some(folder) = std::env::var_os("FORMATS") else {
         return Vec::new();
     };

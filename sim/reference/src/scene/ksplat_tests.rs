@@ -7,14 +7,14 @@ fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
 }
 
 /// One section of three Gaussians: one full bucket of two around (10, 0, 0) and a partial one around (0, 20, 0).
-struct File {
+struct KsplatFile {
     header: Vec<u8>,
     section: Vec<u8>,
     data: Vec<u8>,
 }
 
-impl File {
-    fn new(level: u16, degree: u16) -> File {
+impl KsplatFile {
+    fn new(level: u16, degree: u16) -> KsplatFile {
         let mut header = vec![0; HEADER_BYTES];
         put(&mut header, 0, &[0, 1]);
         put(&mut header, 4, &1u32.to_le_bytes());
@@ -43,7 +43,7 @@ impl File {
         for _ in 0..3 {
             data.extend(record(level, usize::from(degree)));
         }
-        File {
+        KsplatFile {
             header,
             section,
             data,
@@ -89,7 +89,7 @@ fn record(level: u16, degree: usize) -> Vec<u8> {
 #[test]
 fn every_level_is_decoded() {
     for level in 0..3 {
-        let scene = load(&File::new(level, 1).bytes(), "x").unwrap();
+        let scene = load(&KsplatFile::new(level, 1).bytes(), "x").unwrap();
         let centres: Vec<[f64; 3]> = scene.splats.iter().map(|splat| splat.centre).collect();
         let expected = match level {
             0 => [[1.0, 2.0, 3.0]; 3],
@@ -116,7 +116,7 @@ fn every_level_is_decoded() {
 #[test]
 fn damaged_files_are_refused() {
     for level in [0, 2] {
-        let whole = File::new(level, 1).bytes();
+        let whole = KsplatFile::new(level, 1).bytes();
         let data = HEADER_BYTES + SECTION_BYTES;
         let places = (0..48)
             .chain(HEADER_BYTES - 2..HEADER_BYTES + 48)
@@ -134,8 +134,8 @@ fn damaged_files_are_refused() {
 
 #[test]
 fn each_message_names_the_field_and_the_fix() {
-    let changed = |level: u16, change: &dyn Fn(&mut File)| {
-        let mut file = File::new(level, 0);
+    let changed = |level: u16, change: &dyn Fn(&mut KsplatFile)| {
+        let mut file = KsplatFile::new(level, 0);
         change(&mut file);
         file.bytes()
     };

@@ -5,7 +5,7 @@ use super::*;
 use image_webp::{ColorType, WebPEncoder};
 use std::io::Write;
 
-type File = (String, Vec<u8>);
+type SogFile = (String, Vec<u8>);
 
 fn webp(width: u32, pixels: &[[u8; 4]]) -> Vec<u8> {
     let mut file = Vec::new();
@@ -33,7 +33,7 @@ fn meta(count: usize) -> String {
 }
 
 /// Two Gaussians in pictures of 2 x 1.
-fn files() -> Vec<File> {
+fn files() -> Vec<SogFile> {
     let mut centroids = vec![[0; 4]; 192];
     centroids[3] = [64, 128, 192, 255];
     let opaque = |r, g, b| [r, g, b, 255];
@@ -57,7 +57,7 @@ fn files() -> Vec<File> {
     .concat()
 }
 
-fn bundle(files: &[File]) -> Vec<u8> {
+fn bundle(files: &[SogFile]) -> Vec<u8> {
     let mut archive = zip::ZipWriter::new(Cursor::new(Vec::new()));
     for (index, (name, bytes)) in files.iter().enumerate() {
         let method = match index % 2 {
@@ -71,8 +71,8 @@ fn bundle(files: &[File]) -> Vec<u8> {
     archive.finish().unwrap().into_inner()
 }
 
-fn with(name: &str, bytes: Vec<u8>) -> Vec<File> {
-    let change = |file: File| match file.0 == name {
+fn with(name: &str, bytes: Vec<u8>) -> Vec<SogFile> {
+    let change = |file: SogFile| match file.0 == name {
         true => (file.0, bytes.clone()),
         false => file,
     };

@@ -11,7 +11,7 @@ use super::intervals::{Intervals, TableReach};
 use super::parts::Part;
 use super::scale::Scale;
 use super::tile::{COLUMNS, PixelGroup, Word};
-use super::{Painting, TileOf, Tiles};
+use super::{CellPainting, CellTiles, TileOf};
 use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::{DROPPED, Pairs};
 use crate::fast::lanes::narrow::Narrow;
@@ -59,7 +59,7 @@ impl super::PixelScheme for FusedScheme {
         self.scale
     }
 
-    fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>> {
+    fn tile(tiles: &mut CellTiles) -> &mut Option<TileOf<Self>> {
         &mut tiles.fused
     }
 
@@ -81,7 +81,7 @@ impl super::PixelScheme for FusedScheme {
     }
 
     #[inline(always)]
-    fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
+    fn run<L: Narrow>(lanes: L, painting: CellPainting<Self>) -> Coverage {
         match (
             painting.rules.omit_finishing,
             painting.scheme.intervals.reach.deep,
@@ -97,7 +97,7 @@ impl super::PixelScheme for FusedScheme {
 #[inline(always)]
 fn run<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>(
     lanes: L,
-    painting: Painting<FusedScheme>,
+    painting: CellPainting<FusedScheme>,
 ) -> Coverage {
     let path = FusedPixels::<L, STOP_BEFORE, DEEP>::new(lanes, painting.scheme, painting.rules);
     painting.paint::<L, _, DEEP, 1>(lanes, &path)

@@ -43,7 +43,7 @@ const AHEAD: usize = 4;
 
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
-pub struct Tiles {
+pub struct CellTiles {
     fused: Option<TileOf<fused::FusedScheme>>,
     narrow: Option<TileOf<narrow::NarrowScheme>>,
 }
@@ -64,13 +64,13 @@ pub trait PixelScheme: Send + Sync + Sized {
     fn format(&self) -> Self::Format;
 
     /// The thread's tile.
-    fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>>;
+    fn tile(tiles: &mut CellTiles) -> &mut Option<TileOf<Self>>;
 
     /// A footprint's numbers; `None` if its words lie outside their formats or its end outside the table.
     fn numbers(&self, footprint: &Footprint) -> Option<Self::SplatNumbers>;
 
     /// Chooses the compiled copy that paints a tile. Implement with `#[inline(always)]`, as everything it calls.
-    fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage;
+    fn run<L: Narrow>(lanes: L, painting: CellPainting<Self>) -> Coverage;
 }
 
 /// The pixels of a scheme on vectors, with everything that is constant for a picture. All methods with `#[inline(always)]`.
@@ -141,7 +141,7 @@ impl<D: Design + Send + Sync, P: PixelScheme> TilePainter for CellPainter<D, P> 
         let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| Tile::new(format));
         dispatch_fused(
             self.portable,
-            Painting {
+            CellPainting {
                 scheme: &self.scheme,
                 rules: &self.rules,
                 prepare: &|list| self.prepare(footprints, list, &window),
@@ -199,7 +199,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
 pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<Prepared<B>> + 'a;
 
 /// A tile to be painted, by whatever vectors.
-pub struct Painting<'a, P: PixelScheme> {
+pub struct CellPainting<'a, P: PixelScheme> {
     scheme: &'a P,
     rules: &'a Rules,
     prepare: &'a Prepare<'a, P::SplatNumbers>,
@@ -213,7 +213,7 @@ pub struct Painting<'a, P: PixelScheme> {
     pixels: &'a mut [Pixel],
 }
 
-impl<P: PixelScheme> FusedTask for Painting<'_, P> {
+impl<P: PixelScheme> FusedTask for CellPainting<'_, P> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -222,7 +222,7 @@ impl<P: PixelScheme> FusedTask for Painting<'_, P> {
     }
 }
 
-impl<P: PixelScheme> Painting<'_, P> {
+impl<P: PixelScheme> CellPainting<'_, P> {
     /// Paints the tile, with pixels of this path.
     #[inline(always)]
     fn paint<L, Method, const DEEP: bool, const ROWS: usize>(
@@ -234,7 +234,7 @@ impl<P: PixelScheme> Painting<'_, P> {
         L: Narrow,
         Method: PixelMethod<L, PixelGroup = P::PixelGroup, SplatNumbers = P::SplatNumbers>,
     {
-        let Painting {
+        let CellPainting {
             scheme,
             prepare,
             scalar,

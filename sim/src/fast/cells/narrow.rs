@@ -8,7 +8,7 @@ use super::intervals::TableReach;
 use super::parts::Part;
 use super::products::{Products, Split};
 use super::tile::{COLUMNS, PixelGroup, Word};
-use super::{Painting, TileOf, Tiles};
+use super::{CellPainting, CellTiles, TileOf};
 use crate::fast::lanes::factors::NarrowFactors;
 use crate::fast::lanes::narrow::Narrow;
 use splatline::blend::Blend;
@@ -69,7 +69,7 @@ impl super::PixelScheme for NarrowScheme {
         self.products
     }
 
-    fn tile(tiles: &mut Tiles) -> &mut Option<TileOf<Self>> {
+    fn tile(tiles: &mut CellTiles) -> &mut Option<TileOf<Self>> {
         &mut tiles.narrow
     }
 
@@ -89,7 +89,7 @@ impl super::PixelScheme for NarrowScheme {
     }
 
     #[inline(always)]
-    fn run<L: Narrow>(lanes: L, painting: Painting<Self>) -> Coverage {
+    fn run<L: Narrow>(lanes: L, painting: CellPainting<Self>) -> Coverage {
         if painting.rules.omit_finishing {
             run::<L, true>(lanes, painting)
         } else {
@@ -99,24 +99,27 @@ impl super::PixelScheme for NarrowScheme {
 }
 
 #[inline(always)]
-fn run<L: Narrow, const STOP_BEFORE: bool>(lanes: L, painting: Painting<NarrowScheme>) -> Coverage {
+fn run<L: Narrow, const STOP_BEFORE: bool>(
+    lanes: L,
+    painting: CellPainting<NarrowScheme>,
+) -> Coverage {
     let path = NarrowPixels::<L, STOP_BEFORE>::new(lanes, painting.scheme, painting.rules);
     painting.paint::<L, _, false, ROWS>(lanes, &path)
 }
 
 /// A [`Split`] on vectors.
 #[derive(Clone, Copy)]
-struct Parts<L: Narrow> {
+struct NarrowParts<L: Narrow> {
     bits: L::Short,
     mask: L::Short,
     half: L::Short,
     rest: L::Short,
 }
 
-impl<L: Narrow> Parts<L> {
+impl<L: Narrow> NarrowParts<L> {
     #[inline(always)]
     fn new(lanes: L, split: &Split) -> Self {
-        Parts {
+        NarrowParts {
             bits: lanes.short_splat(split.bits),
             mask: lanes.short_splat((1 << split.bits) - 1),
             half: lanes.short_splat(split.half),
@@ -153,8 +156,8 @@ impl<L: Narrow> Parts<L> {
 pub struct NarrowPixels<'a, L: Narrow, const STOP_BEFORE: bool> {
     lanes: L,
     factors: &'a NarrowFactors,
-    opacity: Parts<L>,
-    share: Parts<L>,
+    opacity: NarrowParts<L>,
+    share: NarrowParts<L>,
     zero: L::Short,
     /// k for pixel k of both rows.
     iota: L::Short,
@@ -217,8 +220,8 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> NarrowPixels<'a, L, STOP_BEFORE> {
         NarrowPixels {
             lanes,
             factors,
-            opacity: Parts::new(lanes, &products.opacity),
-            share: Parts::new(lanes, &products.share),
+            opacity: NarrowParts::new(lanes, &products.opacity),
+            share: NarrowParts::new(lanes, &products.share),
             zero: splat(0),
             iota,
             corners: lanes.short_shr(corners, splat(1)),

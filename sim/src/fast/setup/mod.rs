@@ -61,7 +61,7 @@ pub fn set_up<D: Design, S: Batched>(
     // Widths as values: constants would gain little here, and one compiled copy serves all designs.
     match RuntimeWidths::new(design.widths()) {
         Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
-            let batch = Batch {
+            let batch = SetupBatch {
                 design: widths,
                 view,
                 rules,
@@ -122,7 +122,7 @@ fn is_mild_part(splat: &Parts) -> bool {
         && splat.centre.iter().all(normalised)
 }
 
-struct Batch<'a, S: Batched> {
+struct SetupBatch<'a, S: Batched> {
     design: RuntimeWidths,
     view: &'a View,
     rules: &'a Rules,
@@ -130,7 +130,7 @@ struct Batch<'a, S: Batched> {
     outcomes: &'a mut [S::Outcome],
 }
 
-impl<S: Batched> VectorTask for Batch<'_, S> {
+impl<S: Batched> VectorTask for SetupBatch<'_, S> {
     type Output = ();
 
     #[inline(always)]

@@ -340,7 +340,7 @@ impl<W: Wide> Stages<'_, W> {
         self.math.times(minor, minor)
     }
 
-    /// Curvature, squared_width, shear and vertical.
+    /// The factors of the LDL form, in the order of `Ldl`.
     #[inline(always)]
     pub fn ldl(
         &self,

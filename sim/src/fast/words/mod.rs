@@ -52,22 +52,22 @@ impl<D: Design> WordPainter<D> {
     }
 
     /// What the list's first footprint is computed from within the window.
-    fn prepare(&self, footprints: &Results, list: &[u32], window: &Window) -> Prepared {
+    fn prepare(&self, footprints: &Results, list: &[u32], window: &Window) -> PreparedFootprint {
         let footprint = |index: &u32| &footprints[*index as usize];
         if let Some(next) = list.get(AHEAD) {
             prefetch(footprint(next));
         }
         let Some(Ok(footprint)) = list.first().map(footprint) else {
-            return Prepared::Nothing;
+            return PreparedFootprint::Nothing;
         };
         let bounds = Window::of(footprint);
         if bounds.intersect(window).is_empty() {
-            return Prepared::Nothing;
+            return PreparedFootprint::Nothing;
         }
         let rows = EllipseSpans::new(self.design, footprint, window);
         match self.numbers.splat(footprint) {
-            Some(splat) => Prepared::Rows(rows.constants().widened(), splat),
-            None => Prepared::Scalar,
+            Some(splat) => PreparedFootprint::Rows(rows.constants().widened(), splat),
+            None => PreparedFootprint::Scalar,
         }
     }
 
@@ -101,7 +101,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
     ) -> Coverage {
         let tile = scratch.words.get_or_insert_with(WordTile::new);
         tile.open(window, Pixel::clear(&self.design.widths()));
-        let task = Painting {
+        let task = WordPainting {
             numbers: &self.numbers,
             prepare: &|list, window| self.prepare(footprints, list, window),
             scalar: &|index, tile| self.paint_scalar(footprints, index, tile),
@@ -120,7 +120,7 @@ impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
 }
 
 /// What is drawn of a footprint.
-enum Prepared {
+enum PreparedFootprint {
     /// Nothing of it lies in the window.
     Nothing,
     /// By the kernel's painter.
@@ -130,9 +130,9 @@ enum Prepared {
 }
 
 /// A tile to be painted, by whatever vectors. It knows a design only by its numbers, so that one compiled copy serves all.
-struct Painting<'a> {
+struct WordPainting<'a> {
     numbers: &'a PathNumbers,
-    prepare: &'a dyn Fn(&[u32], &Window) -> Prepared,
+    prepare: &'a dyn Fn(&[u32], &Window) -> PreparedFootprint,
     /// Paints the footprint of this number by the kernel.
     scalar: &'a dyn Fn(u32, &mut WordTile) -> Coverage,
     tile: &'a mut WordTile,
@@ -140,7 +140,7 @@ struct Painting<'a> {
     counts: bool,
 }
 
-impl PixelTask for Painting<'_> {
+impl PixelTask for WordPainting<'_> {
     type Output = Coverage;
 
     #[inline(always)]
@@ -153,10 +153,10 @@ impl PixelTask for Painting<'_> {
     }
 }
 
-impl Painting<'_> {
+impl WordPainting<'_> {
     #[inline(always)]
     fn paint<L: PixelWords, const STOP_BEFORE: bool>(self, lanes: L) -> Coverage {
-        let Painting {
+        let WordPainting {
             numbers,
             prepare,
             scalar,
@@ -172,8 +172,10 @@ impl Painting<'_> {
         for part in list.chunks(CHECK_INTERVAL) {
             for (number, index) in part.iter().enumerate() {
                 let (rows, splat) = match prepare(&part[number..], &window) {
-                    Prepared::Nothing => continue,
-                    Prepared::Rows(rows, splat) if batch.fill(lanes, &rows, left) => (rows, splat),
+                    PreparedFootprint::Nothing => continue,
+                    PreparedFootprint::Rows(rows, splat) if batch.fill(lanes, &rows, left) => {
+                        (rows, splat)
+                    }
                     _ => {
                         coverage += scalar(*index, tile);
                         continue;

@@ -47,7 +47,7 @@ pub fn extract_from(
     tile: [u16; 2],
 ) -> Workload {
     let viewport = [camera.width as u16, camera.height as u16];
-    options.design.dispatch(Job {
+    options.design.dispatch(ExtractJob {
         footprints,
         viewport,
         options,
@@ -55,14 +55,14 @@ pub fn extract_from(
     })
 }
 
-struct Job<'a> {
+struct ExtractJob<'a> {
     footprints: &'a [Result<Footprint, Cull>],
     viewport: [u16; 2],
     options: &'a Options<'a>,
     tile: [u16; 2],
 }
 
-impl DesignJob for Job<'_> {
+impl DesignJob for ExtractJob<'_> {
     type Output = Workload;
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Workload {
@@ -103,7 +103,7 @@ impl DesignJob for Job<'_> {
     }
 }
 
-impl Job<'_> {
+impl ExtractJob<'_> {
     /// Visible splats in drawing order: by depth, ties by index.
     fn order(&self) -> Vec<u32> {
         let depth = |index: &u32| {

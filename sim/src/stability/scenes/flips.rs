@@ -178,14 +178,14 @@ impl<F, O> Floating<'_, F, O> {
 }
 
 /// The kernel under a design.
-pub(super) struct Fixed<'a> {
+pub(super) struct FixedSide<'a> {
     footprints: &'a [Result<Footprint, Cull>],
     design: &'a DesignChoice,
     rules: splatline::rules::Rules,
     table: Vec<u32>,
 }
 
-impl<'a> Fixed<'a> {
+impl<'a> FixedSide<'a> {
     pub fn new(
         footprints: &'a [Result<Footprint, Cull>],
         design: &'a DesignChoice,
@@ -193,7 +193,7 @@ impl<'a> Fixed<'a> {
     ) -> Self {
         let rules = fixed::kernel_rules(rules);
         let table = fixed::table_entries(&design.widths, &rules);
-        Fixed {
+        FixedSide {
             footprints,
             design,
             rules,
@@ -202,7 +202,7 @@ impl<'a> Fixed<'a> {
     }
 }
 
-impl Decides for Fixed<'_> {
+impl Decides for FixedSide<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
         let Ok(footprint) = &self.footprints[index] else {
             return NOWHERE;
@@ -222,7 +222,7 @@ impl Decides for Fixed<'_> {
 }
 
 struct FixedTile<'a> {
-    engine: &'a Fixed<'a>,
+    engine: &'a FixedSide<'a>,
     area: PixelBox,
     pixels: Vec<Pixel>,
 }
@@ -255,7 +255,7 @@ impl Deciding for FixedTile<'_> {
 
 /// One splat by the kernel's painter.
 struct DrawOne<'a, 'b> {
-    engine: &'a Fixed<'a>,
+    engine: &'a FixedSide<'a>,
     footprint: &'a Footprint,
     area: PixelBox,
     pixels: &'b mut [Pixel],

@@ -28,7 +28,7 @@ use crate::vector;
 pub use splatline_reference::hard::classes;
 
 use classes::{Class, Size};
-use flips::{Decides, Double, Fixed, Flips, Single};
+use flips::{Decides, Double, FixedSide, Flips, Single};
 
 /// The designs that the page shows.
 pub const DESIGNS: [&str; 3] = ["lean18", "standard24", "deep32"];
@@ -143,10 +143,10 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
             rules,
         })
         .collect();
-    let fixed: Vec<Fixed> = designs
+    let fixed: Vec<FixedSide> = designs
         .iter()
         .zip(&drawings)
-        .map(|(design, (_, footprints))| Fixed::new(footprints, design, rules))
+        .map(|(design, (_, footprints))| FixedSide::new(footprints, design, rules))
         .collect();
     let mut engines: Vec<&dyn Decides> = vec![&other_form];
     engines.extend(single.iter().map(|engine| engine as &dyn Decides));

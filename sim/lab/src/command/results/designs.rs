@@ -1,6 +1,6 @@
 //! Speed against error three ways: host time, simulated cycles and error of every named design by both traversals.
 
-use super::{COMMAND, Subject};
+use super::{COMMAND, HardwareScene};
 use splatline_sim::cli::{Failure, print_result, write};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::plan::{Effort, Prepared, all_entries, compare_all};
@@ -12,7 +12,7 @@ use std::path::Path;
 /// Width and height of the plots.
 const PLOT: (u32, u32) = (760, 420);
 
-pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
+pub fn write_all(subjects: Vec<HardwareScene>, folder: &Path) -> Result<(), Failure> {
     let mut text = format!(
         "# Speed against error, three ways\n\nPrinted by `{COMMAND}`. Errors are those of red, green and blue against the f64 EWA reference in units of \
          1.0; bias is the mean of fixed minus float. Times are of one run on a shared machine with {} threads: compare them within one table only. \
@@ -20,7 +20,7 @@ pub fn write_all(subjects: Vec<Subject>, folder: &Path) -> Result<(), Failure> {
         Effort::new(None, 1).threads
     );
     for subject in subjects {
-        let Subject {
+        let HardwareScene {
             name,
             scene,
             camera,

@@ -20,7 +20,7 @@ const LION: &str = "points/lion_takanawa.ply";
 const SIZE: usize = 512;
 
 /// A scene as it is measured.
-pub struct Subject {
+pub struct HardwareScene {
     pub name: &'static str,
     pub scene: Scene,
     pub camera: Camera,
@@ -105,7 +105,7 @@ pub fn run_layouts(data: &Path, output: &Path) -> Result<(), Failure> {
 }
 
 /// The scenes at hand, and the names of those that are not.
-fn subjects(data: &Path) -> Result<(Vec<Subject>, Vec<&'static str>)> {
+fn subjects(data: &Path) -> Result<(Vec<HardwareScene>, Vec<&'static str>)> {
     let mut subjects = vec![demo()?];
     let mut missing = Vec::new();
     for place in &PLACES {
@@ -117,10 +117,10 @@ fn subjects(data: &Path) -> Result<(Vec<Subject>, Vec<&'static str>)> {
     Ok((subjects, missing))
 }
 
-fn demo() -> Result<Subject> {
+fn demo() -> Result<HardwareScene> {
     let scene = scene::demo()?;
     let (camera, rules) = (scene.default_camera(SIZE, SIZE), scene.natural_rules);
-    Ok(Subject {
+    Ok(HardwareScene {
         name: "MR head (demo)",
         scene,
         camera,
@@ -129,17 +129,17 @@ fn demo() -> Result<Subject> {
 }
 
 /// The first of the captured scenes.
-pub fn guitar(data: &Path) -> Result<Option<Subject>> {
+pub fn guitar(data: &Path) -> Result<Option<HardwareScene>> {
     subject(data, &PLACES[0])
 }
 
 /// The scanned lion as round splats.
-pub fn lion(data: &Path) -> Result<Option<Subject>> {
+pub fn lion(data: &Path) -> Result<Option<HardwareScene>> {
     subject(data, &PLACES[3])
 }
 
 /// A captured scene, unless its file is missing.
-fn subject(data: &Path, place: &Viewpoint) -> Result<Option<Subject>> {
+fn subject(data: &Path, place: &Viewpoint) -> Result<Option<HardwareScene>> {
     let path = data.join(place.file);
     if !path.exists() {
         return Ok(None);
@@ -156,7 +156,7 @@ fn subject(data: &Path, place: &Viewpoint) -> Result<Option<Subject>> {
         (scene, rules)
     };
     let camera = Camera::look_at(place.eye, place.target, place.up, place.fov, SIZE, SIZE)?;
-    Ok(Some(Subject {
+    Ok(Some(HardwareScene {
         name: place.name,
         scene,
         camera,

@@ -5,7 +5,7 @@
 //! Instructions are counted by valgrind where it is installed; it has no AVX-512, so that the AVX2 path is what it counts.
 
 use super::COMMAND;
-use super::hardware::{Subject, guitar, lion};
+use super::hardware::{HardwareScene, guitar, lion};
 use crate::command::options::DrawOnceOptions;
 use anyhow::{Context, Result};
 use splatline_lab::baseline::scene::BoxExtent;
@@ -53,16 +53,16 @@ enum Contender<'a> {
 
 /// One frame's seconds.
 #[derive(Clone, Copy)]
-struct Frame {
+struct HostFrame {
     times: Times,
     total: f64,
 }
 
 /// What one engine did in all rounds.
-struct Runs {
+struct RunLengths {
     name: &'static str,
-    one: Vec<Frame>,
-    two: Vec<Frame>,
+    one: Vec<HostFrame>,
+    two: Vec<HostFrame>,
     error: ChannelError,
 }
 
@@ -74,11 +74,14 @@ struct HostTimes {
     splats: usize,
     covered: u64,
     finished: u64,
-    runs: Vec<Runs>,
+    runs: Vec<RunLengths>,
 }
 
 /// The engines by name, (a) first; the kernel's designs last.
-fn contenders<'a>(subject: &'a Subject, choice: VectorLevel) -> Vec<(&'static str, Contender<'a>)> {
+fn contenders<'a>(
+    subject: &'a HardwareScene,
+    choice: VectorLevel,
+) -> Vec<(&'static str, Contender<'a>)> {
     let mut all = vec![
         ("(a) boxes", Contender::Boxes(BoxExtent::Sigmas)),
         ("(a) tight boxes", Contender::Boxes(BoxExtent::Cutoff)),
@@ -153,14 +156,14 @@ fn opening(levels: &[VectorLevel]) -> String {
     )
 }
 
-fn subjects(data: &Path) -> Result<Vec<Subject>> {
+fn subjects(data: &Path) -> Result<Vec<HardwareScene>> {
     let mut subjects = Vec::new();
     subjects.extend(guitar(data)?);
     subjects.extend(lion(data)?);
     let brain = data.join("volumes/brainsmall.nhdr");
     if brain.exists() {
         let scene = scene::load(&brain, &LoadOptions::default())?;
-        subjects.push(Subject {
+        subjects.push(HardwareScene {
             name: "brainsmall",
             camera: scene.default_camera(SIZE, SIZE),
             rules: scene.natural_rules,
@@ -173,7 +176,7 @@ fn subjects(data: &Path) -> Result<Vec<Subject>> {
         ("random 100k", 100_000, 1.0),
         ("random 100k x 2.5", 100_000, 2.5),
     ];
-    subjects.extend(random.map(|(name, count, multiplier)| Subject {
+    subjects.extend(random.map(|(name, count, multiplier)| HardwareScene {
         name,
         scene: synthetic::random_gaussians(count, 1, multiplier),
         camera: synthetic::camera(SIZE, SIZE),
@@ -183,8 +186,8 @@ fn subjects(data: &Path) -> Result<Vec<Subject>> {
 }
 
 /// What a frame took, and its picture if asked for.
-struct Drawn {
-    frame: Frame,
+struct HostDrawn {
+    frame: HostFrame,
     picture: Option<Picture>,
 }
 
@@ -195,7 +198,7 @@ fn draw(
     choice: VectorLevel,
     pixels: &mut [[f32; 4]],
     keep: bool,
-) -> Result<Drawn> {
+) -> Result<HostDrawn> {
     let started = Instant::now();
     let drawing = match contender {
         Contender::Boxes(extent) => boxes::draw(floats, *extent, choice),
@@ -208,8 +211,8 @@ fn draw(
             if let Some(picture) = &mut picture {
                 renderer.draw_picture(picture, &|_, _| true)?;
             }
-            return Ok(Drawn {
-                frame: Frame {
+            return Ok(HostDrawn {
+                frame: HostFrame {
                     times: drawn.facts.times,
                     total,
                 },
@@ -218,8 +221,8 @@ fn draw(
         }
     };
     let total = started.elapsed().as_secs_f64();
-    Ok(Drawn {
-        frame: Frame {
+    Ok(HostDrawn {
+        frame: HostFrame {
             times: drawing.times,
             total,
         },
@@ -229,7 +232,7 @@ fn draw(
 
 /// Pixels that the scene covers, and those of them that had finished: what is timed need not count them.
 fn count_pixels(
-    subject: &Subject,
+    subject: &HardwareScene,
     choice: VectorLevel,
     pixels: &mut [[f32; 4]],
 ) -> Result<[u64; 2]> {
@@ -243,8 +246,8 @@ fn count_pixels(
     Ok([coverage.covered, coverage.finished])
 }
 
-fn measure(subject: &Subject, choice: VectorLevel) -> Result<HostTimes> {
-    let Subject {
+fn measure(subject: &HardwareScene, choice: VectorLevel) -> Result<HostTimes> {
+    let HardwareScene {
         name,
         scene,
         camera,
@@ -258,7 +261,7 @@ fn measure(subject: &Subject, choice: VectorLevel) -> Result<HostTimes> {
     for (name, contender) in &mut contenders {
         let drawn = draw(contender, &floats, choice, &mut pixels, true)?;
         let picture = drawn.picture.context("no picture was kept")?;
-        runs.push(Runs {
+        runs.push(RunLengths {
             name,
             one: Vec::new(),
             two: Vec::new(),
@@ -302,13 +305,13 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// How many times as fast the second is, by rounds.
-fn ratio(slow: &[Frame], fast: &[Frame]) -> f64 {
+fn ratio(slow: &[HostFrame], fast: &[HostFrame]) -> f64 {
     let rounds = slow.iter().zip(fast);
     median(rounds.map(|(slow, fast)| slow.total / fast.total))
 }
 
 /// The share of frames outside setup, sort and raster.
-fn rest(frames: &[Frame]) -> f64 {
+fn rest(frames: &[HostFrame]) -> f64 {
     let stages = |times: &Times| times.setup + times.sort + times.raster;
     median(
         frames
@@ -318,7 +321,7 @@ fn rest(frames: &[Frame]) -> f64 {
 }
 
 /// Seconds of the raster of one over those of the other, by rounds.
-fn raster_ratio(one: &[Frame], other: &[Frame]) -> f64 {
+fn raster_ratio(one: &[HostFrame], other: &[HostFrame]) -> f64 {
     let rounds = one.iter().zip(other);
     median(rounds.map(|(one, other)| one.times.raster / other.times.raster))
 }
@@ -369,7 +372,7 @@ fn details(vectors: &str, table: &HostTimes) -> String {
         return text;
     };
     for runs in &table.runs {
-        let part = |part: fn(&Frame) -> f64| median(runs.one.iter().map(part));
+        let part = |part: fn(&HostFrame) -> f64| median(runs.one.iter().map(part));
         let frame = part(|frame| frame.total);
         let error = &runs.error;
         let _ = writeln!(

@@ -1,6 +1,6 @@
 //! Which lane layout is best: a sweep by `explore` over layouts, lanes and the row generator, per scene.
 
-use super::{COMMAND, Subject};
+use super::{COMMAND, HardwareScene};
 use anyhow::Context;
 use splatline_sim::cli::Failure;
 use splatline_sim::cli::write;
@@ -29,7 +29,7 @@ rows_at_once = [1, 2, 4, 8]
 row_fifo = [4, 16, 64]
 ";
 
-pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
+pub fn write_all(subjects: &[HardwareScene], folder: &Path) -> Result<(), Failure> {
     let space = Space::from_toml("layouts.toml", SPACE)?;
     let note = synthesis::statement(&Calibration::default());
     let mut text = format!(
@@ -75,7 +75,7 @@ pub fn write_all(subjects: &[Subject], folder: &Path) -> Result<(), Failure> {
 
 /// All points of a space; with errors where there is a reference.
 pub fn sweep_of(
-    subject: &Subject,
+    subject: &HardwareScene,
     space: &Space,
     reference: Option<&Picture>,
 ) -> Result<Table, Failure> {

@@ -9,7 +9,7 @@ mod throughput;
 
 use super::options::{ResultsOptions, ResultsPage};
 use clap::ValueEnum;
-use hardware::Subject;
+use hardware::HardwareScene;
 use splatline_lab::results::check::differences;
 use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
 use splatline_sim::cli::create_folder;

@@ -5,7 +5,7 @@
 
 use super::layouts::sweep_of;
 use super::throughput::workload;
-use super::{COMMAND, Subject};
+use super::{COMMAND, HardwareScene};
 use splatline::format::Traversal;
 use splatline_sim::cli::Failure;
 use splatline_sim::design::{DesignChoice, traversal_name};
@@ -44,7 +44,7 @@ struct Seconds {
 }
 
 /// Measures everything on the guitar; nothing is written if its file is missing.
-pub fn run(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<String, Failure> {
+pub fn run(guitar: &dyn Fn() -> anyhow::Result<Option<HardwareScene>>) -> Result<String, Failure> {
     let mut text = format!(
         "# Speed of the model\n\nPrinted by `{COMMAND} --only speed`. Guitar, 512 x 512, {} threads; medians of {RUNS} runs, of \
          {SIMULATIONS} for a simulation. Processor seconds are those of all threads together: on cores that other programs use as well, \
@@ -85,7 +85,9 @@ pub fn run(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<Strin
 }
 
 /// What the command `compare` does, files included.
-fn compare_guitar(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Result<(), Failure> {
+fn compare_guitar(
+    guitar: &dyn Fn() -> anyhow::Result<Option<HardwareScene>>,
+) -> Result<(), Failure> {
     let Some(subject) = guitar()? else {
         return Ok(());
     };
@@ -102,8 +104,8 @@ fn compare_guitar(guitar: &dyn Fn() -> anyhow::Result<Option<Subject>>) -> Resul
     Ok(written?)
 }
 
-fn explore_all(subject: &Subject, space: &Space) -> Result<(), Failure> {
-    let Subject {
+fn explore_all(subject: &HardwareScene, space: &Space) -> Result<(), Failure> {
+    let HardwareScene {
         scene,
         camera,
         rules,
@@ -114,7 +116,7 @@ fn explore_all(subject: &Subject, space: &Space) -> Result<(), Failure> {
 }
 
 /// Simulated cycles per second of one core, lane work already made.
-fn simulations(subject: &Subject) -> Result<String, Failure> {
+fn simulations(subject: &HardwareScene) -> Result<String, Failure> {
     let mut text = String::from(
         "\n| `model`, footprints already made | traversal | Mcycles | milliseconds | Mcycles per second and core | bar |\n|---|---|--:|--:|--:|--:|\n",
     );

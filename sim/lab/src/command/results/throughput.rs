@@ -1,6 +1,6 @@
 //! Covered pixels per cycle and lane: traversals, lanes and layouts, against the public FPGA rasterizer's schedule.
 
-use super::{COMMAND, Subject};
+use super::{COMMAND, HardwareScene};
 use anyhow::Result;
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
@@ -67,7 +67,7 @@ pub struct ThroughputTable {
     lines: Vec<ThroughputLine>,
 }
 
-pub fn measure(subjects: &[Subject], progress: &Progress) -> Result<Vec<ThroughputTable>> {
+pub fn measure(subjects: &[HardwareScene], progress: &Progress) -> Result<Vec<ThroughputTable>> {
     subjects
         .iter()
         .map(|subject| {
@@ -79,7 +79,7 @@ pub fn measure(subjects: &[Subject], progress: &Progress) -> Result<Vec<Throughp
         .collect()
 }
 
-fn table(subject: &Subject) -> Result<ThroughputTable> {
+fn table(subject: &HardwareScene) -> Result<ThroughputTable> {
     let mut lines = Vec::new();
     let mut visible = 0;
     for traversal in [Traversal::Box, Traversal::Spans] {
@@ -109,7 +109,7 @@ fn table(subject: &Subject) -> Result<ThroughputTable> {
 }
 
 /// The work of a scene for the default machine's tiles.
-pub fn workload(subject: &Subject, traversal: Traversal) -> Workload {
+pub fn workload(subject: &HardwareScene, traversal: Traversal) -> Workload {
     let config = Config::default();
     let design = DesignChoice::all()
         .into_iter()

@@ -18,7 +18,7 @@ const SIZE: (u32, u32) = (1040, 520);
 /// Exponents at the lower and upper edge.
 const ERRORS: (f64, f64) = (-32.0, 0.0);
 
-type Canvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+type AlphaCanvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// A curve: its channel and its points.
 struct Curve {
@@ -103,7 +103,7 @@ fn exponent(error: f64) -> f64 {
 type DrawingError = DrawingAreaErrorKind<std::io::Error>;
 
 fn panel(
-    canvas: &Canvas,
+    canvas: &AlphaCanvas,
     title: &str,
     across: &str,
     (from, to): (f64, f64),

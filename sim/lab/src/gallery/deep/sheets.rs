@@ -2,7 +2,7 @@
 
 use super::standard24;
 use crate::gallery::Exhibit;
-use crate::study::popping::{Orbit, orbit};
+use crate::study::popping::{PoppingOrbit, orbit};
 use splatline_sim::picture::Picture;
 use splatline_sim::scene::{self, LoadOptions};
 use splatline_sim::sheets::SheetKind;
@@ -20,7 +20,7 @@ const SHOWN: [[f64; 2]; 2] = [[0.2, 0.8], [0.33, 0.67]];
 /// What differences are multiplied by in the pictures.
 const GAIN: f64 = 20.0;
 
-fn shown(orbits: &[Orbit]) -> Exhibit {
+fn shown(orbits: &[PoppingOrbit]) -> Exhibit {
     let caption = format!(
         "Fuel, {FRAMES} frames a quarter of a degree apart around 45 degrees, where axis-aligned sheets switch their axis: the \
          frame before, the frame after, and their difference times {GAIN}. \"Times the usual\" is over the median of all \
@@ -71,7 +71,7 @@ pub fn exhibit(data: &Path) -> Exhibit {
         Err(error) => return not_drawn(&error),
     };
     let design = standard24();
-    let orbits: Result<Vec<Orbit>, _> = SheetKind::ALL
+    let orbits: Result<Vec<PoppingOrbit>, _> = SheetKind::ALL
         .into_iter()
         .map(|kind| orbit(&scene, kind, &design, FRAMES, SIZE))
         .collect();

@@ -26,7 +26,7 @@ const BRIGHTNESS: f64 = 0.9;
 
 /// A checkerboard plane and the camera above it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Plane {
+pub struct KernelPlane {
     /// Columns and rows of the picture; the horizon lies at the row `horizon`.
     pub size: [usize; 2],
     /// Row of the horizon.
@@ -43,9 +43,9 @@ pub struct Plane {
     pub field: [f64; 2],
 }
 
-impl Plane {
+impl KernelPlane {
     /// Samples one apart in both directions.
-    pub const ISOTROPIC: Plane = Plane {
+    pub const ISOTROPIC: KernelPlane = KernelPlane {
         size: [96, 96],
         horizon: 8.41,
         focal: 64.0,
@@ -56,17 +56,17 @@ impl Plane {
     };
 
     /// Kernels four times as wide across the picture as into it.
-    pub const ANISOTROPIC: Plane = Plane {
+    pub const ANISOTROPIC: KernelPlane = KernelPlane {
         spacing: [4.0, 1.0],
         field: [16.0, 64.0],
-        ..Plane::ISOTROPIC
+        ..KernelPlane::ISOTROPIC
     };
 
     /// The isotropic plane with an earlier end, for what is drawn many times.
-    pub const SHORT: Plane = Plane {
+    pub const SHORT: KernelPlane = KernelPlane {
         size: [192, 192],
         reach: 10.0,
-        ..Plane::ISOTROPIC
+        ..KernelPlane::ISOTROPIC
     };
 
     /// The camera.
@@ -98,7 +98,7 @@ impl Plane {
 }
 
 /// The samples of a plane that its camera sees.
-pub fn plane(plane: &Plane) -> Scene {
+pub fn plane(plane: &KernelPlane) -> Scene {
     let [across, into] = plane.spacing;
     let last = plane.reach * plane.focal;
     let nearest = plane.focal * plane.height / (plane.size[1] as f64 - plane.horizon) - 8.0;
@@ -137,7 +137,7 @@ pub fn plane(plane: &Plane) -> Scene {
 }
 
 /// Sine of the angle at which the plane is seen: a sample's share of the picture shrinks by it, and so must its mass.
-fn slant(plane: &Plane, x: f64, z: f64) -> f64 {
+fn slant(plane: &KernelPlane, x: f64, z: f64) -> f64 {
     plane.height / (x * x + plane.height * plane.height + z * z).sqrt()
 }
 
@@ -153,7 +153,7 @@ pub fn isotropic() -> Exhibit {
         "antialias",
         "A checkerboard plane to the horizon, samples 1 apart, without filter, with distance scaling and with the EWA \
          low-pass, beside the truth of 64 samples per pixel. Errors are those of the rows beyond the distance k.",
-        &Plane::ISOTROPIC,
+        &KernelPlane::ISOTROPIC,
     )
 }
 
@@ -162,11 +162,11 @@ pub fn anisotropic() -> Exhibit {
         "antialias-4-to-1",
         "The same with kernels and samples four times as wide across the picture. Distance scaling goes by the smaller \
          spacing and widens kernels in all directions; EWA widens them only where they are thin.",
-        &Plane::ANISOTROPIC,
+        &KernelPlane::ANISOTROPIC,
     )
 }
 
-fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
+fn exhibit(name: &str, caption: &str, shape: &KernelPlane) -> Exhibit {
     let (scene, camera, design) = (plane(shape), shape.camera(), standard24());
     let samples = supersampled(&scene, shape);
     let truth = averaged(&samples, PixelFilter::Gaussian);
@@ -229,7 +229,7 @@ fn exhibit(name: &str, caption: &str, shape: &Plane) -> Exhibit {
 }
 
 /// The unfiltered drawing at 8 by 8 samples per pixel.
-fn supersampled(scene: &Scene, shape: &Plane) -> Picture {
+fn supersampled(scene: &Scene, shape: &KernelPlane) -> Picture {
     let mut fine = shape.camera();
     fine.width *= SUPERSAMPLING;
     fine.height *= SUPERSAMPLING;

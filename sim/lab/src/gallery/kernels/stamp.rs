@@ -1,6 +1,6 @@
 //! The sub-pixel-centred blit: error against the number of phases, time against `spans`.
 
-use super::plane::{Plane, plane};
+use super::plane::{KernelPlane, plane};
 use super::{errors, hybrid, number, standard24, without};
 use crate::gallery::Exhibit;
 use splatline_sim::camera::Camera;
@@ -33,13 +33,13 @@ pub fn phases(scene: Result<&Scene, &PathBuf>) -> Exhibit {
 }
 
 pub fn on_the_plane() -> Exhibit {
-    let scene = plane(&Plane::SHORT);
+    let scene = plane(&KernelPlane::SHORT);
     let caption = "The checkerboard plane to the horizon: stamps beyond k, spans before it.";
     measured(
         "stamp-plane",
         caption,
         &scene,
-        &Plane::SHORT.camera(),
+        &KernelPlane::SHORT.camera(),
         Points::Auto,
     )
 }

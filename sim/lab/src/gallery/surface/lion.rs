@@ -2,7 +2,7 @@
 
 use super::{GalleryError, draw_both, draw_fixed, exhibit, on_paper};
 use crate::gallery::Exhibit;
-use crate::gallery::holes::{Mask, holes};
+use crate::gallery::holes::{HoleMask, holes};
 use splatline_sim::camera::Camera;
 use splatline_sim::picture::Picture;
 use splatline_sim::scene::points::{self, SurfacePoint, SurfaceScene};
@@ -89,7 +89,7 @@ pub fn lion(cloud: &Path) -> Result<Exhibit, GalleryError> {
 }
 
 fn count_holes(exhibit: &mut Exhibit, size: usize, weights: &[f64]) {
-    let covered = Mask {
+    let covered = HoleMask {
         width: size,
         pixels: weights.iter().map(|weight| *weight > 0.0).collect(),
     };
@@ -123,15 +123,15 @@ fn median(weights: &[f64]) -> f64 {
     splatline_sim::metrics::median(&mut covered).unwrap_or(0.0)
 }
 
-fn all(size: usize) -> Mask {
-    Mask {
+fn all(size: usize) -> HoleMask {
+    HoleMask {
         width: size,
         pixels: vec![true; size * size],
     }
 }
 
 /// Pixels of the mask inside the statue's outline.
-fn statue(mask: &Mask) -> f64 {
+fn statue(mask: &HoleMask) -> f64 {
     let scale = 1024.0 / mask.width as f64;
     let inside = |index: usize| {
         let place = [index % mask.width, index / mask.width].map(|c| (c as f64 + 0.5) * scale);
@@ -156,7 +156,7 @@ fn is_inside([x, y]: [f64; 2]) -> bool {
 }
 
 /// Draws front sides white and back sides black: a grey below one half shows more back than front.
-fn back_sides(scene: &SurfaceScene, camera: &Camera, style: &Style) -> Mask {
+fn back_sides(scene: &SurfaceScene, camera: &Camera, style: &Style) -> HoleMask {
     let side = |point: &SurfacePoint| {
         let normal = vector::transform(&camera.rotation, point.normal);
         let front = vector::dot(normal, camera.to_camera(point.centre)) < 0.0;
@@ -170,7 +170,7 @@ fn back_sides(scene: &SurfaceScene, camera: &Camera, style: &Style) -> Mask {
         ..scene.clone()
     };
     let picture: Picture = draw_fixed(&sides, camera, style).picture;
-    Mask {
+    HoleMask {
         width: camera.width,
         pixels: picture
             .pixels

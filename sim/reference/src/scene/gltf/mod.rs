@@ -67,11 +67,11 @@ struct Node {
 
 #[derive(Deserialize)]
 struct Mesh {
-    primitives: Vec<Primitive>,
+    primitives: Vec<GltfPrimitive>,
 }
 
 #[derive(Deserialize)]
-struct Primitive {
+struct GltfPrimitive {
     #[serde(default)]
     attributes: BTreeMap<String, usize>,
     #[serde(default)]
@@ -169,7 +169,7 @@ fn missing(kind: &str, index: usize) -> Problem {
 }
 
 /// A primitive's numbers.
-struct Attributes<'a> {
+struct GltfAttributes<'a> {
     centres: Numbers<'a>,
     rotations: Numbers<'a>,
     scales: Numbers<'a>,
@@ -210,7 +210,8 @@ fn gather(
         ));
     }
     // Parts may differ in degree; coefficients that one lacks are 0.
-    let degree_of = |part: &Attributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
+    let degree_of =
+        |part: &GltfAttributes| super::gaussian::degree_of(part.rest.len()).unwrap_or(0);
     let degree = parts.iter().map(degree_of).max().unwrap_or(0);
     let mut scene = GaussianScene::new(degree);
     for part in &parts {
@@ -291,11 +292,11 @@ fn note(notes: &mut Notes, text: &str) {
 }
 
 fn attributes<'a>(
-    primitive: &Primitive,
+    primitive: &GltfPrimitive,
     document: &Document,
     buffers: &'a Buffers,
     transform: Transform,
-) -> Result<Attributes<'a>, Problem> {
+) -> Result<GltfAttributes<'a>, Problem> {
     let find = |name: &str, width: usize| match primitive.attributes.get(name) {
         Some(accessor) => buffers.numbers(document, *accessor, width, name).map(Some),
         None => Ok(None),
@@ -311,7 +312,7 @@ fn attributes<'a>(
     };
     let own = |name: &str| format!("{EXTENSION}:{name}");
     let centres = required("POSITION", 3)?;
-    let part = Attributes {
+    let part = GltfAttributes {
         rotations: required(&own("ROTATION"), 4)?,
         scales: required(&own("SCALE"), 3)?,
         opacities: required(&own("OPACITY"), 1)?,
@@ -356,7 +357,7 @@ fn harmonics<'a>(
     Ok(rest)
 }
 
-impl Attributes<'_> {
+impl GltfAttributes<'_> {
     /// Counts of all attributes but the centres.
     fn others(&self) -> impl Iterator<Item = usize> {
         let own = [
