@@ -39,6 +39,11 @@ fn within(bytes: u64, limit: Option<u64>, what: &str, fix: &'static str) -> Resu
     }
 }
 
+/// The most bytes of memory that this process has had so far, if the system says.
+pub fn peak() -> Option<u64> {
+    kilobytes(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
+}
+
 /// Bytes that this process can still take, if the system says.
 pub fn available() -> Option<u64> {
     let text = |path: &str| fs::read_to_string(path).unwrap_or_default();

@@ -46,7 +46,7 @@ const WARP: &str = "A depth image warped to two other views";
 /// All of them, by number.
 #[rustfmt::skip]
 pub const SYSTEMS: [System; 18] = [
-    system(1, "EWA volume splat", "[EWA] 6.2, 7.1", "setup/project, jacobian, variance, shape, peak", "jacobian, float",
+    system(1, "EWA volume splat", "[EWA] 6.2, 7.1", "setup/project, jacobian, covariance, shape, opacity", "jacobian, float",
         ("kernels", &[("antialias", "ewa fixed against float"), ("antialias-4-to-1", "ewa fixed against float")])),
     system(2, "EWA surface splat", "[EWA] 6.3, [SURF] 3.3, 4", "setup/surface, footprint/surface", "surface",
         ("surface", &[(SCAN, "512, colour"), (SCAN, "512, alpha"), ("Edge antialiasing", "without, colour")])),
@@ -80,7 +80,7 @@ pub const SYSTEMS: [System; 18] = [
         ("kernels", &[("spheres", "corrected index in the middle, fixed against float"), ("spheres", "corrected index aside, fixed against float"), ("spheres", "index of the ray aside, fixed against float")])),
     system(17, "hybrid image warping and texture mapping", "[HYBRID] 3", "sim/reference/src/texture/warp", "warp, hybrid",
         ("texture", &[(WARP, "near, mixed, fixed against float, colour"), (WARP, "far, mixed, fixed against float, colour"), ("A texture on a plane to the horizon", "mixed, range 64, fixed against float, colour")])),
-    system(18, "volume shading and classification", "[EWA] 7.1, [SWAN] 5", "sim/reference/src/scene/shade, scene/transfer", "float",
+    system(18, "volume shading and classification", "[EWA] 7.1, [SWAN] 5", "sim/reference/src/scene/shade, transfer", "float",
         ("kernels", &[("hybrid", "near, all splats"), ("hybrid", "middle, all splats")])),
 ];
 
@@ -286,6 +286,31 @@ mod tests {
             surface(&Style::layered(1.0, 4), true),
             [2, 4, 5, 9, 11, 12, 13]
         );
+    }
+
+    /// A name without a folder lies in the folder of the name before: `setup/project, jacobian` are two of `setup`.
+    #[test]
+    fn files_of_systems_exist() {
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let exists = |path: &std::path::Path| path.is_dir() || path.with_extension("rs").exists();
+        for system in &SYSTEMS {
+            for group in system.modules.split("; ") {
+                let mut folder = root.join("src");
+                for name in group.split(", ") {
+                    let file = match name.starts_with("sim/") {
+                        true => root.join(name),
+                        false if name.contains('/') => root.join("src").join(name),
+                        false => folder.join(name),
+                    };
+                    assert!(exists(&file), "{}: {name}", system.number);
+                    folder = file.parent().map_or(folder, |parent| parent.to_owned());
+                }
+            }
+            for name in system.reference.split(", ") {
+                let file = root.join("sim/reference/src/engines").join(name);
+                assert!(exists(&file), "{}: {name}", system.number);
+            }
+        }
     }
 
     #[test]

@@ -16,6 +16,7 @@ pub fn run() -> ExitCode {
         Command::Gallery(options) => gallery::run(&options),
         Command::Results(options) => results::run(&options),
         Command::DrawOnce(options) => results::host::draw_once(&options),
+        Command::DrawScaled(options) => results::scale::draw_scaled(&options),
         Command::Lines(options) => compared(&options.before)
             .map_err(Failure::from)
             .and_then(|table| print_result(&table)),

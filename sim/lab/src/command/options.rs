@@ -23,6 +23,9 @@ pub enum Command {
     /// Draw a random scene and print its covered pixels, for a counter of instructions
     #[command(hide = true)]
     DrawOnce(DrawOnceOptions),
+    /// Draw random splats and print what it took (for results --only scale)
+    #[command(hide = true)]
+    DrawScaled(DrawScaledOptions),
     /// Print how long the host crates are, by folder and without tests, beside an earlier commit.
     #[command(after_help = LINES_EXAMPLES)]
     Lines(LinesOptions),
@@ -141,7 +144,10 @@ pub struct ResultsOptions {
 impl ResultsPage {
     /// Does the page hold timings only?
     pub fn is_timing(self) -> bool {
-        matches!(self, ResultsPage::Host | ResultsPage::Speed)
+        matches!(
+            self,
+            ResultsPage::Host | ResultsPage::Speed | ResultsPage::Scale | ResultsPage::Drawing
+        )
     }
 }
 
@@ -152,6 +158,22 @@ pub struct DrawOnceOptions {
     pub splats: usize,
     /// The design's name
     pub design: String,
+}
+
+/// What is drawn in a process of its own, for the page about scale.
+#[derive(Debug, Args)]
+pub struct DrawScaledOptions {
+    /// Random splats
+    pub splats: usize,
+    /// Columns of the picture
+    pub width: usize,
+    /// Its rows
+    pub height: usize,
+    /// Threads
+    pub threads: usize,
+    /// Vectors
+    #[arg(value_parser = <VectorLevel as std::str::FromStr>::from_str)]
+    pub vectors: VectorLevel,
 }
 
 /// Pages of results.
@@ -169,6 +191,10 @@ pub enum ResultsPage {
     Layouts,
     /// How fast the kernel draws on the host, against single-precision rasterizers.
     Host,
+    /// How the cost of drawing grows with splats and pixels.
+    Scale,
+    /// What drawing each of the papers' systems takes.
+    Drawing,
     /// How fast comparing, sweeping and simulating are.
     Speed,
     /// Every system of the papers: where it is, and its error in its exhibits.

@@ -9,6 +9,7 @@ use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::progress::Progress;
 use splatline_sim::rules::Rules;
+use splatline_sim::scene::points::SurfaceScene;
 use splatline_sim::scene::points::{self, spheres};
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::path::Path;
@@ -136,6 +137,17 @@ pub fn guitar(data: &Path) -> Result<Option<HardwareScene>> {
 /// The scanned lion as round splats.
 pub fn lion(data: &Path) -> Result<Option<HardwareScene>> {
     subject(data, &PLACES[3])
+}
+
+/// The scanned lion as points of a surface, and its camera.
+pub fn surface_points(data: &Path) -> Result<Option<(SurfaceScene, Camera)>> {
+    let [.., place] = &PLACES;
+    let path = data.join(place.file);
+    if !path.exists() {
+        return Ok(None);
+    }
+    let camera = Camera::look_at(place.eye, place.target, place.up, place.fov, SIZE, SIZE)?;
+    Ok(Some((points::load(&path)?, camera)))
 }
 
 /// A captured scene, unless its file is missing.

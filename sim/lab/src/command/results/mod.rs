@@ -1,9 +1,11 @@
 //! `splatline-lab results`: the pages of docs/results, measured afresh.
 
 mod designs;
+mod drawing;
 mod hardware;
 pub mod host;
 mod layouts;
+pub mod scale;
 mod speed;
 mod throughput;
 
@@ -15,6 +17,7 @@ use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, s
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
+use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::progress::Progress;
 use std::path::Path;
 
@@ -108,6 +111,21 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
                 text,
             }))
         }
+        ResultsPage::Scale => {
+            let (text, plot) = scale::run(first_level(options))?;
+            write(&options.output.join("scale.svg"), plot.as_bytes())?;
+            Ok(Some(Page {
+                file: "scale.md",
+                text,
+            }))
+        }
+        ResultsPage::Drawing => {
+            let text = drawing::run(&options.data, first_level(options))?;
+            Ok(Some(Page {
+                file: "drawing.md",
+                text,
+            }))
+        }
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;
             Ok(Some(Page {
@@ -116,6 +134,13 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
             }))
         }
     }
+}
+
+/// The first level asked for, or what most people's processors have.
+fn first_level(options: &ResultsOptions) -> VectorLevel {
+    let usual = || VectorLevel::levels().first().map(|level| level.1);
+    let asked = options.vectors.first().copied();
+    asked.or_else(usual).unwrap_or(VectorLevel::Portable)
 }
 
 fn measure_accuracy(options: &ResultsOptions) -> Result<Page, Failure> {

@@ -1,0 +1,331 @@
+//! How cost grows: from ten thousand splats to ten million, from 512 x 512 pixels to 3840 x 2160, with one thread and with two.
+//!
+//! Every row is a process of its own ([`draw_scaled`]), so that its peak of memory is its own. The times of one thread are fitted by
+//! `a splats + b covered pixels`; the last column says how far each row is from that.
+
+use super::COMMAND;
+use crate::command::options::DrawScaledOptions;
+use anyhow::{Context, Result};
+use plotters::prelude::*;
+use serde::{Deserialize, Serialize};
+use splatline_lab::results::table;
+use splatline_sim::cli::{Failure, print_result};
+use splatline_sim::fast::lanes::{self, VectorLevel};
+use splatline_sim::fixed::Engine;
+use splatline_sim::memory;
+use splatline_sim::progress::Progress;
+use splatline_sim::renderer::{Renderer, Settings};
+use splatline_sim::report::plot::{DESIGNS, INK, colour};
+use splatline_sim::rules::Rules;
+use splatline_sim::scene::synthetic;
+use std::process::Command;
+use std::time::Instant;
+
+/// Splats, in pictures of the first size.
+const SPLATS: [usize; 4] = [10_000, 100_000, 1_000_000, 10_000_000];
+/// Pictures, of a million splats.
+const SIZES: [[usize; 2]; 4] = [[512, 512], [1024, 1024], [1920, 1080], [3840, 2160]];
+/// Splats of the rows about pictures.
+const OF_SIZES: usize = 1_000_000;
+/// Frames of which the median counts; one more is drawn before.
+const FRAMES: usize = 3;
+
+/// What a process measured.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Measurement {
+    splats: usize,
+    size: [usize; 2],
+    threads: usize,
+    /// Seconds.
+    setup: f64,
+    sort: f64,
+    raster: f64,
+    frame: f64,
+    covered: u64,
+    /// Bytes that the renderer holds, and the process at most.
+    held: u64,
+    peak: Option<u64>,
+}
+
+/// The page, and its plot.
+pub fn run(choice: VectorLevel) -> Result<(String, String), Failure> {
+    let mut asked: Vec<(usize, [usize; 2])> = SPLATS.map(|splats| (splats, SIZES[0])).into();
+    asked.extend(SIZES[1..].iter().map(|size| (OF_SIZES, *size)));
+    let progress = Progress::new(2 * asked.len());
+    let mut measured = Vec::new();
+    for threads in [1, 2] {
+        for (splats, size) in &asked {
+            progress.doing(format!(
+                "{splats} splats, {}x{}, {threads} threads",
+                size[0], size[1]
+            ));
+            measured.push(in_a_process(*splats, *size, threads, choice)?);
+            progress.advance();
+        }
+    }
+    drop(progress);
+    let plot = svg(&measured).map_err(|error| anyhow::anyhow!("{error}"))?;
+    Ok((text(&measured, choice), plot))
+}
+
+fn in_a_process(
+    splats: usize,
+    [width, height]: [usize; 2],
+    threads: usize,
+    choice: VectorLevel,
+) -> Result<Measurement> {
+    let program = std::env::current_exe()?;
+    let words = [splats, width, height, threads].map(|number| number.to_string());
+    let output = Command::new(program)
+        .arg("draw-scaled")
+        .args(words)
+        .arg(level_name(choice))
+        .output()?;
+    let said = String::from_utf8_lossy(&output.stdout);
+    serde_json::from_str(&said).with_context(|| {
+        format!(
+            "{splats} splats in {width}x{height}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        )
+    })
+}
+
+/// The level's name on the command line.
+fn level_name(choice: VectorLevel) -> &'static str {
+    let levels = VectorLevel::levels();
+    let found = levels.iter().find(|(_, level)| *level == choice);
+    found.map_or("portable", |(name, _)| name)
+}
+
+/// Draws random splats and prints what it took, for [`run`].
+pub fn draw_scaled(options: &DrawScaledOptions) -> Result<(), Failure> {
+    let measurement = measure(options)?;
+    let text = serde_json::to_string(&measurement).map_err(anyhow::Error::from)?;
+    print_result(&format!("{text}\n"))?;
+    Ok(())
+}
+
+fn measure(options: &DrawScaledOptions) -> Result<Measurement> {
+    let DrawScaledOptions {
+        splats,
+        width,
+        height,
+        threads,
+        vectors,
+    } = *options;
+    let scene = synthetic::random_gaussians(splats, 1, 1.0);
+    let camera = synthetic::camera(width, height);
+    let renderer = |counts| {
+        let settings = Settings {
+            engine: Engine::Vectors(vectors),
+            counts,
+            ..Settings::new(Rules::GAUSSIAN_3D)
+        };
+        let renderer = Renderer::new(&scene, &camera, settings).with_threads(threads);
+        renderer.context("cannot start the threads")
+    };
+    let mut pixels = vec![[0.0; 4]; width * height];
+    let mut frames = Vec::new();
+    let mut drawing = renderer(false)?;
+    for _ in 0..=FRAMES {
+        let started = Instant::now();
+        let drawn = drawing.draw_floats(&mut pixels, &|_, _| true)?;
+        frames.push((started.elapsed().as_secs_f64(), drawn.facts.times));
+    }
+    let (held, peak) = (drawing.bytes() as u64, memory::peak());
+    drop(drawing);
+    let counted = renderer(true)?.draw_floats(&mut pixels, &|_, _| true)?;
+    // The first frame takes memory for the first time.
+    frames.remove(0);
+    frames.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (frame, times) = frames[FRAMES / 2];
+    Ok(Measurement {
+        splats,
+        size: [width, height],
+        threads,
+        setup: times.setup,
+        sort: times.sort,
+        raster: times.raster,
+        frame,
+        covered: counted.facts.coverage.covered,
+        held,
+        peak,
+    })
+}
+
+/// Seconds a splat and a covered pixel that fit the rows of one thread best, each row weighted by its own time.
+fn fit(rows: &[Measurement]) -> [f64; 2] {
+    let mut sums = [[0.0; 3]; 2];
+    for row in rows.iter().filter(|row| row.threads == 1) {
+        let terms = [
+            row.splats as f64 / row.frame,
+            row.covered as f64 / row.frame,
+        ];
+        for (sums, by) in sums.iter_mut().zip(terms) {
+            sums[0] += by * terms[0];
+            sums[1] += by * terms[1];
+            sums[2] += by;
+        }
+    }
+    let [[aa, ab, ay], [_, bb, by]] = sums;
+    let determinant = aa * bb - ab * ab;
+    [
+        (ay * bb - by * ab) / determinant,
+        (aa * by - ab * ay) / determinant,
+    ]
+}
+
+fn text(measured: &[Measurement], choice: VectorLevel) -> String {
+    let [per_splat, per_pixel] = fit(measured);
+    let (one, two): (Vec<_>, Vec<_>) = measured.iter().partition(|row| row.threads == 1);
+    let rows = one.iter().zip(two).map(|(row, two)| {
+        let fitted = per_splat * row.splats as f64 + per_pixel * row.covered as f64;
+        let milliseconds = |seconds: f64| format!("{:.1}", 1e3 * seconds);
+        let megabytes = |bytes: u64| format!("{:.0}", bytes as f64 / 1e6);
+        vec![
+            row.splats.to_string(),
+            format!("{}x{}", row.size[0], row.size[1]),
+            milliseconds(row.setup),
+            milliseconds(row.sort),
+            milliseconds(row.raster),
+            milliseconds(row.frame),
+            milliseconds(two.frame),
+            format!("{:.2}", row.frame / two.frame),
+            format!("{:.2}", row.covered as f64 / 1e6),
+            megabytes(row.held),
+            row.peak.map(megabytes).unwrap_or_default(),
+            format!("{:+.0} %", 100.0 * (row.frame / fitted - 1.0)),
+        ]
+    });
+    format!(
+        "# How the cost of drawing grows\n\nPrinted by `{COMMAND} --only scale`; do not edit. Random Gaussians, standard24, vectors of {}, medians of {FRAMES} frames after \
+         one; each row is a process of its own. \"held\" is what the renderer keeps for splats and frames, \"peak\" the most that the process had, its scene in double \
+         precision included. The last column is a frame's distance from {:.0} ns a splat and {:.2} ns a covered pixel, which fit all rows best; the bar is 20 %.\n\n\
+         ![time and memory against splats](scale.svg)\n\n{}",
+        lanes::name(choice),
+        1e9 * per_splat,
+        1e9 * per_pixel,
+        table(
+            &[
+                "splats",
+                "picture",
+                "setup ms",
+                "sort ms",
+                "raster ms",
+                "frame ms",
+                "two threads ms",
+                "gain",
+                "million covered pixels",
+                "held MB",
+                "peak MB",
+                "off the line"
+            ],
+            &rows.collect::<Vec<_>>()
+        )
+    )
+}
+
+/// Frame time and peak memory against splats, all axes logarithmic to base 10.
+fn svg(measured: &[Measurement]) -> Result<String, Box<dyn std::error::Error>> {
+    let mut text = String::new();
+    {
+        let canvas = SVGBackend::with_string(&mut text, (1040, 420)).into_drawing_area();
+        canvas.fill(&WHITE)?;
+        let (left, right) = canvas.split_horizontally(520);
+        let of_splats = |threads: usize| {
+            let rows = measured.iter().filter(move |row| row.size == SIZES[0]);
+            rows.filter(move |row| row.threads == threads)
+        };
+        let times = [1, 2].map(|threads| {
+            let points = of_splats(threads).map(|row| (row.splats as f64, 1e3 * row.frame));
+            (["one thread", "two threads"][threads - 1], points.collect())
+        });
+        panel(&left, "ms a frame, 512x512", 1.0..1e5, &times)?;
+        let bytes = |bytes: fn(&Measurement) -> f64| {
+            let points = of_splats(1).map(|row| (row.splats as f64, bytes(row) / 1e6));
+            points.collect()
+        };
+        let memory = [
+            ("renderer", bytes(|row| row.held as f64)),
+            ("process", bytes(|row| row.peak.unwrap_or_default() as f64)),
+        ];
+        panel(&right, "MB of memory", 1.0..1e5, &memory)?;
+        canvas.present()?;
+    }
+    Ok(text)
+}
+
+type Curve = (&'static str, Vec<(f64, f64)>);
+
+fn panel(
+    canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
+    title: &str,
+    range: std::ops::Range<f64>,
+    curves: &[Curve],
+) -> Result<(), Box<dyn std::error::Error>> {
+    let ink = colour(INK);
+    let label = ("sans-serif", 13).into_font().color(&ink);
+    let mut chart = ChartBuilder::on(canvas)
+        .margin(12)
+        .caption(title, ("sans-serif", 15).into_font().color(&ink))
+        .x_label_area_size(40)
+        .y_label_area_size(60)
+        .build_cartesian_2d((5e3..2e7).log_scale(), range.log_scale())?;
+    chart
+        .configure_mesh()
+        .light_line_style(TRANSPARENT)
+        .x_desc("splats")
+        .x_label_formatter(&power)
+        .y_label_formatter(&power)
+        .label_style(label.clone())
+        .axis_desc_style(label.clone())
+        .draw()?;
+    for ((name, points), tone) in curves.iter().zip([DESIGNS[0], DESIGNS[2]]) {
+        let tone = colour(tone);
+        let line = LineSeries::new(points.iter().copied(), tone.stroke_width(2)).point_size(4);
+        chart
+            .draw_series(line)?
+            .label(*name)
+            .legend(move |(x, y)| Circle::new((x + 10, y), 4, tone.filled()));
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .label_font(label)
+        .draw()?;
+    Ok(())
+}
+
+fn power(value: &f64) -> String {
+    format!("10^{:.0}", value.log10())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rows that lie on a plane give its slopes back, whatever their sizes.
+    #[test]
+    fn the_fit_finds_the_slopes() {
+        let row = |splats: usize, covered: u64| Measurement {
+            splats,
+            size: SIZES[0],
+            threads: 1,
+            setup: 0.0,
+            sort: 0.0,
+            raster: 0.0,
+            frame: 3e-7 * splats as f64 + 2e-9 * covered as f64,
+            covered,
+            held: 0,
+            peak: None,
+        };
+        let rows = [
+            row(10_000, 900_000),
+            row(1_000_000, 30_000_000),
+            row(1_000_000, 400_000_000),
+        ];
+        let [per_splat, per_pixel] = fit(&rows);
+        assert!((per_splat - 3e-7).abs() < 1e-12 && (per_pixel - 2e-9).abs() < 1e-14);
+    }
+}
