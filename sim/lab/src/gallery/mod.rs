@@ -27,6 +27,15 @@ pub struct Exhibit {
 }
 
 impl Exhibit {
+    /// Adds the same part of every picture so far, where whole pictures look alike: the sheet magnifies what is small.
+    pub fn insets(&mut self, first: [usize; 2], size: [usize; 2]) {
+        let inset = |(name, picture): &(String, Picture)| {
+            (format!("{name}, part"), sheet::part(picture, first, size))
+        };
+        let insets: Vec<_> = self.pictures.iter().map(inset).collect();
+        self.pictures.extend(insets);
+    }
+
     /// Adds a number.
     pub fn number(&mut self, name: impl Into<String>, value: f64, unit: &str) {
         self.numbers.push((name.into(), value, unit.to_owned()));

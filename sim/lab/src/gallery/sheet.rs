@@ -36,16 +36,23 @@ pub fn sheet(exhibit: &Exhibit) -> Option<Picture> {
         .iter()
         .map(|(_, picture)| (picture.width, picture.height));
     let cell = sizes.reduce(|a, b| (a.0.max(b.0), a.1.max(b.1)))?;
-    let (width, height) = (cell.0 + GAP, cell.1 + LABEL + GAP);
+    let factor = |picture: &Picture| (cell.0 / picture.width).min(cell.1 / picture.height).max(1);
+    let labels: Vec<String> = exhibit
+        .pictures
+        .iter()
+        .map(|(name, picture)| label(name, factor(picture)))
+        .collect();
+    // No label is cut: a place is as wide as the longest.
+    let longest = labels.iter().map(|label| label.chars().count()).max()?;
+    let (width, height) = (cell.0.max(longest * LETTER) + GAP, cell.1 + LABEL + GAP);
     let columns = columns(exhibit.pictures.len());
     let rows = exhibit.pictures.len().div_ceil(columns);
     let mut sheet = Picture::new(columns * width - GAP, rows * height - GAP);
     sheet.pixels.fill([1.0; 4]);
-    for (index, (name, picture)) in exhibit.pictures.iter().enumerate() {
+    for (index, ((_, picture), label)) in exhibit.pictures.iter().zip(&labels).enumerate() {
         let (x, y) = (index % columns * width, index / columns * height);
-        let factor = (cell.0 / picture.width).min(cell.1 / picture.height).max(1);
-        write_label(&mut sheet, [x, y], cell.0, &label(name, factor));
-        place(&mut sheet, [x, y + LABEL], picture, factor);
+        write_label(&mut sheet, [x, y], label);
+        place(&mut sheet, [x, y + LABEL], picture, factor(picture));
     }
     Some(sheet)
 }
@@ -57,6 +64,16 @@ pub fn label(name: &str, factor: usize) -> String {
         1 => words,
         _ => format!("{words} (x{factor})"),
     }
+}
+
+/// A part of a picture.
+pub fn part(picture: &Picture, [left, top]: [usize; 2], [width, height]: [usize; 2]) -> Picture {
+    let mut part = Picture::new(width, height);
+    let rows = picture.pixels.chunks_exact(picture.width).skip(top);
+    for (out, row) in part.pixels.chunks_exact_mut(width).zip(rows) {
+        out.copy_from_slice(&row[left..left + width]);
+    }
+    part
 }
 
 /// Copies a picture, every pixel a square of side `factor`.
@@ -73,13 +90,11 @@ fn place(sheet: &mut Picture, [left, top]: [usize; 2], picture: &Picture, factor
     }
 }
 
-/// Writes as much of the text as fits.
-fn write_label(sheet: &mut Picture, [left, top]: [usize; 2], width: usize, text: &str) {
-    let fitting: String = text.chars().take(width / LETTER).collect();
+fn write_label(sheet: &mut Picture, [left, top]: [usize; 2], text: &str) {
     let style = MonoTextStyle::new(&FONT_7X13, BinaryColor::On);
     let at = Point::new(left as i32, top as i32);
     let mut ink = Ink(sheet);
-    let Ok(_) = Text::with_baseline(&fitting, at, style, Baseline::Top).draw(&mut ink);
+    let Ok(_) = Text::with_baseline(text, at, style, Baseline::Top).draw(&mut ink);
 }
 
 /// Draws black on a picture.
@@ -132,11 +147,17 @@ mod tests {
 
     #[test]
     fn small_pictures_fill_their_place_and_say_so() {
-        let sheet = sheet(&exhibit(&[("large", [40, 30]), ("small", [13, 10])])).unwrap();
-        assert_eq!((sheet.width, sheet.height), (40 + GAP + 40, LABEL + 30));
+        let sheet = sheet(&exhibit(&[("large", [80, 30]), ("small", [26, 10])])).unwrap();
+        assert_eq!((sheet.width, sheet.height), (80 + GAP + 80, LABEL + 30));
         let grey = sheet.pixels.iter().filter(|pixel| pixel[0] == 0.5).count();
-        assert_eq!(grey, 40 * 30 + 39 * 30);
+        assert_eq!(grey, 80 * 30 + 78 * 30);
         assert_eq!(label("a_b", 3), "a b (x3)");
+    }
+
+    #[test]
+    fn no_label_is_cut() {
+        let sheet = sheet(&exhibit(&[("wide name", [10, 4]), ("b", [10, 4])])).unwrap();
+        assert_eq!(sheet.width, 2 * 9 * LETTER + GAP);
     }
 
     #[test]

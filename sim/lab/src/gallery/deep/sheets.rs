@@ -2,6 +2,7 @@
 
 use super::standard24;
 use crate::gallery::Exhibit;
+use crate::gallery::sheet::part;
 use crate::study::popping::{PoppingOrbit, orbit};
 use splatline_sim::picture::Picture;
 use splatline_sim::scene::{self, LoadOptions};
@@ -93,12 +94,7 @@ fn not_drawn(error: &dyn std::error::Error) -> Exhibit {
 fn cropped(frame: &Picture) -> Picture {
     let side = |part: f64| (part * SIZE as f64) as usize;
     let [[left, right], [top, bottom]] = SHOWN.map(|range| range.map(side));
-    let mut shown = Picture::new(right - left, bottom - top);
-    let rows = frame.pixels.chunks_exact(frame.width).skip(top);
-    for (out, row) in shown.pixels.chunks_exact_mut(right - left).zip(rows) {
-        out.copy_from_slice(&row[left..right]);
-    }
-    shown
+    part(frame, [left, top], [right - left, bottom - top])
 }
 
 /// Absolute difference of the colours times [`GAIN`].

@@ -29,19 +29,18 @@ pub fn phases(scene: Result<&Scene, &PathBuf>) -> Exhibit {
     let camera = hybrid::camera(scene, 1.937, 256);
     let caption = "Aneurism from 1.94 k, where every footprint is the same circle: drawn by stamps at 2^n x 2^n phases, against \
                    continuous centres in float, and against spans of the same footprints in time.";
-    measured("stamp", caption, scene, &camera, Points::All)
+    let mut exhibit = measured("stamp", caption, scene, &camera, Points::All);
+    exhibit.insets([96, 64], [64, 64]);
+    exhibit
 }
 
 pub fn on_the_plane() -> Exhibit {
     let scene = plane(&KernelPlane::SHORT);
     let caption = "The checkerboard plane to the horizon: stamps beyond k, spans before it.";
-    measured(
-        "stamp-plane",
-        caption,
-        &scene,
-        &KernelPlane::SHORT.camera(),
-        Points::Auto,
-    )
+    let camera = KernelPlane::SHORT.camera();
+    let mut exhibit = measured("stamp-plane", caption, &scene, &camera, Points::Auto);
+    exhibit.insets([72, 128], [48, 48]);
+    exhibit
 }
 
 fn measured(name: &str, caption: &str, scene: &Scene, camera: &Camera, points: Points) -> Exhibit {

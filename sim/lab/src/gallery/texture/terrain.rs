@@ -82,6 +82,7 @@ pub fn draped(data: &Path) -> Result<Exhibit, GalleryError> {
             );
         }
     }
+    exhibit.insets([180, 150], [96, 60]);
     Ok(exhibit)
 }
 
