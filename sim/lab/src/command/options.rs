@@ -183,6 +183,8 @@ pub enum ResultsPage {
     Accuracy,
     /// Both engines against independent data.
     Golden,
+    /// View-dependent colours in fixed point against double precision.
+    Colour,
     /// Bit layout of the footprint packet.
     Packet,
     /// Cycles: throughput, designs.

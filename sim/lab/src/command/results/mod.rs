@@ -13,7 +13,9 @@ use super::options::{ResultsOptions, ResultsPage};
 use clap::ValueEnum;
 use hardware::HardwareScene;
 use splatline_lab::results::check::differences;
-use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
+use splatline_lab::results::{
+    COMMAND, Page, accuracy, colour, golden, packet, picture, systems, views,
+};
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
@@ -93,6 +95,7 @@ fn compare_folders(committed: &Path, again: &Path) -> anyhow::Result<Vec<String>
 fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, Failure> {
     match page {
         ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
+        ResultsPage::Colour => Ok(Some(colour::page(&options.data)?)),
         ResultsPage::Packet => Ok(Some(packet::page())),
         ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
         ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
