@@ -81,7 +81,7 @@ pub enum Command {
     /// Cycles of a scene on a machine.
     #[command(after_help = machine_args::MODEL_EXAMPLES)]
     Model(machine_args::ModelOptions),
-    /// Sweep designs and machines; Pareto front of error, cycles and area.
+    /// Sweep designs and machines; Pareto front of error, cycles, area and energy.
     #[command(after_help = machine_args::EXPLORE_EXAMPLES)]
     Explore(machine_args::ExploreOptions),
     /// Put the shards of a sweep together.

@@ -17,7 +17,7 @@ Examples:
   splatline model --footprints f.csv --screen 512x512
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
 
-With -o: timing.json and machine.toml, the resolved configuration.";
+With -o: timing.json; machine.toml, the resolved configuration; action_counts.yaml, what was done how often, for Accelergy.";
 
 /// Which machine.
 #[derive(Debug, Args)]
@@ -43,6 +43,15 @@ pub struct AreaOptions {
     pub calibration: Option<PathBuf>,
 }
 
+/// What energy is counted in.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Energy")]
+pub struct EnergyOptions {
+    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report says what it leaves out
+    #[arg(long, value_name = "file.toml")]
+    pub energy: Option<PathBuf>,
+}
+
 #[derive(Debug, Args)]
 pub struct ModelOptions {
     #[command(flatten)]
@@ -62,10 +71,12 @@ pub struct ModelOptions {
     pub machine: MachineOptions,
     #[command(flatten)]
     pub area: AreaOptions,
+    #[command(flatten)]
+    pub energy: EnergyOptions,
     /// Simulate N times and report the median speed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
-    /// Folder to write timing.json and machine.toml into
+    /// Folder to write timing.json, machine.toml and action_counts.yaml into
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
@@ -104,6 +115,8 @@ pub struct ExploreOptions {
     pub shard: Shard,
     #[command(flatten)]
     pub area: AreaOptions,
+    #[command(flatten)]
+    pub energy: EnergyOptions,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,

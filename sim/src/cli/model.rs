@@ -2,11 +2,12 @@
 
 use super::machine_args::ModelOptions;
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, calibration, machine};
+use super::resolve::{Asked, calibration, energy_table, machine};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, synthesis};
 use crate::machine::config;
+use crate::machine::energy;
 use crate::machine::histogram::Histograms;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::timing::Timing;
@@ -34,7 +35,11 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         let files = [&options.machine.machine, &options.footprints];
         let mut inputs = output::files(files.map(Option::as_ref));
         inputs.extend(options.view.inputs());
-        output::check_folder(folder, &["timing.json", "machine.toml"], &inputs)?;
+        output::check_folder(
+            folder,
+            &["timing.json", "machine.toml", "action_counts.yaml"],
+            &inputs,
+        )?;
         create_folder(folder)?;
     }
     let Modelled {
@@ -51,6 +56,14 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let speed = timing.total as f64 / seconds / 1e6;
     print_result(&summary::text(&name, &timing))?;
     let area = estimate_area(options, &entry, &config)?;
+    let energy = energy::estimate(
+        &entry.design.widths,
+        entry.traversal,
+        &config,
+        &timing,
+        &energy_table(&options.energy)?,
+    );
+    print_result(&energy.text())?;
     print_result(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
@@ -65,6 +78,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
             "visible": workload.visible(),
             "cycles": timing,
             "area": area,
+            "energy": energy,
             "histograms": histograms,
             "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
         });
@@ -75,6 +89,10 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         write(
             &folder.join("machine.toml"),
             config::to_toml(&config).as_bytes(),
+        )?;
+        write(
+            &folder.join("action_counts.yaml"),
+            energy::action_counts(&energy).as_bytes(),
         )?;
     }
     Ok(())

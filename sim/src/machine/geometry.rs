@@ -20,6 +20,9 @@ pub(super) struct Geometry {
     pub write: Account,
     pub splats: Fifo,
     pub footprints: Fifo,
+    /// Splats that were handed on, and tiles that were examined for them.
+    pub visible: u64,
+    pub tiles: u64,
     /// List entries written.
     pub entries: u64,
     /// Bytes written as packets and list entries.
@@ -36,6 +39,8 @@ impl Geometry {
             write: Account::default(),
             splats: Fifo::new(config.setup_fifo),
             footprints: Fifo::new(config.bin_fifo),
+            visible: 0,
+            tiles: 0,
             entries: 0,
             written: 0,
         };
@@ -92,6 +97,8 @@ impl Geometry {
         self.write.wait(Cause::Upstream, self.binning.at());
         self.write
             .work(bytes.div_ceil(config.write_bandwidth.into()));
+        self.visible += 1;
+        self.tiles += u64::from(tiles);
         self.entries += u64::from(entries);
         self.written += bytes;
     }

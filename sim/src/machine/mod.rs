@@ -15,6 +15,7 @@
 pub mod accounts;
 pub mod area;
 pub mod config;
+pub mod energy;
 mod geometry;
 pub mod histogram;
 pub mod lanes;

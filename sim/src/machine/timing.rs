@@ -29,6 +29,8 @@ pub struct Timing {
     pub units: BTreeMap<&'static str, UnitTime>,
     /// Depth and high-water mark of every FIFO, the fullest over all instances.
     pub fifos: BTreeMap<&'static str, FifoUse>,
+    /// Work of the geometry phase.
+    pub splats: SplatCounts,
     /// Bytes over the memory interface.
     pub bytes: Bytes,
     /// Work of the lanes.
@@ -42,6 +44,19 @@ pub struct FifoUse {
     pub depth: u64,
     /// Most entries at once.
     pub high_water: u64,
+}
+
+/// Splats and what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SplatCounts {
+    /// Splats of the scene.
+    pub fetched: u64,
+    /// Of these, splats whose box meets the screen.
+    pub visible: u64,
+    /// Tiles examined for them.
+    pub tiles: u64,
+    /// Entries of all tiles' lists.
+    pub entries: u64,
 }
 
 /// Bytes read and written.
@@ -70,6 +85,8 @@ pub struct PixelWork {
     pub pairs_left_out: u64,
     /// Rows of the drawn pairs.
     pub rows: u64,
+    /// Of these, what the lanes took from their queues: rows, or pairs of rows, with work for them.
+    pub runs: u64,
     /// Groups of lanes issued.
     pub groups: u64,
     /// Groups not issued although they lie between a band's first and last.
@@ -129,6 +146,12 @@ pub fn simulate_observed<O: Observer>(
     timing.add_units(&geometry, &sort, &raster);
     timing.add_fifos(&geometry, &raster, config);
     timing.add_pixels(&raster, config);
+    timing.splats = SplatCounts {
+        fetched: workload.splats.len() as u64,
+        visible: geometry.visible,
+        tiles: geometry.tiles,
+        entries: geometry.entries,
+    };
     let entry = u64::from(packet_bytes + config.list_bytes);
     timing.bytes = Bytes {
         splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
@@ -204,6 +227,7 @@ impl Raster {
         sums.pairs_left_out += left_out as u64;
         for pair in pairs {
             sums.rows += u64::from(pair.rows);
+            sums.runs += u64::from(pair.runs);
             sums.groups += u64::from(pair.groups);
             sums.groups_skipped += u64::from(pair.skipped);
             sums.visited += u64::from(pair.visited);

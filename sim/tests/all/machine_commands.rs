@@ -67,6 +67,41 @@ fn model_writes_accounts_and_the_resolved_machine() {
     assert_eq!(again.lines().next(), printed.lines().next());
 }
 
+/// The energies of a report add up to the last digit, the export holds the same counts, and a wrong table is refused by name and line.
+#[test]
+fn model_says_what_a_picture_takes_and_for_what() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let printed = succeed(&with("model", &["-o", text(&out)]));
+    let timing: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
+    let energy = &timing["energy"];
+    let whole = |value: &serde_json::Value| value.as_u64().unwrap();
+    let mut sum = 0;
+    for unit in energy["units"].as_array().unwrap() {
+        let actions = unit["actions"].as_array().unwrap().iter();
+        let of_unit: u64 = actions
+            .map(|action| whole(&action["count"]) * whole(&action["attojoules_each"]))
+            .sum();
+        assert_eq!(whole(&unit["attojoules"]), of_unit, "{}", unit["unit"]);
+        sum += of_unit;
+    }
+    assert_eq!(whole(&energy["attojoules"]), sum);
+    let said = format!("energy: {:.4} mJ a frame", sum as f64 / 1e15);
+    assert!(printed.contains(&said) && printed.contains("estimate"));
+    let counts = std::fs::read_to_string(out.join("action_counts.yaml")).unwrap();
+    assert!(counts.contains("- name: splatline.lanes.table_"));
+
+    let table = folder.path().join("mine.toml");
+    let shipped = splatline_sim::machine::energy::SHIPPED;
+    std::fs::write(&table, shipped.replace("pj = 3.1", "pj = -3.1")).unwrap();
+    let refused = fail(1, &with("model", &["--energy", text(&table)]));
+    assert!(
+        refused.contains("mine.toml:29: multiplier.pj = -3.1: allowed are numbers above 0"),
+        "{refused}"
+    );
+}
+
 #[test]
 fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
