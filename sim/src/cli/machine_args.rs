@@ -14,6 +14,7 @@ Examples:
   splatline model guitar.ply
   splatline model guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
   splatline model guitar.ply --machine primitive-4      the raster unit of sim/rtl, with four lanes
+  splatline model guitar.ply --set part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
   splatline model --footprints f.csv --screen 512x512
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
 
@@ -180,7 +181,9 @@ pub const TRACE_EXAMPLES: &str = "\
 Examples:
   splatline trace guitar.ply --format kanata --first 100 --last 140 -o trace.kanata      for Konata
   splatline trace guitar.ply --format vcd --set lanes=4 -o trace.vcd                     for GTKWave or Surfer
-  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev";
+  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev
+  splatline trace guitar.ply --format dramsim3 --set part=ddr3-1600-x16 --set clock_mhz=100 -o requests.txt
+      what a memory is asked for, in the whole picture; --format ramulator2 for Ramulator 2";
 
 #[derive(Debug, Args)]
 pub struct TraceOptions {
@@ -213,6 +216,10 @@ pub enum TraceFormat {
     Vcd,
     /// ui.perfetto.dev
     Perfetto,
+    /// Requests of the whole picture to the machine's memory part, for Ramulator 2 (LoadStoreTrace)
+    Ramulator2,
+    /// The same for DRAMsim3
+    Dramsim3,
 }
 
 pub const MERGE_EXAMPLES: &str = "\

@@ -19,6 +19,7 @@ pub mod energy;
 mod geometry;
 pub mod histogram;
 pub mod lanes;
+pub mod memory;
 pub mod observe;
 pub mod primitive;
 mod raster;

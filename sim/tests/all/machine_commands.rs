@@ -102,6 +102,36 @@ fn model_says_what_a_picture_takes_and_for_what() {
     );
 }
 
+/// A part needs a clock; with one the report says what it did, and its requests come out for the simulators of DRAM.
+#[test]
+fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
+    let folder = tempfile::tempdir().unwrap();
+    let part = ["--set", "part=ddr3-1600-x16", "--set", "clock_mhz=100"];
+    let no_clock = fail(1, &with("model", &part[..2]));
+    assert!(
+        no_clock.contains("part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000"),
+        "{no_clock}"
+    );
+    let printed = succeed(&with("model", &part));
+    assert!(printed.contains("memory ddr3-1600-x16: ") && printed.contains("row"));
+    let file = folder.path().join("requests.txt");
+    for (format, first) in [("ramulator2", "LD 0x0\n"), ("dramsim3", "0x0 READ 0\n")] {
+        let trace = ["--format", format, "-o", text(&file)];
+        let said = succeed(&with("trace", &[&part[..], &trace].concat()));
+        let lines = std::fs::read_to_string(&file).unwrap();
+        assert!(lines.starts_with(first), "{}", &lines[..80]);
+        assert!(said.contains(&format!(
+            "{} requests to ddr3-1600-x16",
+            lines.lines().count()
+        )));
+    }
+    let channels = fail(
+        2,
+        &with("trace", &["--format", "dramsim3", "-o", text(&file)]),
+    );
+    assert!(channels.contains("--set part=ddr3-1600-x16"), "{channels}");
+}
+
 #[test]
 fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();

@@ -180,7 +180,8 @@ impl<'t> Picture<'_, 't> {
 
     fn fetch(&self) -> Unit<'t> {
         let mut unit = self.unit("fetch");
-        unit.dram("read", self.timing.bytes.splats_read);
+        let bytes = &self.timing.bytes;
+        unit.dram("read", bytes.splats_read + bytes.harmonics_read);
         let bits = 8 * u64::from(self.config.splat_bytes);
         unit.queue(self.config.setup_fifo, bits, self.timing.splats.fetched);
         unit
