@@ -21,6 +21,7 @@ pub mod histogram;
 pub mod lanes;
 pub mod memory;
 pub mod observe;
+pub mod others;
 pub mod primitive;
 mod raster;
 pub mod summary;

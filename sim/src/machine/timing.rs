@@ -83,6 +83,18 @@ pub struct Bytes {
     pub pixels_written: u64,
 }
 
+impl Bytes {
+    /// All of them.
+    pub fn all(&self) -> u64 {
+        self.splats_read
+            + self.harmonics_read
+            + self.packets_written
+            + self.sort_moved
+            + self.packets_read
+            + self.pixels_written
+    }
+}
+
 /// Pixels, counted once per splat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PixelWork {

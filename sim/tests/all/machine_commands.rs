@@ -107,7 +107,7 @@ fn model_says_what_a_picture_takes_and_for_what() {
 fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
     let folder = tempfile::tempdir().unwrap();
     let part = ["--set", "part=ddr3-1600-x16", "--set", "clock_mhz=100"];
-    let no_clock = fail(1, &with("model", &part[..2]));
+    let no_clock = fail(2, &with("model", &part[..2]));
     assert!(
         no_clock.contains("part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000"),
         "{no_clock}"
