@@ -138,6 +138,9 @@ pub struct CompareOptions {
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
     pub only: bool,
+    /// Also draw in fp32, fp16 and bfloat16, every operation rounded, and report how far each is from the reference
+    #[arg(long)]
+    pub formats: bool,
 }
 
 #[derive(Debug, Args)]

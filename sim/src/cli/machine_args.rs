@@ -15,6 +15,7 @@ Examples:
   splatline model guitar.ply --machine machine.toml --set lanes=4 --set layout=rows -o out
   splatline model guitar.ply --machine primitive-4      the raster unit of sim/rtl, with four lanes
   splatline model guitar.ply --set part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
+  splatline model guitar.ply --machines                 beside machines of others, reimplemented from their papers
   splatline model --footprints f.csv --screen 512x512
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
 
@@ -74,6 +75,9 @@ pub struct ModelOptions {
     pub area: AreaOptions,
     #[command(flatten)]
     pub energy: EnergyOptions,
+    /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products, cycles, bytes, energy
+    #[arg(long, conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
+    pub machines: bool,
     /// Simulate N times and report the median speed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,

@@ -12,7 +12,7 @@ use crate::machine::histogram::Histograms;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
-use crate::machine::{Config, simulate, summary};
+use crate::machine::{Config, others, simulate, summary};
 use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
@@ -37,10 +37,18 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         inputs.extend(options.view.inputs());
         output::check_folder(
             folder,
-            &["timing.json", "machine.toml", "action_counts.yaml"],
+            &[
+                "timing.json",
+                "machine.toml",
+                "action_counts.yaml",
+                "machines.json",
+            ],
             &inputs,
         )?;
         create_folder(folder)?;
+    }
+    if options.machines {
+        return others_beside_ours(options);
     }
     let Modelled {
         name,
@@ -93,6 +101,36 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         write(
             &folder.join("action_counts.yaml"),
             energy::action_counts(&energy).as_bytes(),
+        )?;
+    }
+    Ok(())
+}
+
+/// All machines of the presets on the scene's splats.
+fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
+    let prepared = Asked::work(&options.view, &options.work)
+        .on(&options.machine)
+        .prepare()?;
+    warn(&prepared.setup_warnings()?);
+    let splats = prepared.splats()?;
+    let outcomes = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let (table, note) = (others::table_of(&outcomes), others::note());
+    print_result(&format!("{table}\n{note}"))?;
+    if let Some(folder) = &options.output {
+        let line = |outcome: &others::Outcome| {
+            json!({
+                "machine": outcome.preset.name,
+                "source": outcome.preset.source,
+                "products": outcome.products,
+                "cycles": outcome.timing,
+                "energy": outcome.energy,
+            })
+        };
+        let lines: Vec<_> = outcomes.iter().map(line).collect();
+        let result = json!({ "format": "splatline-machines/1", "scene": prepared.scene.name(), "machines": lines });
+        write(
+            &folder.join("machines.json"),
+            format!("{result:#}\n").as_bytes(),
         )?;
     }
     Ok(())

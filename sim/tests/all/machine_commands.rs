@@ -132,6 +132,64 @@ fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
     assert!(channels.contains("--set part=ddr3-1600-x16"), "{channels}");
 }
 
+/// Machines of others stand beside ours on the same splats; options that none of them would hear are refused.
+#[test]
+fn machines_of_others_stand_beside_ours() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let printed = succeed(&with("model", &["--machines", "-o", text(&out)]));
+    for name in [
+        "box-tiles",
+        "sub-tiles",
+        "row-sequential",
+        "axis-shared",
+        "primitive-1997",
+        "splatline lean18",
+    ] {
+        assert!(printed.contains(&format!("| {name} |")), "{printed}");
+    }
+    assert!(printed.contains("reimplemented from the paper"));
+    let json: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("machines.json")).unwrap()).unwrap();
+    let machines = json["machines"].as_array().unwrap();
+    let live = |machine: &serde_json::Value| machine["cycles"]["pixels"]["live"].as_u64().unwrap();
+    assert_eq!(live(&machines[0]), live(&machines[1]));
+    fail(2, &with("model", &["--machines", "--set", "lanes=4"]));
+}
+
+/// Floating-point datapaths draw by `render` and stand in the report of `compare`, worse with fewer bits; what they cannot draw is refused.
+#[test]
+fn floating_point_datapaths_are_engines() {
+    let folder = tempfile::tempdir().unwrap();
+    let (picture, out) = (folder.path().join("x.png"), folder.path().join("out"));
+    for engine in ["fp32", "fp16", "bfloat16"] {
+        succeed(&with("render", &["--engine", engine, "-o", text(&picture)]));
+    }
+    let printed = succeed(&with("compare", &["--only", "--formats", "-o", text(&out)]));
+    let report: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("report.json")).unwrap()).unwrap();
+    let formats = report["formats"].as_array().unwrap();
+    let psnr = formats
+        .iter()
+        .map(|row| row["error"]["rgb"]["psnr_db"].as_f64().unwrap());
+    let psnr: Vec<f64> = psnr.collect();
+    assert!(psnr.is_sorted_by(|wide, narrow| wide > narrow), "{psnr:?}");
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(printed.contains("bfloat16") && page.contains("Floating-point datapaths"));
+    let refused = |command: &str, more: &[&str]| fail(1, &with(command, more));
+    let x_ray = [
+        "--engine",
+        "fp16",
+        "--compositing",
+        "x-ray",
+        "-o",
+        text(&picture),
+    ];
+    assert!(refused("render", &x_ray).contains("front to back"));
+    let wrong = ["--engine", "fp16", "-o", text(&out)];
+    assert!(fail(2, &with("compare", &wrong)).contains("--formats"));
+}
+
 #[test]
 fn area_is_counted_for_a_family_or_by_prices_of_ones_own() {
     let folder = tempfile::tempdir().unwrap();
