@@ -16,6 +16,7 @@ use crate::machine::{Config, others, simulate, summary};
 use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
+use crate::scene::Scene;
 use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
@@ -165,12 +166,28 @@ fn from_scene(options: &ModelOptions) -> Result<Modelled, Failure> {
     let progress = Progress::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
+    print_result(&uncharged(prepared.splats()?.scene, &prepared.plan.machine))?;
     Ok(Modelled {
         name: prepared.scene.name().to_owned(),
         workload,
         entry: prepared.plan.entry,
         machine: prepared.plan.machine,
     })
+}
+
+/// Says what the machine reads nothing for; nothing if there is nothing.
+fn uncharged(scene: &Scene, machine: &Config) -> String {
+    match &scene.harmonics {
+        Some(harmonics) if machine.harmonics_bytes == 0 => {
+            let degree = u32::from(harmonics.degree);
+            let values = 3 * ((degree + 1) * (degree + 1) - 1);
+            format!(
+                "harmonics of degree {degree} are not charged: --set harmonics_bytes={} reads {values} numbers of 16 bits for each splat that is seen\n",
+                2 * values
+            )
+        }
+        _ => String::new(),
+    }
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {

@@ -3,7 +3,7 @@
 //! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]), so that the machine
 //! `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine is charged by the same lines: every generator of rows
 //! like its row generator, every lane like its lane. What no circuit was written for (geometry setup, queues around the raster
-//! units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted, energy is not estimated: no
+//! units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted: no
 //! source fits them. See `docs/hardware-model.md`, section 5.
 
 mod calibration;

@@ -159,6 +159,13 @@ pub fn of<'a>(
         picture.row_generator(widths),
     ]);
     units.extend([picture.lanes(), picture.blend(), picture.write_back()]);
+    if let Some(memory) = &timing.memory {
+        // Bursts are moved whole: what nobody wanted of them takes as much.
+        let mut unit = Unit::new("port", table);
+        let wanted = timing.bytes.all();
+        unit.dram("fill", memory.bytes_moved.saturating_sub(wanted));
+        units.push(unit);
+    }
     units
 }
 

@@ -51,6 +51,18 @@ proptest! {
         prop_assert_eq!(dram, moved * table.dram_byte());
     }
 
+    /// Behind a part every byte of every burst is charged.
+    #[test]
+    fn a_part_is_charged_whole_bursts(workload in workload(), config in machine(), part in 1u32..=3) {
+        let table = EnergyTable::default();
+        let config = Config { part, clock_mhz: 100, ..config };
+        let timing = simulate_alone(&workload, &config);
+        let energy = estimated(&workload, &config, &table);
+        let dram: u64 = energy.units.iter().map(|unit| unit.dram_attojoules).sum();
+        let moved = timing.memory.unwrap().bytes_moved.max(timing.bytes.all());
+        prop_assert_eq!(dram, moved * table.dram_byte());
+    }
+
     /// What the pixel path is charged, counted naively over the workload's rows where nothing is left out.
     #[test]
     fn pixels_and_rows_are_those_of_the_workload(workload in workload()) {
