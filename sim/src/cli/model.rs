@@ -2,19 +2,21 @@
 
 use super::machine_args::ModelOptions;
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, calibration, machine};
+use super::resolve::{Asked, calibration, energy_table, machine};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, synthesis};
 use crate::machine::config;
+use crate::machine::energy;
 use crate::machine::histogram::Histograms;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
-use crate::machine::{Config, simulate, summary};
+use crate::machine::{Config, others, simulate, summary};
 use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
+use crate::scene::Scene;
 use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
@@ -34,8 +36,20 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         let files = [&options.machine.machine, &options.footprints];
         let mut inputs = output::files(files.map(Option::as_ref));
         inputs.extend(options.view.inputs());
-        output::check_folder(folder, &["timing.json", "machine.toml"], &inputs)?;
+        output::check_folder(
+            folder,
+            &[
+                "timing.json",
+                "machine.toml",
+                "action_counts.yaml",
+                "machines.json",
+            ],
+            &inputs,
+        )?;
         create_folder(folder)?;
+    }
+    if options.machines {
+        return others_beside_ours(options);
     }
     let Modelled {
         name,
@@ -51,6 +65,14 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let speed = timing.total as f64 / seconds / 1e6;
     print_result(&summary::text(&name, &timing))?;
     let area = estimate_area(options, &entry, &config)?;
+    let energy = energy::estimate(
+        &entry.design.widths,
+        entry.traversal,
+        &config,
+        &timing,
+        &energy_table(&options.energy)?,
+    );
+    print_result(&energy.text())?;
     print_result(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
@@ -65,6 +87,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
             "visible": workload.visible(),
             "cycles": timing,
             "area": area,
+            "energy": energy,
             "histograms": histograms,
             "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
         });
@@ -75,6 +98,40 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         write(
             &folder.join("machine.toml"),
             config::to_toml(&config).as_bytes(),
+        )?;
+        write(
+            &folder.join("action_counts.yaml"),
+            energy::action_counts(&energy).as_bytes(),
+        )?;
+    }
+    Ok(())
+}
+
+/// All machines of the presets on the scene's splats.
+fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
+    let prepared = Asked::work(&options.view, &options.work)
+        .on(&options.machine)
+        .prepare()?;
+    warn(&prepared.setup_warnings()?);
+    let splats = prepared.splats()?;
+    let outcomes = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let (table, note) = (others::table_of(&outcomes), others::note());
+    print_result(&format!("{table}\n{note}"))?;
+    if let Some(folder) = &options.output {
+        let line = |outcome: &others::Outcome| {
+            json!({
+                "machine": outcome.preset.name,
+                "source": outcome.preset.source,
+                "products": outcome.products,
+                "cycles": outcome.timing,
+                "energy": outcome.energy,
+            })
+        };
+        let lines: Vec<_> = outcomes.iter().map(line).collect();
+        let result = json!({ "format": "splatline-machines/1", "scene": prepared.scene.name(), "machines": lines });
+        write(
+            &folder.join("machines.json"),
+            format!("{result:#}\n").as_bytes(),
         )?;
     }
     Ok(())
@@ -109,12 +166,28 @@ fn from_scene(options: &ModelOptions) -> Result<Modelled, Failure> {
     let progress = Progress::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
+    print_result(&uncharged(prepared.splats()?.scene, &prepared.plan.machine))?;
     Ok(Modelled {
         name: prepared.scene.name().to_owned(),
         workload,
         entry: prepared.plan.entry,
         machine: prepared.plan.machine,
     })
+}
+
+/// Says what the machine reads nothing for; nothing if there is nothing.
+fn uncharged(scene: &Scene, machine: &Config) -> String {
+    match &scene.harmonics {
+        Some(harmonics) if machine.harmonics_bytes == 0 => {
+            let degree = u32::from(harmonics.degree);
+            let values = 3 * ((degree + 1) * (degree + 1) - 1);
+            format!(
+                "harmonics of degree {degree} are not charged: --set harmonics_bytes={} reads {values} numbers of 16 bits for each splat that is seen\n",
+                2 * values
+            )
+        }
+        _ => String::new(),
+    }
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {

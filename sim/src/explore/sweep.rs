@@ -8,6 +8,7 @@ use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::config::Config;
+use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
@@ -30,6 +31,8 @@ pub struct Subject<'a> {
     pub machine: Config,
     /// Prices of area.
     pub calibration: Calibration,
+    /// Energies of actions.
+    pub energy: EnergyTable,
     /// The float reference's picture; none leaves errors out.
     pub reference: Option<&'a Picture>,
 }
@@ -213,7 +216,14 @@ impl Run<'_> {
                     &config,
                     &self.subject.calibration,
                 );
-                results(self.error, &timing, &area)
+                let energy = energy::estimate(
+                    &self.options.design.widths,
+                    self.options.traversal,
+                    &config,
+                    &timing,
+                    &self.subject.energy,
+                );
+                results(self.error, &timing, &area, energy.mj_per_frame)
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
@@ -231,7 +241,12 @@ impl Run<'_> {
 }
 
 /// The result columns in the order of [`super::table::RESULTS`].
-fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<String> {
+fn results(
+    error: Option<&ChannelError>,
+    timing: &Timing,
+    area: &Area,
+    energy_mj: f64,
+) -> Vec<String> {
     let mut fields = match error {
         Some(error) => {
             let psnr = if error.psnr_db.is_finite() {
@@ -268,6 +283,7 @@ fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<St
         fields.extend(part.resources().map(|(_, count)| count.to_string()));
     }
     fields.push(format!("{:.0}", area.weight));
+    fields.push(format!("{energy_mj:.5}"));
     fields.push(String::new());
     fields
 }
@@ -312,6 +328,7 @@ mod tests {
             traversal: None,
             machine: Config::default(),
             calibration: Calibration::default(),
+            energy: EnergyTable::default(),
             reference: Some(&reference),
         };
         let (out, _) = Appender::open(path, &heading(&space)).unwrap();

@@ -7,8 +7,8 @@
 use super::space::Space;
 use std::collections::BTreeMap;
 
-/// Columns behind the axes. Area is that of the raster units, of what is around them, and all of it in look-up tables.
-pub const RESULTS: [&str; 22] = [
+/// Columns behind the axes. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
+pub const RESULTS: [&str; 23] = [
     "psnr_db",
     "rms",
     "max_abs",
@@ -30,6 +30,7 @@ pub const RESULTS: [&str; 22] = [
     "around_dsps",
     "around_memory_kbit",
     "area",
+    "energy_mj",
     "left_out",
 ];
 
@@ -188,7 +189,7 @@ fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
             &"psnr_db" if errors => ColumnKind::NumberOrNothing,
             &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
             &"bias" | &"ssim" => ColumnKind::Number,
-            &"rms" | &"max_abs" | &"lanes_busy" | &"area" => ColumnKind::Positive,
+            &"rms" | &"max_abs" | &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
             name if name.ends_with("per_cycle_and_lane") => ColumnKind::Positive,
             _ => ColumnKind::Count,
         };
@@ -269,7 +270,7 @@ mod tests {
     }
 
     const SPACE: &str = "[machine]\nlanes = [1, 2]\nlayout = [\"run\", \"rows\"]\n";
-    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,1,2,3,4,5,6,7,8,900,";
+    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,1,2,3,4,5,6,7,8,900,0.25,";
 
     fn checked(line: &str, errors: bool) -> Result<(), String> {
         let space = Space::from_toml("s.toml", SPACE).unwrap();
@@ -280,7 +281,7 @@ mod tests {
     #[test]
     fn values_that_no_sweep_writes_are_refused() {
         checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
-        checked(&format!("1,1,rows,{}{}quads", ",".repeat(20), ","), true).unwrap();
+        checked(&format!("1,1,rows,{}{}quads", ",".repeat(21), ","), true).unwrap();
         let columns = RESULTS.len() - 1;
         for (column, name) in RESULTS.iter().enumerate().take(columns) {
             for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {

@@ -15,10 +15,13 @@
 pub mod accounts;
 pub mod area;
 pub mod config;
+pub mod energy;
 mod geometry;
 pub mod histogram;
 pub mod lanes;
+pub mod memory;
 pub mod observe;
+pub mod others;
 pub mod primitive;
 mod raster;
 pub mod summary;

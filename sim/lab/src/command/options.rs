@@ -201,4 +201,8 @@ pub enum ResultsPage {
     Speed,
     /// Every system of the papers: where it is, and its error in its exhibits.
     Systems,
+    /// Error against width, stage by stage, with 16-bit floats beside.
+    Widths,
+    /// Machines of others, where work, bytes and energy go, memory parts.
+    Machines,
 }

@@ -8,6 +8,7 @@
 //! | [`colour`] | How far are view-dependent colours in fixed point from double precision? |
 //! | [`golden`] | How far are both engines from data of independent origin? |
 //! | [`packet`] | Where does every field of the footprint packet lie? |
+//! | [`widths`] | What does a width cost, stage by stage, and what do floating-point formats? |
 //! | [`systems`] | Where is each system of the papers, and how far is it from its float counterpart? |
 
 pub mod accuracy;
@@ -19,6 +20,7 @@ pub mod packet;
 pub mod picture;
 pub mod systems;
 pub mod views;
+pub mod widths;
 
 use std::fmt::Write;
 

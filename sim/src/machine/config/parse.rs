@@ -161,6 +161,12 @@ impl Config {
         if self.overlap == Overlap::Primitive {
             self.check_primitive()?;
         }
+        if let Some(part) = self.memory_part()
+            && self.clock_mhz == 0
+        {
+            let allowed = "allowed with a clock_mhz of 1 to 10000: the part has a clock of its own";
+            return Err(("part", format!("\"{}\"", part.name), allowed.to_owned()));
+        }
         if self.simulator_bytes() > MOST_BYTES {
             let allowed = format!(
                 "with these lanes and FIFOs the simulator would take {} MB, allowed are {} MB: fewer units, or shallower FIFOs",

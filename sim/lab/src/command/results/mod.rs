@@ -5,6 +5,7 @@ mod drawing;
 mod hardware;
 pub mod host;
 mod layouts;
+mod machines;
 pub mod scale;
 mod speed;
 mod throughput;
@@ -14,7 +15,7 @@ use clap::ValueEnum;
 use hardware::HardwareScene;
 use splatline_lab::results::check::differences;
 use splatline_lab::results::{
-    COMMAND, Page, accuracy, colour, golden, packet, picture, systems, views,
+    COMMAND, Page, accuracy, colour, golden, packet, picture, systems, views, widths,
 };
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
@@ -129,6 +130,14 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
                 text,
             }))
         }
+        ResultsPage::Widths => {
+            let views = views::load_all(&options.data, widths::SIZE)?;
+            Ok(Some(widths::page(&views)?))
+        }
+        ResultsPage::Machines => Ok(Some(Page {
+            file: "machines.md",
+            text: machines::page(&hardware::subjects(&options.data)?.0)?,
+        })),
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;
             Ok(Some(Page {
