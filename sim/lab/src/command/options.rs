@@ -181,6 +181,8 @@ pub struct DrawScaledOptions {
 pub enum ResultsPage {
     /// Fixed point against float on scenes.
     Accuracy,
+    /// One scene in several formats.
+    Formats,
     /// Both engines against independent data.
     Golden,
     /// View-dependent colours in fixed point against double precision.

@@ -6,6 +6,7 @@
 //! |---|---|
 //! | [`accuracy`] | How far is each design from the float reference on real scenes and on the deep stack? |
 //! | [`colour`] | How far are view-dependent colours in fixed point from double precision? |
+//! | [`formats`] | How far is a scene from itself in another format? |
 //! | [`golden`] | How far are both engines from data of independent origin? |
 //! | [`packet`] | Where does every field of the footprint packet lie? |
 //! | [`widths`] | What does a width cost, stage by stage, and what do floating-point formats? |
@@ -14,6 +15,7 @@
 pub mod accuracy;
 pub mod check;
 pub mod colour;
+pub mod formats;
 pub mod golden;
 pub mod lines;
 pub mod packet;

@@ -15,7 +15,7 @@ use clap::ValueEnum;
 use hardware::HardwareScene;
 use splatline_lab::results::check::differences;
 use splatline_lab::results::{
-    COMMAND, Page, accuracy, colour, golden, packet, picture, systems, views, widths,
+    COMMAND, Page, accuracy, colour, formats, golden, packet, picture, systems, views, widths,
 };
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
@@ -98,6 +98,7 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
         ResultsPage::Colour => Ok(Some(colour::page(&options.data)?)),
         ResultsPage::Packet => Ok(Some(packet::page())),
+        ResultsPage::Formats => Ok(Some(formats::page(&options.data)?)),
         ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
         ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
         ResultsPage::Hardware => {
