@@ -15,11 +15,7 @@ use splatline_sim::vectors::{self, hard_cases};
 use std::io::Write;
 
 /// From this package's folder, and from that of the fuzz targets, which read these seeds as well.
-const OTHERS: &str = if cfg!(fuzzing) {
-    "../reference/tests/files"
-} else {
-    "reference/tests/files"
-};
+const OTHERS: [&str; 2] = ["reference/tests/files", "../reference/tests/files"];
 
 const GAUSSIAN: [&str; 17] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
@@ -158,9 +154,10 @@ fn manifest() -> Vec<u8> {
 
 /// A file of the reference's tests; most were written by other tools (reference/tests/files/make.py).
 fn from_others(name: &str) -> Vec<u8> {
-    let files = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(OTHERS);
-    let file = files.join(name);
-    std::fs::read(&file).unwrap_or_else(|error| panic!("no seed {}: {error}", file.display()))
+    let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = OTHERS.map(|folder| package.join(folder).join(name));
+    let found = files.iter().find_map(|file| std::fs::read(file).ok());
+    found.unwrap_or_else(|| panic!("no seed {}", files[0].display()))
 }
 
 /// The sound file of that name.

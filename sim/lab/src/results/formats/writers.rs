@@ -393,6 +393,9 @@ fn packed(record: &Record, [places, logs, colours]: &[[[f64; 3]; 2]; 3]) -> [u32
     ]
 }
 
+/// A record's pixel in one of the pictures.
+type RecordPixel<'a> = &'a dyn Fn(&Record) -> [u8; 4];
+
 fn sog(scene: &Trained, path: &Path) -> Result<()> {
     std::fs::create_dir_all(path)?;
     let symmetric = |record: &Record| {
@@ -424,7 +427,7 @@ fn sog(scene: &Trained, path: &Path) -> Result<()> {
         std::array::from_fn(|axis| step(part(values[axis], means[0][axis], means[1][axis]), 65_535))
     };
     let opaque = |[r, g, b]: [u8; 3]| [r, g, b, 255];
-    let pictures: [(&str, &dyn Fn(&Record) -> [u8; 4]); 5] = [
+    let pictures: [(&str, RecordPixel); 5] = [
         ("means_l", &|record| {
             opaque(words(record).map(|word| word as u8))
         }),
