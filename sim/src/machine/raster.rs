@@ -193,8 +193,22 @@ impl RasterUnit {
 
     /// Draws one tile.
     pub fn draw<O: Observer, M: Memory>(&mut self, job: &Job, observer: &mut O, memory: &mut M) {
-        let mut drawing = self.begin(job, memory);
-        while self.draw_pair(job, &mut drawing, observer, memory) {}
+        let drawing = self.begin(job, memory);
+        let buffer = drawing.buffer;
+        let mut band = job.first_band;
+        for (number, pair) in (job.first_pair as u64..).zip(job.pairs) {
+            let bands = &job.bands[band..pair.bands_end as usize];
+            band = pair.bands_end as usize;
+            let mut at = Place {
+                unit: self.number,
+                tile: job.tile,
+                splat: pair.splat,
+                pair: number,
+                observer,
+                memory,
+            };
+            self.one_pair(bands, buffer, &mut at);
+        }
         self.end(job, &drawing, observer, memory);
     }
 
@@ -217,17 +231,30 @@ impl RasterUnit {
         }
     }
 
-    /// Draws the tile's next pair; `false` if there is none.
     #[inline(always)]
+    fn one_pair<O: Observer, M: Memory>(
+        &mut self,
+        bands: &[Band],
+        buffer: u64,
+        at: &mut Place<O, M>,
+    ) {
+        match self.costs.overlap {
+            Overlap::Serial => self.serial_pair(bands, buffer, at),
+            Overlap::Pipelined => self.pipelined_pair(bands, buffer, at),
+            Overlap::Primitive => self.primitive_pair(bands, buffer, at),
+        }
+    }
+
+    /// Draws the tile's next pair, if there is one.
     pub fn draw_pair<O: Observer, M: Memory>(
         &mut self,
         job: &Job,
         drawing: &mut Drawing,
         observer: &mut O,
         memory: &mut M,
-    ) -> bool {
+    ) {
         let Some(pair) = job.pairs.get(drawing.pair) else {
-            return false;
+            return;
         };
         let bands = &job.bands[drawing.band..pair.bands_end as usize];
         let mut at = Place {
@@ -240,12 +267,7 @@ impl RasterUnit {
         };
         drawing.band = pair.bands_end as usize;
         drawing.pair += 1;
-        match self.costs.overlap {
-            Overlap::Serial => self.serial_pair(bands, drawing.buffer, &mut at),
-            Overlap::Pipelined => self.pipelined_pair(bands, drawing.buffer, &mut at),
-            Overlap::Primitive => self.primitive_pair(bands, drawing.buffer, &mut at),
-        }
-        true
+        self.one_pair(bands, drawing.buffer, &mut at);
     }
 
     /// Drops what was fetched in vain and writes the tile back.

@@ -1,7 +1,7 @@
 //! The memory that a machine reads splats and packets from and writes packets, lists and pixels to.
 //!
-//! Two kinds. [`Channels`] are a read and a write channel of a fixed bandwidth, shared evenly: a sentence instead of a part, fast, and enough to
-//! compare machines. [`Shared`] is a real part behind one port, with bursts, banks, rows, refresh and a bus that has to turn ([`dram`], [`port`]). The
+//! Two kinds. `Channels` are a read and a write channel of a fixed bandwidth, shared evenly: a sentence instead of a part, fast, and enough to
+//! compare machines. `Shared` is a real part behind one port, with bursts, banks, rows, refresh and a bus that has to turn ([`dram`], [`port`]). The
 //! units are the same with both: they ask this trait for data and are told when.
 //!
 //! ```text
