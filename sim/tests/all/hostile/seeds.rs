@@ -13,13 +13,7 @@ use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
 use std::io::Write;
-
-/// From this package's folder, and from that of the fuzz targets, which read these seeds as well.
-const OTHERS: &str = if cfg!(fuzzing) {
-    "../reference/tests/files"
-} else {
-    "reference/tests/files"
-};
+use std::path::Path;
 
 const GAUSSIAN: [&str; 17] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
@@ -155,11 +149,15 @@ fn manifest() -> Vec<u8> {
     manifest.expect("it was written here")
 }
 
-/// A file of the reference's tests; most were written by other tools (reference/tests/files/make.py).
+/// A file of the reference's tests; most were written by other tools (reference/tests/files/make.py). The fuzz targets, which read these
+/// seeds as well, are a package one folder below.
 fn from_others(name: &str) -> Vec<u8> {
-    let files = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(OTHERS);
-    let file = files.join(name);
-    std::fs::read(&file).unwrap_or_else(|error| panic!("no seed {}: {error}", file.display()))
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["reference", "../reference"].map(|folder| package.join(folder));
+    let found = folders
+        .iter()
+        .find_map(|folder| std::fs::read(folder.join("tests/files").join(name)).ok());
+    found.unwrap_or_else(|| panic!("no seed {name} in reference/tests/files"))
 }
 
 /// The sound file of that name.
