@@ -207,7 +207,7 @@ fn each_message_names_the_field_and_the_fix() {
 }
 
 /// The meta.json of version 1 for the same pictures, and the codes that both versions give them.
-fn files_of_version_1() -> Vec<File> {
+fn files_of_version_1() -> Vec<SogFile> {
     let text = r#"{"means":{"shape":[2,3],"dtype":"float32","mins":[-2,-2,-2],"maxs":[2,2,2],"files":["ml.webp","mu.webp"]},
         "scales":{"shape":[2,3],"dtype":"float32","mins":[-4,-5,-6],"maxs":[-0.015625,-1.015625,2],"files":["s.webp"]},
         "quats":{"shape":[2,4],"dtype":"uint8","encoding":"quaternion_packed","files":["q.webp"]},
@@ -244,11 +244,11 @@ fn version_1_has_ranges_in_the_place_of_codebooks() {
 
 #[test]
 fn a_palette_of_version_1_has_the_width_of_its_bands() {
-    let change = |file: File| match file.0.as_str() {
+    let change = |file: SogFile| match file.0.as_str() {
         "centroids.webp" => (file.0, webp(256, &[[0; 4]; 256])),
         _ => file,
     };
-    let files: Vec<File> = files_of_version_1().into_iter().map(change).collect();
+    let files: Vec<SogFile> = files_of_version_1().into_iter().map(change).collect();
     let message = load_bundle(&bundle(&files), "x").unwrap_err().to_string();
     assert_eq!(
         message,
