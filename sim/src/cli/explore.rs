@@ -1,5 +1,6 @@
 //! `splatline explore` and `splatline merge`: sweeps, in one piece or in shards.
 
+use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
 use super::resolve::{Asked, COMPARED, calibration, room_for_picture};
@@ -20,9 +21,23 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
-    create_folder(&options.output)?;
-    let text = read_settings(&options.space)?;
-    let space = Space::from_toml(&options.space.display().to_string(), &text)?;
+    match (&options.space, &options.output) {
+        (Some(space), Some(output)) if !ask::is_asked(&options.limits) => {
+            sweep_space(options, space, output)
+        }
+        _ => ask::run(options),
+    }
+}
+
+/// Every point of the space.
+fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(), Failure> {
+    if !options.more.others.is_empty() || options.path.camera_path.is_some() {
+        let message = "a sweep is of one picture: several scenes and camera paths need a limit (--fps, --max-error ...), which searches the space";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    create_folder(output)?;
+    let text = read_settings(file)?;
+    let space = Space::from_toml(&file.display().to_string(), &text)?;
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
     let prepared = asked.prepare()?;
     let splats = prepared.splats()?;
@@ -45,9 +60,9 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         calibration: calibration(&options.area)?,
         reference: reference.as_ref(),
     };
-    let identity = Identity::new(&subject, &text, &settings(options)?)?;
-    folder::claim(&options.output, &identity)?;
-    let path = options.output.join(table_name(options.shard));
+    let identity = Identity::new(&subject, &text, &settings(options, &space)?)?;
+    folder::claim(output, &identity)?;
+    let path = output.join(table_name(options.shard));
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
 
     let mine = (0..space.points.len())
@@ -71,7 +86,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     if options.shard.count == 1 {
         let note = synthesis::statement(&subject.calibration);
         let table = folder::table(&path, &identity)?;
-        finish(&splats.scene.name, &note, &table, &options.output)?;
+        finish(&splats.scene.name, &note, &table, output)?;
     }
     Ok(())
 }
@@ -150,7 +165,7 @@ fn table_name(shard: Shard) -> String {
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
-fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
+fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<Settings>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();
     let files = [
@@ -160,16 +175,33 @@ fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
         ("design", design.filter(|name| is_toml(name))),
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
+        ("parts", options.area.parts.clone()),
     ];
     let named = files
         .into_iter()
         .filter_map(|(role, path)| Some((role, path?)));
-    named
-        .map(|(role, path)| {
-            let text = read_settings(&path)?;
-            Ok(Settings { role, text })
-        })
-        .collect()
+    let read = |(role, path): (&'static str, PathBuf)| {
+        let text = read_settings(&path)?;
+        Ok(Settings { role, text })
+    };
+    let mut all: Vec<Settings> = named.map(read).collect::<Result<_, Failure>>()?;
+    let mut bases = String::new();
+    for file in base_files(space) {
+        bases += &read_settings(&file)?;
+    }
+    if !bases.is_empty() {
+        let (role, text) = ("bases", bases);
+        all.push(Settings { role, text });
+    }
+    Ok(all)
+}
+
+/// The files of designs that a space begins with.
+fn base_files(space: &Space) -> Vec<PathBuf> {
+    let bases = space.axes.iter().filter(|axis| axis.key == "base");
+    let values = bases.flat_map(|axis| &axis.values);
+    let names = values.filter_map(toml::Value::as_str).map(PathBuf::from);
+    names.filter(|name| is_toml(name)).collect()
 }
 
 /// Names of designs and machines have no extension.

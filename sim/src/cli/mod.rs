@@ -5,6 +5,7 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
+mod ask;
 mod compare;
 mod demo;
 mod drawing_args;

@@ -17,6 +17,7 @@ use crate::plan::Splats;
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use splatline::format::Traversal;
+use toml::Value;
 
 /// What is swept over: everything that the points have in common.
 pub struct Subject<'a> {
@@ -121,28 +122,25 @@ fn same(space: &Space, a: &[usize], b: &[usize], part: Part) -> bool {
 
 fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
     let settings = space.settings(point, |part| part == Part::Design);
+    changed(&subject.design, &settings)
+}
+
+/// A design with some of its keys set otherwise; `base` names another one to begin with, or its file.
+pub(super) fn changed(start: &DesignChoice, settings: &[(&str, &Value)]) -> Result<DesignChoice> {
     if settings.is_empty() {
-        return Ok(subject.design.clone());
+        return Ok(start.clone());
     }
-    let mut table = toml::Table::new();
-    let resolved = subject.design.resolved();
     let base = settings
         .iter()
         .find(|(key, _)| *key == "base")
         .and_then(|(_, value)| value.as_str());
-    table.insert("base".to_owned(), base.unwrap_or("standard24").into());
-    if base.is_none() {
-        for (key, value) in &resolved.widths {
-            table.insert(
-                key.clone(),
-                toml::Value::Integer(value.as_i64().unwrap_or(0)),
-            );
-        }
-        table.insert("rounding".to_owned(), resolved.rounding.as_ref().into());
-        table.insert("traversal".to_owned(), resolved.traversal.as_ref().into());
-    }
-    for (key, value) in settings {
-        table.insert(key.to_owned(), value.clone());
+    let start = match base {
+        Some(name) => DesignChoice::load(name)?,
+        None => start.clone(),
+    };
+    let mut table: toml::Table = start.resolved().to_toml().parse()?;
+    for (key, value) in settings.iter().filter(|(key, _)| *key != "base") {
+        table.insert((*key).to_owned(), (*value).clone());
     }
     Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
 }

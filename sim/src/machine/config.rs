@@ -148,6 +148,10 @@ pub struct Config {
     pub write_back_cycles: u32,
     /// Cycles to clear a tile buffer before it is drawn into; 0 where that happens during the write-back.
     pub clear_cycles: u32,
+    /// Clock in megahertz; 0 takes that of the nearest circuit that was placed.
+    pub clock_mhz: u32,
+    /// Pictures in work at the same time: with two, one is set up and sorted while another is drawn; with three, each phase has one.
+    pub overlap_frames: u32,
 }
 
 impl Default for Config {
@@ -193,6 +197,8 @@ impl Default for Config {
             buffer_banks: 0,
             write_back_cycles: 4,
             clear_cycles: 0,
+            clock_mhz: 0,
+            overlap_frames: 1,
         }
     }
 }

@@ -14,11 +14,13 @@
 
 pub mod accounts;
 pub mod area;
+pub mod clock;
 pub mod config;
 mod geometry;
 pub mod histogram;
 pub mod lanes;
 pub mod observe;
+pub mod parts;
 pub mod primitive;
 mod raster;
 pub mod summary;

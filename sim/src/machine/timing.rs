@@ -61,6 +61,22 @@ pub struct Bytes {
     pub pixels_written: u64,
 }
 
+impl Bytes {
+    /// Bytes read and bytes written; a sort reads as much as it writes.
+    pub fn directions(&self) -> [u64; 2] {
+        let sorted = self.sort_moved / 2;
+        [
+            self.splats_read + sorted + self.packets_read,
+            self.packets_written + sorted + self.pixels_written,
+        ]
+    }
+
+    /// All bytes over the memory interface.
+    pub fn total(&self) -> u64 {
+        self.directions().iter().sum()
+    }
+}
+
 /// Pixels, counted once per splat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PixelWork {

@@ -65,7 +65,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 40] = [
+pub const FIELDS: [Field; 42] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -106,6 +106,8 @@ pub const FIELDS: [Field; 40] = [
     entry("buffer", "buffer_banks", Range::Number(0, 64), "pixels per cycle; 0: one per lane", |c| c.buffer_banks, |c, v| c.buffer_banks = v),
     entry("buffer", "write_back_cycles", CYCLES, "cycles to begin a write-back", |c| c.write_back_cycles, |c, v| c.write_back_cycles = v),
     entry("buffer", "clear_cycles", CYCLES, "cycles to clear a buffer before a tile; 0: during the write-back", |c| c.clear_cycles, |c, v| c.clear_cycles = v),
+    entry("clock", "clock_mhz", Range::Number(0, 10_000), "clock in MHz; 0: that of the nearest circuit that was placed, marked as assumed", |c| c.clock_mhz, |c, v| c.clock_mhz = v),
+    entry("clock", "overlap_frames", Range::Number(1, 3), "pictures in work at the same time; 2: geometry and sort beside raster, 3: each phase", |c| c.overlap_frames, |c, v| c.overlap_frames = v),
 ];
 
 const fn entry(
