@@ -12,6 +12,7 @@ use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
 use crate::explore::sweep::{self, Shard, Subject};
 use crate::explore::table::{Table, heading};
+use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::plan::Engine;
 use crate::progress::Progress;
@@ -84,11 +85,24 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
         mine - before.min(mine)
     ))?;
     if options.shard.count == 1 {
-        let note = synthesis::statement(&subject.calibration);
+        let note = format!(
+            "{}{}",
+            synthesis::statement(&subject.calibration),
+            clock_note(&subject.machine, &space)
+        );
         let table = folder::table(&path, &identity)?;
         finish(&splats.scene.name, &note, &table, output)?;
     }
     Ok(())
+}
+
+/// That no clock was given, where it was not; nothing otherwise.
+fn clock_note(machine: &Config, space: &Space) -> &'static str {
+    let swept = space.axes.iter().any(|axis| axis.key == "clock_mhz");
+    match machine.clock_mhz > 0 || swept {
+        true => "",
+        false => "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another",
+    }
 }
 
 pub fn merge(options: &MergeOptions) -> Result<(), Failure> {

@@ -12,6 +12,7 @@ mod drawing_args;
 mod explore;
 mod fit;
 mod footprints;
+mod frames;
 mod info;
 mod machine_args;
 mod model;

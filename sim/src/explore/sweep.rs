@@ -7,6 +7,7 @@ use super::table::Table;
 use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
+use crate::machine::clock::{Clock, Pace};
 use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::workload::{Workload, extract_if_room};
@@ -211,7 +212,9 @@ impl Run<'_> {
                     &config,
                     &self.subject.calibration,
                 );
-                results(self.error, &timing, &area)
+                let widths = &self.options.design.widths;
+                let clock = Clock::of(&config, widths, self.subject.calibration.family);
+                results(self.error, &timing, &Pace::new(&timing, &config, clock), &area)
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
@@ -229,7 +232,12 @@ impl Run<'_> {
 }
 
 /// The result columns in the order of [`super::table::RESULTS`].
-fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<String> {
+fn results(
+    error: Option<&ChannelError>,
+    timing: &Timing,
+    pace: &Pace,
+    area: &Area,
+) -> Vec<String> {
     let mut fields = match error {
         Some(error) => {
             let psnr = if error.psnr_db.is_finite() {
@@ -262,6 +270,14 @@ fn results(error: Option<&ChannelError>, timing: &Timing, area: &Area) -> Vec<St
         ]
         .map(|part| format!("{part:.4}")),
     );
+    fields.extend([
+        pace.clock.mhz.to_string(),
+        u8::from(pace.clock.assumed).to_string(),
+        format!("{:.3}", pace.frames_per_s),
+        format!("{:.4}", pace.ms_per_frame),
+        pace.bytes_per_frame.to_string(),
+        format!("{:.0}", pace.bytes_per_s),
+    ]);
     for part in [&area.raster, &area.around] {
         fields.extend(part.resources().map(|(_, count)| count.to_string()));
     }

@@ -14,6 +14,7 @@
 
 pub mod accounts;
 pub mod area;
+mod cache;
 pub mod clock;
 pub mod config;
 mod geometry;
@@ -24,6 +25,7 @@ pub mod parts;
 pub mod primitive;
 mod raster;
 pub mod summary;
+mod tile_order;
 pub mod timing;
 pub mod workload;
 

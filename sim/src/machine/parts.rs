@@ -170,7 +170,7 @@ mod tests {
             Parts::default().and("mine.toml", &zero).unwrap_err(),
             format!("mine.toml:{line}: mine.luts = 0: allowed are 1 to 100000000")
         );
-        let unknown = mine.replacen("luts", "lutts", 1);
+        let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
         let told = Parts::default().and("mine.toml", &unknown).unwrap_err();
         assert!(told.contains(&format!("line {line}")) && told.contains("lutts"), "{told}");
     }

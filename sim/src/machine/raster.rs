@@ -11,6 +11,7 @@
 //! can decrease when a service time or latency grows.
 
 use super::accounts::{Account, Cause, Fifo};
+use super::cache::PacketCache;
 use super::config::{Config, Layout, Overlap};
 use super::lanes::{Band, PairWork};
 use super::observe::{Event, Observer, Stage};
@@ -23,6 +24,8 @@ struct Costs {
     overlap: Overlap,
     /// Cycles of the read channel per packet, and from request to arrival.
     transfer: u64,
+    /// The same for a list entry whose packet is in the cache.
+    transfer_entry: u64,
     latency: u64,
     splat: u64,
     row: u64,
@@ -90,6 +93,7 @@ pub(super) struct RasterUnit {
     /// own handshake takes a cycle.
     handed_over: u64,
     pub prefetched_in_vain: u64,
+    pub cache: PacketCache,
 }
 
 /// From the handshake that ends a tile until the circuit takes the next tile's first packet.
@@ -119,6 +123,8 @@ impl RasterUnit {
         let costs = Costs {
             overlap: config.overlap,
             transfer: bytes.div_ceil(config.read_bandwidth.into()),
+            transfer_entry: (u64::from(config.list_bytes) * units)
+                .div_ceil(config.read_bandwidth.into()),
             latency: config.latency.into(),
             splat: config.splat_cycles.into(),
             row: config.row_cycles.into(),
@@ -163,6 +169,7 @@ impl RasterUnit {
             ]),
             handed_over: 1,
             prefetched_in_vain: 0,
+            cache: PacketCache::new(config.packet_cache),
         }
     }
 
@@ -217,7 +224,10 @@ impl RasterUnit {
     fn fetch<O: Observer>(&mut self, at: &mut Place<O>) -> u64 {
         self.fetch.wait(Cause::FifoFull, self.packets.free_at());
         let start = self.fetch.at();
-        self.fetch.work(self.costs.transfer);
+        self.fetch.work(match self.cache.look_up(at.splat) {
+            true => self.costs.transfer_entry,
+            false => self.costs.transfer,
+        });
         let arrival = self.fetch.at() + self.costs.latency;
         at.event(Stage::Fetch, 0, 0, start, arrival);
         arrival

@@ -10,6 +10,7 @@ use super::geometry::Geometry;
 use super::lanes::{LaneShape, LaneWork, PairWork};
 use super::observe::{Blind, Observer};
 use super::raster::{Job, RasterUnit};
+use super::tile_order::sequence;
 use super::workload::Workload;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -55,7 +56,9 @@ pub struct Bytes {
     pub sort_moved: u64,
     /// Packets and list entries read by the raster phase.
     pub packets_read: u64,
-    /// Of these, packets of tiles that had finished before they could be used.
+    /// Packets that the raster phase found in its caches instead.
+    pub packets_cached: u64,
+    /// Of those that were read, packets of tiles that had finished before they could be used.
     pub packets_in_vain: u64,
     /// Pixels written back.
     pub pixels_written: u64,
@@ -146,11 +149,14 @@ pub fn simulate_observed<O: Observer>(
     timing.add_fifos(&geometry, &raster, config);
     timing.add_pixels(&raster, config);
     let entry = u64::from(packet_bytes + config.list_bytes);
+    let hits: u64 = raster.units.iter().map(|unit| unit.cache.hits).sum();
+    let cached = hits * u64::from(packet_bytes);
     timing.bytes = Bytes {
         splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
         packets_written: geometry.written,
         sort_moved: 2 * moves * u64::from(config.list_bytes),
-        packets_read: (raster.pixels.pairs + raster.in_vain()) * entry,
+        packets_read: (raster.pixels.pairs + raster.in_vain()) * entry - cached,
+        packets_cached: cached,
         packets_in_vain: raster.in_vain() * entry,
         pixels_written: raster.pixels_written * u64::from(config.pixel_bytes),
     };
@@ -177,19 +183,23 @@ impl Raster {
     }
 
     fn draw<O: Observer>(&mut self, work: &LaneWork, config: &Config, observer: &mut O) {
-        let mut first_pair = 0;
-        for (number, tile) in work.tiles.iter().enumerate() {
+        let order = sequence(config.tile_order, work.columns, work.tiles.len());
+        for (turn, number) in order.into_iter().enumerate() {
+            let tile = &work.tiles[number];
+            let first_pair = match number {
+                0 => 0,
+                number => work.tiles[number - 1].pairs_end as usize,
+            };
             let all = &work.pairs[first_pair..tile.pairs_end as usize];
             let first_band = if first_pair == 0 {
                 0
             } else {
                 work.pairs[first_pair - 1].bands_end as usize
             };
-            first_pair = tile.pairs_end as usize;
             let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
             let (pairs, rest) = all.split_at(drawn);
             self.count(pairs, rest.len(), tile.pixels);
-            let unit = self.choose(number, config.assignment);
+            let unit = self.choose(turn, config.assignment);
             let job = Job {
                 tile: number as u32,
                 pixels: tile.pixels,

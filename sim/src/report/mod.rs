@@ -6,6 +6,7 @@
 
 pub mod error_map;
 pub mod facts;
+pub mod frames;
 pub mod html;
 mod labels;
 pub mod plot;

@@ -17,10 +17,26 @@ pub type Score = [f64; 3];
 pub type Judge<'a> = &'a dyn Fn(&Reached) -> Score;
 
 /// Machines drawn at random beside the ones that are known, from which the best are followed.
-const RANDOM: usize = 40;
+const RANDOM: usize = 32;
 
 /// Of all machines to begin with, so many are followed.
-const FOLLOWED: usize = 3;
+const FOLLOWED: usize = 2;
+
+/// Fields of a machine that are exchanged for each other: those whose steps cost and gain most.
+const EXCHANGED: [&str; 12] = [
+    "tile_width",
+    "tile_height",
+    "lanes",
+    "raster_units",
+    "rows_at_once",
+    "splat_cycles",
+    "row_cycles",
+    "setup_interval",
+    "read_bandwidth",
+    "write_bandwidth",
+    "packet_cache",
+    "row_fifo",
+];
 
 /// The order in which widths are lowered: those whose bits are dear first.
 const ORDER: [&str; 13] = [
@@ -61,20 +77,41 @@ impl Evaluator<'_> {
         reached.map_or([f64::INFINITY; 3], judge)
     }
 
-    /// The best of these points, which may be the first.
-    fn best(&mut self, points: &[Vec<usize>], judge: Judge) -> Result<Vec<usize>> {
-        self.evaluate(points)?;
-        let first_best = (0..points.len()).min_by(|a, b| {
-            let score = |place: &usize| self.scored(&points[*place], judge);
-            compare(&score(a), &score(b))
-        });
-        Ok(points[first_best.unwrap_or(0)].clone())
+    /// The best of these points and of the one at hand, which stays if none is better.
+    fn best(&mut self, at: &[usize], points: &[Vec<usize>], judge: Judge) -> Result<Vec<usize>> {
+        let score = self.score(at, judge)?;
+        let mut hopeful = Vec::new();
+        for point in points {
+            if self.could_be_better(point, &score, judge)? {
+                hopeful.push(point.clone());
+            }
+        }
+        self.evaluate(&hopeful)?;
+        let first_best = hopeful
+            .iter()
+            .min_by(|a, b| compare(&self.scored(a, judge), &self.scored(b, judge)));
+        Ok(match first_best {
+            Some(best) if compare(&self.scored(best, judge), &score).is_lt() => best.clone(),
+            _ => at.to_vec(),
+        })
     }
 
-    /// Is `a` better than `b`?
-    fn is_better(&mut self, a: &[usize], b: &[usize], judge: Judge) -> Result<bool> {
-        let (a, b) = (self.score(a, judge)?, self.score(b, judge)?);
-        Ok(compare(&a, &b).is_lt())
+    /// Would a point be better than this score if it had no error and took no time?
+    fn could_be_better(&self, point: &[usize], score: &Score, judge: Judge) -> Result<bool> {
+        let choice = self.choice(point)?;
+        let optimistic = judge(&self.at_best(&choice));
+        Ok(choice.machine.check_together().is_ok() && compare(&optimistic, score).is_lt())
+    }
+
+    /// What a point costs, which needs no simulation.
+    fn cost(&self, point: &[usize]) -> Result<f64> {
+        Ok(self.at_best(&self.choice(point)?).cost())
+    }
+
+    /// The better of two points; the second only if it is better.
+    fn better(&mut self, a: Vec<usize>, b: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
+        let (score, other) = (self.score(&a, judge)?, self.score(&b, judge)?);
+        Ok(if compare(&other, &score).is_lt() { b } else { a })
     }
 
     /// The least index of a width up to the point's that holds the limits on errors.
@@ -106,15 +143,24 @@ impl Evaluator<'_> {
         loop {
             let before = point.clone();
             for axis in axes {
-                let candidate = match is_width(&self.space.axes[*axis]) && self.has_error_limit() {
-                    true => self.lowest_width(&point, *axis)?,
-                    false => {
-                        let all = values_of(self, &point, *axis);
-                        self.best(&all, judge)?
-                    }
-                };
-                if candidate != point && self.is_better(&candidate, &point, judge)? {
-                    point = candidate;
+                let others = others_of(self, &point, *axis);
+                point = self.best(&point, &others, judge)?;
+            }
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
+    /// Lowers one width at a time as far as the limits on errors allow, until none gains area.
+    fn lower_widths(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            for axis in widths {
+                let lowest = self.lowest_width(&point, *axis)?;
+                if self.cost(&lowest)? <= self.cost(&point)? {
+                    point = lowest;
                 }
             }
             if point == before {
@@ -125,8 +171,10 @@ impl Evaluator<'_> {
 
     /// One field up a step and another down, over all pairs: the best of what that gives.
     fn exchange(&mut self, point: &[usize], axes: &[usize], judge: Judge) -> Result<Vec<usize>> {
-        let mut moved = vec![point.to_vec()];
-        for up in axes {
+        let dear = |axis: &&usize| EXCHANGED.contains(&self.space.axes[**axis].key.as_str());
+        let axes: Vec<usize> = axes.iter().filter(dear).copied().collect();
+        let mut moved = Vec::new();
+        for up in &axes {
             for down in axes.iter().filter(|down| *down != up) {
                 for steps in [[1, -1], [1, 1], [-1, -1]] {
                     // Two fields the same way are one move, whichever is named first.
@@ -139,11 +187,12 @@ impl Evaluator<'_> {
                 }
             }
         }
-        self.best(&moved, judge)
+        self.best(point, &moved, judge)
     }
 
-    /// Exchanges between widths: a bit more of one for as many less of another as the errors allow, if that is cheaper.
-    fn exchange_widths(&mut self, point: &[usize], widths: &[usize], judge: Judge) -> Result<Vec<usize>> {
+    /// A bit more of one width for as many less of another as the errors allow, if that is cheaper.
+    fn exchange_widths(&mut self, point: &[usize], widths: &[usize]) -> Result<Vec<usize>> {
+        let cost = self.cost(point)?;
         for up in widths {
             let Some(raised) = step(self, point, *up, 1) else {
                 continue;
@@ -153,40 +202,60 @@ impl Evaluator<'_> {
                 let Some(lowered) = step(self, &raised, *down, -1) else {
                     continue;
                 };
-                if self.error_excess(&lowered)? > 0.0 {
+                if self.cost(&lowered)? >= cost || self.error_excess(&lowered)? > 0.0 {
                     continue;
                 }
-                let lowest = self.lowest_width(&lowered, *down)?;
-                if self.is_better(&lowest, point, judge)? {
-                    return Ok(lowest);
-                }
+                return self.lowest_width(&lowered, *down);
             }
         }
         Ok(point.to_vec())
     }
 
+    /// Widths as small as the limits on errors allow; all of them untouched if there are none.
+    fn narrow(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            point = self.lower_widths(point, widths)?;
+            point = self.exchange_widths(&point, widths)?;
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
     /// The whole search from a point whose design holds the limits on errors, if there are any.
     pub fn search(&mut self, start: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
-        let (widths, others) = self.split_axes();
-        let mut point = self.descend(start, &widths, judge)?;
-        let machines: Vec<usize> = others.clone();
-        let mut beginnings = self.beginnings(&point, &machines);
+        let (widths, mut others) = self.split_axes();
+        if !self.has_error_limit() {
+            // Without a limit widths are fields as all others.
+            others.extend(&widths);
+        }
+        let mut point = match self.has_error_limit() {
+            true => self.lower_widths(start, &widths)?,
+            false => start,
+        };
+        let mut beginnings = self.beginnings(&point, &others);
         self.evaluate(&beginnings)?;
         beginnings.sort_by(|a, b| compare(&self.scored(a, judge), &self.scored(b, judge)));
         beginnings.truncate(FOLLOWED);
-        let mut ends = vec![point.clone()];
+        beginnings.push(point.clone());
+        let mut ends = Vec::new();
         for beginning in beginnings {
-            ends.push(self.descend(beginning, &machines, judge)?);
+            ends.push(self.descend(beginning, &others, judge)?);
         }
-        point = self.best(&ends, judge)?;
-        let all: Vec<usize> = widths.iter().chain(&others).copied().collect();
+        for end in ends {
+            point = self.better(point, end, judge)?;
+        }
         loop {
             let before = point.clone();
-            point = self.descend(point, &all, judge)?;
-            point = self.exchange(&point, &machines, judge)?;
             if self.has_error_limit() {
-                point = self.exchange_widths(&point, &widths, judge)?;
+                let narrowed = self.narrow(point.clone(), &widths)?;
+                let narrowed = self.descend(narrowed, &others, judge)?;
+                point = self.better(point, narrowed, judge)?;
             }
+            point = self.exchange(&point, &others, judge)?;
+            point = self.descend(point, &others, judge)?;
             if point == before {
                 return Ok(point);
             }
@@ -238,12 +307,10 @@ fn is_width(axis: &Axis) -> bool {
     axis.part == Part::Design && named && bits.is_sorted()
 }
 
-fn values_of(evaluator: &Evaluator, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
+/// The point with every other value of a field.
+fn others_of(evaluator: &Evaluator, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
     let all = 0..evaluator.space.axes[axis].values.len();
-    // The point itself comes first, so that equals change nothing.
-    let others = all.filter(|index| *index != point[axis]);
-    std::iter::once(point[axis])
-        .chain(others)
+    all.filter(|index| *index != point[axis])
         .map(|index| {
             let mut moved = point.to_vec();
             moved[axis] = index;

@@ -214,6 +214,26 @@ impl<'a> Evaluator<'a> {
         Ok(errors.map(|limit| limit.excess(value(limit))).sum())
     }
 
+    /// What a point could reach at best: its area and its channels, with no error and no cycle. It scores no worse than the point does.
+    pub fn at_best(&self, choice: &Choice) -> Reached {
+        let Choice {
+            design,
+            traversal,
+            machine,
+        } = choice;
+        let clock = Clock::of(machine, &design.widths, self.question.calibration.family);
+        let nothing = Timing::default();
+        let prices = &self.question.calibration;
+        Reached {
+            error: Some(Fitness::default()),
+            pace: Pace::new(&nothing, machine, clock),
+            ms_per_frame: Spread::default(),
+            phases: [0; 3],
+            area: estimate(&design.widths, *traversal, machine, prices),
+            millijoules: Some(0.0),
+        }
+    }
+
     /// Evaluates points, side by side where they share rows.
     pub fn evaluate(&mut self, points: &[Vec<usize>]) -> Result<()> {
         let mut open: Vec<(Vec<usize>, Choice)> = Vec::new();

@@ -1,6 +1,6 @@
 //! The table of fields: section, key, range, meaning, and how to read and write it in a [`Config`].
 
-use super::{Assignment, Binning, Config, Layout, Overlap, Termination};
+use super::{Assignment, Binning, Config, Layout, Overlap, Termination, TileOrder};
 
 /// What a field may hold. Values are passed as integers; a choice is its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +56,8 @@ const LAYOUTS: [Layout; 4] = [Layout::Run, Layout::Aligned, Layout::Quad, Layout
 const OVERLAPS: [Overlap; 3] = [Overlap::Serial, Overlap::Pipelined, Overlap::Primitive];
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Static, Assignment::Dynamic];
 const TERMINATIONS: [Termination; 2] = [Termination::Discard, Termination::Skip];
+const TILE_ORDERS: [TileOrder; 4] = [TileOrder::Raster, TileOrder::Serpentine, TileOrder::Morton, TileOrder::Hilbert];
+const CACHES: Range = Range::OneOf(&[0, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16_384, 32_768, 65_536]);
 const BINNINGS: [Binning; 2] = [Binning::Box, Binning::Exact];
 
 /// Index of a choice; every choice is in its list.
@@ -65,7 +67,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 42] = [
+pub const FIELDS: [Field; 44] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -94,6 +96,8 @@ pub const FIELDS: [Field; 42] = [
     entry("raster", "packet_fifo", DEPTH, "packets between fetch and splat setup (reads in flight)", |c| c.packet_fifo, |c, v| c.packet_fifo = v),
     entry("raster", "splat_fifo", DEPTH, "splats between splat setup and row generator", |c| c.splat_fifo, |c, v| c.splat_fifo = v),
     entry("raster", "row_fifo", DEPTH, "runs between row generator and lanes", |c| c.row_fifo, |c, v| c.row_fifo = v),
+    entry("raster", "packet_cache", CACHES, "packets that a raster unit keeps, in four ways; 0: none", |c| c.packet_cache, |c, v| c.packet_cache = v),
+    entry("raster", "tile_order", Range::Choice(&["raster", "serpentine", "morton", "hilbert"]), "order in which tiles are drawn", |c| index(&TILE_ORDERS, &c.tile_order), |c, v| c.tile_order = TILE_ORDERS[v as usize]),
     entry("lanes", "lanes", LANES, "pixel lanes per raster unit", |c| c.lanes, |c, v| c.lanes = v),
     entry("lanes", "layout", Range::Choice(&["run", "aligned", "quad", "rows"]), "how lanes lie on the screen", |c| index(&LAYOUTS, &c.layout), |c, v| c.layout = LAYOUTS[v as usize]),
     entry("lanes", "pixel_termination", Range::Choice(&["discard", "skip"]), "finished pixels", |c| index(&TERMINATIONS, &c.pixel_termination), |c, v| c.pixel_termination = TERMINATIONS[v as usize]),
