@@ -21,7 +21,7 @@ Examples:
   splatline model --footprints f.csv --screen 512x512
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
 
-With -o: timing.json and machine.toml, the resolved configuration.";
+With -o: timing.json, timing.html with its plots, and machine.toml, the resolved configuration.";
 
 /// Which machine.
 #[derive(Debug, Args)]
@@ -87,7 +87,7 @@ pub struct ModelOptions {
     /// Simulate N times and report the median speed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
-    /// Folder to write timing.json and machine.toml into
+    /// Folder to write timing.json, timing.html and machine.toml into
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }

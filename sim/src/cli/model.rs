@@ -18,6 +18,7 @@ use crate::machine::{Config, simulate, simulate_alone};
 use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
+use crate::report::machine::{page, watch};
 use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
@@ -46,7 +47,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         inputs.extend(options.view.inputs());
         inputs.extend(options.more.others.clone());
         inputs.extend(options.area.inputs());
-        output::check_folder(folder, &["timing.json", "machine.toml"], &inputs)?;
+        output::check_folder(folder, &["timing.json", "timing.html", "machine.toml"], &inputs)?;
         create_folder(folder)?;
     }
     let priced = Priced::new(&options.area)?;
@@ -110,6 +111,9 @@ fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(
         return Ok(());
     };
     let histograms = Histograms::new(&work, config, workload.splats.len());
+    let watched = watch(workload, &work, config, &timing);
+    let page = page(name, &timing, &watched, workload.columns, config);
+    write(&folder.join("timing.html"), page.as_bytes())?;
     let result = json!({
         "format": "splatline-timing/1",
         "scene": name,

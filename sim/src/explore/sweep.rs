@@ -277,6 +277,7 @@ fn results(
         format!("{:.4}", pace.ms_per_frame),
         pace.bytes_per_frame.to_string(),
         format!("{:.0}", pace.bytes_per_s),
+        format!("{:.4}", timing.pixels.packet_hit_rate()),
     ]);
     for part in [&area.raster, &area.around] {
         fields.extend(part.resources().map(|(_, count)| count.to_string()));

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 /// Columns behind the axes. Area is that of the raster units, of what is around them, and all of it in look-up tables.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [&str; 28] = [
+pub const RESULTS: [&str; 29] = [
     "psnr_db",
     "rms",
     "max_abs",
@@ -28,6 +28,7 @@ pub const RESULTS: [&str; 28] = [
     "ms_per_frame",
     "bytes_per_frame",
     "bytes_per_s",
+    "packet_hit_rate",
     "raster_luts",
     "raster_flip_flops",
     "raster_dsps",
@@ -196,9 +197,8 @@ fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
             &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
             &"bias" | &"ssim" => ColumnKind::Number,
             &"rms" | &"max_abs" | &"lanes_busy" | &"area" => ColumnKind::Positive,
-            &"clock_mhz" | &"frames_per_s" | &"ms_per_frame" | &"bytes_per_s" => {
-                ColumnKind::Positive
-            }
+            &"clock_mhz" | &"frames_per_s" | &"ms_per_frame" | &"bytes_per_s"
+            | &"packet_hit_rate" => ColumnKind::Positive,
             name if name.ends_with("per_cycle_and_lane") => ColumnKind::Positive,
             _ => ColumnKind::Count,
         };
@@ -279,7 +279,7 @@ mod tests {
     }
 
     const SPACE: &str = "[machine]\nlanes = [1, 2]\nlayout = [\"run\", \"rows\"]\n";
-    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,81.7,1,60.5,16.5,1000,2e6,1,2,3,4,5,6,7,8,900,";
+    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,81.7,1,60.5,16.5,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,";
 
     fn checked(line: &str, errors: bool) -> Result<(), String> {
         let space = Space::from_toml("s.toml", SPACE).unwrap();
@@ -290,7 +290,7 @@ mod tests {
     #[test]
     fn values_that_no_sweep_writes_are_refused() {
         checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
-        checked(&format!("1,1,rows,{}{}quads", ",".repeat(26), ","), true).unwrap();
+        checked(&format!("1,1,rows,{}{}quads", ",".repeat(27), ","), true).unwrap();
         let columns = RESULTS.len() - 1;
         for (column, name) in RESULTS.iter().enumerate().take(columns) {
             for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {

@@ -134,13 +134,14 @@ pub fn text(name: &str, timing: &Timing) -> String {
     let bytes = &timing.bytes;
     let _ = writeln!(
         text,
-        "bytes: splats read {}, packets written {}, sorted {}, packets read {} (in vain {}), found in caches {}, pixels written {}",
+        "bytes: splats read {}, packets written {}, sorted {}, packets read {} (in vain {}), found in caches {} ({:.1} % of look-ups), pixels written {}",
         bytes.splats_read,
         bytes.packets_written,
         bytes.sort_moved,
         bytes.packets_read,
         bytes.packets_in_vain,
         bytes.packets_cached,
+        100.0 * timing.pixels.packet_hit_rate(),
         bytes.pixels_written
     );
     let pixels = &timing.pixels;

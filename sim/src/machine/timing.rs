@@ -85,6 +85,8 @@ impl Bytes {
 pub struct PixelWork {
     /// Splat-tile pairs drawn.
     pub pairs: u64,
+    /// Of these, pairs whose packet was in a cache.
+    pub packet_hits: u64,
     /// Pairs left out because their tile had finished.
     pub pairs_left_out: u64,
     /// Rows of the drawn pairs.
@@ -105,6 +107,13 @@ pub struct PixelWork {
     pub covered_per_cycle_and_lane: f64,
     /// live / (raster cycles x lanes x raster units).
     pub live_per_cycle_and_lane: f64,
+}
+
+impl PixelWork {
+    /// Which part of the pairs found their packet in a cache.
+    pub fn packet_hit_rate(&self) -> f64 {
+        self.packet_hits as f64 / self.pairs.max(1) as f64
+    }
 }
 
 /// Cycles of `workload` on a machine; `work` must have been made for the machine's [`LaneShape`].
@@ -149,8 +158,7 @@ pub fn simulate_observed<O: Observer>(
     timing.add_fifos(&geometry, &raster, config);
     timing.add_pixels(&raster, config);
     let entry = u64::from(packet_bytes + config.list_bytes);
-    let hits: u64 = raster.units.iter().map(|unit| unit.cache.hits).sum();
-    let cached = hits * u64::from(packet_bytes);
+    let cached = timing.pixels.packet_hits * u64::from(packet_bytes);
     timing.bytes = Bytes {
         splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
         packets_written: geometry.written,
@@ -325,6 +333,7 @@ impl Timing {
             .map_or(1, |unit| unit.sequencers.len() as u64);
         let busy = self.units.get("lanes").map_or(0, |unit| unit.busy);
         self.pixels = PixelWork {
+            packet_hits: raster.units.iter().map(|unit| unit.cache.hits).sum(),
             slots: busy * u64::from(config.lanes) / sequencers,
             covered_per_cycle_and_lane: per_lane(raster.pixels.covered),
             live_per_cycle_and_lane: per_lane(raster.pixels.live),

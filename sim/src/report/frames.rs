@@ -110,7 +110,7 @@ impl OverRows {
     }
 }
 
-const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:64rem;margin:1.5rem auto;padding:0 1rem;color:#1b1f24;background:#fff}\
+pub(super) const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:64rem;margin:1.5rem auto;padding:0 1rem;color:#1b1f24;background:#fff}\
 table{border-collapse:collapse}td,th{padding:.15rem .6rem;text-align:right}td:first-child,th:first-child{text-align:left}\
 .scroll{overflow-x:auto}svg{max-width:100%;height:auto}pre{overflow-x:auto}text{fill:currentColor;font:12px system-ui,sans-serif}\
 @media(prefers-color-scheme:dark){body{color:#e6e8eb;background:#14171a}a{color:#8ab4f8}}";

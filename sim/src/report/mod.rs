@@ -8,6 +8,7 @@ pub mod error_map;
 pub mod facts;
 pub mod frames;
 pub mod html;
+pub mod machine;
 mod labels;
 pub mod plot;
 pub mod png;

@@ -152,6 +152,24 @@ impl Evaluator<'_> {
         }
     }
 
+    /// Moves one field at a time, and two where one gains nothing, until neither does.
+    pub fn settle(
+        &mut self,
+        start: Vec<usize>,
+        axes: &[usize],
+        judge: Judge,
+    ) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            point = self.descend(point, axes, judge)?;
+            point = self.exchange(&point, axes, judge)?;
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
     /// Lowers one width at a time as far as the limits on errors allow, until none gains area.
     fn lower_widths(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
         let mut point = start;
@@ -254,8 +272,7 @@ impl Evaluator<'_> {
                 let narrowed = self.descend(narrowed, &others, judge)?;
                 point = self.better(point, narrowed, judge)?;
             }
-            point = self.exchange(&point, &others, judge)?;
-            point = self.descend(point, &others, judge)?;
+            point = self.settle(point, &others, judge)?;
             if point == before {
                 return Ok(point);
             }

@@ -250,8 +250,11 @@ fn search(evaluator: &mut Evaluator) -> Result<Searched> {
     let (_, machines) = evaluator.split_axes();
     let mut missed_alone = nothing;
     for (place, limit) in question.limits.iter().enumerate() {
-        if !limit.quantity.is_error() {
-            evaluator.descend(point.clone(), &machines, &|reached| {
+        // What the point holds need not give way. Errors are kept: what a wider one would allow is another question.
+        let excess = |reached: &Option<Reached>| reached.as_ref().map_or(0.0, |r| r.excess(limit));
+        let is_missed = evaluator.known.get(&point).is_some_and(|reached| excess(reached) > 0.0);
+        if is_missed && !limit.quantity.is_error() {
+            evaluator.settle(point.clone(), &machines, &|reached| {
                 [
                     question.missed_but(reached, place),
                     reached.excess(limit),

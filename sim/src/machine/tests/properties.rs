@@ -67,7 +67,7 @@ proptest! {
         prop_assert_eq!(after.bytes.packets_read + after.bytes.packets_cached, before.bytes.packets_read);
         prop_assert_eq!(before.bytes.packets_cached, 0);
         prop_assert!(after.total <= before.total);
-        prop_assert_eq!(after.pixels, PixelWork { covered_per_cycle_and_lane: after.pixels.covered_per_cycle_and_lane,
+        prop_assert_eq!(after.pixels, PixelWork { packet_hits: after.pixels.packet_hits, covered_per_cycle_and_lane: after.pixels.covered_per_cycle_and_lane,
             live_per_cycle_and_lane: after.pixels.live_per_cycle_and_lane, ..before.pixels });
         let misses = before.pixels.pairs - after.bytes.packets_cached / u64::from(workload.packet_bytes);
         prop_assert!(misses <= 3, "{} misses of three splats", misses);
