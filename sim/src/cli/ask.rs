@@ -2,7 +2,7 @@
 
 use super::machine_args::{ExploreOptions, LimitOptions};
 use super::output::{self, create_folder, read_settings, write};
-use super::resolve::{Asked, COMPARED, calibration, part, room_for_picture};
+use super::resolve::{Asked, COMPARED, KEPT, calibration, part, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::explore::ask::limits::{Limit, Quantity};
 use crate::explore::ask::{Answer, Question, ask, limits_of_part, tightest, usual_space};
@@ -79,8 +79,11 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         let prepared = &frame.prepared;
         warn(&prepared.setup_warnings()?);
         splats.push(prepared.splats()?);
-        // Pictures are drawn for errors alone; a machine is asked for cycles.
-        room_for_picture(&prepared.plan.camera, COMPARED * frames.len() as u64)?;
+        // Without a limit on errors the error of one picture is told, those of many are not worth their memory.
+        if !errors && frames.len() > 1 {
+            continue;
+        }
+        room_for_picture(&prepared.plan.camera, COMPARED + KEPT * frames.len() as u64)?;
         references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
     }
     let plan = &frames[0].prepared.plan;
@@ -105,7 +108,11 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     let progress = Progress::spinner("searching");
     let answer = ask(&question, &space, &|what| progress.doing(what))?;
     drop(progress);
-    let names: Vec<&str> = frames.iter().map(|frame| frame.name.as_str()).take(3).collect();
+    let names: Vec<&str> = frames
+        .iter()
+        .map(|frame| frame.name.as_str())
+        .take(3)
+        .collect();
     let more = if frames.len() > 3 { ", ..." } else { "" };
     let camera = &plan.camera;
     print_result(&format!(
@@ -118,7 +125,9 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     print_result(&answer.text(&Config::default()))?;
     let note = synthesis::statement(&question.calibration);
     let clock = answer.found.first().map(|found| &found.reached.pace.clock);
-    let of = clock.map_or(String::new(), |clock| format!("{} MHz: {}\n", clock.mhz, clock.of));
+    let of = clock.map_or(String::new(), |clock| {
+        format!("{} MHz: {}\n", clock.mhz, clock.of)
+    });
     print_result(&format!("\n{of}{note}\n"))?;
     match &options.output {
         Some(folder) => write_answer(&answer, &note, folder),

@@ -101,7 +101,9 @@ fn clock_note(machine: &Config, space: &Space) -> &'static str {
     let swept = space.axes.iter().any(|axis| axis.key == "clock_mhz");
     match machine.clock_mhz > 0 || swept {
         true => "",
-        false => "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another",
+        false => {
+            "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
+        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::machine_args::FitOptions;
 use super::output::{self, write};
-use super::resolve::{Asked, COMPARED, Frame, room_for_picture};
+use super::resolve::{Asked, COMPARED, Frame, KEPT, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::explore::fit::{Fit, Fitness, Metric, Task, design_toml, fit};
@@ -44,7 +44,7 @@ pub fn fitted(frames: &[Frame], metric: Metric, budget: f64) -> Result<Fit, Fail
     let Entry { design, traversal } = &frames[0].prepared.plan.entry;
     let mut references = Vec::with_capacity(frames.len());
     for Frame { prepared, .. } in frames {
-        room_for_picture(&prepared.plan.camera, COMPARED * frames.len() as u64)?;
+        room_for_picture(&prepared.plan.camera, COMPARED + KEPT * frames.len() as u64)?;
         references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
     }
     let measure = |design: &DesignChoice| {

@@ -3,16 +3,16 @@
 use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
 use super::output::{self, create_folder, write};
-use super::render::{check_room, write_picture};
+use super::render::{check_room, inputs, write_picture};
 use super::resolve::{Asked, COMPARED, Frame, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::view_args::MoreScenes;
 use crate::machine::summary::Spread;
+use crate::picture::EXTENSIONS;
 use crate::plan::compare_all;
 use crate::plan::measure::draw_alone;
 use crate::progress::Progress;
 use crate::report::frames::{FrameRow, page};
-use anyhow::anyhow;
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -20,14 +20,19 @@ use std::path::{Path, PathBuf};
 /// Version of the report over frames.
 const FORMAT: &str = "splatline-frames/1";
 
-/// A picture a frame beside `path`.
-pub fn render(options: &RenderOptions, path: &Path) -> Result<(), Failure> {
+/// A picture a frame, numbered behind the output's name.
+pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     if output::is_stream(&options.output) {
         let message = "--camera-path draws many pictures, and stdout takes one: name a file with -o, frames are numbered behind its name";
         return Err(Failure::Usage(message.to_owned()));
     }
     let drawing = &options.drawing;
-    let frames = Asked::drawing(&options.view, drawing).frames(&options.path, &MoreScenes::default())?;
+    let frames =
+        Asked::drawing(&options.view, drawing).frames(&options.path, &MoreScenes::default())?;
+    let inputs = inputs(options);
+    for number in 1..=frames.len() {
+        output::check(&numbered(&options.output, number), &EXTENSIONS, &inputs)?;
+    }
     let (progress, mut warnings) = (Progress::new(frames.len()), BTreeSet::new());
     let (mut rows, mut seconds) = (Vec::new(), Vec::new());
     for (number, frame) in (1..).zip(&frames) {
@@ -36,9 +41,6 @@ pub fn render(options: &RenderOptions, path: &Path) -> Result<(), Failure> {
         progress.doing(&frame.name);
         let (measured, report) = draw_alone(prepared, &drawing.effort(), &progress)?;
         let file = numbered(&options.output, number);
-        if file == path {
-            return Err(anyhow!("frame {number} would overwrite the camera path '{}': name another output", path.display()).into());
-        }
         write_picture(options, &measured.drawing.picture, &file)?;
         seconds.push(report.host.total_s);
         rows.push(json!({ "name": frame.name, "file": file, "report": report }));
@@ -91,7 +93,10 @@ pub fn compare(options: &CompareOptions) -> Result<(), Failure> {
     if let Some(json) = &drawing.json {
         write(json, text.as_bytes())?;
     }
-    let title = format!("Frames: {}", rows.first().map_or("", |row| row.name.as_str()));
+    let title = format!(
+        "Frames: {}",
+        rows.first().map_or("", |row| row.name.as_str())
+    );
     let html = options.output.join("frames.html");
     write(&html, page(&title, &rows, &over).as_bytes())?;
     warn(&warnings.into_iter().collect::<Vec<_>>());

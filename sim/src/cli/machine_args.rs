@@ -139,14 +139,22 @@ pub struct ExploreOptions {
     #[arg(long)]
     pub no_error: bool,
     /// Folder for the results; with a limit: answer.json, design.toml and machine.toml of the answer
-    #[arg(short, long, value_name = "dir", help_heading = "Output", required_unless_present = "limits")]
+    #[arg(
+        short,
+        long,
+        value_name = "dir",
+        help_heading = "Output",
+        required_unless_present = "limits"
+    )]
     pub output: Option<PathBuf>,
 }
 
 /// What the answer must hold. With any of these, `explore` searches for the cheapest point instead of sweeping.
 #[derive(Debug, Default, Args)]
 #[group(id = "limits", multiple = true)]
-#[command(next_help_heading = "Limits (each asks for the cheapest point that holds them; --part adds what it holds)")]
+#[command(
+    next_help_heading = "Limits (each asks for the cheapest point that holds them; --part adds what it holds)"
+)]
 pub struct LimitOptions {
     /// Frames a second at least, of the slowest frame
     #[arg(long, value_name = "N", value_parser = positive)]

@@ -47,7 +47,11 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         inputs.extend(options.view.inputs());
         inputs.extend(options.more.others.clone());
         inputs.extend(options.area.inputs());
-        output::check_folder(folder, &["timing.json", "timing.html", "machine.toml"], &inputs)?;
+        output::check_folder(
+            folder,
+            &["timing.json", "timing.html", "machine.toml"],
+            &inputs,
+        )?;
         create_folder(folder)?;
     }
     let priced = Priced::new(&options.area)?;
@@ -163,7 +167,10 @@ fn several(frames: &[Frame], priced: &Priced, options: &ModelOptions) -> Result<
     print_result(&format!("clock: {} MHz ({})\n", clock.mhz, clock.of))?;
     let area = estimate_area(priced, entry, config, &paces[0])?;
     let seconds = started.elapsed().as_secs_f64();
-    print_result(&format!("host: {} frames in {seconds:.1} s\n", frames.len()))?;
+    print_result(&format!(
+        "host: {} frames in {seconds:.1} s\n",
+        frames.len()
+    ))?;
     let Some(folder) = &options.output else {
         return Ok(());
     };

@@ -10,18 +10,11 @@ use crate::picture::{EXTENSIONS, Format, Picture};
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Look, Prepared};
 use crate::progress::Progress;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let inputs = [
-        options.view.inputs(),
-        output::files([
-            drawing.work.inputs().as_ref(),
-            options.path.camera_path.as_ref(),
-        ]),
-    ]
-    .concat();
+    let inputs = inputs(options);
     output::check(&options.output, &EXTENSIONS, &inputs)?;
     if let Some(json) = &drawing.json {
         output::check(json, &["json"], &inputs)?;
@@ -33,8 +26,8 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             "--traversal has no meaning for --engine {engine}"
         )));
     }
-    if let Some(path) = &options.path.camera_path {
-        return frames::render(options, path);
+    if options.path.camera_path.is_some() {
+        return frames::render(options);
     }
     let prepared = Asked::drawing(&options.view, drawing).prepare()?;
     check_room(&prepared)?;
@@ -51,6 +44,16 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     print_error(&if_layers_were_merged(measured.drawing.merged));
     print_error(&if_nothing_is_seen(picture, &report));
     print_result(&of_drawing(&report))
+}
+
+/// The files that are read.
+pub fn inputs(options: &RenderOptions) -> Vec<PathBuf> {
+    let own = [
+        options.drawing.work.inputs(),
+        options.path.camera_path.clone(),
+    ];
+    let own = output::files(own.iter().map(Option::as_ref));
+    [options.view.inputs(), own].concat()
 }
 
 /// Writes a picture in the format that its name says.

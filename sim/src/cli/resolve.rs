@@ -176,11 +176,7 @@ impl<'a> Asked<'a> {
         Ok(prepared)
     }
 
-    fn read_options(
-        &self,
-        scene: &Path,
-        path: Option<&CameraPath>,
-    ) -> Result<Prepared, Failure> {
+    fn read_options(&self, scene: &Path, path: Option<&CameraPath>) -> Result<Prepared, Failure> {
         let view = self.view;
         let source = self.source(scene)?;
         let machine = match self.machine {
@@ -394,7 +390,9 @@ pub fn part(options: &AreaOptions) -> Result<Option<Part>, Failure> {
     if let Some(path) = &options.parts {
         let text = read_settings(path)?;
         let file = path.display().to_string();
-        parts = parts.and(&file, &text).map_err(|problem| anyhow!(problem))?;
+        parts = parts
+            .and(&file, &text)
+            .map_err(|problem| anyhow!(problem))?;
     }
     let found = parts.find(name).map_err(Failure::Usage)?;
     Ok(Some(found.clone()))
@@ -504,6 +502,9 @@ pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
     memory::room_for(bytes, &what, "give a smaller --size")?;
     Ok(())
 }
+
+/// Bytes of a pixel of each further reference picture that is kept beside those being compared.
+pub const KEPT: u64 = 32;
 
 /// Bytes of a pixel while a picture is drawn and written: 47 were measured, 53 for a surface.
 pub const DRAWN: u64 = 64;

@@ -224,7 +224,11 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
         Some(value) => Err(format!(
             "{value} is not allowed: allowed are {}{}",
             names.join(", "),
-            if key == "base" { " and files that end in .toml" } else { "" }
+            if key == "base" {
+                " and files that end in .toml"
+            } else {
+                ""
+            }
         )),
         None => Ok(()),
     }

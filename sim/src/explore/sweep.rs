@@ -214,7 +214,12 @@ impl Run<'_> {
                 );
                 let widths = &self.options.design.widths;
                 let clock = Clock::of(&config, widths, self.subject.calibration.family);
-                results(self.error, &timing, &Pace::new(&timing, &config, clock), &area)
+                results(
+                    self.error,
+                    &timing,
+                    &Pace::new(&timing, &config, clock),
+                    &area,
+                )
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
@@ -232,12 +237,7 @@ impl Run<'_> {
 }
 
 /// The result columns in the order of [`super::table::RESULTS`].
-fn results(
-    error: Option<&ChannelError>,
-    timing: &Timing,
-    pace: &Pace,
-    area: &Area,
-) -> Vec<String> {
+fn results(error: Option<&ChannelError>, timing: &Timing, pace: &Pace, area: &Area) -> Vec<String> {
     let mut fields = match error {
         Some(error) => {
             let psnr = if error.psnr_db.is_finite() {

@@ -71,11 +71,10 @@ fn parse(file: &str, text: &str) -> Result<BTreeMap<String, Part>, String> {
     let parts: BTreeMap<String, Part> =
         toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
     for (name, part) in &parts {
-        part.check()
-            .map_err(|(key, value, [low, high])| {
-                let line = line_of(text, name, key);
-                format!("{file}:{line}: {name}.{key} = {value}: allowed are {low} to {high}")
-            })?;
+        part.check().map_err(|(key, value, [low, high])| {
+            let line = line_of(text, name, key);
+            format!("{file}:{line}: {name}.{key} = {value}: allowed are {low} to {high}")
+        })?;
     }
     let lower = |(name, part): (String, Part)| (name.to_lowercase(), part);
     Ok(parts.into_iter().map(lower).collect())
@@ -95,7 +94,9 @@ impl Part {
         let wrong = counts
             .iter()
             .find(|(_, value, low)| !(*low..=most).contains(value));
-        wrong.map_or(Ok(()), |(key, value, low)| Err((*key, *value, [*low, most])))
+        wrong.map_or(Ok(()), |(key, value, low)| {
+            Err((*key, *value, [*low, most]))
+        })
     }
 
     /// What it holds.
@@ -155,7 +156,10 @@ mod tests {
         let found = Parts::default();
         assert_eq!(found.find("XC7A100T").unwrap().luts, 63_400);
         let unknown = found.find("xc7z020").unwrap_err();
-        assert!(unknown.contains("xc7a35t") && unknown.contains("--parts"), "{unknown}");
+        assert!(
+            unknown.contains("xc7a35t") && unknown.contains("--parts"),
+            "{unknown}"
+        );
     }
 
     #[test]
@@ -172,6 +176,9 @@ mod tests {
         );
         let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
         let told = Parts::default().and("mine.toml", &unknown).unwrap_err();
-        assert!(told.contains(&format!("line {line}")) && told.contains("lutts"), "{told}");
+        assert!(
+            told.contains(&format!("line {line}")) && told.contains("lutts"),
+            "{told}"
+        );
     }
 }

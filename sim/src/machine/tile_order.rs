@@ -64,7 +64,15 @@ mod tests {
 
     #[test]
     fn every_order_has_every_tile_once() {
-        for (columns, tiles) in [(1, 1), (5, 15), (8, 64), (7, 3), (0, 4), (3, 30), (120, 8_160)] {
+        for (columns, tiles) in [
+            (1, 1),
+            (5, 15),
+            (8, 64),
+            (7, 3),
+            (0, 4),
+            (3, 30),
+            (120, 8_160),
+        ] {
             for order in ALL {
                 let mut all = sequence(order, columns, tiles);
                 all.sort_unstable();
@@ -79,7 +87,11 @@ mod tests {
         for order in [TileOrder::Serpentine, TileOrder::Hilbert] {
             for steps in sequence(order, 16, 256).windows(2) {
                 let apart = |axis: fn(usize) -> usize| axis(steps[0]).abs_diff(axis(steps[1]));
-                assert_eq!(apart(|tile| tile % 16) + apart(|tile| tile / 16), 1, "{order:?}");
+                assert_eq!(
+                    apart(|tile| tile % 16) + apart(|tile| tile / 16),
+                    1,
+                    "{order:?}"
+                );
             }
         }
         assert_eq!(sequence(TileOrder::Morton, 4, 8), [0, 1, 4, 5, 2, 3, 6, 7]);

@@ -63,7 +63,10 @@ pub struct LoadedPath {
 /// Reads a path. `size` is used where a file of cameras has none, and replaces the size that it has.
 pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
     let shown = file.display().to_string();
-    if file.extension().is_some_and(|extension| extension == "toml") {
+    if file
+        .extension()
+        .is_some_and(|extension| extension == "toml")
+    {
         let text =
             input::text(file, input::SETTINGS).with_context(|| format!("cannot read '{shown}'"))?;
         return Ok(LoadedPath {
@@ -92,7 +95,8 @@ pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
 
 /// Key frames from the text of their file.
 fn keys(file: &str, text: &str) -> Result<KeyFrames> {
-    let keys: KeyFrames = toml::from_str(text).with_context(|| format!("{file}: not a camera path"))?;
+    let keys: KeyFrames =
+        toml::from_str(text).with_context(|| format!("{file}: not a camera path"))?;
     if !(1..=MOST_FRAMES).contains(&keys.frames) {
         let line = line_of(text, "", "frames");
         bail!(
@@ -169,13 +173,22 @@ mod tests {
         let cameras = path.cameras([0.0, 1.0, 0.0], [64, 48]).unwrap();
         assert_eq!(cameras.len(), 5);
         let eye = |frame: usize| cameras[frame].1.eye();
-        for (frame, expected) in [(0, [4.0, 0.0, 0.0]), (2, [0.0, 0.0, 4.0]), (4, [-4.0, 0.0, 0.0])] {
-            let apart: f64 = (0..3).map(|axis| (eye(frame)[axis] - expected[axis]).abs()).sum();
+        for (frame, expected) in [
+            (0, [4.0, 0.0, 0.0]),
+            (2, [0.0, 0.0, 4.0]),
+            (4, [-4.0, 0.0, 0.0]),
+        ] {
+            let apart: f64 = (0..3)
+                .map(|axis| (eye(frame)[axis] - expected[axis]).abs())
+                .sum();
             assert!(apart < 1e-9, "{frame}: {:?}", eye(frame));
         }
         assert!(eye(1)[0] > 0.0 && eye(1)[2] > 0.0);
         let focal = |frame: usize| cameras[frame].1.fx;
-        assert!(focal(0) > focal(1) && focal(1) > focal(2), "40 to 60 degrees");
+        assert!(
+            focal(0) > focal(1) && focal(1) > focal(2),
+            "40 to 60 degrees"
+        );
         assert_eq!(cameras[4].0, "frame 5");
     }
 
@@ -194,7 +207,8 @@ mod tests {
         assert_eq!(zero, "p.toml:1: frames = 0: allowed are 1 to 100000");
         assert!(told(&TEXT.replacen("target", "tarket", 1)).contains("tarket"));
         assert!(told("frames = 2\nkey = []\n").contains("needs one or more"));
-        let path = CameraPath::Keys(keys("p.toml", &TEXT.replace("fov = 40.0", "fov = 400.0")).unwrap());
+        let path =
+            CameraPath::Keys(keys("p.toml", &TEXT.replace("fov = 40.0", "fov = 400.0")).unwrap());
         let told = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
         assert!(told.contains("frame 1") && told.contains("fov"), "{told}");
     }

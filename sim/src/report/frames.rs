@@ -50,7 +50,8 @@ impl FrameRow {
     pub fn new(name: &str, folder: &Path, report: &Report) -> FrameRow {
         let folder = folder.file_name().unwrap_or_default().to_string_lossy();
         let rgb = report.error.map(|error| error.rgb);
-        let total = |cycles: &serde_json::Value| cycles.get("total").and_then(|total| total.as_u64());
+        let total =
+            |cycles: &serde_json::Value| cycles.get("total").and_then(|total| total.as_u64());
         FrameRow {
             name: name.to_owned(),
             folder: folder.into_owned(),
@@ -94,9 +95,15 @@ impl OverRows {
         };
         let lines = [
             ("PSNR", three(&psnr, &self.rms)),
-            ("largest error", three(&|error| format!("{error:.3e}"), &self.max_abs)),
+            (
+                "largest error",
+                three(&|error| format!("{error:.3e}"), &self.max_abs),
+            ),
             ("|bias|", three(&|bias| format!("{bias:.2e}"), &self.bias)),
-            ("Mcycles", three(&|cycles| format!("{:.3}", cycles / 1e6), &self.cycles)),
+            (
+                "Mcycles",
+                three(&|cycles| format!("{:.3}", cycles / 1e6), &self.cycles),
+            ),
         ];
         let mut text = format!(
             "{} frames, the one with the lowest PSNR is {}\n{:<16} {:>12} {:>12} {:>12}\n",
@@ -122,8 +129,12 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         "<table><tr><th>frame</th><th>PSNR, dB</th><th>largest error</th><th>bias</th><th>SSIM</th><th>cycles</th></tr>\n",
     );
     for row in rows {
-        let psnr = row.psnr_db.map_or("equal".to_owned(), |psnr| format!("{psnr:.2}"));
-        let cycles = row.cycles.map_or(String::new(), |cycles| cycles.to_string());
+        let psnr = row
+            .psnr_db
+            .map_or("equal".to_owned(), |psnr| format!("{psnr:.2}"));
+        let cycles = row
+            .cycles
+            .map_or(String::new(), |cycles| cycles.to_string());
         // Writing to a String cannot fail.
         let _ = writeln!(
             table,
@@ -164,7 +175,10 @@ fn curve(name: &str, rows: &[FrameRow], of: &dyn Fn(&FrameRow) -> f64) -> String
         // Writing to a String cannot fail.
         let _ = write!(points, "{x:.1},{y:.1} ");
         let title = escape(&format!("{}: {:.4e}", row.name, of(row)));
-        let _ = write!(dots, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"#2f6fde\"><title>{title}</title></circle>");
+        let _ = write!(
+            dots,
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"#2f6fde\"><title>{title}</title></circle>"
+        );
     }
     let base = height - 24.0;
     format!(

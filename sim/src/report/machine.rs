@@ -9,9 +9,9 @@ use crate::machine::accounts::CAUSES;
 use crate::machine::config::Config;
 use crate::machine::lanes::LaneWork;
 use crate::machine::observe::{Event, Observer, Stage};
+use crate::machine::simulate_observed;
 use crate::machine::timing::Timing;
 use crate::machine::workload::Workload;
-use crate::machine::simulate_observed;
 use std::fmt::Write;
 
 const WIDTH: f64 = 760.0;
@@ -93,7 +93,13 @@ pub fn watch(workload: &Workload, work: &LaneWork, config: &Config, timing: &Tim
 }
 
 /// The page.
-pub fn page(name: &str, timing: &Timing, watched: &Watched, columns: u32, config: &Config) -> String {
+pub fn page(
+    name: &str,
+    timing: &Timing,
+    watched: &Watched,
+    columns: u32,
+    config: &Config,
+) -> String {
     let name = escape(name);
     let plots = [
         ("Where each unit's cycles go", accounts(timing)),
@@ -124,11 +130,18 @@ fn accounts(timing: &Timing) -> String {
         let y = top + step * row as f64;
         let mut x = LEFT;
         // Writing to a String cannot fail.
-        let _ = write!(marks, "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{unit}</text>", LEFT - 6.0, y + 12.0);
-        let stalls = CAUSES.iter().zip(COLOURS).filter_map(|((_, cause), colour)| {
-            Some((*cause, colour, *time.stalled.get(cause)?))
-        });
-        for (what, colour, cycles) in std::iter::once(("busy", "#2f6fde", time.busy)).chain(stalls) {
+        let _ = write!(
+            marks,
+            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{unit}</text>",
+            LEFT - 6.0,
+            y + 12.0
+        );
+        let stalls = CAUSES
+            .iter()
+            .zip(COLOURS)
+            .filter_map(|((_, cause), colour)| Some((*cause, colour, *time.stalled.get(cause)?)));
+        for (what, colour, cycles) in std::iter::once(("busy", "#2f6fde", time.busy)).chain(stalls)
+        {
             let length = width * cycles as f64 / all;
             let part = 100.0 * cycles as f64 / all;
             let _ = write!(
@@ -146,7 +159,11 @@ fn accounts(timing: &Timing) -> String {
         );
     }
     let base = top + step * timing.units.len() as f64 + 10.0;
-    svg(base + 24.0, &format!("{marks}{}", legend(&used, base)), "busy, stalled and idle cycles of every unit")
+    svg(
+        base + 24.0,
+        &format!("{marks}{}", legend(&used, base)),
+        "busy, stalled and idle cycles of every unit",
+    )
 }
 
 /// Coloured squares with their words.
@@ -178,11 +195,18 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
             "row generator" => "row_generator",
             _ => "write_back",
         };
-        let instances = timing.units.get(unit).map_or(1, |unit| unit.instances.max(1));
+        let instances = timing
+            .units
+            .get(unit)
+            .map_or(1, |unit| unit.instances.max(1));
         let all = (watched.slot * instances) as f64;
         let point = |(slot, cycles): (usize, &u64)| {
             let part = (*cycles as f64 / all).min(1.0);
-            format!("{:.1},{:.1} ", LEFT + across * (slot as f64 + 0.5), base - (base - top) * part)
+            format!(
+                "{:.1},{:.1} ",
+                LEFT + across * (slot as f64 + 0.5),
+                base - (base - top) * part
+            )
         };
         let points: String = slots.iter().enumerate().map(point).collect();
         // Writing to a String cannot fail.
@@ -191,7 +215,10 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
             "<polyline points=\"{points}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"1.5\"><title>{name}</title></polyline>"
         );
     }
-    let names: Vec<(&str, &str)> = WATCHED.iter().map(|(_, name, colour)| (*name, *colour)).collect();
+    let names: Vec<(&str, &str)> = WATCHED
+        .iter()
+        .map(|(_, name, colour)| (*name, *colour))
+        .collect();
     let axes = format!(
         "<text x=\"{0}\" y=\"{1}\" text-anchor=\"end\">100 %</text><text x=\"{0}\" y=\"{base}\" text-anchor=\"end\">0</text>\
          <path d=\"M{LEFT} {top}V{base}H{2}\" fill=\"none\" stroke=\"currentColor\" stroke-opacity=\".4\"/><text x=\"{2}\" y=\"{3}\" text-anchor=\"end\">{4} cycles</text>",
@@ -201,13 +228,21 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
         base + 14.0,
         timing.raster
     );
-    svg(height, &format!("{axes}{lines}{}", legend(&names, base + 18.0)), "part of each stage that works, over the raster phase")
+    svg(
+        height,
+        &format!("{axes}{lines}{}", legend(&names, base + 18.0)),
+        "part of each stage that works, over the raster phase",
+    )
 }
 
 /// The screen, a square for each tile.
 fn heat_map(watched: &Watched, columns: u32) -> String {
     let tiles = watched.tiles.len();
-    let columns = if columns == 0 { tiles.max(1) } else { columns as usize };
+    let columns = if columns == 0 {
+        tiles.max(1)
+    } else {
+        columns as usize
+    };
     let rows = tiles.div_ceil(columns).max(1);
     let side = (WIDTH - 20.0) / columns as f64;
     let most = watched.tiles.iter().copied().max().unwrap_or(0).max(1);
@@ -225,7 +260,10 @@ fn heat_map(watched: &Watched, columns: u32) -> String {
         );
     }
     let height = side * rows as f64 + 44.0;
-    let words = format!("<text x=\"10\" y=\"{:.0}\">full colour: {most} cycles</text>", height - 10.0);
+    let words = format!(
+        "<text x=\"10\" y=\"{:.0}\">full colour: {most} cycles</text>",
+        height - 10.0
+    );
     svg(height, &format!("{marks}{words}"), "cycles of every tile")
 }
 
@@ -238,18 +276,28 @@ fn roofline(timing: &Timing, config: &Config) -> String {
     let channels = f64::from(config.read_bandwidth) + f64::from(config.write_bandwidth);
     let bytes = timing.bytes.total().max(1) as f64 / pixels;
     let reached = pixels / timing.total.max(1) as f64;
-    let x = |value: f64| LEFT + (WIDTH - LEFT - 20.0) * ((value.log10() + 3.0) / 6.0).clamp(0.0, 1.0);
+    let x =
+        |value: f64| LEFT + (WIDTH - LEFT - 20.0) * ((value.log10() + 3.0) / 6.0).clamp(0.0, 1.0);
     let y = |value: f64| base - (base - top) * ((value.log10() + 3.0) / 6.0).clamp(0.0, 1.0);
     let ridge = channels / lanes;
     let roof = format!(
         "<path d=\"M{:.1} {:.1}L{:.1} {:.1}L{:.1} {:.1}\" fill=\"none\" stroke=\"currentColor\"><title>{lanes} pixels a cycle; {channels} bytes a cycle</title></path>",
-        x(1e-3), y(lanes), x(ridge), y(lanes), x(1e3), y(channels / 1e3)
+        x(1e-3),
+        y(lanes),
+        x(ridge),
+        y(lanes),
+        x(1e3),
+        y(channels / 1e3)
     );
     let bound = lanes.min(channels / bytes);
     let point = format!(
         "<circle cx=\"{0:.1}\" cy=\"{1:.1}\" r=\"5\" fill=\"#2f6fde\"><title>{bytes:.3} bytes a pixel, {reached:.4} pixels a cycle of {bound:.4}</title></circle>\
          <text x=\"{2:.1}\" y=\"{3:.1}\">{bytes:.2} bytes a live pixel, {reached:.3} pixels a cycle: {4:.1} % of the roof</text>",
-        x(bytes), y(reached), x(bytes).min(WIDTH - 420.0) + 8.0, y(reached) + 18.0, 100.0 * reached / bound
+        x(bytes),
+        y(reached),
+        x(bytes).min(WIDTH - 420.0) + 8.0,
+        y(reached) + 18.0,
+        100.0 * reached / bound
     );
     let mut ticks = String::new();
     for power in -3..=3 {
@@ -258,14 +306,23 @@ fn roofline(timing: &Timing, config: &Config) -> String {
         let _ = write!(
             ticks,
             "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{value}</text><text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{value}</text>",
-            x(value), base + 14.0, LEFT - 6.0, y(value) + 4.0
+            x(value),
+            base + 14.0,
+            LEFT - 6.0,
+            y(value) + 4.0
         );
     }
     let names = format!(
         "<text x=\"{}\" y=\"{}\" text-anchor=\"end\">bytes a live pixel</text><text x=\"4\" y=\"{}\">pixels a cycle</text>",
-        WIDTH - 20.0, base + 30.0, top + 120.0
+        WIDTH - 20.0,
+        base + 30.0,
+        top + 120.0
     );
-    svg(height, &format!("{ticks}{names}{roof}{point}"), "pixels a cycle against bytes a pixel")
+    svg(
+        height,
+        &format!("{ticks}{names}{roof}{point}"),
+        "pixels a cycle against bytes a pixel",
+    )
 }
 
 fn svg(height: f64, marks: &str, label: &str) -> String {
@@ -302,13 +359,25 @@ mod tests {
         let work = LaneWork::new(&workload, LaneShape::from(&config));
         let timing = simulate(&workload, &work, &config);
         let watched = watch(&workload, &work, &config, &timing);
-        assert_eq!(watched.slots[1].iter().sum::<u64>(), timing.units["lanes"].busy);
-        assert_eq!(watched.slots[0].iter().sum::<u64>(), timing.units["row_generator"].busy);
+        assert_eq!(
+            watched.slots[1].iter().sum::<u64>(),
+            timing.units["lanes"].busy
+        );
+        assert_eq!(
+            watched.slots[0].iter().sum::<u64>(),
+            timing.units["row_generator"].busy
+        );
         assert_eq!((watched.tiles.len(), workload.columns), (9, 3));
         assert!(watched.tiles.iter().all(|cycles| *cycles <= timing.raster));
         assert!(watched.tiles.iter().any(|cycles| *cycles > 0));
         let page = page("<random>", &timing, &watched, workload.columns, &config);
-        for part in ["&lt;random&gt;: ", "lanes: busy ", "tile 2, 2: ", "bytes a live pixel", "<title>write-back"] {
+        for part in [
+            "&lt;random&gt;: ",
+            "lanes: busy ",
+            "tile 2, 2: ",
+            "bytes a live pixel",
+            "<title>write-back",
+        ] {
             assert!(page.contains(part), "{part}");
         }
         assert!(!page.contains("NaN") && !page.contains("inf"));

@@ -111,7 +111,11 @@ impl Evaluator<'_> {
     /// The better of two points; the second only if it is better.
     fn better(&mut self, a: Vec<usize>, b: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
         let (score, other) = (self.score(&a, judge)?, self.score(&b, judge)?);
-        Ok(if compare(&other, &score).is_lt() { b } else { a })
+        Ok(if compare(&other, &score).is_lt() {
+            b
+        } else {
+            a
+        })
     }
 
     /// The least index of a width up to the point's that holds the limits on errors.
@@ -283,7 +287,9 @@ impl Evaluator<'_> {
     pub fn split_axes(&self) -> (Vec<usize>, Vec<usize>) {
         let axes = &self.space.axes;
         let width = |name: &str| {
-            let place = axes.iter().position(|axis| axis.part == Part::Design && axis.key == name);
+            let place = axes
+                .iter()
+                .position(|axis| axis.part == Part::Design && axis.key == name);
             place.filter(|place| is_width(&axes[*place]))
         };
         let widths: Vec<usize> = ORDER.iter().filter_map(|name| width(name)).collect();
@@ -320,7 +326,11 @@ impl Evaluator<'_> {
 /// Is it a width, from narrow to wide?
 fn is_width(axis: &Axis) -> bool {
     let named = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);
-    let bits: Vec<i64> = axis.values.iter().filter_map(toml::Value::as_integer).collect();
+    let bits: Vec<i64> = axis
+        .values
+        .iter()
+        .filter_map(toml::Value::as_integer)
+        .collect();
     axis.part == Part::Design && named && bits.is_sorted()
 }
 

@@ -119,6 +119,8 @@ pub struct Evaluator<'a> {
     pub space: &'a Space,
     scenes: Vec<QuantisedScene>,
     errors: HashMap<String, Fitness>,
+    /// Every design that was drawn, with its errors.
+    pub drawn: Vec<(Choice, Fitness)>,
     workloads: HashMap<WorkKey, Arc<Vec<Workload>>>,
     groupings: HashMap<(WorkKey, LaneShape), Arc<Vec<LaneWork>>>,
     /// What has been evaluated; nothing for what makes no machine.
@@ -133,8 +135,7 @@ impl<'a> Evaluator<'a> {
         space: &'a Space,
         progress: &'a (dyn Fn(&str) + Sync),
     ) -> Evaluator<'a> {
-        let quantise =
-            |frame: &Splats| QuantisedScene::new(frame.scene, frame.camera, frame.rules);
+        let quantise = |frame: &Splats| QuantisedScene::new(frame.scene, frame.camera, frame.rules);
         let scenes = match question.references.is_empty() {
             true => Vec::new(),
             false => question.frames.iter().map(quantise).collect(),
@@ -144,6 +145,7 @@ impl<'a> Evaluator<'a> {
             space,
             scenes,
             errors: HashMap::new(),
+            drawn: Vec::new(),
             workloads: HashMap::new(),
             groupings: HashMap::new(),
             known: HashMap::new(),
@@ -190,12 +192,12 @@ impl<'a> Evaluator<'a> {
         let frames = self.question.frames.iter().zip(&self.scenes);
         for ((frame, scene), reference) in frames.zip(&self.question.references) {
             let options = options(frame, choice);
-            let (drawing, _) =
-                fixed::draw_quantised(scene, frame.camera, &options, best_engine());
+            let (drawing, _) = fixed::draw_quantised(scene, frame.camera, &options, best_engine());
             all.push(Fitness::of(&drawing.picture, reference)?);
         }
         let error = Fitness::over(&all);
         self.errors.insert(key, error);
+        self.drawn.push((choice.clone(), error));
         (self.progress)("drawing by other widths");
         Ok(Some(error))
     }
@@ -206,12 +208,25 @@ impl<'a> Evaluator<'a> {
         let error = self.error(&choice)?;
         let limits = self.question.limits.iter();
         let errors = limits.filter(|limit| limit.quantity.is_error());
-        let value = |limit: &Limit| match (limit.quantity, error) {
-            (_, None) => f64::NAN,
-            (Quantity::PsnrDb, Some(error)) => error.psnr_db(),
-            (_, Some(error)) => error.max_abs,
+        Ok(errors.map(|limit| error_excess(limit, error)).sum())
+    }
+
+    /// The least cost of a design that was drawn, on this machine, if one of the limits on errors did not hold: such designs are drawn and not simulated.
+    pub fn cost_without_error(&self, machine: &Config, but: usize) -> Option<f64> {
+        let question = self.question;
+        let holds = |error: Fitness| {
+            let others = question.limits.iter().enumerate();
+            let mut errors = others.filter(|(place, l)| *place != but && l.quantity.is_error());
+            errors.all(|(_, limit)| error_excess(limit, Some(error)) <= 0.0)
         };
-        Ok(errors.map(|limit| limit.excess(value(limit))).sum())
+        let costs = self.drawn.iter().filter(|(_, error)| holds(*error));
+        costs
+            .map(|(choice, _)| {
+                let widths = &choice.design.widths;
+                let prices = &question.calibration;
+                estimate(widths, choice.traversal, machine, prices).weight
+            })
+            .min_by(f64::total_cmp)
     }
 
     /// What a point could reach at best: its area and its channels, with no error and no cycle. It scores no worse than the point does.
@@ -313,6 +328,15 @@ impl<'a> Evaluator<'a> {
     }
 }
 
+/// By how much a limit on errors is missed; what was not measured misses it without measure.
+fn error_excess(limit: &Limit, error: Option<Fitness>) -> f64 {
+    limit.excess(match (limit.quantity, error) {
+        (_, None) => f64::NAN,
+        (Quantity::PsnrDb, Some(error)) => error.psnr_db(),
+        (_, Some(error)) => error.max_abs,
+    })
+}
+
 fn design_key(choice: &Choice) -> String {
     format!("{:?} {:?}", choice.design.widths, choice.traversal)
 }
@@ -363,7 +387,10 @@ fn reached(
     let timing = timings.get(slowest).unwrap_or(&nothing);
     Reached {
         error,
-        pace: paces.get(slowest).cloned().unwrap_or_else(|| pace(&nothing)),
+        pace: paces
+            .get(slowest)
+            .cloned()
+            .unwrap_or_else(|| pace(&nothing)),
         ms_per_frame: Spread::of(paces.iter().map(|pace| pace.ms_per_frame)),
         phases: [timing.geometry, timing.sort, timing.raster],
         area: estimate(widths, *traversal, machine, &question.calibration),

@@ -120,7 +120,9 @@ mod tests {
         assert!((fps.excess(45.0) - 0.25).abs() < 1e-12 && (fps.slack(66.0) - 0.1).abs() < 1e-12);
         let luts = limit(Quantity::Luts, 1000.0);
         assert_eq!(luts.excess(1000.0), 0.0);
-        assert!((luts.excess(1100.0) - 0.1).abs() < 1e-12 && (luts.slack(900.0) - 0.1).abs() < 1e-12);
+        assert!(
+            (luts.excess(1100.0) - 0.1).abs() < 1e-12 && (luts.slack(900.0) - 0.1).abs() < 1e-12
+        );
         assert_eq!(limit(Quantity::Dsps, 0.0).excess(3.0), 3.0);
         assert_eq!(luts.excess(f64::NAN), f64::INFINITY);
         let exact = limit(Quantity::PsnrDb, 60.0);

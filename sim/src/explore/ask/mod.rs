@@ -39,6 +39,9 @@ const FEW_FRAMES: usize = 3;
 /// Points that an answer holds: the cheapest and the next three.
 const KEPT: usize = 4;
 
+/// By which part of its cost a point is dearer at least than the one before it in an answer.
+const APART: f64 = 0.01;
+
 /// A point of an answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Found {
@@ -85,7 +88,11 @@ pub struct Answer {
 }
 
 /// The space that is searched where none is given: every width where errors are limited, and the usual machines, with what the search starts from.
-pub fn usual_space(design: &DesignChoice, machine: &Config, designs: bool) -> Result<Space, SpaceError> {
+pub fn usual_space(
+    design: &DesignChoice,
+    machine: &Config,
+    designs: bool,
+) -> Result<Space, SpaceError> {
     let mut text = USUAL.to_owned();
     if designs {
         text += "[design]\n";
@@ -158,7 +165,11 @@ impl<'a> Question<'a> {
 
     /// The same without one of them.
     fn missed_but(&self, reached: &Reached, but: usize) -> f64 {
-        let others = self.limits.iter().enumerate().filter(|(place, _)| *place != but);
+        let others = self
+            .limits
+            .iter()
+            .enumerate()
+            .filter(|(place, _)| *place != but);
         others.map(|(_, limit)| reached.excess(limit)).sum()
     }
 
@@ -179,7 +190,11 @@ pub fn ask(question: &Question, space: &Space, progress: &(dyn Fn(&str) + Sync))
         let some = question.about(&searched);
         let mut evaluator = Evaluator::new(&some, space, progress);
         let found = search(&mut evaluator)?;
-        let others: Vec<usize> = all.iter().copied().filter(|f| !searched.contains(f)).collect();
+        let others: Vec<usize> = all
+            .iter()
+            .copied()
+            .filter(|f| !searched.contains(f))
+            .collect();
         match answered(question, &evaluator, &found, &others, progress)? {
             // The search believed that this frame was lighter.
             Outcome::MissedBy(frame) => searched.push(frame),
@@ -192,7 +207,11 @@ pub fn ask(question: &Question, space: &Space, progress: &(dyn Fn(&str) + Sync))
 }
 
 /// The frames that take the most cycles where the search starts.
-fn heaviest(question: &Question, space: &Space, progress: &(dyn Fn(&str) + Sync)) -> Result<Vec<usize>> {
+fn heaviest(
+    question: &Question,
+    space: &Space,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Vec<usize>> {
     let at = start(question, space);
     let mut cycles = Vec::with_capacity(question.frames.len());
     for frame in 0..question.frames.len() {
@@ -252,7 +271,10 @@ fn search(evaluator: &mut Evaluator) -> Result<Searched> {
     for (place, limit) in question.limits.iter().enumerate() {
         // What the point holds need not give way. Errors are kept: what a wider one would allow is another question.
         let excess = |reached: &Option<Reached>| reached.as_ref().map_or(0.0, |r| r.excess(limit));
-        let is_missed = evaluator.known.get(&point).is_some_and(|reached| excess(reached) > 0.0);
+        let is_missed = evaluator
+            .known
+            .get(&point)
+            .is_some_and(|reached| excess(reached) > 0.0);
         if is_missed && !limit.quantity.is_error() {
             evaluator.settle(point.clone(), &machines, &|reached| {
                 [
@@ -292,7 +314,8 @@ fn answered(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome> {
     let known = |point: &[usize]| evaluator.known.get(point).and_then(Option::as_ref);
-    let first = known(&searched.point).context("the search ends at a point that makes no machine")?;
+    let first =
+        known(&searched.point).context("the search ends at a point that makes no machine")?;
     let holds = question.missed(first) <= 0.0;
     let mut points: Vec<(&Vec<usize>, &Reached)> = evaluator
         .known
@@ -301,8 +324,8 @@ fn answered(
         .filter(|(_, reached)| holds && question.missed(reached) <= 0.0)
         .collect();
     points.sort_by(|a, b| compare(&question.score(a.1), &question.score(b.1)).then(a.0.cmp(b.0)));
-    // Points of one cost differ in what costs nothing: one of them says all.
-    points.dedup_by_key(|(_, reached)| reached.cost());
+    // Points of nearly the same cost differ in what hardly matters, a place of a queue: one of them says all.
+    points.dedup_by(|later, kept| later.1.cost() < (1.0 + APART) * kept.1.cost());
     let mut found = Vec::new();
     if !holds {
         points = vec![(&searched.point, first)];
@@ -333,11 +356,16 @@ fn answered(
         let value = reached.value(limit.quantity).unwrap_or(f64::NAN);
         let all = evaluator.known.values().flatten();
         let without = all.filter(|other| question.missed_but(other, place) <= 0.0);
+        let simulated = without.map(Reached::cost).min_by(f64::total_cmp);
+        let drawn = match (limit.quantity.is_error(), found.first()) {
+            (true, Some(first)) => evaluator.cost_without_error(&first.machine, place),
+            _ => None,
+        };
         Standing {
             limit: limit.clone(),
             value,
             slack: limit.slack(value),
-            cost_without: without.map(Reached::cost).min_by(f64::total_cmp),
+            cost_without: simulated.into_iter().chain(drawn).min_by(f64::total_cmp),
             missed_alone: searched.missed_alone[place],
         }
     };
@@ -367,7 +395,9 @@ fn combined(parts: Vec<Reached>, first: usize) -> Reached {
     }
     // The searched frames are the heaviest, few among many: each stands for its mean.
     let each = |part: usize| std::iter::repeat_n(&parts[part], weights(part));
-    let ms = (0..parts.len()).flat_map(each).map(|part| part.ms_per_frame.mean);
+    let ms = (0..parts.len())
+        .flat_map(each)
+        .map(|part| part.ms_per_frame.mean);
     let spread = Spread::of(ms);
     let errors: Vec<Fitness> = (0..parts.len())
         .flat_map(each)
@@ -379,7 +409,10 @@ fn combined(parts: Vec<Reached>, first: usize) -> Reached {
             worst: slowest.ms_per_frame.worst,
             ..spread
         },
-        millijoules: parts.iter().filter_map(|part| part.millijoules).reduce(f64::max),
+        millijoules: parts
+            .iter()
+            .filter_map(|part| part.millijoules)
+            .reduce(f64::max),
         ..slowest
     }
 }
@@ -388,7 +421,10 @@ fn combined(parts: Vec<Reached>, first: usize) -> Reached {
 pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
     let mut kept: Vec<Limit> = Vec::new();
     for limit in limits {
-        match kept.iter_mut().find(|other| other.quantity == limit.quantity) {
+        match kept
+            .iter_mut()
+            .find(|other| other.quantity == limit.quantity)
+        {
             Some(other) => {
                 let tighter = match limit.quantity.is_at_least() {
                     true => limit.bound > other.bound,

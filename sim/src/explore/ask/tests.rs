@@ -2,6 +2,7 @@
 
 use super::limits::{Limit, Quantity};
 use super::*;
+use crate::camera::Camera;
 use crate::explore::folder::Appender;
 use crate::explore::sweep::{self, Shard, Subject};
 use crate::explore::table::{Table, heading};
@@ -11,7 +12,6 @@ use crate::plan::Splats;
 use crate::reference::float;
 use crate::rules::Compositing;
 use crate::scene::{Scene, synthetic};
-use crate::camera::Camera;
 
 const SPACE: &str = "[design]\nmantissa = [14, 16, 20, 24]\nalpha = [8, 10, 16, 24]\ncolour = [8, 12, 24]\n\
                      [machine]\ntile_width = [8, 16]\nlanes = [1, 2, 4]\nlayout = [\"run\", \"quad\"]\nrows_at_once = [1, 2]\n\
@@ -124,8 +124,16 @@ fn the_search_finds_what_the_exhaustive_sweep_finds() {
             assert_eq!(answer.holds, cheapest.is_some(), "{allowed} {max_error}");
             if let Some(cheapest) = cheapest {
                 let cost = answer.found[0].reached.cost();
-                assert!((cost / cheapest - 1.0).abs() < 1e-5, "{allowed} {max_error}: {cost} {cheapest}");
-                assert!(answer.found.windows(2).all(|two| two[0].reached.cost() < two[1].reached.cost()));
+                assert!(
+                    (cost / cheapest - 1.0).abs() < 1e-5,
+                    "{allowed} {max_error}: {cost} {cheapest}"
+                );
+                assert!(
+                    answer
+                        .found
+                        .windows(2)
+                        .all(|two| two[0].reached.cost() < two[1].reached.cost())
+                );
                 held += 1;
             }
         }
@@ -140,7 +148,10 @@ fn the_limit_that_fails_first_is_named_by_how_much() {
     let space = Space::from_toml("s.toml", SPACE).unwrap();
     let swept = subjects.swept(&space);
     let luts = |point: &[f64; 5]| point[2] + point[3];
-    let fastest = swept.iter().map(|point| point[1]).fold(f64::INFINITY, f64::min);
+    let fastest = swept
+        .iter()
+        .map(|point| point[1])
+        .fold(f64::INFINITY, f64::min);
     let smallest = swept.iter().filter(|point| point[0] <= 5e-3).map(luts);
     let bound = smallest.fold(f64::INFINITY, f64::min);
     let limits = vec![
@@ -153,9 +164,15 @@ fn the_limit_that_fails_first_is_named_by_how_much() {
     let within = swept.iter().filter(|p| p[0] <= 5e-3 && luts(p) <= bound);
     let slowest_rate = within.map(|point| fastest / point[1]).fold(0.0, f64::max);
     let missed = answer.standings[0].missed_alone.unwrap();
-    assert!((missed - (1.0 - slowest_rate)).abs() < 1e-9, "{missed} {slowest_rate}");
+    assert!(
+        (missed - (1.0 - slowest_rate)).abs() < 1e-9,
+        "{missed} {slowest_rate}"
+    );
     let text = answer.text(&Config::default());
-    assert!(text.contains("the first limit to fail is") && text.contains("misses them least"), "{text}");
+    assert!(
+        text.contains("the first limit to fail is") && text.contains("misses them least"),
+        "{text}"
+    );
 }
 
 /// More frames than the search begins with, of which the others are nearer: the answer holds on each of them.
@@ -173,13 +190,20 @@ fn an_answer_holds_on_every_frame() {
         limit(Quantity::LargestError, 5e-3),
     ];
     let question = Question {
-        frames: cameras.iter().map(|camera| subjects.splats(camera)).collect(),
+        frames: cameras
+            .iter()
+            .map(|camera| subjects.splats(camera))
+            .collect(),
         references: cameras.iter().map(draw).collect(),
         ..subjects.question(limits)
     };
     let space = Space::from_toml("s.toml", SPACE).unwrap();
     let answer = ask(&question, &space, &|_| ()).unwrap();
-    assert!(answer.holds && answer.frames[1] == 6, "{:?}", answer.standings);
+    assert!(
+        answer.holds && answer.frames[1] == 6,
+        "{:?}",
+        answer.standings
+    );
     let found = &answer.found[0];
     let toml = found.design.to_toml();
     let kept = Question {
@@ -189,7 +213,9 @@ fn an_answer_holds_on_every_frame() {
     };
     let nothing = Space::without_points("s.toml", "").unwrap();
     for frame in 0..6 {
-        let reached = on_frame(&kept, &nothing, &[], frame, &|_| ()).unwrap().unwrap();
+        let reached = on_frame(&kept, &nothing, &[], frame, &|_| ())
+            .unwrap()
+            .unwrap();
         assert!(kept.missed(&reached) <= 0.0, "frame {frame}: {reached:?}");
     }
     assert!(found.reached.ms_per_frame.mean < found.reached.ms_per_frame.worst);

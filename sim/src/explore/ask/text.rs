@@ -79,7 +79,8 @@ impl Answer {
             .collect();
         alone.sort_by(|a, b| a.1.total_cmp(&b.1));
         let Some(((first, missed), others)) = alone.split_first() else {
-            return "more than one limit fails: no point looked at misses only one of them\n".to_owned();
+            return "more than one limit fails: no point looked at misses only one of them\n"
+                .to_owned();
         };
         let mut text = format!(
             "the first limit to fail is {} ({}): with all others held it is missed by {:.1} %\n",
@@ -121,7 +122,11 @@ fn point(found: &Found, usual: &Config) -> String {
     let [geometry, sort, raster] = reached.phases;
     let all = reached.area.raster + reached.area.around;
     let error = reached.error.map_or(String::new(), |error| {
-        format!("; largest error {:.3e}, PSNR {:.2} dB", error.max_abs, error.psnr_db())
+        format!(
+            "; largest error {:.3e}, PSNR {:.2} dB",
+            error.max_abs,
+            error.psnr_db()
+        )
     });
     let pace = &reached.pace;
     let spread = &reached.ms_per_frame;

@@ -56,8 +56,15 @@ const LAYOUTS: [Layout; 4] = [Layout::Run, Layout::Aligned, Layout::Quad, Layout
 const OVERLAPS: [Overlap; 3] = [Overlap::Serial, Overlap::Pipelined, Overlap::Primitive];
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Static, Assignment::Dynamic];
 const TERMINATIONS: [Termination; 2] = [Termination::Discard, Termination::Skip];
-const TILE_ORDERS: [TileOrder; 4] = [TileOrder::Raster, TileOrder::Serpentine, TileOrder::Morton, TileOrder::Hilbert];
-const CACHES: Range = Range::OneOf(&[0, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16_384, 32_768, 65_536]);
+const TILE_ORDERS: [TileOrder; 4] = [
+    TileOrder::Raster,
+    TileOrder::Serpentine,
+    TileOrder::Morton,
+    TileOrder::Hilbert,
+];
+const CACHES: Range = Range::OneOf(&[
+    0, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16_384, 32_768, 65_536,
+]);
 const BINNINGS: [Binning; 2] = [Binning::Box, Binning::Exact];
 
 /// Index of a choice; every choice is in its list.
