@@ -14,10 +14,11 @@ flags="--fuzz-dir . --sanitizer ${FUZZ_SANITIZER:-none}"
 # shellcheck disable=SC2086 # The flags are split on purpose, and no seeds are no argument.
 {
     cargo +nightly fuzz build $flags || exit 1
-    for target in ${FUZZ_TARGETS:-setup packet draw ply splat spz nrrd detached points height_field settings tables picture}; do
+    for target in ${FUZZ_TARGETS:-setup packet draw ply splat spz nrrd formats detached points height_field settings tables picture}; do
         mkdir -p "corpus/$target"
         seeds=""
         [ -d "seeds/$target" ] && seeds="seeds/$target"
+        [ "$target" = formats ] && seeds=../reference/tests/files
         cargo +nightly fuzz run $flags "$target" "corpus/$target" $seeds -- \
             -dict=words.dict -max_total_time="${1:-5}" -max_len=2048 -rss_limit_mb=512 -timeout=10 -print_final_stats=1 || exit 1
     done

@@ -19,7 +19,7 @@ use crate::math::{Extended, SoftFloat};
 use crate::rules::THRESHOLD;
 use crate::splat::{Axis, Position};
 use crate::view::{Eye, Rotation};
-use fixed::types::{I2F30, I32F32, U4F28};
+use fixed::types::{I2F30, I4F28, I32F32, U4F28};
 
 /// `2^power`; 0 or infinite beyond the format.
 #[inline]
@@ -74,6 +74,11 @@ pub fn colour(value: f64) -> U4F28 {
     }
     let whole = libm::floor(bits.clamp(0.0, u32::MAX as f64));
     U4F28::from_bits(whole as u32 | u32::from(whole < bits))
+}
+
+/// A coefficient of the colour's spherical harmonics, or their base, in Q3.28: rounded to nearest, halves to even, saturated. NaN counts as 0.
+pub fn coefficient(value: f64) -> I4F28 {
+    I4F28::from_bits(libm::rint(value * exp2(28)) as i32)
 }
 
 /// Pixels, or a ratio of lengths, in Q31.32: rounded to nearest, halves to even, saturated.

@@ -1,14 +1,18 @@
 //! Splat setup: from a splat in the scene to a footprint on the screen, in integers only.
 //!
 //! ```text
-//! splat -> project -> jacobian -> variance -> shape -> footprint
+//! splat -> project -> jacobian -> covariance -> shape, opacity -> footprint
+//!       -> harmonics (optional) -> colour -----------------^
 //! ```
 //!
 //! Each unit is one file with its equation at its head. Positions are fixed point; everything after the
 //! reciprocal of the depth is block floating point with the design's mantissa.
 
 pub mod distance;
+pub mod harmonics;
+
 mod colour;
+mod covariance;
 mod jacobian;
 mod opacity;
 mod point;
@@ -16,7 +20,6 @@ mod project;
 mod shape;
 mod sphere;
 mod surface;
-mod covariance;
 
 pub use colour::colour;
 pub use covariance::{Covariance2d, covariance};

@@ -190,3 +190,37 @@ fn captured_scenes_are_shown_whole() {
     assert_eq!(frame.ball.strays, 0);
     assert!(all_in_view(&places, &camera));
 }
+
+/// The two automatic cameras differ in distance and field of view, never in the way they look; what the older one shows, a frame shows as well.
+#[test]
+fn a_frame_looks_the_way_of_the_default_camera_and_shows_no_less() {
+    let mut capture = random_gaussians(2000, 3, 1.0);
+    // Thinner along z, and by another name: synthetic scenes have a camera of their own.
+    capture.name = "capture.ply".to_owned();
+    for splat in &mut capture.splats {
+        splat.centre = [
+            3.0 * splat.centre[0],
+            splat.centre[1],
+            0.2 * splat.centre[2],
+        ];
+    }
+    let mut volume = capture.clone();
+    volume.weight = Weight::Mass;
+    let demo = crate::scene::demo().unwrap();
+    for scene in [&capture, &volume, &demo] {
+        for (width, height) in [(320, 240), (64, 256)] {
+            let usual = scene.default_camera(width, height);
+            let frame = Frame::of_scene(scene, None);
+            let framed = frame.camera(None, USUAL_FOV, width, height).unwrap();
+            for (a, b) in usual
+                .rotation
+                .as_flattened()
+                .iter()
+                .zip(framed.rotation.as_flattened())
+            {
+                assert!((a - b).abs() < 1e-9, "{}: {usual:?} {framed:?}", scene.name);
+            }
+            assert!(all_in_view(&centres(scene), &framed), "{}", scene.name);
+        }
+    }
+}

@@ -85,7 +85,7 @@ pub enum Command {
     /// Cycles of a scene on a machine.
     #[command(after_help = machine_args::MODEL_EXAMPLES)]
     Model(machine_args::ModelOptions),
-    /// Sweep designs and machines; Pareto front of error, cycles and area.
+    /// Sweep designs and machines; Pareto front of error, cycles, area and energy.
     #[command(after_help = machine_args::EXPLORE_EXAMPLES)]
     Explore(machine_args::ExploreOptions),
     /// Put the shards of a sweep together.
@@ -146,6 +146,9 @@ pub struct CompareOptions {
     /// Draw the chosen design only, instead of all named designs by both traversals
     #[arg(long)]
     pub only: bool,
+    /// Also draw in fp32, fp16 and bfloat16, every operation rounded, and report how far each is from the reference
+    #[arg(long)]
+    pub formats: bool,
 }
 
 #[derive(Debug, Args)]

@@ -28,13 +28,16 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     }
     let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = asked.prepare()?;
-    prepared.plan = against_reference(prepared.plan);
+    prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
     let others = match options.only || !prepared.has_traversals() {
         true => Vec::new(),
         false => all_entries(&prepared.plan.entry.design),
     };
-    let comparison = compare_all(&prepared, &drawing.effort(), &others)?;
+    let mut comparison = compare_all(&prepared, &drawing.effort(), &others)?;
+    if options.formats {
+        comparison.add_formats(&prepared)?;
+    }
     comparison.write(&options.output, drawing.depth, drawing.backdrop())?;
     let report = &comparison.report;
     if let Some(path) = &drawing.json {
@@ -47,15 +50,22 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
 }
 
 /// The fixed picture is always drawn; the engine asked for can only say what it is compared with.
-pub fn against_reference(plan: Plan) -> Plan {
+pub fn against_reference(plan: Plan) -> Result<Plan, Failure> {
     let asked = plan.reference.unwrap_or(plan.engine);
     let reference = match asked {
         Engine::Exact => Engine::Exact,
         Engine::Float | Engine::Fixed => Engine::Float,
+        format => {
+            let message = format!(
+                "--engine {} is compared and not compared with: --formats adds it to the report; the reference is float or exact",
+                format.name()
+            );
+            return Err(Failure::Usage(message));
+        }
     };
-    Plan {
+    Ok(Plan {
         engine: Engine::Fixed,
         reference: Some(reference),
         ..plan
-    }
+    })
 }

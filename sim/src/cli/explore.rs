@@ -3,7 +3,7 @@
 use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
-use super::resolve::{Asked, COMPARED, calibration, room_for_picture};
+use super::resolve::{Asked, COMPARED, calibration, energy_table, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
@@ -59,6 +59,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
         traversal: options.work.traversal.map(Traversal::from).or(recorded),
         machine: prepared.plan.machine,
         calibration: calibration(&options.area)?,
+        energy: energy_table(&options.energy)?,
         reference: reference.as_ref(),
     };
     let identity = Identity::new(&subject, &text, &settings(options, &space)?)?;
@@ -157,7 +158,7 @@ fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Fa
     )?;
     print_result(&format!("{note}\n"))?;
     print_result(&format!(
-        "front of error, cycles and area: {} of {} points\n",
+        "front of error, cycles, area and energy: {} of {} points\n",
         kept.len(),
         all.len()
     ))?;
@@ -192,6 +193,7 @@ fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<Settings>, Fa
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
         ("parts", options.area.parts.clone()),
+        ("energy", options.energy.energy.clone()),
     ];
     let named = files
         .into_iter()

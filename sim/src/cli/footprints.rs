@@ -38,6 +38,13 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
             prepared.float_footprints()?
         }
         Engine::Exact => return Err(no_exact()),
+        format => {
+            let message = format!(
+                "--engine {} has no footprints of its own; use fixed or float",
+                format.name()
+            );
+            return Err(Failure::Usage(message));
+        }
     };
     write(&options.output, csv(&lines).as_bytes())?;
     let culled = lines.iter().filter(|line| line.is_none()).count();

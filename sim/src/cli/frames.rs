@@ -75,7 +75,7 @@ pub fn compare(options: &CompareOptions) -> Result<(), Failure> {
     for (number, Frame { name, prepared }) in (1..).zip(frames) {
         progress.doing(&name);
         let mut prepared = prepared;
-        prepared.plan = against_reference(prepared.plan);
+        prepared.plan = against_reference(prepared.plan)?;
         room_for_picture(&prepared.plan.camera, COMPARED)?;
         let comparison = compare_all(&prepared, &drawing.effort(), &[])?;
         let folder = options.output.join(format!("frame-{number:04}"));

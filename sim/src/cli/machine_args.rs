@@ -18,10 +18,12 @@ Examples:
       frames a second at that clock, and how much of the part it takes
   splatline model guitar.ply --camera-path keys.toml --size 1920x1080      worst frame, 95th percentile, mean
   splatline model guitar.ply playbot.ply -o out                           the same over several scenes
+  splatline model guitar.ply --set part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
+  splatline model guitar.ply --machines                 beside machines of others, reimplemented from their papers
   splatline model --footprints f.csv --screen 512x512
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
 
-With -o: timing.json, timing.html with its plots, and machine.toml, the resolved configuration.";
+With -o: timing.json; timing.html with its plots; machine.toml, the resolved configuration; action_counts.yaml, what was done how often, for Accelergy.";
 
 /// Which machine.
 #[derive(Debug, Args)]
@@ -61,6 +63,15 @@ impl AreaOptions {
     }
 }
 
+/// What energy is counted in.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Energy")]
+pub struct EnergyOptions {
+    /// Picojoules of every action (TOML) instead of the 45 nm figures that ship; energy is an estimate, and the report says what it leaves out
+    #[arg(long, value_name = "file.toml")]
+    pub energy: Option<PathBuf>,
+}
+
 #[derive(Debug, Args)]
 pub struct ModelOptions {
     #[command(flatten)]
@@ -84,10 +95,15 @@ pub struct ModelOptions {
     pub machine: MachineOptions,
     #[command(flatten)]
     pub area: AreaOptions,
+    #[command(flatten)]
+    pub energy: EnergyOptions,
+    /// Compare with machines of others, reimplemented from their papers, on the same splats: pixels tested, products, cycles, bytes, energy
+    #[arg(long, conflicts_with_all = ["footprints", "machine", "set", "design", "traversal"])]
+    pub machines: bool,
     /// Simulate N times and report the median speed
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub repeat: u32,
-    /// Folder to write timing.json, timing.html and machine.toml into
+    /// Folder to write timing.json, timing.html, machine.toml and action_counts.yaml into
     #[arg(short, long, value_name = "dir", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
@@ -135,6 +151,8 @@ pub struct ExploreOptions {
     pub shard: Shard,
     #[command(flatten)]
     pub area: AreaOptions,
+    #[command(flatten)]
+    pub energy: EnergyOptions,
     /// Leave the float reference out: cycles and area only
     #[arg(long)]
     pub no_error: bool,
@@ -244,7 +262,9 @@ pub const TRACE_EXAMPLES: &str = "\
 Examples:
   splatline trace guitar.ply --format kanata --first 100 --last 140 -o trace.kanata      for Konata
   splatline trace guitar.ply --format vcd --set lanes=4 -o trace.vcd                     for GTKWave or Surfer
-  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev";
+  splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev
+  splatline trace guitar.ply --format dramsim3 --set part=ddr3-1600-x16 --set clock_mhz=100 -o requests.txt
+      what a memory is asked for, in the whole picture; --format ramulator2 for Ramulator 2";
 
 #[derive(Debug, Args)]
 pub struct TraceOptions {
@@ -277,6 +297,10 @@ pub enum TraceFormat {
     Vcd,
     /// ui.perfetto.dev
     Perfetto,
+    /// Requests of the whole picture to the machine's memory part, for Ramulator 2 (LoadStoreTrace)
+    Ramulator2,
+    /// The same for DRAMsim3
+    Dramsim3,
 }
 
 pub const MERGE_EXAMPLES: &str = "\

@@ -2,23 +2,25 @@
 
 use super::machine_args::{AreaOptions, ModelOptions};
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, Frame, calibration, machine, part};
+use super::resolve::{Asked, Frame, calibration, energy_table, machine, part};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, Calibration, synthesis};
 use crate::machine::clock::{Clock, Pace};
 use crate::machine::config;
+use crate::machine::energy;
 use crate::machine::histogram::Histograms;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::parts::Part;
 use crate::machine::summary::{self, OverFrames};
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
-use crate::machine::{Config, simulate, simulate_alone};
+use crate::machine::{Config, others, simulate, simulate_alone};
 use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
 use crate::report::machine::{page, watch};
+use crate::scene::Scene;
 use anyhow::anyhow;
 use serde_json::json;
 use splatline::format::Traversal;
@@ -49,10 +51,19 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         inputs.extend(options.area.inputs());
         output::check_folder(
             folder,
-            &["timing.json", "timing.html", "machine.toml"],
+            &[
+                "timing.json",
+                "timing.html",
+                "machine.toml",
+                "action_counts.yaml",
+                "machines.json",
+            ],
             &inputs,
         )?;
         create_folder(folder)?;
+    }
+    if options.machines {
+        return others_beside_ours(options);
     }
     let priced = Priced::new(&options.area)?;
     if let Some(table) = &options.footprints {
@@ -68,6 +79,36 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         1 => one(&from_scene(&frames.remove(0))?, &priced, options),
         _ => several(&frames, &priced, options),
     }
+}
+
+/// All machines of the presets on the scene's splats.
+fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
+    let prepared = Asked::work(&options.view, &options.work)
+        .on(&options.machine)
+        .prepare()?;
+    warn(&prepared.setup_warnings()?);
+    let splats = prepared.splats()?;
+    let outcomes = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let (table, note) = (others::table_of(&outcomes), others::note());
+    print_result(&format!("{table}\n{note}"))?;
+    if let Some(folder) = &options.output {
+        let line = |outcome: &others::Outcome| {
+            json!({
+                "machine": outcome.preset.name,
+                "source": outcome.preset.source,
+                "products": outcome.products,
+                "cycles": outcome.timing,
+                "energy": outcome.energy,
+            })
+        };
+        let lines: Vec<_> = outcomes.iter().map(line).collect();
+        let result = json!({ "format": "splatline-machines/1", "scene": prepared.scene.name(), "machines": lines });
+        write(
+            &folder.join("machines.json"),
+            format!("{result:#}\n").as_bytes(),
+        )?;
+    }
+    Ok(())
 }
 
 /// What area and clock are counted by.
@@ -106,6 +147,14 @@ fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(
     let pace = priced.pace(&timing, entry, config);
     print_result(&pace.text())?;
     let area = estimate_area(priced, entry, config, &pace)?;
+    let energy = energy::estimate(
+        &entry.design.widths,
+        entry.traversal,
+        config,
+        &timing,
+        &energy_table(&options.energy)?,
+    );
+    print_result(&energy.text())?;
     print_result(&format!(
         "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
         seconds * 1e3,
@@ -118,6 +167,10 @@ fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(
     let watched = watch(workload, &work, config, &timing);
     let page = page(name, &timing, &watched, workload.columns, config);
     write(&folder.join("timing.html"), page.as_bytes())?;
+    write(
+        &folder.join("action_counts.yaml"),
+        energy::action_counts(&energy).as_bytes(),
+    )?;
     let result = json!({
         "format": "splatline-timing/1",
         "scene": name,
@@ -126,6 +179,7 @@ fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(
         "cycles": timing,
         "pace": pace,
         "area": area,
+        "energy": energy,
         "histograms": histograms,
         "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
     });
@@ -228,12 +282,28 @@ fn from_scene(frame: &Frame) -> Result<Modelled, Failure> {
     let progress = Progress::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
+    print_result(&uncharged(prepared.splats()?.scene, &prepared.plan.machine))?;
     Ok(Modelled {
         name: frame.name.clone(),
         workload,
         entry: prepared.plan.entry.clone(),
         machine: prepared.plan.machine,
     })
+}
+
+/// Says what the machine reads nothing for; nothing if there is nothing.
+fn uncharged(scene: &Scene, machine: &Config) -> String {
+    match &scene.harmonics {
+        Some(harmonics) if machine.harmonics_bytes == 0 => {
+            let degree = u32::from(harmonics.degree);
+            let values = 3 * ((degree + 1) * (degree + 1) - 1);
+            format!(
+                "harmonics of degree {degree} are not charged: --set harmonics_bytes={} reads {values} numbers of 16 bits for each splat that is seen\n",
+                2 * values
+            )
+        }
+        _ => String::new(),
+    }
 }
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {

@@ -4,7 +4,7 @@
 //! open follows from it: camera, rules, thresholds.
 
 use super::drawing_args::{DrawingOptions, WorkOptions};
-use super::machine_args::{AreaOptions, MachineOptions};
+use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
 use super::output::read_settings;
 use super::say::{Failure, print_error, print_result};
 use super::values::{
@@ -18,6 +18,7 @@ use crate::framing::{Ball, Frame as SceneFrame, USUAL_FOV, orbited};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
+use crate::machine::energy::EnergyTable;
 use crate::machine::parts::{Part, Parts};
 use crate::memory;
 use crate::plan::path::{self, CameraPath};
@@ -408,6 +409,18 @@ pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
         Some(path) => {
             let text = read_settings(path)?;
             Ok(Calibration::from_toml(&path.display().to_string(), &text)
+                .map_err(|problem| anyhow!(problem))?)
+        }
+    }
+}
+
+/// The table of energies that was asked for, or the one that ships.
+pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable, Failure> {
+    match &options.energy {
+        None => Ok(EnergyTable::default()),
+        Some(path) => {
+            let text = read_settings(path)?;
+            Ok(EnergyTable::from_toml(&path.display().to_string(), &text)
                 .map_err(|problem| anyhow!(problem))?)
         }
     }

@@ -4,9 +4,12 @@ use super::machine_args::{TraceFormat, TraceOptions};
 use super::output::{self, write};
 use super::resolve::Asked;
 use super::say::{Failure, print_result, warn};
+use crate::machine::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate_observed;
-use crate::trace::{Recorder, kanata, perfetto, vcd};
+use crate::machine::timing::accesses;
+use crate::machine::workload::Workload;
+use crate::trace::{Recorder, kanata, perfetto, requests, vcd};
 
 /// Splats recorded unless the options say otherwise.
 const USUAL_COUNT: u32 = 256;
@@ -17,6 +20,7 @@ fn extensions(format: TraceFormat) -> &'static [&'static str] {
         TraceFormat::Kanata => &["kanata", "log", "txt", ""],
         TraceFormat::Vcd => &["vcd", ""],
         TraceFormat::Perfetto => &["json", ""],
+        TraceFormat::Ramulator2 | TraceFormat::Dramsim3 => &["trace", "txt", ""],
     }
 }
 
@@ -39,13 +43,16 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     warn(&prepared.setup_warnings()?);
     let (workload, config) = (prepared.workload()?, &prepared.plan.machine);
     let work = LaneWork::new(&workload, LaneShape::from(config));
+    if let TraceFormat::Ramulator2 | TraceFormat::Dramsim3 = options.format {
+        return requests_of(options, &workload, &work, config);
+    }
     let mut recorder = Recorder::new(options.first, last);
     let timing = simulate_observed(&workload, &work, config, &mut recorder);
     let events = recorder.into_events();
     let text = match options.format {
         TraceFormat::Kanata => kanata::log(&events),
         TraceFormat::Vcd => vcd::dump(&events),
-        TraceFormat::Perfetto => perfetto::trace(&events),
+        _ => perfetto::trace(&events),
     };
     write(&options.output, text.as_bytes())?;
     let (first, count, path) = (options.first, events.len(), options.output.display());
@@ -53,5 +60,27 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
         "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",
         timing.raster
     ))?;
+    Ok(())
+}
+
+/// Everything that the machine's memory part is asked for.
+fn requests_of(
+    options: &TraceOptions,
+    workload: &Workload,
+    work: &LaneWork,
+    config: &Config,
+) -> Result<(), Failure> {
+    let (Some(part), Some(all)) = (config.memory_part(), accesses(workload, work, config)) else {
+        let message = "the machine has two channels and no memory part, so there are no requests to one: choose a part, for example with \
+                       --set part=ddr3-1600-x16 --set clock_mhz=100";
+        return Err(Failure::Usage(message.to_owned()));
+    };
+    let text = match options.format {
+        TraceFormat::Ramulator2 => requests::ramulator2(&all),
+        _ => requests::dramsim3(&all, part, config.clock_mhz),
+    };
+    write(&options.output, text.as_bytes())?;
+    let (count, path) = (all.len(), options.output.display());
+    print_result(&format!("{path}: {count} requests to {}\n", part.name))?;
     Ok(())
 }

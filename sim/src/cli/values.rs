@@ -46,6 +46,21 @@ pub const ENGINES: &Choices<Engine> = &[
         "The ray integral in double precision, without the affine approximation",
         Engine::Exact,
     ),
+    (
+        "fp32",
+        "Single precision, every operation rounded",
+        Engine::Fp32,
+    ),
+    (
+        "fp16",
+        "Setup in single precision, pixels in 16-bit floats, every operation rounded",
+        Engine::Fp16,
+    ),
+    (
+        "bfloat16",
+        "The same with pixels in bfloat16",
+        Engine::Bfloat16,
+    ),
 ];
 
 /// Which samples become points.

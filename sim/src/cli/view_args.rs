@@ -135,7 +135,7 @@ pub struct MoreScenes {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces")]
 pub struct SurfaceOptions {
-    /// What the scene's points are: `surface` draws a .ply or .xyz cloud or a height field (.csv) as surface splats
+    /// What the scene's points are: `surface` draws a .ply, .xyz, .obj, .las or .laz cloud or a height field (.csv) as surface splats
     #[arg(long = "as", value_name = "surface", value_enum)]
     pub kind: Option<SceneKind>,
     /// Layers of a pixel (1, 2, 3, 4 or 8), for semi-transparent surfaces and antialiased edges [default: one opaque surface]

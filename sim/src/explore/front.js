@@ -15,7 +15,7 @@ const columns = data.columns.map((name, index) => {
   const ends = numeric ? known : values;
   const [low, high] = [ends.reduce((a, b) => Math.min(a, b), Infinity), ends.reduce((a, b) => Math.max(a, b), -Infinity)];
   const log = numeric && low > 0 && high / low > 5;
-  return { name, index, numeric, words, values, low, high, log, varies: high > low, less: /^(rms|max_abs|cycles|geometry|sort|raster|area)$|_(luts|flip_flops|dsps|kbit)$/.test(name) };
+  return { name, index, numeric, words, values, low, high, log, varies: high > low, less: /^(rms|max_abs|cycles|geometry|sort|raster|area|energy_mj)$|_(luts|flip_flops|dsps|kbit)$/.test(name) };
 });
 const varying = columns.filter((column) => column.varies && column.name !== "point");
 const rows = data.rows.map((row, index) => ({ row, index, point: Number(row[0]), front: data.front.includes(Number(row[0])) }));

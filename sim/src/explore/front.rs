@@ -1,4 +1,4 @@
-//! The Pareto front of a sweep: points that no other point beats in error, cycles and area at once.
+//! The Pareto front of a sweep: points that no other point beats in error, cycles, area and energy at once.
 
 use super::table::Table;
 
@@ -13,6 +13,8 @@ pub struct Candidate {
     pub cycles: f64,
     /// All resources, in look-up tables.
     pub area: f64,
+    /// mJ a picture.
+    pub energy: f64,
     /// Every axis and result, for people: `lanes 4, layout rows, ...`.
     pub label: String,
 }
@@ -21,8 +23,8 @@ pub struct Candidate {
 pub fn candidates(table: &Table) -> Vec<Candidate> {
     let names: Vec<&str> = table.heading.split(',').collect();
     let place = |name: &str| names.iter().position(|column| *column == name);
-    let (Some(rms), Some(cycles), Some(area)) = (place("rms"), place("cycles"), place("area"))
-    else {
+    let places = ["rms", "cycles", "area", "energy_mj"].map(place);
+    let [Some(rms), Some(cycles), Some(area), Some(energy)] = places else {
         return Vec::new();
     };
     let candidate = |(point, line): (&usize, &String)| {
@@ -36,6 +38,7 @@ pub fn candidates(table: &Table) -> Vec<Candidate> {
             rms: fields.get(rms)?.parse().unwrap_or(0.0),
             cycles: fields.get(cycles)?.parse().ok()?,
             area: fields.get(area)?.parse().ok()?,
+            energy: fields.get(energy)?.parse().ok()?,
             label: named
                 .map(|(name, value)| format!("{name} {value}"))
                 .collect::<Vec<_>>()
@@ -53,15 +56,18 @@ pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
         by(|c| c.cycles)
             .then(by(|c| c.rms))
             .then(by(|c| c.area))
+            .then(by(|c| c.energy))
             .then(a.point.cmp(&b.point))
     });
     // Sorted by cycles, so only points before can beat one; and if any does, one of the front does.
     let mut kept: Vec<&Candidate> = Vec::new();
     for candidate in sorted {
-        if !kept
-            .iter()
-            .any(|other| other.rms <= candidate.rms && other.area <= candidate.area)
-        {
+        let beats = |other: &&Candidate| {
+            other.rms <= candidate.rms
+                && other.area <= candidate.area
+                && other.energy <= candidate.energy
+        };
+        if !kept.iter().any(beats) {
             kept.push(candidate);
         }
     }
@@ -88,19 +94,20 @@ mod tests {
         a.rms <= b.rms
             && a.cycles <= b.cycles
             && a.area <= b.area
-            && (a.rms < b.rms || a.cycles < b.cycles || a.area < b.area)
+            && a.energy <= b.energy
+            && (a.rms < b.rms || a.cycles < b.cycles || a.area < b.area || a.energy < b.energy)
     }
 
     proptest! {
         #[test]
-        fn the_front_is_what_nothing_beats(values in proptest::collection::vec((0u8..6, 0u8..6, 0u8..6), 0..40)) {
-            let all: Vec<Candidate> = (0..).zip(values).map(|(point, (rms, cycles, area))| Candidate {
-                point, rms: rms.into(), cycles: cycles.into(), area: area.into(), label: String::new(),
+        fn the_front_is_what_nothing_beats(values in proptest::collection::vec((0u8..5, 0u8..5, 0u8..5, 0u8..4), 0..40)) {
+            let all: Vec<Candidate> = (0..).zip(values).map(|(point, (rms, cycles, area, energy))| Candidate {
+                point, rms: rms.into(), cycles: cycles.into(), area: area.into(), energy: energy.into(), label: String::new(),
             }).collect();
             let kept = front(&all);
             for candidate in &all {
                 let beaten = all.iter().any(|other| beats(other, candidate));
-                let equal = kept.iter().any(|k| (k.rms, k.cycles, k.area) == (candidate.rms, candidate.cycles, candidate.area));
+                let equal = kept.iter().any(|k| (k.rms, k.cycles, k.area, k.energy) == (candidate.rms, candidate.cycles, candidate.area, candidate.energy));
                 prop_assert_eq!(equal, !beaten, "{:?}", candidate);
             }
         }

@@ -17,7 +17,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
 /// Version of `sweep.json`; tables of another version are never taken for ours.
-const FORMAT: &str = "splatline-sweep/4";
+const FORMAT: &str = "splatline-sweep/5";
 /// Differences that a message lists at most.
 const FEW: usize = 6;
 
@@ -56,6 +56,7 @@ impl Identity {
             "traversal": subject.traversal.map(traversal_name),
             "machine": config::to_toml(&subject.machine),
             "calibration": subject.calibration,
+            "energy": subject.energy,
             "area": synthesis::statement(&subject.calibration),
             "errors": subject.reference.is_some(),
             "files_sha256": files,

@@ -5,6 +5,7 @@ use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::machine::area::{Calibration, Family};
 use crate::machine::config::{Config, FIELDS, Range};
+use crate::machine::energy::{EnergyTable, SHIPPED};
 use crate::picture::Picture;
 use crate::plan::Splats;
 use crate::rules::{Compositing, Rules};
@@ -25,6 +26,7 @@ struct Facts {
     traversal: Option<Traversal>,
     machine: Config,
     calibration: Calibration,
+    energy: EnergyTable,
     errors: bool,
     settings: Vec<(&'static str, String)>,
     space: String,
@@ -47,6 +49,7 @@ impl Facts {
             traversal: None,
             machine: Config::default(),
             calibration: Calibration::default(),
+            energy: EnergyTable::default(),
             errors: false,
             settings: vec![("transfer", "a = 1\n".to_owned())],
             space: SPACE.to_owned(),
@@ -71,6 +74,7 @@ impl Facts {
             traversal: self.traversal,
             machine: self.machine,
             calibration: self.calibration.clone(),
+            energy: self.energy.clone(),
             reference: self.errors.then_some(&picture),
         };
         let settings: Vec<Settings> = self
@@ -230,6 +234,11 @@ fn change(facts: &mut Facts, kind: usize, which: usize, bit: u32) -> &'static st
             facts.settings.push(("machine", String::new()));
             "files_sha256.machine"
         }
+        10 => {
+            let text = SHIPPED.replace("pj = 0.1\n", &format!("pj = 0.2{}\n", bit % 10));
+            facts.energy = EnergyTable::from_toml("e.toml", &text).unwrap();
+            "energy.adder"
+        }
         _ => {
             facts.space.push_str("row_fifo = [1]\n");
             "space, line"
@@ -238,7 +247,7 @@ fn change(facts: &mut Facts, kind: usize, which: usize, bit: u32) -> &'static st
 }
 
 /// Kinds of [`change`].
-const KINDS: usize = 11;
+const KINDS: usize = 12;
 
 fn check(kind: usize, which: usize, bit: u32) -> Result<(), TestCaseError> {
     let known = Facts::new();
@@ -284,8 +293,8 @@ fn every_field_counts() {
 #[test]
 fn an_identity_of_another_version_is_refused() {
     let text = Facts::new().identity().to_text();
-    let older = text.replace("splatline-sweep/4", "splatline-sweep/2");
+    let older = text.replace("splatline-sweep/5", "splatline-sweep/3");
     let message = Identity::parse(&older).unwrap_err().to_string();
-    assert!(message.contains("splatline-sweep/2"), "{message}");
+    assert!(message.contains("splatline-sweep/3"), "{message}");
     assert!(Identity::parse("{}").is_err() && Identity::parse("x").is_err());
 }

@@ -109,7 +109,7 @@ pub fn page(sweep: &Sweep) -> String {
     let kept = front(candidates);
     let (title, note) = (escape(title), escape(note));
     let count = format!(
-        "{} points, {} on the front of error, cycles and area (filled).",
+        "{} points, {} on the front of error, cycles, area and energy (filled).",
         candidates.len(),
         kept.len()
     );
@@ -307,6 +307,7 @@ mod tests {
             rms,
             cycles: 1e6,
             area: 1e4,
+            energy: 1.0,
             label: String::new(),
         };
         let page = shown("t", "", &[candidate(0, 1e-5), candidate(1, 1e-2)]);
@@ -328,6 +329,7 @@ mod tests {
             rms,
             cycles,
             area,
+            energy: 1.0,
             label: format!("p <{point}>"),
         };
         let all = [
@@ -354,6 +356,7 @@ mod tests {
             rms: 2e-6,
             cycles,
             area: 7e4 * point as f64,
+            energy: 1.0,
             label: String::new(),
         });
         let page = shown("t", "", &all);

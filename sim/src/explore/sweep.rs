@@ -9,6 +9,7 @@ use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::clock::{Clock, Pace};
 use crate::machine::config::Config;
+use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
@@ -32,6 +33,8 @@ pub struct Subject<'a> {
     pub machine: Config,
     /// Prices of area.
     pub calibration: Calibration,
+    /// Energies of actions.
+    pub energy: EnergyTable,
     /// The float reference's picture; none leaves errors out.
     pub reference: Option<&'a Picture>,
 }
@@ -213,13 +216,16 @@ impl Run<'_> {
                     &self.subject.calibration,
                 );
                 let widths = &self.options.design.widths;
-                let clock = Clock::of(&config, widths, self.subject.calibration.family);
-                results(
-                    self.error,
+                let energy = energy::estimate(
+                    widths,
+                    self.options.traversal,
+                    &config,
                     &timing,
-                    &Pace::new(&timing, &config, clock),
-                    &area,
-                )
+                    &self.subject.energy,
+                );
+                let clock = Clock::of(&config, widths, self.subject.calibration.family);
+                let pace = Pace::new(&timing, &config, clock);
+                results(self.error, &timing, &pace, &area, energy.mj_per_frame)
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
@@ -237,7 +243,13 @@ impl Run<'_> {
 }
 
 /// The result columns in the order of [`super::table::RESULTS`].
-fn results(error: Option<&ChannelError>, timing: &Timing, pace: &Pace, area: &Area) -> Vec<String> {
+fn results(
+    error: Option<&ChannelError>,
+    timing: &Timing,
+    pace: &Pace,
+    area: &Area,
+    energy_mj: f64,
+) -> Vec<String> {
     let mut fields = match error {
         Some(error) => {
             let psnr = if error.psnr_db.is_finite() {
@@ -283,6 +295,7 @@ fn results(error: Option<&ChannelError>, timing: &Timing, pace: &Pace, area: &Ar
         fields.extend(part.resources().map(|(_, count)| count.to_string()));
     }
     fields.push(format!("{:.0}", area.weight));
+    fields.push(format!("{energy_mj:.5}"));
     fields.push(String::new());
     fields
 }
@@ -327,6 +340,7 @@ mod tests {
             traversal: None,
             machine: Config::default(),
             calibration: Calibration::default(),
+            energy: EnergyTable::default(),
             reference: Some(&reference),
         };
         let (out, _) = Appender::open(path, &heading(&space)).unwrap();

@@ -6,6 +6,7 @@
 
 pub mod deep;
 mod frame;
+mod harmonics;
 mod hybrid;
 mod quantise;
 mod render;
@@ -14,6 +15,7 @@ mod sphere;
 pub mod surface;
 
 pub(crate) use frame::{converter, table, table_entries};
+pub use harmonics::harmonic_colours;
 pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{

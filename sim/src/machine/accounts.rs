@@ -29,10 +29,12 @@ pub enum Cause {
     Turn,
     /// The write channel is busy.
     WriteChannel,
+    /// The port to memory serves somebody else, or opens a row, refreshes or turns its bus.
+    Port,
 }
 
 /// All causes, with their names in reports.
-pub const CAUSES: [(Cause, &str); 10] = [
+pub const CAUSES: [(Cause, &str); 11] = [
     (Cause::Memory, "memory"),
     (Cause::SplatSetup, "splat_setup"),
     (Cause::RowGenerator, "row_generator"),
@@ -43,6 +45,7 @@ pub const CAUSES: [(Cause, &str); 10] = [
     (Cause::TileBuffer, "tile_buffer"),
     (Cause::Turn, "turn"),
     (Cause::WriteChannel, "write_channel"),
+    (Cause::Port, "port"),
 ];
 
 /// One unit's time so far.
@@ -199,7 +202,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn an_account_adds_up_whatever_is_entered(steps in proptest::collection::vec((0usize..11, 0u64..50), 0..40), more in 0u64..9) {
+        fn an_account_adds_up_whatever_is_entered(steps in proptest::collection::vec((0usize..12, 0u64..50), 0..40), more in 0u64..9) {
             let mut account = Account::default();
             for (kind, value) in steps {
                 match CAUSES.get(kind) {

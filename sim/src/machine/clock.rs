@@ -137,7 +137,7 @@ impl Pace {
         let (cycles, limited_by) = interval(timing, config);
         let hertz = clock.mhz * MEGA;
         let seconds = cycles.max(1) as f64 / hertz;
-        let bytes = timing.bytes.total();
+        let bytes = timing.bytes.all();
         let channels = u64::from(config.read_bandwidth) + u64::from(config.write_bandwidth);
         Pace {
             clock,

@@ -6,6 +6,7 @@
 mod fields;
 mod parse;
 
+use super::memory::parts::{PARTS, Part};
 use super::primitive;
 
 pub use fields::{FIELDS, Field, Range, field};
@@ -165,10 +166,18 @@ pub struct Config {
     pub packet_cache: u32,
     /// The order in which tiles are drawn.
     pub tile_order: TileOrder,
-    /// Clock in megahertz; 0 takes that of the nearest circuit that was placed.
+    /// Clock in megahertz; 0 takes that of the nearest circuit that was placed, except for a memory part, which needs one.
     pub clock_mhz: u32,
     /// Pictures in work at the same time: with two, one is set up and sorted while another is drawn; with three, each phase has one.
     pub overlap_frames: u32,
+    /// What the memory is: 0 for two channels of a fixed bandwidth, else a part behind one port, counted from 1 in [`PARTS`].
+    pub part: u32,
+    /// Writes that the port to a part holds back.
+    pub write_queue: u32,
+    /// Bytes of harmonics read for a splat that is seen.
+    pub harmonics_bytes: u32,
+    /// Bytes of an entry while it is sorted; 0 for those of a list.
+    pub sort_bytes: u32,
 }
 
 impl Default for Config {
@@ -218,6 +227,10 @@ impl Default for Config {
             tile_order: TileOrder::Raster,
             clock_mhz: 0,
             overlap_frames: 1,
+            part: 0,
+            write_queue: 32,
+            harmonics_bytes: 0,
+            sort_bytes: 0,
         }
     }
 }
@@ -253,6 +266,28 @@ impl Config {
         [1, 2, 4, 8, 16]
             .contains(&lanes)
             .then(|| Config::primitive(lanes))
+    }
+
+    /// The memory part, if it is not the two channels.
+    pub fn memory_part(&self) -> Option<&'static Part> {
+        let index = (self.part as usize).checked_sub(1)?;
+        PARTS.get(index)
+    }
+
+    /// Bytes of a packet, of which the design's has so many.
+    pub fn bytes_of_packet(&self, of_design: u32) -> u32 {
+        match self.packet_bytes {
+            0 => of_design,
+            bytes => bytes,
+        }
+    }
+
+    /// Bytes of an entry while it is sorted.
+    pub fn sorted_bytes(&self) -> u32 {
+        match self.sort_bytes {
+            0 => self.list_bytes,
+            bytes => bytes,
+        }
     }
 
     /// Cycles per group of lanes, stretched where ports or banks are fewer than lanes.

@@ -9,6 +9,7 @@
 
 use super::accounts::{Account, Cause, Fifo};
 use super::config::{Binning, Config};
+use super::memory::Memory;
 use super::workload::Workload;
 
 /// The units of the phase after all splats have passed.
@@ -20,15 +21,18 @@ pub(super) struct Geometry {
     pub write: Account,
     pub splats: Fifo,
     pub footprints: Fifo,
+    /// Splats that were handed on, and tiles that were examined for them.
+    pub visible: u64,
+    pub tiles: u64,
     /// List entries written.
     pub entries: u64,
-    /// Bytes written as packets and list entries.
-    pub written: u64,
+    /// Packets written: one for every footprint with an entry.
+    pub packets: u64,
 }
 
 impl Geometry {
     /// Passes all splats of `workload` through the phase.
-    pub fn run(workload: &Workload, config: &Config, packet_bytes: u32) -> Geometry {
+    pub fn run<M: Memory>(workload: &Workload, config: &Config, memory: &mut M) -> Geometry {
         let mut geometry = Geometry {
             fetch: Account::default(),
             setup: vec![Account::default(); config.setup_units as usize],
@@ -36,22 +40,21 @@ impl Geometry {
             write: Account::default(),
             splats: Fifo::new(config.setup_fifo),
             footprints: Fifo::new(config.bin_fifo),
+            visible: 0,
+            tiles: 0,
             entries: 0,
-            written: 0,
+            packets: 0,
         };
-        let transfer = u64::from(config.splat_bytes.div_ceil(config.read_bandwidth));
         let mut last_start = 0;
         for (number, splat) in workload.splats.iter().enumerate() {
             let unit = number % geometry.setup.len();
-            let requested = geometry.splats.free_at().max(geometry.fetch.at());
-            geometry.fetch.wait(Cause::FifoFull, requested);
-            geometry.fetch.work(transfer);
-            let arrival = geometry.fetch.at() + u64::from(config.latency);
+            let free = geometry.splats.free_at();
+            let read = memory.splat(&mut geometry.fetch, free, number as u64, splat.tiles > 0);
             let setup = &mut geometry.setup[unit];
-            setup.wait(Cause::Memory, arrival);
+            setup.wait(Cause::Memory, read.arrives);
             setup.wait(Cause::Upstream, last_start);
             last_start = setup.at();
-            geometry.splats.pass(requested, last_start);
+            geometry.splats.pass(read.asked, last_start);
             setup.work(config.setup_interval.into());
             if splat.tiles == 0 {
                 continue;
@@ -65,35 +68,26 @@ impl Geometry {
                 Binning::Box => splat.tiles,
                 Binning::Exact => splat.visited_tiles,
             };
-            geometry.bin(config, handed_on, splat.tiles, entries, packet_bytes);
+            geometry.bin(config, handed_on, splat.tiles);
+            geometry.store(memory, number as u64, entries.into());
         }
         geometry
     }
 
-    fn bin(
-        &mut self,
-        config: &Config,
-        handed_on: u64,
-        tiles: u32,
-        entries: u32,
-        packet_bytes: u32,
-    ) {
+    fn bin(&mut self, config: &Config, handed_on: u64, tiles: u32) {
         self.binning.wait(Cause::Upstream, handed_on);
         self.footprints.pass(handed_on, self.binning.at());
         self.binning.work(
             u64::from(config.bin_cycles) + u64::from(config.bin_tile_cycles) * u64::from(tiles),
         );
-        let bytes = if entries == 0 {
-            0
-        } else {
-            u64::from(packet_bytes) + u64::from(config.list_bytes) * u64::from(entries)
-        };
-        self.binning.wait(Cause::WriteChannel, self.write.at());
-        self.write.wait(Cause::Upstream, self.binning.at());
-        self.write
-            .work(bytes.div_ceil(config.write_bandwidth.into()));
-        self.entries += u64::from(entries);
-        self.written += bytes;
+        self.visible += 1;
+        self.tiles += u64::from(tiles);
+    }
+
+    fn store<M: Memory>(&mut self, memory: &mut M, splat: u64, entries: u64) {
+        memory.store(&mut self.binning, &mut self.write, splat, entries);
+        self.packets += u64::from(entries > 0);
+        self.entries += entries;
     }
 
     /// Cycles of the phase.

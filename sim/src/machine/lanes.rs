@@ -74,6 +74,8 @@ pub struct PairWork {
     pub live: u16,
     /// Rows.
     pub rows: u16,
+    /// Bands with work for the lanes.
+    pub runs: u16,
 }
 
 /// One tile.
@@ -188,6 +190,7 @@ fn one_pair(work: &mut LaneWork, shape: LaneShape, splat: u32, first_row: u8, ro
         rest = later;
         band.rows += empty_rows;
         empty_rows = band.rows;
+        pair.runs += u16::from(band.groups > 0);
         if band.groups > 0 || rest.is_empty() {
             work.bands.push(band);
             empty_rows = 0;

@@ -14,6 +14,7 @@ use super::accounts::{Account, Cause, Fifo};
 use super::cache::PacketCache;
 use super::config::{Config, Layout, Overlap};
 use super::lanes::{Band, PairWork};
+use super::memory::{Buffer, Memory, TileWrite};
 use super::observe::{Event, Observer, Stage};
 use super::primitive::{LaneRun, PrimitiveClock};
 use std::collections::VecDeque;
@@ -22,11 +23,6 @@ use std::collections::VecDeque;
 #[derive(Clone, Debug)]
 struct Costs {
     overlap: Overlap,
-    /// Cycles of the read channel per packet, and from request to arrival.
-    transfer: u64,
-    /// The same for a list entry whose packet is in the cache.
-    transfer_entry: u64,
-    latency: u64,
     splat: u64,
     row: u64,
     rows_at_once: u32,
@@ -39,9 +35,6 @@ struct Costs {
     prefetch: usize,
     write_back: u64,
     clear: u64,
-    /// Bytes per pixel times units, and the bandwidth that all units share.
-    pixel_bytes: u64,
-    bandwidth: u64,
 }
 
 /// A run in flight, for the read-after-write interlock.
@@ -87,8 +80,8 @@ pub(super) struct RasterUnit {
     pub splats: Fifo,
     /// Its clock where it is the circuit of `sim/rtl`.
     primitive: PrimitiveClock,
-    /// Times at which tile buffers become free, oldest first.
-    buffers: VecDeque<u64>,
+    /// Tile buffers by when they become free, oldest first.
+    buffers: VecDeque<Buffer>,
     /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the number of buffers. The first tile's
     /// own handshake takes a cycle.
     handed_over: u64,
@@ -105,15 +98,29 @@ pub(super) struct Job<'a> {
     pub pixels: u32,
     /// The pairs that are drawn, the first one's first band, and the pairs that follow them.
     pub pairs: &'a [PairWork],
+    pub first_pair: usize,
     pub first_band: usize,
-    pub left_out: usize,
+    pub left_out: &'a [PairWork],
     pub bands: &'a [Band],
 }
 
+/// How far a tile has been drawn.
+pub(super) struct Drawing {
+    /// When its buffer was free.
+    buffer: u64,
+    pair: usize,
+    band: usize,
+}
+
+impl Drawing {
+    /// Has its last pair been drawn?
+    pub fn is_over(&self, job: &Job) -> bool {
+        self.pair >= job.pairs.len()
+    }
+}
+
 impl RasterUnit {
-    pub fn new(number: u32, config: &Config, packet_bytes: u32) -> RasterUnit {
-        let units = u64::from(config.raster_units);
-        let bytes = u64::from(packet_bytes + config.list_bytes) * units;
+    pub fn new(number: u32, config: &Config) -> RasterUnit {
         let private_rows = config.layout == Layout::Rows;
         let sequencer = Sequencer {
             account: Account::default(),
@@ -122,10 +129,6 @@ impl RasterUnit {
         };
         let costs = Costs {
             overlap: config.overlap,
-            transfer: bytes.div_ceil(config.read_bandwidth.into()),
-            transfer_entry: (u64::from(config.list_bytes) * units)
-                .div_ceil(config.read_bandwidth.into()),
-            latency: config.latency.into(),
             splat: config.splat_cycles.into(),
             row: config.row_cycles.into(),
             rows_at_once: config.rows_at_once,
@@ -137,8 +140,6 @@ impl RasterUnit {
             prefetch: config.packet_fifo as usize,
             write_back: config.write_back_cycles.into(),
             clear: config.clear_cycles.into(),
-            pixel_bytes: u64::from(config.pixel_bytes) * units,
-            bandwidth: config.write_bandwidth.into(),
         };
         RasterUnit {
             number,
@@ -164,7 +165,7 @@ impl RasterUnit {
                 0,
             ),
             buffers: VecDeque::from(vec![
-                u64::from(config.clear_cycles);
+                Buffer::Free(config.clear_cycles.into());
                 config.tile_buffers as usize
             ]),
             handed_over: 1,
@@ -188,9 +189,22 @@ impl RasterUnit {
         lanes.chain(stages).max().unwrap_or(0)
     }
 
+    /// The first cycle in which it could ask for another packet.
+    pub fn next_request<M: Memory>(&self, memory: &M) -> u64 {
+        memory.next_request(self.number, &self.fetch, self.packets.free_at())
+    }
+
     /// Draws one tile.
-    pub fn draw<O: Observer>(&mut self, job: &Job, observer: &mut O) {
-        let mut buffer = self.buffers.pop_front().unwrap_or(0);
+    pub fn draw<O: Observer, M: Memory>(&mut self, job: &Job, observer: &mut O, memory: &mut M) {
+        let mut drawing = self.begin(job, memory);
+        while self.draw_pair(job, &mut drawing, observer, memory) {}
+        self.end(job, &drawing, observer, memory);
+    }
+
+    /// Takes the tile buffer that is free first.
+    pub fn begin<M: Memory>(&mut self, job: &Job, memory: &mut M) -> Drawing {
+        let oldest = self.buffers.pop_front().unwrap_or(Buffer::Free(0));
+        let mut buffer = memory.buffer(&mut self.write_back, oldest);
         if self.costs.overlap == Overlap::Primitive {
             buffer = buffer.max(self.handed_over);
         }
@@ -199,44 +213,85 @@ impl RasterUnit {
             .iter_mut()
             .flat_map(|sequencer| &mut sequencer.rows)
             .for_each(|row| row.settled = 0);
-        let mut band = job.first_band;
-        for pair in job.pairs {
-            let bands = &job.bands[band..pair.bands_end as usize];
-            band = pair.bands_end as usize;
-            let mut at = Place {
-                unit: self.number,
-                tile: job.tile,
-                splat: pair.splat,
-                observer,
-            };
-            match self.costs.overlap {
-                Overlap::Serial => self.serial_pair(bands, buffer, &mut at),
-                Overlap::Pipelined => self.pipelined_pair(bands, buffer, &mut at),
-                Overlap::Primitive => self.primitive_pair(bands, buffer, &mut at),
-            }
+        Drawing {
+            buffer,
+            pair: 0,
+            band: job.first_band,
         }
-        self.drop_prefetched(job.left_out);
-        self.write_back(job, buffer, observer);
     }
 
-    /// Requests a packet as soon as it has a place; gives its arrival.
+    /// Draws the tile's next pair; `false` if there is none.
     #[inline(always)]
-    fn fetch<O: Observer>(&mut self, at: &mut Place<O>) -> u64 {
-        self.fetch.wait(Cause::FifoFull, self.packets.free_at());
-        let start = self.fetch.at();
-        self.fetch.work(match self.cache.look_up(at.splat) {
-            true => self.costs.transfer_entry,
-            false => self.costs.transfer,
-        });
-        let arrival = self.fetch.at() + self.costs.latency;
-        at.event(Stage::Fetch, 0, 0, start, arrival);
-        arrival
+    pub fn draw_pair<O: Observer, M: Memory>(
+        &mut self,
+        job: &Job,
+        drawing: &mut Drawing,
+        observer: &mut O,
+        memory: &mut M,
+    ) -> bool {
+        let Some(pair) = job.pairs.get(drawing.pair) else {
+            return false;
+        };
+        let bands = &job.bands[drawing.band..pair.bands_end as usize];
+        let mut at = Place {
+            unit: self.number,
+            tile: job.tile,
+            splat: pair.splat,
+            pair: (job.first_pair + drawing.pair) as u64,
+            observer,
+            memory,
+        };
+        drawing.band = pair.bands_end as usize;
+        drawing.pair += 1;
+        match self.costs.overlap {
+            Overlap::Serial => self.serial_pair(bands, drawing.buffer, &mut at),
+            Overlap::Pipelined => self.pipelined_pair(bands, drawing.buffer, &mut at),
+            Overlap::Primitive => self.primitive_pair(bands, drawing.buffer, &mut at),
+        }
+        true
+    }
+
+    /// Drops what was fetched in vain and writes the tile back.
+    pub fn end<O: Observer, M: Memory>(
+        &mut self,
+        job: &Job,
+        drawing: &Drawing,
+        observer: &mut O,
+        memory: &mut M,
+    ) {
+        let first = (job.first_pair + job.pairs.len()) as u64;
+        self.drop_prefetched(first, job.left_out, memory);
+        self.write_back(job, drawing.buffer, observer, memory);
+    }
+
+    /// Waits for the last tiles.
+    pub fn settle<M: Memory>(&mut self, memory: &mut M) {
+        while let Some(buffer) = self.buffers.pop_front() {
+            memory.buffer(&mut self.write_back, buffer);
+        }
+    }
+
+    /// Requests a packet as soon as it has a place; gives when, and its arrival.
+    #[inline(always)]
+    fn fetch<O: Observer, M: Memory>(&mut self, at: &mut Place<O, M>) -> [u64; 2] {
+        let free = self.packets.free_at();
+        let pair = at.pair;
+        let wanted = (!self.cache.look_up(at.splat)).then_some(at.splat);
+        let read = at
+            .memory
+            .packet(self.number, &mut self.fetch, free, pair, wanted);
+        at.event(Stage::Fetch, 0, 0, read.asked, read.arrives);
+        [read.asked, read.arrives]
     }
 
     #[inline(always)]
-    fn pipelined_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
-        let requested = self.packets.free_at().max(self.fetch.at());
-        let arrival = self.fetch(at);
+    fn pipelined_pair<O: Observer, M: Memory>(
+        &mut self,
+        bands: &[Band],
+        buffer: u64,
+        at: &mut Place<O, M>,
+    ) {
+        let [requested, arrival] = self.fetch(at);
         self.splat.wait(Cause::Memory, arrival);
         let start = self.splat.at();
         self.packets.pass(requested, start);
@@ -262,12 +317,12 @@ impl RasterUnit {
 
     /// From the row generator through the FIFO into the lanes; the splat's packet arrived and was set up at these times.
     #[inline(always)]
-    fn hand_over<O: Observer>(
+    fn hand_over<O: Observer, M: Memory>(
         &mut self,
         band: &Band,
         [arrived, set_up]: [u64; 2],
         buffer: u64,
-        at: &mut Place<O>,
+        at: &mut Place<O, M>,
     ) {
         let lane = self.lane_of(band);
         let sequencer = &mut self.sequencers[lane];
@@ -283,9 +338,13 @@ impl RasterUnit {
     }
 
     /// All three stages take turns, so each of them waits while another works.
-    fn serial_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
-        let requested = self.packets.free_at().max(self.fetch.at());
-        let arrival = self.fetch(at);
+    fn serial_pair<O: Observer, M: Memory>(
+        &mut self,
+        bands: &[Band],
+        buffer: u64,
+        at: &mut Place<O, M>,
+    ) {
+        let [requested, arrival] = self.fetch(at);
         let RasterUnit {
             splat,
             rows,
@@ -323,9 +382,13 @@ impl RasterUnit {
     }
 
     /// The circuit of `sim/rtl`: the clock says when, the accounts why.
-    fn primitive_pair<O: Observer>(&mut self, bands: &[Band], buffer: u64, at: &mut Place<O>) {
-        let requested = self.packets.free_at().max(self.fetch.at());
-        let arrival = self.fetch(at);
+    fn primitive_pair<O: Observer, M: Memory>(
+        &mut self,
+        bands: &[Band],
+        buffer: u64,
+        at: &mut Place<O, M>,
+    ) {
+        let [requested, arrival] = self.fetch(at);
         let stamp = self.primitive.packet(arrival.max(buffer));
         // The place of a packet that has been taken is free in the next cycle.
         self.packets.pass(requested, stamp.taken + 1);
@@ -377,14 +440,20 @@ impl RasterUnit {
     }
 
     /// Packets of a finished tile that were already on their way.
-    fn drop_prefetched(&mut self, left_out: usize) {
-        let count = left_out.min(self.costs.prefetch) as u64;
-        self.prefetched_in_vain += count;
-        self.fetch.work(count * self.costs.transfer);
+    fn drop_prefetched<M: Memory>(&mut self, first: u64, left_out: &[PairWork], memory: &mut M) {
+        let pairs = &left_out[..left_out.len().min(self.costs.prefetch)];
+        self.prefetched_in_vain += pairs.len() as u64;
+        memory.in_vain(self.number, &mut self.fetch, first, pairs);
     }
 
     /// A tile is written back when its last pixel has been blended.
-    fn write_back<O: Observer>(&mut self, job: &Job, buffer: u64, observer: &mut O) {
+    fn write_back<O: Observer, M: Memory>(
+        &mut self,
+        job: &Job,
+        buffer: u64,
+        observer: &mut O,
+        memory: &mut M,
+    ) {
         let last = self
             .sequencers
             .iter()
@@ -403,22 +472,32 @@ impl RasterUnit {
         } else {
             last.max(buffer) + self.costs.drain
         };
-        self.write_back.wait(Cause::Lanes, blended);
-        let start = self.write_back.at();
+        let tile = TileWrite {
+            tile: job.tile,
+            pixels: job.pixels,
+            blended,
+            begin: self.costs.write_back,
+            least: if primitive { job.pixels.into() } else { 0 },
+            clear: self.costs.clear,
+        };
+        let (start, free) = memory.tile(&mut self.write_back, &tile);
         self.handed_over = start + HAND_OVER;
-        let bytes = u64::from(job.pixels) * self.costs.pixel_bytes;
-        let port = if primitive { job.pixels.into() } else { 0 };
-        let transfer = bytes.div_ceil(self.costs.bandwidth).max(port);
-        self.write_back.work(self.costs.write_back + transfer);
-        self.buffers
-            .push_back(self.write_back.at() + self.costs.clear);
+        self.buffers.push_back(free);
         let mut at = Place {
             unit: self.number,
             tile: job.tile,
             splat: u32::MAX,
+            pair: 0,
             observer,
+            memory,
         };
-        at.event(Stage::WriteBack, 0, 0, start, self.write_back.at());
+        at.event(
+            Stage::WriteBack,
+            0,
+            0,
+            start,
+            self.write_back.at().max(start),
+        );
     }
 }
 
@@ -508,14 +587,17 @@ impl Steps {
 }
 
 /// Where an event takes place.
-struct Place<'a, O> {
+struct Place<'a, O, M> {
     unit: u32,
     tile: u32,
     splat: u32,
+    /// Number of the pair in all lists.
+    pair: u64,
     observer: &'a mut O,
+    memory: &'a mut M,
 }
 
-impl<O: Observer> Place<'_, O> {
+impl<O: Observer, M> Place<'_, O, M> {
     #[inline(always)]
     fn event(&mut self, stage: Stage, lane: usize, row: u8, start: u64, end: u64) {
         if O::WATCHES {

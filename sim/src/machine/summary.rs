@@ -134,8 +134,9 @@ pub fn text(name: &str, timing: &Timing) -> String {
     let bytes = &timing.bytes;
     let _ = writeln!(
         text,
-        "bytes: splats read {}, packets written {}, sorted {}, packets read {} (in vain {}), found in caches {} ({:.1} % of look-ups), pixels written {}",
+        "bytes: splats read {}, harmonics {}, packets written {}, sorted {}, packets read {} (in vain {}), found in caches {} ({:.1} % of look-ups), pixels written {}",
         bytes.splats_read,
+        bytes.harmonics_read,
         bytes.packets_written,
         bytes.sort_moved,
         bytes.packets_read,
@@ -144,6 +145,24 @@ pub fn text(name: &str, timing: &Timing) -> String {
         100.0 * timing.pixels.packet_hit_rate(),
         bytes.pixels_written
     );
+    if let Some(memory) = &timing.memory {
+        let c = &memory.counts;
+        let _ = writeln!(
+            text,
+            "memory {}: {} bursts read, {} written, {} bytes moved of {} at peak ({:.1} %); rows: {} hits, {} misses, {} conflicts; {} refreshes, {} turns of the bus",
+            memory.part,
+            c.reads,
+            c.writes,
+            memory.bytes_moved,
+            memory.bytes_at_peak,
+            100.0 * memory.bytes_moved as f64 / memory.bytes_at_peak.max(1) as f64,
+            c.row_hits,
+            c.row_misses,
+            c.row_conflicts,
+            c.refreshes,
+            c.turnarounds
+        );
+    }
     let pixels = &timing.pixels;
     let _ = writeln!(
         text,

@@ -4,12 +4,14 @@
 //! With pictures in sequence a machine may overlap one picture's geometry with another's raster phase; the slower phase
 //! then sets the rate, which is why phases are reported one by one.
 
-use super::accounts::{Account, Fifo, UnitTime};
+use super::accounts::{Account, Cause, Fifo, UnitTime};
 use super::config::{Assignment, Config};
 use super::geometry::Geometry;
-use super::lanes::{LaneShape, LaneWork, PairWork};
+use super::lanes::{LaneShape, LaneWork};
+use super::memory::parts::Part;
+use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
 use super::observe::{Blind, Observer};
-use super::raster::{Job, RasterUnit};
+use super::raster::{Drawing, Job, RasterUnit};
 use super::tile_order::sequence;
 use super::workload::Workload;
 use serde::Serialize;
@@ -30,10 +32,15 @@ pub struct Timing {
     pub units: BTreeMap<&'static str, UnitTime>,
     /// Depth and high-water mark of every FIFO, the fullest over all instances.
     pub fifos: BTreeMap<&'static str, FifoUse>,
+    /// Work of the geometry phase.
+    pub splats: SplatCounts,
     /// Bytes over the memory interface.
     pub bytes: Bytes,
     /// Work of the lanes.
     pub pixels: PixelWork,
+    /// What a memory part did, if the machine has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory: Option<MemoryFacts>,
 }
 
 /// How deep a FIFO is and how full it was.
@@ -45,11 +52,26 @@ pub struct FifoUse {
     pub high_water: u64,
 }
 
+/// Splats and what became of them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct SplatCounts {
+    /// Splats of the scene.
+    pub fetched: u64,
+    /// Of these, splats whose box meets the screen.
+    pub visible: u64,
+    /// Tiles examined for them.
+    pub tiles: u64,
+    /// Entries of all tiles' lists.
+    pub entries: u64,
+}
+
 /// Bytes read and written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Bytes {
     /// Splats read by the geometry phase.
     pub splats_read: u64,
+    /// Harmonics of splats that are seen.
+    pub harmonics_read: u64,
     /// Packets and list entries written by the geometry phase.
     pub packets_written: u64,
     /// List entries read and written by the sort.
@@ -69,13 +91,13 @@ impl Bytes {
     pub fn directions(&self) -> [u64; 2] {
         let sorted = self.sort_moved / 2;
         [
-            self.splats_read + sorted + self.packets_read,
+            self.splats_read + self.harmonics_read + sorted + self.packets_read,
             self.packets_written + sorted + self.pixels_written,
         ]
     }
 
-    /// All bytes over the memory interface.
-    pub fn total(&self) -> u64 {
+    /// All of them.
+    pub fn all(&self) -> u64 {
         self.directions().iter().sum()
     }
 }
@@ -91,6 +113,8 @@ pub struct PixelWork {
     pub pairs_left_out: u64,
     /// Rows of the drawn pairs.
     pub rows: u64,
+    /// Of these, what the lanes took from their queues: rows, or pairs of rows, with work for them.
+    pub runs: u64,
     /// Groups of lanes issued.
     pub groups: u64,
     /// Groups not issued although they lie between a band's first and last.
@@ -128,41 +152,97 @@ pub fn simulate_observed<O: Observer>(
     config: &Config,
     observer: &mut O,
 ) -> Timing {
-    let packet_bytes = if config.packet_bytes == 0 {
-        workload.packet_bytes
-    } else {
-        config.packet_bytes
-    };
-    let geometry = Geometry::run(workload, config, packet_bytes);
-    let moves = geometry.entries * u64::from(config.sort_passes);
-    let mut sort = Account::default();
-    sort.work(moves * u64::from(config.sort_cycles));
-    let mut raster = Raster::new(config, packet_bytes);
-    raster.draw(work, config, observer);
+    let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
+    match config.memory_part() {
+        None => {
+            let mut memory = Channels::new(config, packet_bytes);
+            let drawn = |raster: &mut Raster, memory: &mut Channels| {
+                raster.draw(work, config, observer, memory);
+            };
+            phases(workload, config, packet_bytes, &mut memory, drawn)
+        }
+        Some(part) => {
+            let mut memory = shared(workload, config, packet_bytes, part, false);
+            let drawn = |raster: &mut Raster, memory: &mut Shared| {
+                raster.draw_in_turn(work, config, observer, memory);
+            };
+            phases(workload, config, packet_bytes, &mut memory, drawn)
+        }
+    }
+}
 
-    let raster_cycles = raster
-        .units
-        .iter()
-        .map(RasterUnit::finished_at)
-        .max()
-        .unwrap_or(0);
-    let total = geometry.cycles() + sort.at() + raster_cycles;
+/// All accesses to a machine's memory part; none if it has none.
+pub fn accesses(workload: &Workload, work: &LaneWork, config: &Config) -> Option<Vec<Access>> {
+    let part = config.memory_part()?;
+    let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
+    let mut memory = shared(workload, config, packet_bytes, part, true);
+    let drawn = |raster: &mut Raster, memory: &mut Shared| {
+        raster.draw_in_turn(work, config, &mut Blind, memory);
+    };
+    phases(workload, config, packet_bytes, &mut memory, drawn);
+    Some(memory.into_trace())
+}
+
+fn shared(
+    workload: &Workload,
+    config: &Config,
+    packet_bytes: u32,
+    part: &'static Part,
+    traced: bool,
+) -> Shared {
+    let splats = workload.splats.len() as u64;
+    let entries = workload.splats.iter().map(|splat| u64::from(splat.tiles));
+    Shared::new(part, config, packet_bytes, splats, entries.sum(), traced)
+}
+
+/// The three phases one after the other, and what came of them.
+fn phases<M: Memory>(
+    workload: &Workload,
+    config: &Config,
+    packet_bytes: u32,
+    memory: &mut M,
+    draw: impl FnOnce(&mut Raster, &mut M),
+) -> Timing {
+    let geometry = Geometry::run(workload, config, memory);
+    let geometry_cycles = memory
+        .end_of_phase(geometry.cycles())
+        .max(geometry.cycles());
+    let mut sort = Account::default();
+    memory.sort(&mut sort, geometry.entries);
+    sort.wait(Cause::Port, memory.end_of_phase(sort.at()));
+    let mut raster = Raster::new(config);
+    draw(&mut raster, memory);
+    let finished = raster.units.iter().map(RasterUnit::finished_at);
+    let finished = finished.max().unwrap_or(0);
+    let raster_cycles = memory.end_of_phase(finished).max(finished);
+
+    let moves = geometry.entries * u64::from(config.sort_passes);
+    let total = geometry_cycles + sort.at() + raster_cycles;
     let mut timing = Timing {
         total,
-        geometry: geometry.cycles(),
+        geometry: geometry_cycles,
         sort: sort.at(),
         raster: raster_cycles,
+        memory: memory.facts(total),
         ..Timing::default()
     };
     timing.add_units(&geometry, &sort, &raster);
     timing.add_fifos(&geometry, &raster, config);
     timing.add_pixels(&raster, config);
+    timing.splats = SplatCounts {
+        fetched: workload.splats.len() as u64,
+        visible: geometry.visible,
+        tiles: geometry.tiles,
+        entries: geometry.entries,
+    };
     let entry = u64::from(packet_bytes + config.list_bytes);
     let cached = timing.pixels.packet_hits * u64::from(packet_bytes);
     timing.bytes = Bytes {
         splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
-        packets_written: geometry.written,
-        sort_moved: 2 * moves * u64::from(config.list_bytes),
+        harmonics_read: geometry.visible * u64::from(config.harmonics_bytes),
+        packets_written: geometry.packets * u64::from(packet_bytes)
+            + geometry.entries * u64::from(config.list_bytes),
+        sort_moved: 2 * moves * u64::from(config.sorted_bytes()),
         packets_read: (raster.pixels.pairs + raster.in_vain()) * entry - cached,
         packets_cached: cached,
         packets_in_vain: raster.in_vain() * entry,
@@ -179,9 +259,9 @@ struct Raster {
 }
 
 impl Raster {
-    fn new(config: &Config, packet_bytes: u32) -> Raster {
+    fn new(config: &Config) -> Raster {
         let units = (0..config.raster_units)
-            .map(|number| RasterUnit::new(number, config, packet_bytes))
+            .map(|number| RasterUnit::new(number, config))
             .collect();
         Raster {
             units,
@@ -190,34 +270,63 @@ impl Raster {
         }
     }
 
-    fn draw<O: Observer>(&mut self, work: &LaneWork, config: &Config, observer: &mut O) {
+    /// Draws tile by tile: no unit needs to know what another one does meanwhile.
+    fn draw<O: Observer, M: Memory>(
+        &mut self,
+        work: &LaneWork,
+        config: &Config,
+        observer: &mut O,
+        memory: &mut M,
+    ) {
         let order = sequence(config.tile_order, work.columns, work.tiles.len());
         for (turn, number) in order.into_iter().enumerate() {
-            let tile = &work.tiles[number];
-            let first_pair = match number {
-                0 => 0,
-                number => work.tiles[number - 1].pairs_end as usize,
-            };
-            let all = &work.pairs[first_pair..tile.pairs_end as usize];
-            let first_band = if first_pair == 0 {
-                0
-            } else {
-                work.pairs[first_pair - 1].bands_end as usize
-            };
-            let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
-            let (pairs, rest) = all.split_at(drawn);
-            self.count(pairs, rest.len(), tile.pixels);
+            let job = job(work, config, number);
+            self.count(&job);
             let unit = self.choose(turn, config.assignment);
-            let job = Job {
-                tile: number as u32,
-                pixels: tile.pixels,
-                pairs,
-                first_band,
-                left_out: rest.len(),
-                bands: &work.bands,
-            };
-            self.units[unit].draw(&job, observer);
+            self.units[unit].draw(&job, observer, memory);
         }
+    }
+
+    /// Draws pair by pair, always by the unit whose next request is the earliest: the port that they share sees requests in the order of time.
+    fn draw_in_turn<O: Observer, M: Memory>(
+        &mut self,
+        work: &LaneWork,
+        config: &Config,
+        observer: &mut O,
+        memory: &mut M,
+    ) {
+        let order = sequence(config.tile_order, work.columns, work.tiles.len());
+        let count = self.units.len();
+        let mut drawn: Vec<Option<(Job, Drawing)>> = (0..count).map(|_| None).collect();
+        // The next tile of each unit, or of all of them where tiles are not assigned beforehand.
+        let mut next: Vec<usize> = match config.assignment {
+            Assignment::Static => (0..count).collect(),
+            Assignment::Dynamic => vec![0],
+        };
+        let step = next.len();
+        loop {
+            let open =
+                |unit: &usize| drawn[*unit].is_some() || next[*unit % step] < work.tiles.len();
+            let earliest = (0..count).filter(open);
+            let Some(unit) = earliest.min_by_key(|unit| self.units[*unit].next_request(memory))
+            else {
+                break;
+            };
+            let Some((job, drawing)) = &mut drawn[unit] else {
+                let taken = job(work, config, order[next[unit % step]]);
+                next[unit % step] += step;
+                self.count(&taken);
+                let begun = self.units[unit].begin(&taken, memory);
+                drawn[unit] = Some((taken, begun));
+                continue;
+            };
+            self.units[unit].draw_pair(job, drawing, observer, memory);
+            if drawing.is_over(job) {
+                self.units[unit].end(job, drawing, observer, memory);
+                drawn[unit] = None;
+            }
+        }
+        self.units.iter_mut().for_each(|unit| unit.settle(memory));
     }
 
     /// Which unit draws the next tile.
@@ -231,13 +340,14 @@ impl Raster {
         }
     }
 
-    fn count(&mut self, pairs: &[PairWork], left_out: usize, pixels: u32) {
-        self.pixels_written += u64::from(pixels);
+    fn count(&mut self, job: &Job) {
+        self.pixels_written += u64::from(job.pixels);
         let sums = &mut self.pixels;
-        sums.pairs += pairs.len() as u64;
-        sums.pairs_left_out += left_out as u64;
-        for pair in pairs {
+        sums.pairs += job.pairs.len() as u64;
+        sums.pairs_left_out += job.left_out.len() as u64;
+        for pair in job.pairs {
             sums.rows += u64::from(pair.rows);
+            sums.runs += u64::from(pair.runs);
             sums.groups += u64::from(pair.groups);
             sums.groups_skipped += u64::from(pair.skipped);
             sums.visited += u64::from(pair.visited);
@@ -248,6 +358,31 @@ impl Raster {
 
     fn in_vain(&self) -> u64 {
         self.units.iter().map(|unit| unit.prefetched_in_vain).sum()
+    }
+}
+
+/// A tile's work.
+fn job<'a>(work: &'a LaneWork, config: &Config, number: usize) -> Job<'a> {
+    let tile = &work.tiles[number];
+    let first_pair = match number {
+        0 => 0,
+        _ => work.tiles[number - 1].pairs_end as usize,
+    };
+    let first_band = match first_pair {
+        0 => 0,
+        _ => work.pairs[first_pair - 1].bands_end as usize,
+    };
+    let all = &work.pairs[first_pair..tile.pairs_end as usize];
+    let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
+    let (pairs, left_out) = all.split_at(drawn);
+    Job {
+        tile: number as u32,
+        pixels: tile.pixels,
+        pairs,
+        first_pair,
+        first_band,
+        left_out,
+        bands: &work.bands,
     }
 }
 

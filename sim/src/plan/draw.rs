@@ -10,10 +10,11 @@ use crate::machine::workload::{Workload, extract_from, extract_if_room, room_for
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
 use crate::reference::compositor::{self, Progress as Rows};
-use crate::reference::{self, Culled, PixelBox, exact, float};
+use crate::reference::{self, Culled, PixelBox, exact, float, formats};
 use crate::renderer::{Drawn, Renderer, Settings};
 use crate::report::facts::{Counts, SceneFacts};
 use crate::report::{HostTimes, Pixels};
+use crate::rules::{self, Compositing};
 use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::surface::Style;
@@ -112,6 +113,10 @@ impl Prepared {
                 Some(hybrid) => draw_hybrid_reference(engine, splats, hybrid)?,
                 None => draw_splats_reference(engine, splats, rows)?,
             },
+            Subject::Surface(..) if engine.format().is_some() => {
+                let name = engine.name();
+                bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
+            }
             Subject::Surface(scene, style) => {
                 let drawn = reference::surface::draw(scene, &self.plan.camera, style);
                 let culled = reference_culled(&drawn.counts);
@@ -259,7 +264,31 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<r
             compositor::draw(&footprints, camera, rules, compositing, rows)
         }
         Engine::Fixed => bail!("engine 'fixed' is not a reference"),
+        Engine::Fp32 | Engine::Fp16 | Engine::Bfloat16 => draw_format(engine, &splats)?,
     })
+}
+
+/// What floating-point formats draw: Gaussians from front to back.
+fn draw_format(engine: Engine, splats: &Splats) -> Result<reference::Drawing> {
+    let name = engine.name();
+    if splats.compositing != Compositing::FrontToBack
+        || splats.rules.kernel != rules::Kernel::Gaussian
+    {
+        bail!(
+            "engine '{name}' draws Gaussians from front to back: leave --compositing and --kernel out, or use float"
+        );
+    }
+    if splats.rules.spacing > 0.0 {
+        bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
+    }
+    let format = engine.format().unwrap_or(formats::FP32);
+    let stages = formats::Stages::pixels(format);
+    Ok(formats::draw(
+        splats.scene,
+        splats.camera,
+        splats.rules,
+        &stages,
+    ))
 }
 
 /// Points and splats in double precision, centres of points where they are and not at a stamp's phase.

@@ -172,6 +172,8 @@ pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<Loaded> {
         Ok(loaded) => Ok(loaded),
         Err(error) => match points::load(&source.path) {
             Ok(cloud) => Ok(surface(cloud, false)),
+            // Of a file that holds nothing but points, their reader knows more.
+            Err(cloud) if points::is_cloud(&source.path) => Err(cloud.into()),
             Err(_) => Err(error),
         },
     }

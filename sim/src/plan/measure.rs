@@ -11,7 +11,7 @@ use crate::metrics::{Errors, compare};
 use crate::picture::{Backdrop, Depth, Picture};
 use crate::progress::Progress;
 use crate::report::error_map::ErrorMap;
-use crate::report::{ErrorFacts, HostTimes, Report, Row, ScaleFacts, html};
+use crate::report::{ErrorFacts, FormatRow, HostTimes, Report, Row, ScaleFacts, html};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use std::num::NonZero;
@@ -252,6 +252,20 @@ pub const FILES: [&str; 5] = [
 ];
 
 impl Comparison {
+    /// Draws the plan by the engines of floating-point formats as well and notes how far each is from the reference.
+    pub fn add_formats(&mut self, prepared: &Prepared) -> Result<()> {
+        for engine in Engine::FORMATS {
+            let picture = prepared.draw_reference(engine, &|_, _| ())?.picture;
+            let errors = compare(&picture, &self.float)
+                .with_context(|| format!("engine {} cannot be compared", engine.name()))?;
+            self.report.formats.push(FormatRow {
+                engine: engine.name().to_owned(),
+                error: ErrorFacts::from(&errors),
+            });
+        }
+        Ok(())
+    }
+
     /// Writes fixed.png, float.png, error.png, report.json and report.html.
     pub fn write(&self, folder: &Path, depth: Depth, backdrop: Backdrop) -> Result<()> {
         let picture = |picture: &Picture, name: &str| {

@@ -24,6 +24,7 @@ use crate::design::{DesignChoice, traversal_name};
 use crate::fixed;
 use crate::hybrid::Hybrid;
 use crate::machine::Config;
+use crate::reference::formats::{self, Format};
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
@@ -48,6 +49,12 @@ pub enum Engine {
     Float,
     /// The ray integral in double precision, without the affine approximation.
     Exact,
+    /// EWA in single precision, every operation rounded.
+    Fp32,
+    /// Setup in single precision, pixels in IEEE halves, every operation rounded.
+    Fp16,
+    /// Setup in single precision, pixels in bfloat16, every operation rounded.
+    Bfloat16,
 }
 
 impl Engine {
@@ -57,6 +64,22 @@ impl Engine {
             Engine::Fixed => "fixed",
             Engine::Float => "float",
             Engine::Exact => "exact",
+            Engine::Fp32 => "fp32",
+            Engine::Fp16 => "fp16",
+            Engine::Bfloat16 => "bfloat16",
+        }
+    }
+
+    /// The engines that compute in a floating-point format of few bits.
+    pub const FORMATS: [Engine; 3] = [Engine::Fp32, Engine::Fp16, Engine::Bfloat16];
+
+    /// The format of the pixels, of an engine that has one.
+    pub fn format(self) -> Option<Format> {
+        match self {
+            Engine::Fp32 => Some(formats::FP32),
+            Engine::Fp16 => Some(formats::FP16),
+            Engine::Bfloat16 => Some(formats::BFLOAT16),
+            Engine::Fixed | Engine::Float | Engine::Exact => None,
         }
     }
 }

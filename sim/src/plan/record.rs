@@ -134,6 +134,7 @@ pub fn report_of_drawing(
             ..measured.host
         },
         table: Vec::new(),
+        formats: Vec::new(),
         plan: serde_json::to_value(plan)?,
     })
 }

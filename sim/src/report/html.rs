@@ -5,6 +5,7 @@
 //! Every number is taken from the [`Report`], so the page never says anything that report.json does not.
 
 use super::error_map::{self, ErrorMap};
+use super::formats::formats_section;
 use super::plot::{self, PlotError, Tone};
 use super::png::Rgb;
 use super::scale::PERCENTILE;
@@ -322,9 +323,10 @@ fn sweep(report: &Report) -> Result<String, PageError> {
          an 8-bit picture is 3.9e-3). Bias is the mean of fixed minus float: negative means darker. PSNR, bias and SSIM come twice, over the whole picture and \
          (cov) over the pixels that either picture covers. Visited counts each \
          pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
-         is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{machine}",
+         is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{formats}{machine}",
         plots = plots(report)?,
         table = sweep_table(report),
+        formats = formats_section(report),
         machine = machine_section(report),
     ))
 }

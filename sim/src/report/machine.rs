@@ -30,7 +30,7 @@ const WATCHED: [(Stage, &str, &str); 3] = [
 /// Colours of the causes of stalls, in the order of [`CAUSES`].
 const COLOURS: [&str; CAUSES.len()] = [
     "#d1495b", "#edae49", "#b8651b", "#7a5195", "#66a182", "#8d96a3", "#ef5675", "#00798c",
-    "#a05195", "#30638e",
+    "#a05195", "#30638e", "#5c940d",
 ];
 
 /// What a simulation shows of tiles and time.
@@ -274,7 +274,7 @@ fn roofline(timing: &Timing, config: &Config) -> String {
     let pixels = timing.pixels.live.max(1) as f64;
     let lanes = f64::from(config.lanes * config.raster_units) / f64::from(config.stretch());
     let channels = f64::from(config.read_bandwidth) + f64::from(config.write_bandwidth);
-    let bytes = timing.bytes.total().max(1) as f64 / pixels;
+    let bytes = timing.bytes.all().max(1) as f64 / pixels;
     let reached = pixels / timing.total.max(1) as f64;
     let x =
         |value: f64| LEFT + (WIDTH - LEFT - 20.0) * ((value.log10() + 3.0) / 6.0).clamp(0.0, 1.0);

@@ -6,6 +6,7 @@
 
 pub mod error_map;
 pub mod facts;
+pub mod formats;
 pub mod frames;
 pub mod html;
 pub mod machine;
@@ -67,6 +68,9 @@ pub struct Report {
     pub host: HostTimes,
     /// The sweep of designs and traversals; empty if only one was drawn.
     pub table: Vec<Row>,
+    /// Floating-point datapaths on the same picture, if they were asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub formats: Vec<FormatRow>,
     /// Everything that decided the picture, so that `--from` can draw it again: a [`crate::plan::Plan`].
     #[serde(default)]
     pub plan: serde_json::Value,
@@ -178,6 +182,15 @@ pub struct HostTimes {
     pub repeat: usize,
     /// Threads the engine was given.
     pub threads: usize,
+}
+
+/// A floating-point datapath, every operation rounded, against the reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FormatRow {
+    /// `fp32`, `fp16` or `bfloat16`.
+    pub engine: String,
+    /// Its errors.
+    pub error: ErrorFacts,
 }
 
 /// One line of the speed-against-error sweep.

@@ -45,13 +45,11 @@ async function unpack() {
 
 function scaleAt(percentile) {
   const { sizes } = values;
-  if (!sizes.length) return { limit: 0, knee: 0, outliers: 0 };
+  if (!sizes.length) return { limit: 0, knee: 0 };
   const rank = Math.min(sizes.length, Math.max(1, Math.ceil(percentile / 100 * sizes.length))) - 1;
   const limit = sizes[rank];
   const knee = 0.25 * Math.max(sizes[sizes.length >> 1], limit * 1e-8);
-  let outliers = 0;
-  for (let i = sizes.length - 1; sizes[i] > limit; i -= 1) outliers += 1;
-  return { limit, knee, outliers };
+  return { limit, knee };
 }
 
 function colourErrors(percentile) {
@@ -70,8 +68,9 @@ function colourErrors(percentile) {
   for (const canvas of document.querySelectorAll("canvas.error")) canvas.getContext("2d").putImageData(picture, 0, 0);
   const tick = (part) => scale.knee * Math.sinh(part * range);
   el("ticks").innerHTML = [-1, -0.5, 0, 0.5, 1].map((part) => `<span>${signed(tick(part))}</span>`).join("");
+  const outliers = settings.outliers[settings.percentiles.indexOf(percentile)];
   el("outliers").textContent = scale.limit
-    ? `${percentile} % of the ${grouped(values.sizes.length)} pixels that differ lie within ±${scientific(scale.limit)}; ${grouped(scale.outliers)} beyond are in full colour, the largest at ${scientific(values.sizes.at(-1))}.`
+    ? `${percentile} % of the ${grouped(values.sizes.length)} pixels that differ lie within ±${scientific(scale.limit)}; ${grouped(outliers)} beyond are in full colour, the largest at ${scientific(values.sizes.at(-1))}.`
     : "No pixel differs.";
   histogram(bins, tick);
 }

@@ -136,6 +136,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         host: times(0.319),
         systems: Vec::new(),
         table: rows(),
+        formats: Vec::new(),
         plan: serde_json::Value::Null,
     }
 }

@@ -5,7 +5,7 @@
 
 use super::error_map::{ErrorMap, colour};
 use super::html::PageError;
-use super::scale::PERCENTILE;
+use super::scale::{PERCENTILE, Scale};
 use crate::metrics::stored;
 use crate::picture::Picture;
 use base64::Engine;
@@ -31,6 +31,7 @@ pub fn script(
     engine: &str,
     reference: &str,
 ) -> Result<String, PageError> {
+    let differences = ErrorMap::new(fixed, float).differences;
     let shade = |index: usize| colour(2.0 * index as f64 / (SHADES - 1) as f64 - 1.0);
     let settings = json!({
         "width": fixed.width,
@@ -39,6 +40,8 @@ pub fn script(
         "reference": reference,
         "percentile": PERCENTILE,
         "percentiles": PERCENTILES,
+        // The page's own errors have two digits, so that a few too many or too few of them would lie beyond.
+        "outliers": PERCENTILES.map(|percentile| Scale::of(&differences, percentile).outliers),
         "colours": (0..SHADES).map(shade).collect::<Vec<_>>(),
         "most": MOST_PIXELS,
     });

@@ -6,11 +6,14 @@
 //! | [`vcd`] | GTKWave, Surfer | per unit and stage how many items are in it and which splat came last |
 //! | [`perfetto`] | ui.perfetto.dev | one track per unit and stage, one slice per item |
 //!
+//! Requests to a memory part go to the simulators of DRAM instead ([`requests`]).
+//!
 //! One cycle is one time unit: a cycle in Kanata, 1 ns in VCD, 1 microsecond in Perfetto. Only splats from a first to a last
 //! number are recorded; the machine is simulated whole, so that what is recorded is what happens in the whole picture.
 
 pub mod kanata;
 pub mod perfetto;
+pub mod requests;
 pub mod vcd;
 
 use crate::machine::observe::{Event, Observer, Stage};

@@ -1,5 +1,6 @@
 //! The binary from outside: exit codes, and which stream says what.
 
+use std::path::Path;
 use std::process::{Command, Output};
 
 fn splatline(arguments: &[&str]) -> Output {
@@ -449,4 +450,46 @@ fn shells_and_man_are_served() {
         page.contains("\\-\\-background") && page.contains(".TH"),
         "{page}"
     );
+}
+
+/// A file from elsewhere with a pose from elsewhere, to a report in one command.
+#[test]
+fn first_contact_is_one_command() {
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/tests/files");
+    let folder = tempfile::tempdir().unwrap();
+    let poses = folder.path().join("sparse/0");
+    std::fs::create_dir_all(&poses).unwrap();
+    std::fs::write(poses.join("cameras.txt"), "3 PINHOLE 64 48 60 61 32 24\n").unwrap();
+    let images = "7 1 0 0 0 0.5 0.25 9 3 a.png\n\n8 1 0 0 0 0 0 30 3 b.png\n\n";
+    std::fs::write(poses.join("images.txt"), images).unwrap();
+    for scene in ["second.sog", "first.sog", "compressed.ply"] {
+        let out = folder.path().join(scene);
+        let [scene, poses, out] = [&files.join(scene), &folder.path().to_owned(), &out]
+            .map(|path| path.to_str().unwrap().to_owned());
+        let output = splatline(&[
+            "compare", &scene, "--camera", &poses, "--image", "b.png", "-o", &out,
+        ]);
+        assert_eq!(
+            output.status.code(),
+            Some(0),
+            "{scene}: {}",
+            stderr(&output)
+        );
+        let page = std::fs::read_to_string(format!("{out}/report.html")).unwrap();
+        assert!(page.contains("</html>"), "{scene}");
+        let report = std::fs::read(format!("{out}/report.json")).unwrap();
+        let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+        let camera = &report["plan"]["camera"];
+        let numbers = ["width", "height", "fx", "fy"].map(|key| camera[key].as_f64());
+        assert_eq!(
+            numbers,
+            [64.0, 48.0, 60.0, 61.0].map(Some),
+            "{scene}: {camera}"
+        );
+        assert_eq!(
+            camera["world_to_camera"][11].as_f64(),
+            Some(30.0),
+            "{camera}"
+        );
+    }
 }

@@ -5,6 +5,7 @@ mod allocations;
 mod command_line;
 mod documents;
 mod fast;
+mod harmonics;
 mod hostile;
 mod kernels;
 mod machine_commands;

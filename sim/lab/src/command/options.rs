@@ -181,8 +181,12 @@ pub struct DrawScaledOptions {
 pub enum ResultsPage {
     /// Fixed point against float on scenes.
     Accuracy,
+    /// One scene in several formats.
+    Formats,
     /// Both engines against independent data.
     Golden,
+    /// View-dependent colours in fixed point against double precision.
+    Colour,
     /// Bit layout of the footprint packet.
     Packet,
     /// Cycles: throughput, designs.
@@ -199,4 +203,8 @@ pub enum ResultsPage {
     Speed,
     /// Every system of the papers: where it is, and its error in its exhibits.
     Systems,
+    /// Error against width, stage by stage, with 16-bit floats beside.
+    Widths,
+    /// Machines of others, where work, bytes and energy go, memory parts.
+    Machines,
 }

@@ -5,18 +5,24 @@
 //! | page | question |
 //! |---|---|
 //! | [`accuracy`] | How far is each design from the float reference on real scenes and on the deep stack? |
+//! | [`colour`] | How far are view-dependent colours in fixed point from double precision? |
+//! | [`formats`] | How far is a scene from itself in another format? |
 //! | [`golden`] | How far are both engines from data of independent origin? |
 //! | [`packet`] | Where does every field of the footprint packet lie? |
+//! | [`widths`] | What does a width cost, stage by stage, and what do floating-point formats? |
 //! | [`systems`] | Where is each system of the papers, and how far is it from its float counterpart? |
 
 pub mod accuracy;
 pub mod check;
+pub mod colour;
+pub mod formats;
 pub mod golden;
 pub mod lines;
 pub mod packet;
 pub mod picture;
 pub mod systems;
 pub mod views;
+pub mod widths;
 
 use std::fmt::Write;
 

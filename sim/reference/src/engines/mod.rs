@@ -12,6 +12,7 @@ pub mod compositor;
 pub mod deep;
 pub mod exact;
 pub mod float;
+pub mod formats;
 // Reads an archive: scene/archive.rs.
 #[cfg(not(target_family = "wasm"))]
 pub mod golden;

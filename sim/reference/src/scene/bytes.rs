@@ -7,7 +7,7 @@
 use std::cmp::Ordering;
 use std::io::Read;
 
-use flate2::read::MultiGzDecoder;
+use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use ruzstd::decoding::StreamingDecoder;
 
 use super::error::Problem;
@@ -87,31 +87,61 @@ pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, P
 
 /// Unpacks a gzip stream that must hold exactly `expected` bytes.
 pub(super) fn gunzip_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
-    let possible = (packed.len() as u64).saturating_mul(MAX_DEFLATE_RATIO);
-    if expected > possible {
-        return Err(Problem::malformed(
-            field,
-            format!(
-                "the header claims {expected} bytes, but {} packed bytes hold at most {possible}",
-                packed.len()
-            ),
-            "correct the count in the header or fetch the file again",
-        ));
-    }
+    possible(packed, expected, field)?;
     // One byte more than expected tells "too long" apart from "exact", and makes the decoder check its trailer.
-    let unpacked = gunzip_at_most(packed, expected + 1, field)?;
-    let found = unpacked.len() as u64;
-    if found < expected {
-        return Err(truncated(field, expected, unpacked.len()));
+    exactly(
+        gunzip_at_most(packed, expected + 1, field)?,
+        expected,
+        field,
+    )
+}
+
+/// The same for a zlib stream; nothing may follow its end.
+pub(super) fn unzlib_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+    possible(packed, expected, field)?;
+    let damaged = |reason: String| {
+        let found = format!("the zlib stream is damaged or truncated ({reason})");
+        Problem::malformed(field, found, "fetch the file again")
+    };
+    let mut unpacked = Vec::new();
+    let mut decoder = ZlibDecoder::new(packed);
+    (&mut decoder)
+        .take(expected + 1)
+        .read_to_end(&mut unpacked)
+        .map_err(|error| damaged(error.to_string()))?;
+    let unpacked = exactly(unpacked, expected, field)?;
+    match packed.len() as u64 - decoder.total_in() {
+        0 => Ok(unpacked),
+        more => Err(damaged(format!("{more} bytes follow its end"))),
     }
-    if found > expected {
-        return Err(Problem::malformed(
+}
+
+/// Refuses a claim that deflate cannot keep, before anything is unpacked.
+fn possible(packed: &[u8], expected: u64, field: &str) -> Result<(), Problem> {
+    let possible = (packed.len() as u64).saturating_mul(MAX_DEFLATE_RATIO);
+    if expected <= possible {
+        return Ok(());
+    }
+    Err(Problem::malformed(
+        field,
+        format!(
+            "the header claims {expected} bytes, but {} packed bytes hold at most {possible}",
+            packed.len()
+        ),
+        "correct the count in the header or fetch the file again",
+    ))
+}
+
+fn exactly(unpacked: Vec<u8>, expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+    match (unpacked.len() as u64).cmp(&expected) {
+        Ordering::Less => Err(truncated(field, expected, unpacked.len())),
+        Ordering::Equal => Ok(unpacked),
+        Ordering::Greater => Err(Problem::malformed(
             field,
             format!("more than the {expected} bytes that the header justifies"),
             "correct the header",
-        ));
+        )),
     }
-    Ok(unpacked)
 }
 
 /// The first `limit` bytes of a gzip stream, fewer if it ends before.
@@ -152,15 +182,10 @@ pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<
         .read_to_end(&mut unpacked)
         .map_err(|error| damaged(error.to_string()))?;
     drop(decoder);
-    match (unpacked.len() as u64).cmp(&expected) {
-        Ordering::Equal if packed.is_empty() => Ok(unpacked),
-        Ordering::Equal => Err(damaged(format!("{} bytes follow its end", packed.len()))),
-        Ordering::Less => Err(truncated(field, expected, unpacked.len())),
-        Ordering::Greater => Err(Problem::malformed(
-            field,
-            format!("more than the {expected} bytes that the header justifies"),
-            "correct the header",
-        )),
+    let unpacked = exactly(unpacked, expected, field)?;
+    match packed.len() {
+        0 => Ok(unpacked),
+        more => Err(damaged(format!("{more} bytes follow its end"))),
     }
 }
 

@@ -24,9 +24,20 @@ pub enum Problem {
     NotAFile,
     /// Neither the extension nor the first bytes are known.
     #[error(
-        "is of no known format; expected .ply, .splat, .spz, .sog (or a folder with its meta.json), .ksplat, .glb, .gltf, .nrrd or .nhdr, a point cloud or a height field (.csv) with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
+        "is of no known format; expected .ply, .splat, .spz, .sog (or a folder with its meta.json), .ksplat, .glb, .gltf, .nrrd, .nhdr, .nii, .nii.gz, .mhd, .mha or .vti, a point cloud (.ply, .xyz, .obj, .las, .laz) or a height field (.csv) with --as surface (or one of 'demo', 'random:COUNT[:SEED]', 'deep-stack')"
     )]
     UnknownFormat,
+    /// Points where splats were asked for.
+    #[error("is a file of points; add --as surface")]
+    Points,
+    /// A format that this build leaves out.
+    #[error(
+        ".{feature}: this program was built without its reader; build it with `cargo build --features {feature}` or convert the file"
+    )]
+    LeftOut {
+        /// The Cargo feature, which is named after the format.
+        feature: &'static str,
+    },
     /// A field needs more bytes than there are.
     #[error(
         "{field}: {needed} bytes are needed but {found} are left; the file is truncated or its counts are wrong"
@@ -79,6 +90,12 @@ impl Problem {
             found: found.into(),
             fix: fix.into(),
         }
+    }
+
+    /// A format whose feature was not built.
+    #[allow(dead_code)] // With all features there is none.
+    pub(crate) fn without(feature: &'static str) -> Self {
+        Problem::LeftOut { feature }
     }
 
     /// The same problem as an error about `file`.

@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 
 use super::error::{LoadError, Problem};
+use super::volume::{self, Noted, Volume};
 use super::{
-    Scene, gltf, ksplat, nrrd, ply, shade, sog, splat_file, spz, synthetic, transfer::Transfer,
+    Scene, gltf, ksplat, nrrd, ply, points, shade, sog, splat_file, spz, synthetic,
+    transfer::Transfer,
 };
 use crate::input;
 
@@ -95,7 +97,21 @@ enum SceneFormat {
     Sog,
     Ksplat,
     Gltf,
+    Volume(VolumeFormat),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum VolumeFormat {
     Nrrd,
+    Nifti,
+    MetaImage,
+    Vti,
+}
+
+/// A packed NIfTI file has two extensions, of which the last alone says nothing.
+fn is_packed_nifti(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.to_ascii_lowercase().ends_with(".nii.gz")
 }
 
 /// The extension decides; a file without a known one is recognised by its first bytes.
@@ -111,19 +127,25 @@ fn recognise(bytes: &[u8], path: &Path) -> Result<SceneFormat, Problem> {
         Some("sog") => Ok(SceneFormat::Sog),
         Some("ksplat") => Ok(SceneFormat::Ksplat),
         Some("glb" | "gltf") => Ok(SceneFormat::Gltf),
-        Some("nrrd" | "nhdr") => Ok(SceneFormat::Nrrd),
+        Some("nrrd" | "nhdr") => Ok(SceneFormat::Volume(VolumeFormat::Nrrd)),
+        Some("nii") => Ok(SceneFormat::Volume(VolumeFormat::Nifti)),
+        Some("mhd" | "mha") => Ok(SceneFormat::Volume(VolumeFormat::MetaImage)),
+        Some("vti") => Ok(SceneFormat::Volume(VolumeFormat::Vti)),
+        _ if is_packed_nifti(path) => Ok(SceneFormat::Volume(VolumeFormat::Nifti)),
         _ if bytes.starts_with(b"ply") => Ok(SceneFormat::Ply),
-        _ if bytes.starts_with(b"NRRD") => Ok(SceneFormat::Nrrd),
+        _ if bytes.starts_with(b"NRRD") => Ok(SceneFormat::Volume(VolumeFormat::Nrrd)),
+        _ if volume::nifti::is_nifti(bytes) => Ok(SceneFormat::Volume(VolumeFormat::Nifti)),
         _ if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"NGSP") => Ok(SceneFormat::Spz),
         _ if bytes.starts_with(b"PK\x03\x04") => Ok(SceneFormat::Sog),
         _ if bytes.starts_with(b"glTF") => Ok(SceneFormat::Gltf),
+        _ if points::is_cloud(path) => Err(Problem::Points),
         _ => Err(Problem::UnknownFormat),
     }
 }
 
 fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, Problem> {
     let format = recognise(bytes, path)?;
-    if format != SceneFormat::Nrrd {
+    if !matches!(format, SceneFormat::Volume(_)) {
         refuse_volume_options(options)?;
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -134,24 +156,38 @@ fn dispatch(bytes: &[u8], path: &Path, options: &LoadOptions) -> Result<Loaded, 
         SceneFormat::Spz => spz::load(bytes, &name),
         SceneFormat::Sog => sog::load_bundle(bytes, &name),
         SceneFormat::Ksplat => ksplat::load(bytes, &name),
-        SceneFormat::Nrrd => load_volume(bytes, path, &name, options),
+        SceneFormat::Volume(format) => {
+            let (volume, notes) = read_volume(format, bytes, path)?;
+            return Ok((load_volume(&volume, path, &name, options)?, notes));
+        }
     };
     scene.map(without_notes)
 }
 
+fn read_volume(format: VolumeFormat, bytes: &[u8], path: &Path) -> Result<Noted, Problem> {
+    match format {
+        VolumeFormat::Nrrd => Ok((nrrd::load(bytes, path.parent())?, Vec::new())),
+        VolumeFormat::Nifti => volume::nifti::load(bytes),
+        VolumeFormat::MetaImage => volume::meta_image::load(bytes, path.parent()),
+        #[cfg(feature = "vti")]
+        VolumeFormat::Vti => volume::vti::load(bytes),
+        #[cfg(not(feature = "vti"))]
+        VolumeFormat::Vti => Err(Problem::without("vti")),
+    }
+}
+
 fn load_volume(
-    bytes: &[u8],
+    volume: &Volume,
     path: &Path,
     name: &str,
     options: &LoadOptions,
 ) -> Result<Scene, Problem> {
-    let volume = nrrd::load(bytes, path.parent())?;
     let transfer = match &options.transfer {
         Some(file) => read_transfer(file)?,
-        None => built_in_transfer(&volume, path)?,
+        None => built_in_transfer(volume, path)?,
     };
     shade::shade(
-        &volume,
+        volume,
         &transfer,
         options.light.unwrap_or(shade::DEFAULT_LIGHT),
         name,
@@ -173,7 +209,7 @@ fn read_transfer(file: &Path) -> Result<Transfer, Problem> {
     Transfer::from_toml(&text).map_err(named)
 }
 
-fn built_in_transfer(volume: &nrrd::Volume, path: &Path) -> Result<Transfer, Problem> {
+fn built_in_transfer(volume: &Volume, path: &Path) -> Result<Transfer, Problem> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     if let Some(preset) = Transfer::preset(&stem) {
         return Ok(preset);

@@ -25,6 +25,7 @@ mod spz;
 pub mod synthetic;
 pub mod transfer;
 mod view;
+mod volume;
 mod weights;
 
 #[cfg(test)]

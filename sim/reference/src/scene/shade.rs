@@ -7,8 +7,8 @@
 //! central-difference gradient as the normal, for one distant light and a viewer looking along +z.
 
 use super::error::Problem;
-use super::nrrd::Volume;
 use super::transfer::{Shading, Transfer};
+use super::volume::Volume;
 use super::{Scene, Skipped, Splat, Weight};
 use crate::rules::Rules;
 

@@ -1,4 +1,4 @@
-//! SOG, version 2: every attribute as a lossless WebP picture, one pixel per Gaussian, row by row; in a folder or a `.sog` zip.
+//! SOG, versions 1 and 2: every attribute as a lossless WebP picture, one pixel per Gaussian, row by row; in a folder or a `.sog` zip.
 //!
 //! | `meta.json` | pictures | decoding |
 //! |---|---|---|
@@ -8,6 +8,9 @@
 //! | `sh0` | `sh0`: colour and, in alpha, opacity / 255 | `f_dc = codebook[byte]` |
 //! | `shN` | `shN_labels`: 16-bit number of a palette entry; `shN_centroids`: 64 entries a row, a pixel per coefficient | `codebook[byte]` |
 //!
+//! Version 1 says no version; a range per channel stands in the place of each codebook (byte / 255 of the way), opacity is a logit, and the
+//! palette is as large as its picture.
+//!
 //! A picture of one colour packs to nothing whatever its size, so the count is bounded by the size of all files together, and no
 //! picture may have many more pixels than there are Gaussians.
 
@@ -15,13 +18,15 @@ use super::Scene;
 use super::archive::Archive;
 use super::error::Problem;
 use super::gaussian::{
-    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, scale_from_log,
+    Gaussian, GaussianScene, base_from_coefficient, coefficient_count, opacity_from_logit,
+    scale_from_log,
 };
 use super::load::read_file;
 use super::quaternion::smallest_three;
 use image_webp::WebPDecoder;
 use serde::Deserialize;
 use std::io::Cursor;
+use std::ops::RangeInclusive;
 use std::path::Path;
 
 /// The file that names the others.
@@ -34,6 +39,8 @@ const MAX_RATIO: u64 = 1040;
 const MAX_META_BYTES: u64 = 1 << 20;
 /// Palette entries per row of `shN_centroids`.
 const ENTRIES_PER_ROW: usize = 64;
+/// Entries of a palette: one per 16-bit label.
+const MAX_ENTRIES: usize = 1 << 16;
 /// Entries of a codebook: one per byte.
 const CODES: usize = 256;
 
@@ -104,16 +111,29 @@ impl SogSource<'_> {
     }
 }
 
-#[derive(Deserialize)]
+/// What both versions come to.
 struct Meta {
-    version: Option<u32>,
     count: u64,
     means: Means,
     scales: Coded,
     quats: Plain,
+    /// Opacity of each byte.
+    opacity: Vec<f64>,
     sh0: Coded,
-    #[serde(rename = "shN")]
     rest: Option<HarmonicsPalette>,
+}
+
+/// A codebook for each of three channels.
+struct Coded {
+    books: [Vec<f64>; 3],
+    files: [String; 1],
+}
+
+struct HarmonicsPalette {
+    /// Entries and bands; version 1 leaves both to the picture of the entries.
+    size: Option<(usize, u8)>,
+    codebook: Vec<f64>,
+    files: [String; 2],
 }
 
 #[derive(Deserialize)]
@@ -129,23 +149,141 @@ struct Plain {
 }
 
 #[derive(Deserialize)]
-struct Coded {
+struct Meta2 {
+    count: u64,
+    means: Means,
+    scales: Coded2,
+    quats: Plain,
+    sh0: Coded2,
+    #[serde(rename = "shN")]
+    rest: Option<Palette2>,
+}
+
+#[derive(Deserialize)]
+struct Coded2 {
     codebook: Vec<f64>,
     files: [String; 1],
 }
 
 #[derive(Deserialize)]
-struct HarmonicsPalette {
+struct Palette2 {
     count: usize,
     bands: u8,
     codebook: Vec<f64>,
     files: [String; 2],
 }
 
+impl From<Coded2> for Coded {
+    /// One codebook for all channels.
+    fn from(coded: Coded2) -> Coded {
+        let book = coded.codebook;
+        Coded {
+            books: [book.clone(), book.clone(), book],
+            files: coded.files,
+        }
+    }
+}
+
+impl From<Meta2> for Meta {
+    fn from(meta: Meta2) -> Meta {
+        Meta {
+            count: meta.count,
+            means: meta.means,
+            scales: meta.scales.into(),
+            quats: meta.quats,
+            opacity: steps(0.0, 1.0),
+            sh0: meta.sh0.into(),
+            rest: meta.rest.map(|rest| HarmonicsPalette {
+                size: Some((rest.count, rest.bands)),
+                codebook: rest.codebook,
+                files: rest.files,
+            }),
+        }
+    }
+}
+
 /// What tells the versions apart before the rest is looked at.
 #[derive(Deserialize)]
 struct Version {
     version: Option<u32>,
+}
+
+/// Version 1, which says no version: ranges in the place of codebooks, and the count in the shape of the means.
+#[derive(Deserialize)]
+struct Meta1 {
+    means: Means1,
+    scales: Ranged<[f64; 3]>,
+    quats: Plain,
+    sh0: Ranged<[f64; 4]>,
+    #[serde(rename = "shN")]
+    rest: Option<Ranged2>,
+}
+
+#[derive(Deserialize)]
+struct Means1 {
+    shape: Vec<u64>,
+    mins: [f64; 3],
+    maxs: [f64; 3],
+    files: [String; 2],
+}
+
+#[derive(Deserialize)]
+struct Ranged<N> {
+    mins: N,
+    maxs: N,
+    files: [String; 1],
+}
+
+/// One range for all coefficients, and two files.
+#[derive(Deserialize)]
+struct Ranged2 {
+    mins: f64,
+    maxs: f64,
+    files: [String; 2],
+}
+
+/// A codebook of equal steps, which is what a range is.
+fn steps(least: f64, greatest: f64) -> Vec<f64> {
+    let step = |code: usize| least + (greatest - least) * code as f64 / (CODES - 1) as f64;
+    (0..CODES).map(step).collect()
+}
+
+impl From<Meta1> for Meta {
+    fn from(meta: Meta1) -> Meta {
+        let Meta1 {
+            means,
+            scales,
+            quats,
+            sh0,
+            rest,
+        } = meta;
+        let opacity = steps(sh0.mins[3], sh0.maxs[3])
+            .into_iter()
+            .map(opacity_from_logit);
+        Meta {
+            count: means.shape.first().copied().unwrap_or(0),
+            means: Means {
+                mins: means.mins,
+                maxs: means.maxs,
+                files: means.files,
+            },
+            scales: Coded {
+                books: [0, 1, 2].map(|k| steps(scales.mins[k], scales.maxs[k])),
+                files: scales.files,
+            },
+            quats,
+            opacity: opacity.collect(),
+            sh0: Coded {
+                books: [0, 1, 2].map(|k| steps(sh0.mins[k], sh0.maxs[k])),
+                files: sh0.files,
+            },
+            rest: rest.map(|rest| HarmonicsPalette {
+                size: None,
+                codebook: steps(rest.mins, rest.maxs),
+                files: rest.files,
+            }),
+        }
+    }
 }
 
 impl Meta {
@@ -158,16 +296,17 @@ impl Meta {
             )
         };
         let Version { version } = serde_json::from_slice(text).map_err(wrong)?;
-        if version != Some(2) {
-            let found = version.map_or("missing (1)".to_owned(), |version| version.to_string());
-            return Err(Problem::malformed(
-                format!("{META}, version"),
-                format!("it is {found}"),
-                "version 2 is read; convert the scene with a current tool",
-            ));
-        }
-        let meta: Meta = serde_json::from_slice(text).map_err(wrong)?;
-        debug_assert_eq!(meta.version, Some(2));
+        let meta: Meta = match version {
+            None | Some(1) => serde_json::from_slice::<Meta1>(text).map_err(wrong)?.into(),
+            Some(2) => serde_json::from_slice::<Meta2>(text).map_err(wrong)?.into(),
+            Some(other) => {
+                return Err(Problem::malformed(
+                    format!("{META}, version"),
+                    format!("it is {other}"),
+                    "versions 1 and 2 are read; convert the scene with a current tool",
+                ));
+            }
+        };
         meta.check()?;
         Ok(meta)
     }
@@ -182,8 +321,8 @@ impl Meta {
         }
         let rest = self.rest.as_ref().map(|rest| ("shN", &rest.codebook));
         let books = [
-            ("scales", &self.scales.codebook),
-            ("sh0", &self.sh0.codebook),
+            ("scales", &self.scales.books[0]),
+            ("sh0", &self.sh0.books[0]),
         ];
         for (name, book) in books.into_iter().chain(rest) {
             if book.len() != CODES {
@@ -194,15 +333,15 @@ impl Meta {
                 ));
             }
         }
-        match &self.rest {
-            Some(rest) if !(1..=3).contains(&rest.bands) => Err(Problem::malformed(
+        match self.rest.as_ref().and_then(|rest| rest.size) {
+            Some((_, bands)) if !(1..=3).contains(&bands) => Err(Problem::malformed(
                 format!("{META}, shN.bands"),
-                format!("it is {}", rest.bands),
+                format!("it is {bands}"),
                 "1 to 3 are read; export the scene again",
             )),
-            Some(rest) if rest.count == 0 || rest.count > 1 << 16 => Err(Problem::malformed(
+            Some((entries, _)) if entries == 0 || entries > MAX_ENTRIES => Err(Problem::malformed(
                 format!("{META}, shN.count"),
-                format!("the palette has {} entries", rest.count),
+                format!("the palette has {entries} entries"),
                 "1 to 65536 have a label; export the scene again",
             )),
             _ => Ok(()),
@@ -227,7 +366,7 @@ impl SogImage {
     fn read(
         source: &SogSource,
         file: &str,
-        at_least: usize,
+        pixels: RangeInclusive<usize>,
         size: u64,
     ) -> Result<SogImage, Problem> {
         let bytes = source.read(file, size)?;
@@ -235,13 +374,11 @@ impl SogImage {
             .map_err(|error| damaged(file, &error.to_string()))?;
         let (width, height) = decoder.dimensions();
         let count = u64::from(width) * u64::from(height);
-        // Writers pad the last row, and squares to a multiple of four.
-        let at_most = 2 * at_least as u64 + (1 << 16);
-        if count < at_least as u64 || count > at_most {
+        if !(*pixels.start() as u64..=*pixels.end() as u64).contains(&count) {
             return Err(Problem::malformed(
                 file,
                 format!("it has {width} x {height} pixels"),
-                format!("{at_least} are needed; export the scene again"),
+                format!("{} are needed; export the scene again", pixels.start()),
             ));
         }
         let channels = if decoder.has_alpha() { 4 } else { 3 };
@@ -257,13 +394,76 @@ impl SogImage {
     }
 }
 
+/// Pixels of a picture for so many entries: writers pad the last row, and squares to a multiple of four.
+fn padded(at_least: usize) -> RangeInclusive<usize> {
+    at_least..=2 * at_least + (1 << 16)
+}
+
+/// Harmonics of all Gaussians: a palette, and each one's place in it.
+struct Rest {
+    centroids: SogImage,
+    labels: SogImage,
+    entries: usize,
+    bands: u8,
+}
+
 /// All pictures of a scene.
 struct Pictures {
     means: [SogImage; 2],
     quats: SogImage,
     scales: SogImage,
     sh0: SogImage,
-    rest: Option<[SogImage; 2]>,
+    rest: Option<Rest>,
+}
+
+/// Pixels of a row of a palette's picture.
+fn palette_width(bands: u8) -> usize {
+    ENTRIES_PER_ROW * coefficient_count(bands)
+}
+
+impl Rest {
+    fn read(
+        palette: &HarmonicsPalette,
+        count: usize,
+        read: &impl Fn(&String, RangeInclusive<usize>) -> Result<SogImage, Problem>,
+    ) -> Result<Rest, Problem> {
+        let [file, labels] = &palette.files;
+        let Some((entries, bands)) = palette.size else {
+            // As many as the picture has: at most those of the largest palette.
+            let largest = MAX_ENTRIES / ENTRIES_PER_ROW * palette_width(3);
+            let centroids = read(file, palette_width(1)..=largest)?;
+            let bands = (1..=3).find(|bands| palette_width(*bands) == centroids.width);
+            let bands = bands.ok_or_else(|| {
+                Problem::malformed(
+                    file,
+                    format!("it is {} pixels wide", centroids.width),
+                    "192, 512 and 960 are those of 1 to 3 bands; export the scene again",
+                )
+            })?;
+            let rows = centroids.rgba.len() / centroids.width;
+            return Ok(Rest {
+                centroids,
+                labels: read(labels, padded(count))?,
+                entries: (rows * ENTRIES_PER_ROW).min(MAX_ENTRIES),
+                bands,
+            });
+        };
+        let width = palette_width(bands);
+        let centroids = read(file, padded(entries.div_ceil(ENTRIES_PER_ROW) * width))?;
+        if centroids.width != width {
+            return Err(Problem::malformed(
+                file,
+                format!("it is {} pixels wide", centroids.width),
+                format!("{width} are needed for {bands} bands; export the scene again"),
+            ));
+        }
+        Ok(Rest {
+            centroids,
+            labels: read(labels, padded(count))?,
+            entries,
+            bands,
+        })
+    }
 }
 
 fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
@@ -278,37 +478,18 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
         ));
     }
     let count = meta.count as usize;
-    let read = |file: &String, at_least: usize| SogImage::read(source, file, at_least, size);
-    let rest = match &meta.rest {
-        None => None,
-        Some(palette) => {
-            let rows = palette.count.div_ceil(ENTRIES_PER_ROW);
-            let width = ENTRIES_PER_ROW * coefficient_count(palette.bands);
-            let centroids = read(&palette.files[0], rows * width)?;
-            if centroids.width != width {
-                return Err(Problem::malformed(
-                    &palette.files[0],
-                    format!("it is {} pixels wide", centroids.width),
-                    format!(
-                        "{width} are needed for {} bands; export the scene again",
-                        palette.bands
-                    ),
-                ));
-            }
-            Some([centroids, read(&palette.files[1], count)?])
-        }
-    };
+    let read = |file: &String, pixels| SogImage::read(source, file, pixels, size);
+    let each = |file: &String| read(file, padded(count));
+    let rest = meta.rest.as_ref();
+    let rest = rest.map(|palette| Rest::read(palette, count, &read));
     let pictures = Pictures {
-        means: [
-            read(&meta.means.files[0], count)?,
-            read(&meta.means.files[1], count)?,
-        ],
-        quats: read(&meta.quats.files[0], count)?,
-        scales: read(&meta.scales.files[0], count)?,
-        sh0: read(&meta.sh0.files[0], count)?,
-        rest,
+        means: [each(&meta.means.files[0])?, each(&meta.means.files[1])?],
+        quats: each(&meta.quats.files[0])?,
+        scales: each(&meta.scales.files[0])?,
+        sh0: each(&meta.sh0.files[0])?,
+        rest: rest.transpose()?,
     };
-    let degree = meta.rest.as_ref().map_or(0, |rest| rest.bands);
+    let degree = pictures.rest.as_ref().map_or(0, |rest| rest.bands);
     let mut scene = GaussianScene::new(degree);
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(degree)];
     for index in 0..count {
@@ -327,15 +508,15 @@ impl Pictures {
             let value = least + (greatest - least) * f64::from(word) / 65535.0;
             value.abs().exp_m1().copysign(value)
         };
-        let [r, g, b, opacity] = self.sh0.rgba[index];
+        let colour = self.sh0.rgba[index];
         let scale = self.scales.rgba[index];
-        let code = |book: &[f64], byte: u8| book[usize::from(byte)];
+        let code = |coded: &Coded, k: usize, byte: u8| coded.books[k][usize::from(byte)];
         Gaussian {
             centre: [0, 1, 2].map(place),
-            scales: [0, 1, 2].map(|k| scale_from_log(code(&meta.scales.codebook, scale[k]))),
+            scales: [0, 1, 2].map(|k| scale_from_log(code(&meta.scales, k, scale[k]))),
             rotation: rotation(self.quats.rgba[index]),
-            opacity: f64::from(opacity) / 255.0,
-            base: [r, g, b].map(|byte| base_from_coefficient(code(&meta.sh0.codebook, byte))),
+            opacity: meta.opacity[usize::from(colour[3])],
+            base: [0, 1, 2].map(|k| base_from_coefficient(code(&meta.sh0, k, colour[k]))),
             harmonics,
         }
     }
@@ -346,24 +527,24 @@ impl Pictures {
         index: usize,
         harmonics: &mut [[f32; 3]],
     ) -> Result<(), Problem> {
-        let (Some(palette), Some([centroids, labels])) = (&meta.rest, &self.rest) else {
+        let (Some(palette), Some(rest)) = (&meta.rest, &self.rest) else {
             return Ok(());
         };
-        let [low, high, ..] = labels.rgba[index];
+        let [low, high, ..] = rest.labels.rgba[index];
         let label = usize::from(u16::from_le_bytes([low, high]));
-        if label >= palette.count {
+        if label >= rest.entries {
             return Err(Problem::malformed(
                 &palette.files[1],
                 format!("Gaussian {index} has the label {label}"),
                 format!(
                     "the palette has {} entries; export the scene again",
-                    palette.count
+                    rest.entries
                 ),
             ));
         }
         let (row, column) = (label / ENTRIES_PER_ROW, label % ENTRIES_PER_ROW);
-        let first = row * centroids.width + column * harmonics.len();
-        let entry = &centroids.rgba[first..first + harmonics.len()];
+        let first = row * rest.centroids.width + column * harmonics.len();
+        let entry = &rest.centroids.rgba[first..first + harmonics.len()];
         for (coefficient, [r, g, b, _]) in harmonics.iter_mut().zip(entry) {
             *coefficient = [r, g, b].map(|byte| palette.codebook[usize::from(*byte)] as f32);
         }

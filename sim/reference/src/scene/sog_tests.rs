@@ -146,11 +146,11 @@ fn each_message_names_the_field_and_the_fix() {
     let cases = [
         (
             metas("\"version\":2", "\"version\":3"),
-            "meta.json, version: it is 3; version 2 is read",
+            "meta.json, version: it is 3; versions 1 and 2 are read",
         ),
         (
             metas("\"version\":2,", ""),
-            "meta.json, version: it is missing (1)",
+            "meta.json: it is not understood: missing field `shape`",
         ),
         (
             metas("\"count\":2", "\"count\":0"),
@@ -204,4 +204,54 @@ fn each_message_names_the_field_and_the_fix() {
             "found    {found}\nexpected {expected}"
         );
     }
+}
+
+/// The meta.json of version 1 for the same pictures, and the codes that both versions give them.
+fn files_of_version_1() -> Vec<SogFile> {
+    let text = r#"{"means":{"shape":[2,3],"dtype":"float32","mins":[-2,-2,-2],"maxs":[2,2,2],"files":["ml.webp","mu.webp"]},
+        "scales":{"shape":[2,3],"dtype":"float32","mins":[-4,-5,-6],"maxs":[-0.015625,-1.015625,2],"files":["s.webp"]},
+        "quats":{"shape":[2,4],"dtype":"uint8","encoding":"quaternion_packed","files":["q.webp"]},
+        "sh0":{"shape":[2,1,4],"dtype":"float32","mins":[-2,-3,0,-6],"maxs":[1.984375,0.984375,1,9.3],"files":["c.webp"]},
+        "shN":{"shape":[2,9],"dtype":"float32","mins":-1,"maxs":2.984375,"quantization":8,"files":["centroids.webp","labels.webp"]}}"#;
+    with(META, text.as_bytes().to_vec())
+}
+
+#[test]
+fn version_1_has_ranges_in_the_place_of_codebooks() {
+    let scene = load_bundle(&bundle(&files_of_version_1()), "x").unwrap();
+    let second = load_bundle(&bundle(&files()), "x").unwrap();
+    let (splat, other) = (scene.splats[0], second.splats[0]);
+    assert_eq!(splat.centre, other.centre);
+    // Scales: steps of 1 / 64 from -4, the same from -5, and 128 of 255 of the way from -6 to 2.
+    let length = |axis: [f64; 3]| axis.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let logs = [-4.0, -4.0, -6.0 + 8.0 * 128.0 / 255.0];
+    for (axis, log) in splat.axes.iter().zip(logs) {
+        assert!((length(*axis) - f64::exp(log)).abs() < 1e-12);
+    }
+    // 51 of 255 of the way from -6 to 9.3 is -2.94.
+    assert!((splat.weight - 1.0 / (1.0 + f64::exp(2.94))).abs() < 1e-12);
+    assert!((splat.colour[0] - other.colour[0]).abs() < 1e-12);
+    assert!((splat.colour[1] - 0.5).abs() < 1e-12);
+    assert_eq!(splat.colour[2], 0.5);
+    assert_eq!(
+        scene.harmonics.unwrap().coefficients,
+        second.harmonics.unwrap().coefficients
+    );
+    survives(&bundle(&files_of_version_1()), &|bytes| {
+        load_bundle(bytes, "x")
+    });
+}
+
+#[test]
+fn a_palette_of_version_1_has_the_width_of_its_bands() {
+    let change = |file: SogFile| match file.0.as_str() {
+        "centroids.webp" => (file.0, webp(256, &[[0; 4]; 256])),
+        _ => file,
+    };
+    let files: Vec<SogFile> = files_of_version_1().into_iter().map(change).collect();
+    let message = load_bundle(&bundle(&files), "x").unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "centroids.webp: it is 256 pixels wide; 192, 512 and 960 are those of 1 to 3 bands; export the scene again"
+    );
 }

@@ -4,7 +4,7 @@
 
 use super::gaussian::rotation_matrix;
 use super::view::look_at;
-use super::{Scene, Skipped, Splat, Weight};
+use super::{Harmonics, Scene, Skipped, Splat, Weight};
 use crate::camera::Camera;
 use crate::rules::Rules;
 
@@ -43,6 +43,25 @@ pub fn random_gaussians(count: usize, seed: u64, scale_multiplier: f64) -> Scene
         })
         .collect();
     scene(format!("random:{count}:{seed}"), splats)
+}
+
+/// The same splats with view-dependent colours: coefficients of all degrees up to `degree`, normal with a deviation of 0.15, as trained
+/// scenes have them.
+pub fn random_harmonics(count: usize, seed: u64, degree: u8) -> Scene {
+    let mut scene = random_gaussians(count, seed, 1.0);
+    let mut random = Random(seed ^ 0x5e_ed0f_c010);
+    let mut coefficient = || [(); 3].map(|()| (0.15 * random.normal()) as f32);
+    let each = (usize::from(degree) + 1).pow(2) - 1;
+    scene.harmonics = Some(Harmonics {
+        degree,
+        coefficients: (0..count * each).map(|_| coefficient()).collect(),
+        base: scene
+            .splats
+            .iter()
+            .map(|splat| splat.colour.map(|c| c as f32))
+            .collect(),
+    });
+    scene
 }
 
 /// 20,000 large and nearly transparent Gaussians: hundreds of layers over each pixel of [`camera`].

@@ -212,10 +212,10 @@ fn named_scenes_load_without_files() {
 #[test]
 fn messages_of_paths_name_the_file_and_the_fix() {
     let folder = tempfile::tempdir().unwrap();
-    let unknown = folder.path().join("scene.obj");
+    let unknown = folder.path().join("scene.fbx");
     std::fs::write(&unknown, "v 0 0 0").unwrap();
     let message = |path: &Path| load(path, &LoadOptions::default()).unwrap_err().to_string();
-    assert!(message(&unknown).contains("scene.obj: is of no known format; expected .ply"));
+    assert!(message(&unknown).contains("scene.fbx: is of no known format; expected .ply"));
     assert!(message(folder.path()).contains("is not a regular file; name a scene file"));
     assert!(
         message(&folder.path().join("none.ply")).contains("none.ply: cannot be read: No such file")

@@ -7,6 +7,7 @@ use crate::explore::folder::Appender;
 use crate::explore::sweep::{self, Shard, Subject};
 use crate::explore::table::{Table, heading};
 use crate::machine::area::Calibration;
+use crate::machine::energy::EnergyTable;
 use crate::picture::Picture;
 use crate::plan::Splats;
 use crate::reference::float;
@@ -69,6 +70,7 @@ impl Subjects {
             traversal: None,
             machine: machine(),
             calibration: Calibration::default(),
+            energy: EnergyTable::default(),
             reference: Some(&self.reference),
         };
         let (out, _) = Appender::open(&path, &heading(space)).unwrap();

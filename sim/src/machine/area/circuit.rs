@@ -19,10 +19,14 @@ pub struct Bits {
     pub pixel: [u64; 2],
     /// Bits of a run in a lane's queue.
     pub run: u64,
-    peak: u64,
-    weight: u64,
+    /// Bits of the radial index, of a weight, and of a pixel's three sums one by one.
+    pub radial: u64,
+    pub accumulator: u64,
+    pub weight: u64,
+    pub peak: u64,
+    subpixel: u64,
     alpha: u64,
-    transmittance: u64,
+    pub transmittance: u64,
     colour: u64,
     interpolation: u64,
     /// The largest step between two table entries: at its end under `ewa`, e^-2.
@@ -36,7 +40,7 @@ impl Bits {
             _,
             _,
             mantissa,
-            _,
+            subpixel,
             radial,
             table,
             interpolation,
@@ -55,8 +59,11 @@ impl Bits {
             pixel: [transmittance + 2, 3 * (accumulator + 5)],
             // Row, column and length; the radial index and its differences; cut-off, peak and colours.
             run: 39 + 96 + (radial + 5) + (peak + 4) + 3 * (colour + 4),
-            peak,
+            radial,
+            accumulator,
             weight,
+            peak,
+            subpixel,
             alpha,
             transmittance,
             colour,
@@ -89,6 +96,118 @@ impl Bits {
     /// The table's interpolation; none without fraction bits.
     pub fn interpolation_product(&self) -> Option<[u64; 2]> {
         (self.interpolation > 0).then_some([self.step + 1, self.interpolation + 1])
+    }
+}
+
+/// Bits of adders, and widths of shifters by any number of places.
+pub struct Operators {
+    pub adder_bits: u64,
+    pub shifters: Vec<u64>,
+}
+
+impl Operators {
+    /// Look-up tables if each took no more than its carry chain or its stages, which shift by up to three places each.
+    pub fn luts(&self) -> f64 {
+        let stages = |width: u64| u64::from(width.max(2).ilog2().div_ceil(2));
+        let shifting: u64 = self
+            .shifters
+            .iter()
+            .map(|width| width * stages(*width))
+            .sum();
+        (self.adder_bits + shifting) as f64
+    }
+}
+
+impl Bits {
+    /// Adders and shifters of splat setup, and of a row.
+    pub fn operators(&self) -> [Operators; 2] {
+        let m = self.mantissa;
+        [
+            Operators {
+                adder_bits: 3 * 64,
+                shifters: vec![64; 6],
+            },
+            Operators {
+                adder_bits: 3 * 64 + 4 * (27 + self.subpixel),
+                shifters: vec![64, m + 32, m + 32],
+            },
+        ]
+    }
+}
+
+/// Geometry setup, counted: projection (9 products of position and rotation, 27 where they have two parts, and 4 of ratios and focal length),
+/// columns of J W S (27 + 12), variance (15), LDL and conic (10), peak and cut-off (4), reciprocals and roots by table and a product or two (8).
+pub struct Geometry {
+    /// Position relative to the eye, and its rotation: what a splat takes before it can be culled.
+    pub rotation: Stage,
+    /// Everything after that.
+    pub footprint: Stage,
+    /// Bits of a word of either table.
+    pub table_bits: u64,
+}
+
+/// Products and adders of a part of geometry setup, and its look-ups.
+pub struct Stage {
+    pub products: Vec<[u64; 2]>,
+    pub operators: Operators,
+    pub lookups: u64,
+}
+
+impl Geometry {
+    /// Words of each of the two tables, for reciprocals and for roots.
+    pub const TABLE_WORDS: u64 = 256;
+
+    /// Of a design.
+    pub fn new(widths: &Widths) -> Geometry {
+        let [position, view, m, ..] = widths.numbers().map(u64::from);
+        // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
+        let low = position.saturating_sub(30);
+        let cross = if low > 0 { 18 } else { 0 };
+        let rotation = [
+            vec![[position.min(30) + 1; 2]; 9],
+            vec![[31, low + 1]; cross],
+        ];
+        let footprint = [
+            vec![[view + 1, view + 1]; 4],
+            vec![[view + 1, m + 1]; 27],
+            vec![[m + 1, m + 1]; 12 + 15 + 10 + 4 + 8],
+        ];
+        Geometry {
+            rotation: Stage {
+                products: rotation.concat(),
+                operators: Operators {
+                    // Alignment of splat and eye in 61 bits, the difference, its block exponent and the rotation's sums come first.
+                    adder_bits: 9 * 64 + 3 * 61,
+                    shifters: [vec![61; 6], vec![position; 3]].concat(),
+                },
+                lookups: 0,
+            },
+            footprint: Stage {
+                products: footprint.concat(),
+                operators: Operators {
+                    adder_bits: 60 * (m + 2),
+                    shifters: vec![m; 40],
+                },
+                lookups: 4,
+            },
+            table_bits: m.min(18),
+        }
+    }
+
+    /// All products.
+    pub fn products(&self) -> Vec<[u64; 2]> {
+        [&self.rotation, &self.footprint]
+            .map(|stage| stage.products.clone())
+            .concat()
+    }
+
+    /// All other operators.
+    pub fn counted(&self) -> Operators {
+        let all = [&self.rotation, &self.footprint].map(|stage| &stage.operators);
+        Operators {
+            adder_bits: all.iter().map(|part| part.adder_bits).sum(),
+            shifters: all.map(|part| part.shifters.clone()).concat(),
+        }
     }
 }
 

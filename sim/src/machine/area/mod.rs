@@ -3,19 +3,19 @@
 //! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]), so that the machine
 //! `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine is charged by the same lines: every generator of rows
 //! like its row generator, every lane like its lane. What no circuit was written for (geometry setup, queues around the raster
-//! units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted, energy is not estimated: no
+//! units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted: no
 //! source fits them. See `docs/hardware-model.md`, section 5.
 
 mod calibration;
 mod check;
-mod circuit;
+pub(super) mod circuit;
 pub mod synthesis;
 
 pub use calibration::{Calibration, Family, Line, Lines, LutMemory};
 
 use super::config::{Config, Layout, Overlap, Termination};
 use super::primitive::QUEUE;
-use circuit::Bits;
+use circuit::{Bits, Geometry, Operators};
 use serde::Serialize;
 use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
@@ -170,68 +170,24 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     }
 }
 
-/// Bits of adders, and widths of shifters by any number of places.
-struct Operators {
-    adder_bits: u64,
-    shifters: Vec<u64>,
-}
-
-impl Operators {
-    /// Look-up tables if each took no more than its carry chain or its stages, which shift by up to three places each.
-    fn luts(&self) -> f64 {
-        let stages = |width: u64| u64::from(width.max(2).ilog2().div_ceil(2));
-        let shifting: u64 = self
-            .shifters
-            .iter()
-            .map(|width| width * stages(*width))
-            .sum();
-        (self.adder_bits + shifting) as f64
-    }
-}
-
-/// Geometry setup, for which there is no circuit: projection (9 products of position and rotation, 27 where they have two
-/// parts, and 4 of ratios and focal length), columns of
-/// J W S (27 + 12), variance (15), LDL and conic (10), peak and cut-off (4), reciprocals and roots by table and a product or two (8).
+/// Geometry setup, for which there is no circuit ([`circuit::Geometry`]).
 ///
 /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
 /// saturation, special cases); geometry setup is taken to be short by the same factor.
 fn setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
-    let [position, view, m, subpixel, ..] = widths.numbers().map(u64::from);
-    // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
-    let low = position.saturating_sub(30);
-    let cross = if low > 0 { 18 } else { 0 };
-    let products = [
-        vec![[position.min(30) + 1; 2]; 9],
-        vec![[31, low + 1]; cross],
-        vec![[view + 1, view + 1]; 4],
-        vec![[view + 1, m + 1]; 27],
-        vec![[m + 1, m + 1]; 12 + 15 + 10 + 4 + 8],
-    ];
-    let counted = Operators {
-        // Alignment of splat and eye in 61 bits, the difference, its block exponent and the rotation's sums come first.
-        adder_bits: 60 * (m + 2) + 9 * 64 + 3 * 61,
-        shifters: [vec![61; 6], vec![position; 3], vec![m; 40]].concat(),
-    };
-    let written = [
-        Operators {
-            adder_bits: 3 * 64,
-            shifters: vec![64; 6],
-        },
-        Operators {
-            adder_bits: 3 * 64 + 4 * (27 + subpixel),
-            shifters: vec![64, m + 32, m + 32],
-        },
-    ];
+    let m = u64::from(widths.mantissa);
+    let geometry = Geometry::new(widths);
+    let written = Bits::new(widths).operators();
     let written: f64 = written.iter().map(Operators::luts).sum();
     let logic = |lines: &Lines| {
         let synthesised = lines.setup.at(m) + lines.rows.at(m);
-        (counted.luts() * synthesised / written).round() as u64
+        (geometry.counted().luts() * synthesised / written).round() as u64
     };
     Fabric {
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
-        dsps: shared(&products.concat(), config.setup_interval, calibration),
-        memory_kbit: 2 * calibration.memory(256, m.min(18)),
+        dsps: shared(&geometry.products(), config.setup_interval, calibration),
+        memory_kbit: 2 * calibration.memory(Geometry::TABLE_WORDS, geometry.table_bits),
     }
 }
 

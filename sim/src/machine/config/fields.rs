@@ -1,6 +1,7 @@
 //! The table of fields: section, key, range, meaning, and how to read and write it in a [`Config`].
 
 use super::{Assignment, Binning, Config, Layout, Overlap, Termination, TileOrder};
+use crate::machine::memory::parts::PARTS;
 
 /// What a field may hold. Values are passed as integers; a choice is its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +68,17 @@ const CACHES: Range = Range::OneOf(&[
 ]);
 const BINNINGS: [Binning; 2] = [Binning::Box, Binning::Exact];
 
+/// The two channels, and all parts.
+const PART_NAMES: [&str; PARTS.len() + 1] = {
+    let mut names = ["channels"; PARTS.len() + 1];
+    let mut index = 0;
+    while index < PARTS.len() {
+        names[index + 1] = PARTS[index].name;
+        index += 1;
+    }
+    names
+};
+
 /// Index of a choice; every choice is in its list.
 fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
     list.iter().position(|entry| entry == value).unwrap_or(0) as u32
@@ -74,7 +86,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 44] = [
+pub const FIELDS: [Field; 48] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -84,6 +96,10 @@ pub const FIELDS: [Field; 44] = [
     entry("memory", "read_bandwidth", BYTES, "bytes read per cycle", |c| c.read_bandwidth, |c, v| c.read_bandwidth = v),
     entry("memory", "write_bandwidth", BYTES, "bytes written per cycle", |c| c.write_bandwidth, |c, v| c.write_bandwidth = v),
     entry("memory", "latency", CYCLES, "cycles from a request to its data", |c| c.latency, |c, v| c.latency = v),
+    entry("memory", "part", Range::Choice(&PART_NAMES), "channels: two of read_bandwidth and write_bandwidth; else a part behind one port, which needs clock_mhz", |c| c.part, |c, v| c.part = v),
+    entry("memory", "write_queue", DEPTH, "writes that the port to a part holds back", |c| c.write_queue, |c, v| c.write_queue = v),
+    entry("memory", "harmonics_bytes", Range::Number(0, 65_536), "bytes of harmonics read for a splat that is seen", |c| c.harmonics_bytes, |c, v| c.harmonics_bytes = v),
+    entry("memory", "sort_bytes", Range::Number(0, 65_536), "bytes of an entry while it is sorted; 0: list_bytes", |c| c.sort_bytes, |c, v| c.sort_bytes = v),
     entry("setup", "setup_units", COUNT, "units side by side", |c| c.setup_units, |c, v| c.setup_units = v),
     entry("setup", "setup_interval", POSITIVE_CYCLES, "cycles between two splats into a unit", |c| c.setup_interval, |c, v| c.setup_interval = v),
     entry("setup", "setup_latency", CYCLES, "cycles from splat to footprint", |c| c.setup_latency, |c, v| c.setup_latency = v),

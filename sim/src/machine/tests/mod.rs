@@ -27,7 +27,7 @@ fn row() -> impl Strategy<Value = Row> {
 }
 
 /// Tiles of 16 x 8 pixels with arbitrary pairs, some of them finished after some pair.
-pub fn workload() -> impl Strategy<Value = Workload> {
+pub(in crate::machine) fn workload() -> impl Strategy<Value = Workload> {
     let pair = (0u8..8, proptest::collection::vec(row(), 1..6));
     let tile = (
         proptest::collection::vec(pair, 0..8),
@@ -70,7 +70,7 @@ pub fn workload() -> impl Strategy<Value = Workload> {
 }
 
 /// Machines with small numbers everywhere, so that every limit is met.
-pub fn machine() -> impl Strategy<Value = Config> {
+pub(in crate::machine) fn machine() -> impl Strategy<Value = Config> {
     let choices = (0usize..4, 0usize..5, any::<[bool; 4]>(), 1u32..4, 0u32..6);
     let raster = (0u32..9, 0u32..5, 1u32..4, 1u32..4, 1u32..4, 1u32..5);
     let memory = (1u32..100, 1u32..100, 0u32..40, 1u32..5);

@@ -27,16 +27,36 @@ use std::path::Path;
 pub type Reader = fn(&Path) -> Result<(), String>;
 
 /// Name of the file, for its extension, and its reader.
-pub const FORMATS: [(&str, Reader); 19] = [
+pub const FORMATS: &[(&str, Reader)] = &[
     ("gaussian.ply", scene_file),
     ("binary.ply", scene_file),
     ("scene.splat", scene_file),
     ("scene.spz", scene_file),
+    ("streams.spz", scene_file),
+    ("compressed.ply", scene_file),
+    ("first.sog", scene_file),
+    ("second.sog", scene_file),
+    ("tiny.glb", scene_file),
     ("raw.nrrd", scene_file),
     ("gzip.nrrd", scene_file),
     ("detached.nhdr", detached_file),
+    ("volume.nii", scene_file),
+    ("volume.nii.gz", scene_file),
+    ("volume.mha", scene_file),
+    ("packed.mha", scene_file),
+    #[cfg(feature = "vti")]
+    ("ascii.vti", scene_file),
+    #[cfg(feature = "vti")]
+    ("raw.vti", scene_file),
     ("cloud.ply", cloud_file),
     ("cloud.xyz", cloud_file),
+    ("sphere.obj", cloud_file),
+    ("old.las", cloud_file),
+    ("new.las", cloud_file),
+    #[cfg(feature = "laz")]
+    ("old.laz", cloud_file),
+    #[cfg(feature = "laz")]
+    ("new.laz", cloud_file),
     ("grid.csv", height_field_file),
     ("camera.json", camera_file),
     ("transfer.toml", transfer_file),

@@ -14,6 +14,9 @@ use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
 use std::io::Write;
 
+/// From this package's folder, and from that of the fuzz targets, which read these seeds as well.
+const OTHERS: [&str; 2] = ["reference/tests/files", "../reference/tests/files"];
+
 const GAUSSIAN: [&str; 17] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
     "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
@@ -116,12 +119,13 @@ fn sweep() -> String {
         traversal: None,
         machine: Config::default(),
         calibration: Calibration::default(),
+        energy: splatline_sim::machine::energy::EnergyTable::default(),
         reference: None,
     };
     let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]
         .map(|(point, lanes)| {
-            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,\n")
+            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,\n")
         })
         .concat();
     format!("{}{}\n{rows}", identity.to_text(), heading(&space))
@@ -146,6 +150,14 @@ fn manifest() -> Vec<u8> {
     let manifest = std::fs::read(folder.join("manifest.json"));
     std::fs::remove_dir_all(&folder).expect("it was made here");
     manifest.expect("it was written here")
+}
+
+/// A file of the reference's tests; most were written by other tools (reference/tests/files/make.py).
+fn from_others(name: &str) -> Vec<u8> {
+    let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files = OTHERS.map(|folder| package.join(folder).join(name));
+    let found = files.iter().find_map(|file| std::fs::read(file).ok());
+    found.unwrap_or_else(|| panic!("no seed {}", files[0].display()))
 }
 
 /// The sound file of that name.
@@ -185,7 +197,7 @@ pub fn seed(name: &str) -> Vec<u8> {
         "footprints.csv" => FOOTPRINTS.into(),
         "sweep.json" => sweep().into_bytes(),
         "manifest.json" => manifest(),
-        other => unreachable!("{other} has no seed"),
+        other => from_others(other),
     }
 }
 

@@ -106,7 +106,7 @@ pub fn run_layouts(data: &Path, output: &Path) -> Result<(), Failure> {
 }
 
 /// The scenes at hand, and the names of those that are not.
-fn subjects(data: &Path) -> Result<(Vec<HardwareScene>, Vec<&'static str>)> {
+pub fn subjects(data: &Path) -> Result<(Vec<HardwareScene>, Vec<&'static str>)> {
     let mut subjects = vec![demo()?];
     let mut missing = Vec::new();
     for place in &PLACES {

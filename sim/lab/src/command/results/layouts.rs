@@ -13,6 +13,7 @@ use splatline_sim::explore::sweep::{self, Shard};
 use splatline_sim::explore::table::{Table, heading};
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Calibration, synthesis};
+use splatline_sim::machine::energy::EnergyTable;
 use splatline_sim::picture::Picture;
 use splatline_sim::plan::Splats;
 use splatline_sim::rules::Compositing;
@@ -94,6 +95,7 @@ pub fn sweep_of(
         },
         design: DesignChoice::all().remove(2),
         traversal: None,
+        energy: EnergyTable::default(),
         machine: Config::default(),
         calibration: Calibration::default(),
         reference,

@@ -5,6 +5,7 @@ mod drawing;
 mod hardware;
 pub mod host;
 mod layouts;
+mod machines;
 pub mod scale;
 mod speed;
 mod throughput;
@@ -13,7 +14,9 @@ use super::options::{ResultsOptions, ResultsPage};
 use clap::ValueEnum;
 use hardware::HardwareScene;
 use splatline_lab::results::check::differences;
-use splatline_lab::results::{COMMAND, Page, accuracy, golden, packet, picture, systems, views};
+use splatline_lab::results::{
+    COMMAND, Page, accuracy, colour, formats, golden, packet, picture, systems, views, widths,
+};
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
@@ -93,7 +96,9 @@ fn compare_folders(committed: &Path, again: &Path) -> anyhow::Result<Vec<String>
 fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, Failure> {
     match page {
         ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
+        ResultsPage::Colour => Ok(Some(colour::page(&options.data)?)),
         ResultsPage::Packet => Ok(Some(packet::page())),
+        ResultsPage::Formats => Ok(Some(formats::page(&options.data)?)),
         ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
         ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
         ResultsPage::Hardware => {
@@ -126,6 +131,14 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
                 text,
             }))
         }
+        ResultsPage::Widths => {
+            let views = views::load_all(&options.data, widths::SIZE)?;
+            Ok(Some(widths::page(&views)?))
+        }
+        ResultsPage::Machines => Ok(Some(Page {
+            file: "machines.md",
+            text: machines::page(&hardware::subjects(&options.data)?.0)?,
+        })),
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;
             Ok(Some(Page {

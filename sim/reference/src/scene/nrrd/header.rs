@@ -2,6 +2,7 @@
 
 use super::super::bytes::{Endian, Scalar};
 use super::super::error::Problem;
+use super::super::volume::{Grid, is_spacing, shorten, three_sizes};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
@@ -11,10 +12,7 @@ pub(super) enum Encoding {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NrrdHeader {
-    pub(super) sizes: [usize; 3],
-    pub(super) spacings: [f64; 3],
-    pub(super) kind: Scalar,
-    pub(super) endian: Endian,
+    pub(super) grid: Grid,
     pub(super) encoding: Encoding,
     pub(super) data_file: Option<String>,
 }
@@ -185,11 +183,14 @@ fn interpret(fields: Fields) -> Result<NrrdHeader, Problem> {
         None if kind.size() == 1 => Endian::Little,
         None => required(None, "endian").and(Ok(Endian::Little))?,
     };
-    Ok(NrrdHeader {
+    let grid = Grid {
         sizes: parse_sizes(&required(sizes, "sizes")?)?,
         spacings: parse_spacings(spacings, directions)?,
         kind,
         endian,
+    };
+    Ok(NrrdHeader {
+        grid,
         encoding: parse_encoding(&required(encoding, "encoding")?)?,
         data_file: data_file.map(|field| check_data_file(&field)).transpose()?,
     })
@@ -254,14 +255,8 @@ fn parse_encoding(field: &HeaderField) -> Result<Encoding, Problem> {
 }
 
 fn parse_sizes(field: &HeaderField) -> Result<[usize; 3], Problem> {
-    let sizes: Option<Vec<usize>> = field
-        .value
-        .split_whitespace()
-        .map(|word| word.parse().ok())
-        .collect();
-    match sizes.as_deref() {
-        Some(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Ok([x, y, z]),
-        _ => Err(malformed(
+    three_sizes(&field.value).ok_or_else(|| {
+        malformed(
             field.line,
             "sizes",
             format!(
@@ -269,8 +264,8 @@ fn parse_sizes(field: &HeaderField) -> Result<[usize; 3], Problem> {
                 shorten(&field.value)
             ),
             "write the number of voxels along x, y and z",
-        )),
-    }
+        )
+    })
 }
 
 fn parse_spacings(
@@ -307,11 +302,6 @@ fn parse_lengths(field: &HeaderField) -> Result<[f64; 3], Problem> {
             "write the distances between voxels along x, y and z",
         )),
     }
-}
-
-/// Far from both ends of single precision, so that a voxel's volume neither overflows nor vanishes.
-fn is_spacing(length: f64) -> bool {
-    (1e-12..=1e12).contains(&length)
 }
 
 fn parse_directions(field: &HeaderField) -> Result<[f64; 3], Problem> {
@@ -358,8 +348,4 @@ fn check_data_file(field: &HeaderField) -> Result<String, Problem> {
         ));
     }
     Ok(field.value.clone())
-}
-
-fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }

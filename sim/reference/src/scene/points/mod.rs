@@ -4,12 +4,16 @@
 //! |---|---|
 //! | `.ply` | `x y z`, `nx ny nz`, `red green blue` (also with `alpha`), `radius` |
 //! | `.xyz`, `.pts`, `.txt`, `.asc` | lines of 3, 6 or 9 numbers: place, normal, colour |
+//! | `.obj` | vertices, with colours and normals if they have any |
+//! | `.las`, `.laz` | places and colours; the latter with the feature `laz` |
 //!
 //! A point without a radius gets the distance to the farthest of its six nearest neighbours; a cloud without normals gets those of the
 //! planes through each point's neighbours. What was made up that way is told in [`SurfaceScene::notes`].
 
 pub mod height_field;
+mod las;
 mod neighbours;
+mod obj;
 pub mod orientation;
 pub mod spheres;
 pub mod synthetic;
@@ -113,30 +117,71 @@ pub(super) struct Record {
     pub(super) radius: Option<f64>,
 }
 
+/// What a file holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Cloud {
+    pub(super) records: Vec<Record>,
+    /// What of the file is left out.
+    pub(super) notes: Vec<String>,
+}
+
+/// Extensions of files that hold nothing but points.
+const EXTENSIONS: [&str; 6] = ["xyz", "pts", "asc", "obj", "las", "laz"];
+
+/// Is this, by its name, a file of points and nothing else?
+pub fn is_cloud(path: &Path) -> bool {
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    EXTENSIONS.contains(&extension.to_ascii_lowercase().as_str())
+}
+
 /// Loads a point cloud.
 pub fn load(path: &Path) -> Result<SurfaceScene, LoadError> {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     read_file(path)
         .and_then(|bytes| parse(&bytes, path))
-        .and_then(|records| from_records(&name, &records))
+        .and_then(|cloud| surface(&name, cloud))
         .map_err(|problem| problem.of(path.display().to_string()))
 }
 
-fn parse(bytes: &[u8], path: &Path) -> Result<Vec<Record>, Problem> {
+fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, Problem> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
+    let plain = |records| Cloud {
+        records,
+        notes: Vec::new(),
+    };
     match extension.to_ascii_lowercase().as_str() {
-        "xyz" | "pts" | "txt" | "asc" => xyz::records(bytes),
-        _ if bytes.starts_with(b"ply") => ply::points::records(bytes),
+        "xyz" | "pts" | "txt" | "asc" => xyz::records(bytes).map(plain),
+        _ if bytes.starts_with(b"ply") => ply::points::records(bytes).map(plain),
+        "obj" => obj::cloud(bytes),
+        "las" | "laz" => las::cloud(bytes),
+        _ if bytes.starts_with(b"LASF") => las::cloud(bytes),
         other => Err(Problem::malformed(
             "point cloud",
             format!("'.{other}' is no format of points"),
-            "give a .ply or .xyz file, or leave out --as surface",
+            "give a .ply, .xyz, .obj, .las or .laz file, or leave out --as surface",
         )),
     }
 }
 
+/// Colours to 0 to 1: the first of these full scales that none exceeds, or the last.
+fn full_scale(records: &mut [Record], scales: &[f64]) {
+    let channels = records.iter().filter_map(|record| record.colour).flatten();
+    let greatest = channels.fold(0.0, f64::max);
+    let enough = |scale: &&f64| greatest <= **scale;
+    let Some(full) = scales.iter().find(enough).or(scales.last()) else {
+        return;
+    };
+    for colour in records
+        .iter_mut()
+        .filter_map(|record| record.colour.as_mut())
+    {
+        *colour = colour.map(|channel| channel / full);
+    }
+}
+
 /// Completes the records: radii and normals from the neighbours where the file has none.
-fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem> {
+fn surface(name: &str, cloud: Cloud) -> Result<SurfaceScene, Problem> {
+    let Cloud { records, mut notes } = cloud;
     let sound: Vec<Record> = records.iter().copied().filter(is_sound).collect();
     if sound.len() < 3 {
         return Err(Problem::malformed(
@@ -145,7 +190,6 @@ fn from_records(name: &str, records: &[Record]) -> Result<SurfaceScene, Problem>
             "give a cloud of at least 3 points with finite coordinates",
         ));
     }
-    let mut notes = Vec::new();
     let any = |field: fn(&Record) -> bool| sound.iter().any(field);
     let (no_radius, no_normal) = (any(|r| r.radius.is_none()), any(|r| r.normal.is_none()));
     let places: Vec<Vector> = sound.iter().map(|record| record.centre).collect();

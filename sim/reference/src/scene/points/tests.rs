@@ -5,13 +5,14 @@ use super::*;
 fn ply(properties: &str, rows: &str) -> Result<SurfaceScene, Problem> {
     let count = rows.lines().count();
     let header = format!("ply\nformat ascii 1.0\nelement vertex {count}\n{properties}end_header\n");
-    let records = parse((header + rows).as_bytes(), Path::new("cloud.ply"))?;
-    from_records("cloud.ply", &records)
+    surface(
+        "cloud.ply",
+        parse((header + rows).as_bytes(), Path::new("cloud.ply"))?,
+    )
 }
 
 fn xyz(text: &str) -> Result<SurfaceScene, Problem> {
-    let records = parse(text.as_bytes(), Path::new("cloud.xyz"))?;
-    from_records("cloud.xyz", &records)
+    surface("cloud.xyz", parse(text.as_bytes(), Path::new("cloud.xyz"))?)
 }
 
 const PLACES: &str = "property float x\nproperty float y\nproperty float z\n";
@@ -106,4 +107,93 @@ fn the_share_of_area_makes_a_partition_of_unity() {
     let mean = samples.iter().sum::<f64>() / samples.len() as f64;
     assert!((mean - 1.0).abs() < 0.02, "{mean}");
     assert!(samples.iter().all(|s| (0.85..1.15).contains(s)));
+}
+
+fn obj(text: &str) -> Result<SurfaceScene, Problem> {
+    surface("cloud.obj", parse(text.as_bytes(), Path::new("cloud.obj"))?)
+}
+
+#[test]
+fn vertices_of_an_obj_have_colours_and_normals() {
+    let rows = "# a cloud\nv 0 0 0 1 0 0\nv 1 0 0 1.0 0.2 0\nv 0 1 0 0 0 0\n";
+    let normals = "vn 0 0 1\nvn 0 2 0\nvn 1 0 0\n";
+    let cloud = obj(&format!("mtllib x.mtl\n{rows}{normals}")).unwrap();
+    assert_eq!(cloud.points[1].normal, [0.0, 1.0, 0.0]);
+    assert_eq!(cloud.points[1].colour, [1.0, 0.2, 0.0]);
+    // A face gives its corners' normals, whatever their order; what it does not name has its neighbours' plane.
+    let places = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 2 0 0\nv 2 1 0\n";
+    let faced = obj(&format!(
+        "{places}vn 1 0 0\nvn 0 1 0\nf 1//2 2/7/1 -4//-2\n"
+    ))
+    .unwrap();
+    assert_eq!(faced.points[0].normal, [0.0, 1.0, 0.0]);
+    assert_eq!(faced.points[1].normal, [1.0, 0.0, 0.0]);
+    assert_eq!(faced.points[2].normal, [1.0, 0.0, 0.0]);
+    assert!((faced.points[5].normal[2].abs() - 1.0).abs() < 1e-12);
+    assert_eq!(
+        faced.notes[0],
+        "1 faces and lines are not drawn: only vertices are"
+    );
+}
+
+/// A sphere as VTK writes it: places of radius 2, and a normal along each.
+#[test]
+fn a_sphere_of_vtk_is_read() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/sphere.obj");
+    let scene = load(&file).unwrap();
+    assert_eq!(scene.points.len(), 20);
+    for point in &scene.points {
+        assert!((vector::length(point.centre) - 2.0).abs() < 1e-5);
+        assert!((vector::dot(point.centre, point.normal) - 2.0).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn an_obj_that_is_damaged_is_refused_or_shorter() {
+    let whole = "v 0 0 5\nv 1 0 5\nv 0 1 5\nv 1 1 5\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nvn 0 0 1\nf 1//1 2//2 3//3\n";
+    for place in 0..whole.len() {
+        let _ = obj(&whole[..place]);
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bytes = whole.as_bytes().to_vec();
+            bytes[place] ^= flip;
+            let _ = parse(&bytes, Path::new("cloud.obj")).and_then(|cloud| surface("x", cloud));
+        }
+    }
+    let message = |text: &str| obj(text).unwrap_err().to_string();
+    for (text, expected) in [
+        (
+            "v 0 0\n",
+            "line 1: a vertex of 2 numbers; write x y z, or x y z r g b",
+        ),
+        (
+            "v 0 0 a\n",
+            "line 1: 'a' is no number; write a number such as 0.5",
+        ),
+        (
+            "v 0 0 0\nvn 1 0\n",
+            "line 2: a normal of 2 numbers; write three",
+        ),
+        (
+            "v 0 0 0\nf 1 2 3\n",
+            "line 2: the corner '2' names nothing above it; fetch",
+        ),
+        (
+            "v 0 0 0\nf 1//1\n",
+            "line 2: the corner '1//1' names nothing above it; fetch",
+        ),
+        (
+            "w 0 0 0\n",
+            "line 1: 'w' is no word of .obj; remove the line",
+        ),
+        (
+            "v 0 0 0\nv 0 0 1\nvn 0 0 1\n",
+            "vn: 1 normals for 2 vertices; write one normal per vertex",
+        ),
+    ] {
+        let found = message(text);
+        assert!(
+            found.contains(expected),
+            "found    {found}\nexpected {expected}"
+        );
+    }
 }

@@ -4,7 +4,7 @@
 //! `.pts` file). Three numbers after the place are a normal if they have about unit length in the first line, otherwise a colour.
 //! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
 
-use super::Record;
+use super::{Record, full_scale};
 use crate::scene::error::Problem;
 use crate::vector;
 
@@ -38,7 +38,7 @@ pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
         .first()
         .is_some_and(|row| row.len() == 9 || is_unit(row));
     let mut records: Vec<Record> = rows.iter().map(|row| record(row, normals)).collect();
-    scale_colours(&mut records);
+    full_scale(&mut records, &[1.0, 255.0]);
     Ok(records)
 }
 
@@ -75,20 +75,5 @@ fn record(row: &[f64], normals: bool) -> Record {
         normal: three(row, 3).filter(|_| normals),
         colour: three(row, colour),
         ..Record::default()
-    }
-}
-
-fn scale_colours(records: &mut [Record]) {
-    let channels = records.iter().filter_map(|record| record.colour).flatten();
-    let full = if channels.fold(0.0, f64::max) > 1.0 {
-        255.0
-    } else {
-        1.0
-    };
-    for colour in records
-        .iter_mut()
-        .filter_map(|record| record.colour.as_mut())
-    {
-        *colour = colour.map(|channel| channel / full);
     }
 }

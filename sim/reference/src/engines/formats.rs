@@ -1,0 +1,488 @@
+//! The usual formulas in any floating-point format, every operation rounded: what a machine with a 16-bit datapath computes.
+//!
+//! A number is a double that is rounded to its format after each operation. For sums, products, quotients and roots of formats with up to 25
+//! significant bits that is the correctly rounded result: a double has more than twice as many bits and two to spare, so that rounding twice
+//! changes nothing (Figueroa, When is double rounding innocuous, 1995).
+//!
+//! Each stage has a format of its own, so that a table can say which of them an error comes from:
+//!
+//! ```text
+//! setup (centre, conic, opacity) -> raster (offset from the centre, radial index) -> kernel (exp, opacity at the pixel) -> blend
+//! ```
+//!
+//! The formulas are those of [`single`](super::single): determinant as a c - b^2, conic by division. Machines with a narrow pixel path keep
+//! pixel coordinates small; so here a splat's centre is handed to the raster stage relative to its tile of 16 x 16 pixels. Depths are compared
+//! in the format of setup, ties by index.
+
+use super::single::SingleFootprint;
+use super::{Counts, Culled, Drawing, PixelBox};
+use crate::camera::Camera;
+use crate::picture::Picture;
+use crate::rules::Rules;
+use crate::scene::{Scene, Splat};
+use rayon::prelude::*;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// Columns and rows of a tile.
+const TILE: usize = 16;
+
+/// A binary floating-point format with gradual underflow, infinities, and rounding to nearest, ties to even.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Format {
+    /// Bits behind the leading one.
+    pub fraction_bits: i32,
+    /// Exponent of the smallest normal number.
+    pub min_exponent: i32,
+    /// Exponent of the largest numbers.
+    pub max_exponent: i32,
+}
+
+/// IEEE 754 binary32.
+pub const FP32: Format = Format {
+    fraction_bits: 23,
+    min_exponent: -126,
+    max_exponent: 127,
+};
+
+/// IEEE 754 binary16.
+pub const FP16: Format = Format {
+    fraction_bits: 10,
+    min_exponent: -14,
+    max_exponent: 15,
+};
+
+/// The upper half of a binary32.
+pub const BFLOAT16: Format = Format {
+    fraction_bits: 7,
+    min_exponent: -126,
+    max_exponent: 127,
+};
+
+impl Format {
+    /// The nearest value of the format.
+    pub fn round(self, value: f64) -> f64 {
+        if value == 0.0 || !value.is_finite() {
+            return value;
+        }
+        // A double's own subnormal numbers lie far below those of every format here.
+        let exponent = ((value.to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        let last = exponent.max(self.min_exponent) - self.fraction_bits;
+        let rounded = (value * power(-last)).round_ties_even() * power(last);
+        match rounded.abs() > self.largest() {
+            true => f64::INFINITY.copysign(value),
+            false => rounded,
+        }
+    }
+
+    /// The largest finite value.
+    pub fn largest(self) -> f64 {
+        (2.0 - power(-self.fraction_bits)) * power(self.max_exponent)
+    }
+
+    /// Bits of a number: sign, exponent and fraction.
+    pub fn bits(self) -> u32 {
+        let exponents = (self.max_exponent - self.min_exponent + 3) as u32;
+        1 + exponents.ilog2() + self.fraction_bits as u32
+    }
+
+    fn number(self, value: f64) -> Number {
+        Number {
+            value: self.round(value),
+            format: self,
+        }
+    }
+}
+
+/// 2^exponent, for the exponents of normal doubles.
+fn power(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023).clamp(1, 2046) as u64) << 52)
+}
+
+/// A value of a format. Operations round to the format of their left operand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Number {
+    value: f64,
+    format: Format,
+}
+
+impl Number {
+    fn to(self, format: Format) -> Number {
+        format.number(self.value)
+    }
+
+    fn of(self, value: f64) -> Number {
+        self.format.number(value)
+    }
+
+    fn sqrt(self) -> Number {
+        self.of(self.value.sqrt())
+    }
+
+    /// Of the exponential only the double's value is rounded: it is within a billionth of the true one's neighbourhood.
+    fn exp(self) -> Number {
+        self.of(libm::exp(self.value))
+    }
+
+    fn min(self, other: Number) -> Number {
+        if other.value < self.value {
+            other
+        } else {
+            self
+        }
+    }
+
+    fn max(self, other: Number) -> Number {
+        if other.value > self.value {
+            other
+        } else {
+            self
+        }
+    }
+}
+
+impl Add for Number {
+    type Output = Number;
+    fn add(self, other: Number) -> Number {
+        self.of(self.value + other.value)
+    }
+}
+
+impl Sub for Number {
+    type Output = Number;
+    fn sub(self, other: Number) -> Number {
+        self.of(self.value - other.value)
+    }
+}
+
+impl Mul for Number {
+    type Output = Number;
+    fn mul(self, other: Number) -> Number {
+        self.of(self.value * other.value)
+    }
+}
+
+impl Div for Number {
+    type Output = Number;
+    fn div(self, other: Number) -> Number {
+        self.of(self.value / other.value)
+    }
+}
+
+impl Neg for Number {
+    type Output = Number;
+    fn neg(self) -> Number {
+        Number {
+            value: -self.value,
+            ..self
+        }
+    }
+}
+
+/// The formats of a datapath's stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stages {
+    /// From the splat to centre, conic and opacity.
+    pub setup: Format,
+    /// Offset of a pixel and radial index.
+    pub raster: Format,
+    /// Kernel and opacity at the pixel.
+    pub kernel: Format,
+    /// Transmittance and colours.
+    pub blend: Format,
+}
+
+impl Stages {
+    /// One format after a setup in single precision, as the machines of the literature have it.
+    pub fn pixels(format: Format) -> Stages {
+        Stages {
+            setup: FP32,
+            raster: format,
+            kernel: format,
+            blend: format,
+        }
+    }
+
+    /// One format throughout.
+    pub fn all(format: Format) -> Stages {
+        Stages {
+            setup: format,
+            ..Stages::pixels(format)
+        }
+    }
+}
+
+/// A footprint in the format of setup.
+#[derive(Clone, Copy, Debug)]
+struct Footprint {
+    centre: [Number; 2],
+    depth: Number,
+    /// Vxx and Vyy.
+    variance: [Number; 2],
+    conic: [Number; 3],
+    peak: Number,
+    colour: [f64; 3],
+}
+
+impl Footprint {
+    fn bounds(&self, camera: &Camera, rules: &Rules) -> PixelBox {
+        let [a, c] = self.variance.map(|v| v.value as f32);
+        let widest = SingleFootprint {
+            centre: self.centre.map(|x| x.value as f32),
+            depth: self.depth.value as f32,
+            variance: [a, 0.0, c, 0.0],
+            conic: [0.0; 3],
+            peak: self.peak.value as f32,
+        };
+        widest.bounds(camera, rules)
+    }
+}
+
+/// Draws front to back. Kernels other than the Gaussian are drawn as one: callers ask for `3dgs` or `ewa`.
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &Stages) -> Drawing {
+    let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
+    let splats = scene.splats.par_iter().zip(weights).zip(colours);
+    let projected: Vec<Result<Footprint, Culled>> = splats
+        .map(|((splat, weight), colour)| {
+            project(splat, weight, colour, camera, rules, stages.setup)
+        })
+        .collect();
+    let mut counts = Counts::of_projected(&projected);
+    let mut drawn: Vec<Footprint> = projected.into_iter().flatten().collect();
+    // Stable: equal depths stay in the order of their numbers.
+    drawn.sort_by(|a, b| a.depth.value.total_cmp(&b.depth.value));
+    let boxed: Vec<(Footprint, PixelBox)> = drawn
+        .into_iter()
+        .map(|footprint| (footprint, footprint.bounds(camera, rules)))
+        .filter(|(_, bounds)| !bounds.is_empty())
+        .collect();
+    let mut picture = Picture::new(camera.width, camera.height);
+    let bands = picture.pixels.par_chunks_mut((camera.width * TILE).max(1));
+    let covered = bands.enumerate().map(|(band, pixels)| {
+        let mut tiles = Band::new(band * TILE, camera.width, pixels.len(), rules, stages);
+        boxed
+            .iter()
+            .for_each(|(footprint, bounds)| tiles.splat(footprint, bounds));
+        tiles.store(pixels);
+        tiles.covered
+    });
+    counts.covered_pixels = covered.sum();
+    Drawing { picture, counts }
+}
+
+/// A row of tiles.
+struct Band<'a> {
+    rows: PixelBox,
+    rules: &'a Rules,
+    stages: &'a Stages,
+    /// Premultiplied colour and the light that is left.
+    gathered: Vec<[Number; 4]>,
+    finished: Vec<bool>,
+    covered: u64,
+}
+
+impl<'a> Band<'a> {
+    fn new(
+        first: usize,
+        width: usize,
+        pixels: usize,
+        rules: &'a Rules,
+        stages: &'a Stages,
+    ) -> Self {
+        let [nothing, all] = [0.0, 1.0].map(|value| stages.blend.number(value));
+        Band {
+            rows: PixelBox {
+                x0: 0,
+                y0: first,
+                x1: width,
+                y1: first + pixels / width.max(1),
+            },
+            rules,
+            stages,
+            gathered: vec![[nothing, nothing, nothing, all]; pixels],
+            finished: vec![false; pixels],
+            covered: 0,
+        }
+    }
+
+    fn splat(&mut self, footprint: &Footprint, bounds: &PixelBox) {
+        let inside = bounds.intersection(&self.rows);
+        if inside.is_empty() {
+            return;
+        }
+        for tile in inside.x0 / TILE..=(inside.x1 - 1) / TILE {
+            let first = tile * TILE;
+            let part = PixelBox {
+                x0: inside.x0.max(first),
+                x1: inside.x1.min(first + TILE),
+                ..inside
+            };
+            self.tile(footprint, [first, self.rows.y0], &part);
+        }
+    }
+
+    fn tile(&mut self, footprint: &Footprint, corner: [usize; 2], part: &PixelBox) {
+        let raster = self.stages.raster;
+        // Relative to the tile while still in the format of setup, then handed over.
+        let centre: [Number; 2] = [0, 1].map(|axis| {
+            let at = footprint.centre[axis];
+            (at - at.of(corner[axis] as f64)).to(raster)
+        });
+        let conic = footprint.conic.map(|q| q.to(raster));
+        let peak = footprint.peak.to(self.stages.kernel);
+        let colour = footprint
+            .colour
+            .map(|channel| self.stages.blend.number(channel));
+        for y in part.y0..part.y1 {
+            let dy = raster.number((y - corner[1]) as f64 + 0.5) - centre[1];
+            for x in part.x0..part.x1 {
+                let index = (y - self.rows.y0) * self.rows.x1 + x;
+                if self.finished[index] {
+                    continue;
+                }
+                let dx = raster.number((x - corner[0]) as f64 + 0.5) - centre[0];
+                let r = radial(conic, dx, dy);
+                if let Some(alpha) = opacity(r, peak, self.rules) {
+                    self.covered += 1;
+                    self.blend(index, alpha.to(self.stages.blend), colour);
+                }
+            }
+        }
+    }
+
+    fn blend(&mut self, index: usize, alpha: Number, colour: [Number; 3]) {
+        let pixel = &mut self.gathered[index];
+        let clear = pixel[3];
+        let rest = clear * (clear.of(1.0) - alpha);
+        let finished = rest.value <= self.rules.minimum_transmittance;
+        self.finished[index] = finished;
+        if finished && self.rules.omit_finishing {
+            return;
+        }
+        let share = clear * alpha;
+        for (sum, channel) in pixel.iter_mut().zip(colour) {
+            *sum = *sum + share * channel;
+        }
+        pixel[3] = rest;
+    }
+
+    fn store(&self, pixels: &mut [[f64; 4]]) {
+        for (pixel, [r, g, b, clear]) in pixels.iter_mut().zip(&self.gathered) {
+            *pixel = [r.value, g.value, b.value, 1.0 - clear.value];
+        }
+    }
+}
+
+/// r = a dx^2 + 2 b dx dy + c dy^2 in the order of [`SingleFootprint::radial`].
+fn radial([a, b, c]: [Number; 3], dx: Number, dy: Number) -> Number {
+    a * dx * dx + a.of(2.0) * b * dx * dy + c * dy * dy
+}
+
+/// Opacity at a radial index, clamped and cut off by the rules.
+fn opacity(r: Number, peak: Number, rules: &Rules) -> Option<Number> {
+    if !(0.0..rules.cutoff).contains(&r.value) {
+        return None;
+    }
+    let weight = (peak.of(-0.5) * r.to(peak.format)).exp();
+    let alpha = (peak * weight).min(peak.of(rules.alpha_max));
+    (alpha.value > 0.0 && alpha.value >= rules.alpha_min).then_some(alpha)
+}
+
+/// Projects one splat, step by step as [`single::project`](super::single::project) does.
+fn project(
+    splat: &Splat,
+    weight: f64,
+    colour: [f64; 3],
+    camera: &Camera,
+    rules: &Rules,
+    format: Format,
+) -> Result<Footprint, Culled> {
+    let n = |value: f64| format.number(value);
+    let rotation = camera.rotation.map(|row| row.map(n));
+    let centre = splat.centre.map(n);
+    let t: [Number; 3] =
+        std::array::from_fn(|row| dot(rotation[row], centre) + n(camera.translation[row]));
+    let z = t[2];
+    if !z.value.is_finite() || z.value <= n(camera.near).value {
+        return Err(Culled::Near);
+    }
+    if z.value >= camera.far {
+        return Err(Culled::Far);
+    }
+    let focal = [n(camera.fx), n(camera.fy)];
+    let distance = if camera.orthographic { n(1.0) } else { z };
+    let slope = slopes(t, camera, rules);
+    let gain = focal.map(|f| f / distance);
+    let rows: [[Number; 3]; 2] = [0, 1].map(|i| {
+        std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k])
+    });
+    let variance = covariance(splat, format);
+    let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
+    let low_pass = n(rules.low_pass);
+    let (a, b, c) = (
+        spread(0, 0) + low_pass,
+        spread(0, 1),
+        spread(1, 1) + low_pass,
+    );
+    let determinant = a * c - b * b;
+    if !(determinant.value.is_finite() && determinant.value > 0.0) {
+        return Err(Culled::Degenerate);
+    }
+    let peak = match rules.normalised {
+        false => n(weight),
+        true => {
+            let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
+            n(weight) * gain[0] * gain[1] * slant / (n(std::f64::consts::TAU) * determinant.sqrt())
+        }
+    };
+    if !(peak.value > 0.0 && peak.value >= rules.alpha_min) {
+        return Err(Culled::Transparent);
+    }
+    Ok(Footprint {
+        centre: [
+            focal[0] * t[0] / distance + n(camera.cx),
+            focal[1] * t[1] / distance + n(camera.cy),
+        ],
+        depth: z,
+        variance: [a, c],
+        conic: [c / determinant, -b / determinant, a / determinant],
+        peak,
+        colour,
+    })
+}
+
+fn slopes(t: [Number; 3], camera: &Camera, rules: &Rules) -> [Number; 2] {
+    let frustum = [
+        (camera.width, camera.cx, camera.fx),
+        (camera.height, camera.cy, camera.fy),
+    ];
+    [0, 1].map(|i| {
+        let (size, centre, focal) = frustum[i];
+        let n = |value: f64| t[i].of(value);
+        let (size, centre, focal) = (n(size as f64), n(centre), n(focal));
+        let slope = t[i] / t[2];
+        match (camera.orthographic, rules.clamp_jacobian) {
+            (true, _) => n(0.0),
+            (false, false) => slope,
+            (false, true) => {
+                let margin = n(0.15) * size / focal;
+                slope
+                    .min((size - centre) / focal + margin)
+                    .max(-(centre / focal + margin))
+            }
+        }
+    })
+}
+
+fn covariance(splat: &Splat, format: Format) -> [[Number; 3]; 3] {
+    let axes = splat.axes.map(|axis| axis.map(|x| format.number(x)));
+    let [p, q, s] = axes;
+    std::array::from_fn(|i| std::array::from_fn(|j| p[i] * p[j] + q[i] * q[j] + s[i] * s[j]))
+}
+
+fn dot(a: [Number; 3], b: [Number; 3]) -> Number {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+#[path = "formats_tests.rs"]
+mod tests;

@@ -1,0 +1,159 @@
+//! Clouds as laspy wrote them (`tests/files/make.py`), and what is refused.
+
+use super::*;
+use crate::scene::points;
+use std::path::Path;
+
+fn bytes(name: &str) -> Vec<u8> {
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files");
+    std::fs::read(files.join(name)).unwrap()
+}
+
+/// The twelve points of every file.
+fn expected() -> Vec<([f64; 3], [f64; 3])> {
+    let point = |k: usize| {
+        let place = [500_000 + k % 4, 4_500_000 + k / 4, 100].map(|part| part as f64);
+        let colour = [1000 * k, 65_535 - 1000 * k, 500 * k].map(|part| part as f64 / 65_535.0);
+        ([place[0], place[1], place[2] + k as f64 / 2.0], colour)
+    };
+    (0..12).map(point).collect()
+}
+
+fn check(name: &str) {
+    let cloud = cloud(&bytes(name)).unwrap_or_else(|problem| panic!("{name}: {problem}"));
+    assert_eq!(cloud.records.len(), 12, "{name}");
+    for (record, (place, colour)) in cloud.records.iter().zip(expected()) {
+        let apart = crate::vector::length(crate::vector::subtract(record.centre, place));
+        assert!(apart < 1e-9, "{name} {record:?}");
+        assert_eq!(record.colour, Some(colour), "{name}");
+    }
+    assert_eq!(cloud.notes, [""; 0]);
+}
+
+#[test]
+fn plain_files_of_laspy_are_read() {
+    check("old.las");
+    check("new.las");
+}
+
+#[cfg(feature = "laz")]
+#[test]
+fn packed_files_of_laspy_are_read() {
+    check("old.laz");
+    check("new.laz");
+}
+
+#[cfg(not(feature = "laz"))]
+#[test]
+fn a_packed_file_names_the_feature() {
+    let message = cloud(&bytes("old.laz")).unwrap_err().to_string();
+    assert!(
+        message.contains("build it with `cargo build --features laz`"),
+        "{message}"
+    );
+}
+
+/// Twice the points, so that the file that a surface is made of is read by the entrance of the command line as well.
+#[test]
+fn a_cloud_goes_through_the_entrance_of_the_command_line() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/files/new.las");
+    let scene = points::load(&file).unwrap();
+    assert_eq!((scene.points.len(), scene.coloured), (12, true));
+    let as_splats = crate::scene::load(&file, &Default::default()).unwrap_err();
+    assert!(
+        as_splats
+            .to_string()
+            .ends_with("new.las: is a file of points; add --as surface")
+    );
+}
+
+/// Cut anywhere an answer or the whole: behind the points of a packed file lies only the table that seeking needs.
+#[test]
+fn damaged_clouds_are_refused() {
+    let names: &[&str] = match cfg!(feature = "laz") {
+        true => &["old.las", "new.las", "old.laz", "new.laz"],
+        false => &["old.las", "new.las"],
+    };
+    for name in names {
+        let whole = bytes(name);
+        let sound = cloud(&whole).unwrap();
+        let mut read = 0;
+        for length in 0..whole.len() {
+            match cloud(&whole[..length]) {
+                Ok(cut) => {
+                    assert_eq!(cut, sound, "{name} cut at {length}");
+                    read += 1;
+                }
+                Err(problem) => assert!(problem.to_string().contains("; "), "{name}: {problem}"),
+            }
+        }
+        assert!(
+            read < 40 && (name.ends_with("laz") || read == 0),
+            "{name}: {read}"
+        );
+        for place in 0..whole.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut changed = whole.clone();
+                changed[place] ^= flip;
+                let _ = cloud(&changed);
+            }
+        }
+    }
+}
+
+#[test]
+fn messages_name_the_field_and_the_fix() {
+    let with = |place: usize, stored: &[u8]| {
+        let mut whole = bytes("old.las");
+        whole[place..place + stored.len()].copy_from_slice(stored);
+        cloud(&whole).unwrap_err().to_string()
+    };
+    let cases = [
+        (with(0, b"X"), "magic: it is not LASF; check"),
+        (with(25, &[9]), "version: it is 1.9; 1.0 to 1.4 are read"),
+        (with(104, &[11]), "point format: it is 11; 0 to 10 are read"),
+        (
+            with(105, &[9, 0]),
+            "record length: it is 9, and format 2 has 26; write",
+        ),
+        (
+            with(107, &[255; 4]),
+            "point records: 111669149670 bytes are needed but 312 are left",
+        ),
+        (
+            with(96, &[1, 0, 0, 0]),
+            "sizes: header 227, points at 1; the header's own",
+        ),
+    ];
+    for (found, expected) in cases {
+        assert!(
+            found.contains(expected),
+            "found    {found}\nexpected {expected}"
+        );
+    }
+}
+
+#[test]
+fn withheld_points_are_left_out_and_told_and_a_black_cloud_has_no_colours() {
+    let mut whole = bytes("old.las");
+    let first = whole.len() - 12 * 26;
+    whole[first + 15] |= 0x80;
+    let cloud_of = |bytes: &[u8]| cloud(bytes).unwrap();
+    let found = cloud_of(&whole);
+    assert_eq!(found.records.len(), 11);
+    assert_eq!(found.notes, ["1 withheld points are left out"]);
+    for record in whole[first..].chunks_exact_mut(26) {
+        record[20..26].fill(0);
+    }
+    assert!(
+        cloud_of(&whole)
+            .records
+            .iter()
+            .all(|record| record.colour.is_none())
+    );
+    // Eight bits in the place of sixteen.
+    for record in whole[first..].chunks_exact_mut(26) {
+        record[20] = 255;
+    }
+    assert_eq!(cloud_of(&whole).records[0].colour, Some([1.0, 0.0, 0.0]));
+}

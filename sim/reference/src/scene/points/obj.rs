@@ -1,0 +1,199 @@
+//! Wavefront `.obj`: vertices as points. A format of a few words a line, so own code.
+//!
+//! | line | read |
+//! |---|---|
+//! | `v x y z`, with `r g b` or with `w` behind | a place, and a colour (0 to 1, or 0 to 255 if one exceeds 1); `w` is ignored |
+//! | `vn x y z` | a normal: the faces say whose; without faces that do, the n-th normal is the n-th vertex's |
+//! | `f a//n ...` | pairs vertices with normals; several normals of a vertex are averaged |
+//!
+//! Faces, lines and curves are not drawn, and a note says so: the points are what is there of the surface.
+
+use super::{Cloud, Record, full_scale};
+use crate::scene::error::Problem;
+use crate::vector::{self, Vector};
+
+/// Words whose lines have nothing to do with points.
+const IGNORED: [&str; 19] = [
+    "vt",
+    "o",
+    "g",
+    "s",
+    "mg",
+    "mtllib",
+    "usemtl",
+    "usemap",
+    "maplib",
+    "lod",
+    "shadow_obj",
+    "trace_obj",
+    "bevel",
+    "c_interp",
+    "d_interp",
+    "call",
+    "csh",
+    "parm",
+    "ctech",
+];
+/// Words of what is made of the points.
+const SHAPES: [&str; 15] = [
+    "p", "l", "curv", "curv2", "surf", "cstype", "deg", "bmat", "step", "trim", "hole", "scrv",
+    "sp", "end", "con",
+];
+
+/// What the lines say.
+#[derive(Default)]
+struct Obj {
+    records: Vec<Record>,
+    normals: Vec<Vector>,
+    /// Sum of the normals that faces give a vertex.
+    sums: Vec<Vector>,
+    shapes: usize,
+}
+
+/// Every vertex as a record.
+pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
+    let text = String::from_utf8_lossy(bytes);
+    let mut obj = Obj::default();
+    for (index, line) in text.lines().enumerate() {
+        let line = line.split('#').next().unwrap_or_default();
+        let mut words = line.split_whitespace();
+        if let Some(word) = words.next() {
+            obj.line(word, words.collect(), index + 1)?;
+        }
+    }
+    obj.finish()
+}
+
+fn malformed(line: usize, found: impl Into<String>, fix: &str) -> Problem {
+    Problem::malformed(format!("line {line}"), found, fix)
+}
+
+fn shorten(word: &str) -> String {
+    word.chars().filter(|c| !c.is_control()).take(40).collect()
+}
+
+fn numbers(words: &[&str], line: usize) -> Result<Vec<f64>, Problem> {
+    let number = |word: &&str| {
+        word.parse().map_err(|_| {
+            let found = format!("'{}' is no number", shorten(word));
+            malformed(line, found, "write a number such as 0.5")
+        })
+    };
+    words.iter().map(number).collect()
+}
+
+impl Obj {
+    fn line(&mut self, word: &str, words: Vec<&str>, line: usize) -> Result<(), Problem> {
+        match word {
+            "v" => {
+                let record = vertex(&numbers(&words, line)?);
+                self.records.push(record.ok_or_else(|| {
+                    let found = format!("a vertex of {} numbers", words.len());
+                    malformed(line, found, "write x y z, or x y z r g b")
+                })?);
+            }
+            "vn" => match numbers(&words, line)?[..] {
+                [x, y, z] => self.normals.push([x, y, z]),
+                _ => {
+                    let found = format!("a normal of {} numbers", words.len());
+                    return Err(malformed(line, found, "write three"));
+                }
+            },
+            "f" => {
+                self.shapes += 1;
+                for corner in words {
+                    self.corner(corner, line)?;
+                }
+            }
+            word if SHAPES.contains(&word) => self.shapes += 1,
+            word if IGNORED.contains(&word) || word == "vp" => {}
+            other => {
+                let found = format!("'{}' is no word of .obj", shorten(other));
+                return Err(malformed(
+                    line,
+                    found,
+                    "remove the line, or export the file again",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// `vertex`, `vertex/texture`, `vertex//normal` or all three; negative numbers count from the last.
+    fn corner(&mut self, corner: &str, line: usize) -> Result<(), Problem> {
+        let mut parts = corner.split('/');
+        let vertex = place(parts.next(), self.records.len());
+        let normal = parts.nth(1).filter(|part| !part.is_empty());
+        let pair = match normal {
+            None => vertex.map(|_| None),
+            Some(_) => vertex.zip(place(normal, self.normals.len())).map(Some),
+        };
+        let pair = pair.ok_or_else(|| {
+            let found = format!("the corner '{}' names nothing above it", shorten(corner));
+            malformed(line, found, "fetch the file again: lines are missing")
+        })?;
+        if let Some((vertex, normal)) = pair {
+            self.sums.resize(self.records.len(), [0.0; 3]);
+            self.sums[vertex] = vector::add(self.sums[vertex], self.normals[normal]);
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<Cloud, Problem> {
+        let Obj {
+            mut records,
+            normals,
+            mut sums,
+            shapes,
+        } = self;
+        let mut notes = Vec::new();
+        if shapes > 0 {
+            notes.push(format!(
+                "{shapes} faces and lines are not drawn: only vertices are"
+            ));
+        }
+        sums.resize(if sums.is_empty() { 0 } else { records.len() }, [0.0; 3]);
+        let of_vertices = match (sums.is_empty(), normals.is_empty()) {
+            (false, _) => sums,
+            (true, true) => Vec::new(),
+            (true, false) if normals.len() == records.len() => normals,
+            (true, false) => {
+                return Err(Problem::malformed(
+                    "vn",
+                    format!("{} normals for {} vertices", normals.len(), records.len()),
+                    "write one normal per vertex, or faces that pair them (f 1//1)",
+                ));
+            }
+        };
+        for (record, normal) in records.iter_mut().zip(of_vertices) {
+            // A vertex that no face names, or whose faces look both ways, gets its neighbours' plane.
+            record.normal = Some(normal).filter(|normal| *normal != [0.0; 3]);
+        }
+        full_scale(&mut records, &[1.0, 255.0]);
+        Ok(Cloud { records, notes })
+    }
+}
+
+fn vertex(numbers: &[f64]) -> Option<Record> {
+    let (place, colour) = match *numbers {
+        [x, y, z] | [x, y, z, _] => ([x, y, z], None),
+        [x, y, z, r, g, b] => ([x, y, z], Some([r, g, b])),
+        _ => return None,
+    };
+    Some(Record {
+        centre: place,
+        colour,
+        ..Record::default()
+    })
+}
+
+/// The place of the n-th of `count`, counted from 1, or from the end below 0.
+fn place(word: Option<&str>, count: usize) -> Option<usize> {
+    let number: i64 = word?.parse().ok()?;
+    let place = match number {
+        1.. => usize::try_from(number - 1).ok()?,
+        0 => return None,
+        _ => count.checked_sub(usize::try_from(number.unsigned_abs()).ok()?)?,
+    };
+    (place < count).then_some(place)
+}

@@ -1,0 +1,123 @@
+//! What every volume format comes down to: a regular grid of numbers, read only after the file has been seen to hold all of it.
+//!
+//! The grid's axes are kept as stored: the data are never mirrored, turned or permuted, and what a header says of its place in a patient
+//! or a room is not applied. Numbers are kept as f32, which holds every value of 8 and 16 bits exactly and rounds wider ones.
+
+pub(super) mod meta_image;
+pub(super) mod nifti;
+#[cfg(test)]
+mod tests;
+#[cfg(feature = "vti")]
+pub(super) mod vti;
+
+use super::bytes::{Endian, Scalar, checked_bytes, truncated};
+use super::error::Problem;
+
+/// A regular grid of numbers, x fastest.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Volume {
+    /// Voxels along x, y and z.
+    pub(super) sizes: [usize; 3],
+    /// Distance between neighbours along x, y and z, scene units.
+    pub(super) spacings: [f64; 3],
+    pub(super) values: Vec<f32>,
+}
+
+/// A volume, and what its file says that is drawn otherwise here.
+pub(super) type Noted = (Volume, Vec<String>);
+
+/// What a header says of its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Grid {
+    pub(super) sizes: [usize; 3],
+    pub(super) spacings: [f64; 3],
+    pub(super) kind: Scalar,
+    pub(super) endian: Endian,
+}
+
+impl Grid {
+    /// Voxels, or an error naming the field if no machine could hold them.
+    pub(super) fn count(&self, field: &str) -> Result<u64, Problem> {
+        let mut count = 1;
+        for size in self.sizes {
+            count = checked_bytes(count, size as u64, field)?;
+        }
+        Ok(count)
+    }
+
+    /// Bytes of all numbers.
+    pub(super) fn bytes(&self, field: &str) -> Result<u64, Problem> {
+        checked_bytes(self.count(field)?, self.kind.size() as u64, field)
+    }
+
+    /// The numbers in bytes that are as many as [`Self::bytes`].
+    pub(super) fn decode(&self, stored: &[u8]) -> Vec<f32> {
+        let number = |stored: &[u8]| self.kind.decode(stored, self.endian) as f32;
+        stored.chunks_exact(self.kind.size()).map(number).collect()
+    }
+
+    pub(super) fn volume(&self, values: Vec<f32>) -> Volume {
+        Volume {
+            sizes: self.sizes,
+            spacings: self.spacings,
+            values,
+        }
+    }
+}
+
+/// Raw data must be as long as the header says: anything else is another volume's header.
+pub(super) fn exact(data: &[u8], needed: u64) -> Result<&[u8], Problem> {
+    let found = data.len() as u64;
+    if found < needed {
+        return Err(truncated("volume data", needed, data.len()));
+    }
+    if found > needed {
+        return Err(Problem::malformed(
+            "volume data",
+            format!("there are {found} bytes where sizes and type need {needed}"),
+            "correct sizes or type in the header",
+        ));
+    }
+    Ok(data)
+}
+
+/// Far from both ends of single precision, so that a voxel's volume neither overflows nor vanishes.
+pub(super) fn is_spacing(length: f64) -> bool {
+    (1e-12..=1e12).contains(&length)
+}
+
+/// Three positive whole numbers.
+pub(super) fn three_sizes(text: &str) -> Option<[usize; 3]> {
+    let sizes: Option<Vec<usize>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
+    match sizes.as_deref() {
+        Some(&[x, y, z]) if x > 0 && y > 0 && z > 0 => Some([x, y, z]),
+        _ => None,
+    }
+}
+
+/// Three distances between voxels.
+pub(super) fn three_spacings(text: &str) -> Option<[f64; 3]> {
+    let lengths: Option<Vec<f64>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
+    match lengths.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].into_iter().all(is_spacing) => Some([x, y, z]),
+        _ => None,
+    }
+}
+
+/// The problem of a data file that is named in a header.
+pub(super) fn unreadable(data_file: &str, problem: &Problem) -> Problem {
+    Problem::malformed(
+        format!("data file '{data_file}'"),
+        format!("it {problem}"),
+        "put the data beside the header or correct the name",
+    )
+}
+
+/// What a message may show of a file.
+pub(super) fn shorten(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(60).collect()
+}
+
+/// Said of a header that turns or mirrors its grid.
+pub(super) const TURNED: &str =
+    "its orientation is not applied: the grid is drawn along its own axes";

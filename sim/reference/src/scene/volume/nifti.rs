@@ -1,0 +1,235 @@
+//! NIfTI-1 and NIfTI-2 volumes (`.nii`, `.nii.gz`): a header of 348 or 540 bytes at fixed offsets, and the numbers at `vox_offset`.
+//!
+//! | field | NIfTI-1 | NIfTI-2 |
+//! |---|---|---|
+//! | `sizeof_hdr` i32, which also tells the byte order | 0: 348 | 0: 540 |
+//! | `dim` | 40: 8 i16 | 16: 8 i64 |
+//! | `datatype` i16 | 70 | 12 |
+//! | `pixdim` | 76: 8 f32 | 104: 8 f64 |
+//! | `vox_offset` | 108: f32 | 168: i64 |
+//! | `scl_slope`, `scl_inter` | 112: f32 | 176: f64 |
+//! | `qform_code`, `sform_code` | 252: i16 | 344: i32 |
+//!
+//! Own code: the crate `nifti` brings 21 crates for these offsets, and sets aside what a header claims before a byte of it has been seen
+//! (docs/decisions/dependencies.md). Values are `slope stored + inter` where the slope is not 0.
+
+use super::super::bytes::{Endian, Scalar, gunzip_at_most, gunzip_exact, truncated};
+use super::super::error::Problem;
+use super::{Grid, Noted, TURNED, exact, is_spacing};
+
+/// Bytes of the longer header.
+const LONGEST_HEADER: u64 = 540;
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// Farthest begin of the numbers: behind extensions, which hold text.
+const MAX_OFFSET: f64 = 1e9;
+
+/// Where a version keeps its fields.
+struct Layout {
+    dim: (usize, usize, Stored),
+    datatype: usize,
+    pixdim: (usize, usize, Stored),
+    offset: (usize, Stored),
+    slope: (usize, usize, Stored),
+    codes: ([usize; 2], Scalar),
+    magic: usize,
+    single: &'static [u8],
+}
+
+/// Kinds of a header's numbers; `I64` is none that voxels are read as.
+#[derive(Clone, Copy)]
+enum Stored {
+    Of(Scalar),
+    I64,
+}
+
+const FIRST: Layout = Layout {
+    dim: (40, 2, Stored::Of(Scalar::I16)),
+    datatype: 70,
+    pixdim: (76, 4, Stored::Of(Scalar::F32)),
+    offset: (108, Stored::Of(Scalar::F32)),
+    slope: (112, 4, Stored::Of(Scalar::F32)),
+    codes: ([252, 254], Scalar::I16),
+    magic: 344,
+    single: b"n+1\0",
+};
+const SECOND: Layout = Layout {
+    dim: (16, 8, Stored::I64),
+    datatype: 12,
+    pixdim: (104, 8, Stored::Of(Scalar::F64)),
+    offset: (168, Stored::I64),
+    slope: (176, 8, Stored::Of(Scalar::F64)),
+    codes: ([344, 348], Scalar::I32),
+    magic: 4,
+    single: b"n+2\0",
+};
+
+/// Is this a NIfTI file, not packed?
+pub(in super::super) fn is_nifti(bytes: &[u8]) -> bool {
+    [FIRST, SECOND].iter().any(|layout| {
+        let magic = bytes.get(layout.magic..layout.magic + 4);
+        magic == Some(layout.single)
+    })
+}
+
+/// Loads a volume, packed or not.
+pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
+    if !bytes.starts_with(&GZIP) {
+        let header = Header::read(bytes)?;
+        let data = bytes.get(header.offset..).unwrap_or_default();
+        let needed = header.grid.bytes("dim")?;
+        return header.volume(exact(data, needed)?);
+    }
+    let begin = gunzip_at_most(bytes, LONGEST_HEADER, "NIfTI file")?;
+    let header = Header::read(&begin)?;
+    let needed = header.grid.bytes("dim")?;
+    let whole = needed.saturating_add(header.offset as u64);
+    let unpacked = gunzip_exact(bytes, whole, "NIfTI file")?;
+    header.volume(unpacked.get(header.offset..).unwrap_or_default())
+}
+
+struct Header<'a> {
+    bytes: &'a [u8],
+    layout: &'static Layout,
+    grid: Grid,
+    offset: usize,
+}
+
+fn malformed(field: &str, found: impl Into<String>, fix: &str) -> Problem {
+    Problem::malformed(format!("NIfTI header, {field}"), found, fix)
+}
+
+impl<'a> Header<'a> {
+    fn read(bytes: &'a [u8]) -> Result<Self, Problem> {
+        let size: [u8; 4] = bytes
+            .first_chunk()
+            .copied()
+            .ok_or_else(|| truncated("NIfTI header", 348, bytes.len()))?;
+        let (layout, endian) = match (i32::from_le_bytes(size), i32::from_be_bytes(size)) {
+            (348, _) => (&FIRST, Endian::Little),
+            (_, 348) => (&FIRST, Endian::Big),
+            (540, _) => (&SECOND, Endian::Little),
+            (_, 540) => (&SECOND, Endian::Big),
+            (other, _) => {
+                let found = format!("it is {other}");
+                let fix = "348 and 540 are read; check that this is a NIfTI file";
+                return Err(malformed("sizeof_hdr", found, fix));
+            }
+        };
+        let length = if layout.magic == 4 { 540 } else { 348 };
+        if bytes.len() < length {
+            return Err(truncated("NIfTI header", length as u64, bytes.len()));
+        }
+        if &bytes[layout.magic..layout.magic + 4] != layout.single {
+            let found = "it is not that of a single file";
+            let fix = "join header (.hdr) and data (.img) in one .nii file";
+            return Err(malformed("magic", found, fix));
+        }
+        let mut header = Header {
+            bytes,
+            layout,
+            grid: Grid {
+                sizes: [1; 3],
+                spacings: [1.0; 3],
+                kind: Scalar::U8,
+                endian,
+            },
+            offset: length,
+        };
+        header.grid.kind = header.kind()?;
+        header.grid.sizes = header.sizes()?;
+        header.grid.spacings = header.spacings()?;
+        header.offset = header.offset(length)?;
+        Ok(header)
+    }
+
+    fn number(&self, place: usize, kind: Stored) -> f64 {
+        let stored = self.bytes.get(place..).unwrap_or_default();
+        let endian = self.grid.endian;
+        match (kind, stored.first_chunk::<8>(), endian) {
+            (Stored::Of(kind), _, _) => kind.decode(stored, endian),
+            (Stored::I64, Some(word), Endian::Little) => i64::from_le_bytes(*word) as f64,
+            (Stored::I64, Some(word), Endian::Big) => i64::from_be_bytes(*word) as f64,
+            (Stored::I64, None, _) => 0.0,
+        }
+    }
+
+    fn kind(&self) -> Result<Scalar, Problem> {
+        let code = self.number(self.layout.datatype, Stored::Of(Scalar::I16));
+        Ok(match code as i16 {
+            2 => Scalar::U8,
+            4 => Scalar::I16,
+            8 => Scalar::I32,
+            16 => Scalar::F32,
+            64 => Scalar::F64,
+            256 => Scalar::I8,
+            512 => Scalar::U16,
+            768 => Scalar::U32,
+            other => {
+                let found = format!("it is {other}");
+                let fix = "convert to integers of 8 to 32 bits or to floats, one per voxel";
+                return Err(malformed("datatype", found, fix));
+            }
+        })
+    }
+
+    /// Three axes; further ones of one entry are no axes.
+    fn sizes(&self) -> Result<[usize; 3], Problem> {
+        let (place, step, kind) = self.layout.dim;
+        let dim = |index: usize| self.number(place + index * step, kind);
+        let axes = dim(0);
+        let further = (4..8).filter(|axis| *axis as f64 <= axes);
+        let single = further.into_iter().all(|axis| dim(axis) == 1.0);
+        let sizes = [1, 2, 3].map(dim);
+        // A size that a double cannot hold exactly fits no file.
+        let positive = sizes.iter().all(|size| (1.0..=9e15).contains(size));
+        if !(3.0..=7.0).contains(&axes) || !single || !positive {
+            let list: Vec<String> = (0..8).map(|index| dim(index).to_string()).collect();
+            let found = format!("it is {}", list.join(" "));
+            let fix = "give one volume of three axes; take one out of a series";
+            return Err(malformed("dim", found, fix));
+        }
+        Ok(sizes.map(|size| size as usize))
+    }
+
+    fn spacings(&self) -> Result<[f64; 3], Problem> {
+        let (place, step, kind) = self.layout.pixdim;
+        let spacings = [1, 2, 3].map(|axis| self.number(place + axis * step, kind).abs());
+        match spacings.into_iter().all(is_spacing) {
+            true => Ok(spacings),
+            false => {
+                let found = format!("{spacings:?} are no distances between voxels");
+                let fix = "write three positive lengths";
+                Err(malformed("pixdim", found, fix))
+            }
+        }
+    }
+
+    fn offset(&self, least: usize) -> Result<usize, Problem> {
+        let (place, kind) = self.layout.offset;
+        let offset = self.number(place, kind);
+        if (least as f64..MAX_OFFSET).contains(&offset) && offset.fract() == 0.0 {
+            return Ok(offset as usize);
+        }
+        let found = format!("it is {offset}");
+        let fix = "the data of a single file begin behind its header; export the volume again";
+        Err(malformed("vox_offset", found, fix))
+    }
+
+    fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
+        let (place, step, kind) = self.layout.slope;
+        let [slope, inter] = [0, 1].map(|index| self.number(place + index * step, kind));
+        let mut values = self.grid.decode(data);
+        if slope != 0.0 && slope.is_finite() && inter.is_finite() && (slope, inter) != (1.0, 0.0) {
+            for value in &mut values {
+                *value = (slope * f64::from(*value) + inter) as f32;
+            }
+        }
+        let (places, kind) = self.layout.codes;
+        let code = |place: usize| self.number(place, Stored::Of(kind));
+        let notes = match places.into_iter().any(|place| code(place) != 0.0) {
+            true => vec![TURNED.to_owned()],
+            false => Vec::new(),
+        };
+        Ok((self.grid.volume(values), notes))
+    }
+}

@@ -1,0 +1,329 @@
+//! The actions of a picture by unit: every one that the machine's accounts count, with its energy.
+//!
+//! Operands are those of the circuit (`area::circuit`), so that area and energy are about the same thing. What a unit does is charged by what
+//! passed through it: geometry setup by splats, splat setup by pairs, the row generator by rows, lanes and blend by pixels, queues by entries,
+//! the memory interface by bytes.
+
+use super::super::area::circuit::{Bits, Geometry, Stage};
+use super::super::config::{Config, Overlap};
+use super::super::timing::Timing;
+use super::EnergyTable;
+use serde::Serialize;
+use splatline::footprint::packet;
+use splatline::format::{Traversal, Widths};
+
+/// What is done, so often, for so much each.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Action {
+    /// The part of the unit that does it.
+    pub component: &'static str,
+    /// What it does.
+    pub action: &'static str,
+    /// Operands or word, bits.
+    pub bits: [u64; 2],
+    /// How often.
+    pub count: u64,
+    /// Energy of one, attojoules.
+    pub attojoules_each: u64,
+}
+
+/// All actions of one unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit<'a> {
+    pub name: &'static str,
+    pub actions: Vec<Action>,
+    table: &'a EnergyTable,
+}
+
+impl<'a> Unit<'a> {
+    pub fn new(name: &'static str, table: &'a EnergyTable) -> Unit<'a> {
+        Unit {
+            name,
+            actions: Vec::new(),
+            table,
+        }
+    }
+
+    /// One action; the same one with the same operands again is counted on.
+    pub fn add(
+        &mut self,
+        component: &'static str,
+        action: &'static str,
+        bits: [u64; 2],
+        count: u64,
+        attojoules_each: u64,
+    ) {
+        let known = self
+            .actions
+            .iter_mut()
+            .find(|known| (known.component, known.action, known.bits) == (component, action, bits));
+        match known {
+            Some(known) => known.count += count,
+            None if count > 0 => self.actions.push(Action {
+                component,
+                action,
+                bits,
+                count,
+                attojoules_each,
+            }),
+            None => {}
+        }
+    }
+
+    pub fn adders(&mut self, bits: u64, count: u64) {
+        self.add("adder", "add", [bits, bits], count, self.table.adder(bits));
+    }
+
+    /// So many bits of adders of any widths, as adders of 32 bits.
+    fn adder_bits(&mut self, bits: u64, count: u64) {
+        self.adders(32, bits.div_ceil(32) * count);
+    }
+
+    fn products(&mut self, products: &[[u64; 2]], count: u64) {
+        for operands in products {
+            let energy = self.table.multiplier(*operands);
+            self.add("multiplier", "multiply", *operands, count, energy);
+        }
+    }
+
+    pub fn float(&mut self, bits: u64, additions: u64, products: u64) {
+        let [add, multiply] = [
+            self.table.float_adder(bits),
+            self.table.float_multiplier(bits),
+        ];
+        self.add("float_adder", "add", [bits; 2], additions, add);
+        self.add(
+            "float_multiplier",
+            "multiply",
+            [bits; 2],
+            products,
+            multiply,
+        );
+    }
+
+    /// Reads and writes of a memory of so many words.
+    pub fn memory(
+        &mut self,
+        component: &'static str,
+        words: u64,
+        bits: u64,
+        [reads, writes]: [u64; 2],
+    ) {
+        let energy = self.table.memory((words * bits).div_ceil(8), bits);
+        self.add(component, "read", [bits, words], reads, energy);
+        self.add(component, "write", [bits, words], writes, energy);
+    }
+
+    /// A queue: every entry is written once and read once.
+    fn queue(&mut self, depth: u32, bits: u64, entries: u64) {
+        self.memory("queue", depth.into(), bits, [entries; 2]);
+    }
+
+    pub fn dram(&mut self, action: &'static str, bytes: u64) {
+        self.add("dram", action, [8, 8], bytes, self.table.dram_byte());
+    }
+
+    fn stage(&mut self, stage: &Stage, tables: [u64; 2], count: u64) {
+        self.products(&stage.products, count);
+        self.adder_bits(stage.operators.adder_bits, count);
+        let [words, bits] = tables;
+        self.memory("table", words, bits, [stage.lookups * count, 0]);
+    }
+}
+
+/// All units of a machine with their actions in this picture.
+pub fn of<'a>(
+    widths: &Widths,
+    traversal: Traversal,
+    config: &Config,
+    timing: &Timing,
+    table: &'a EnergyTable,
+) -> Vec<Unit<'a>> {
+    let picture = Picture {
+        bits: Bits::new(widths),
+        packet: packet::Layout::new(widths).bits() as u64,
+        traversal,
+        config,
+        timing,
+        table,
+    };
+    let mut units = vec![
+        picture.fetch(),
+        picture.setup(widths),
+        picture.binning(),
+        picture.sort(),
+    ];
+    units.extend([
+        picture.packet_fetch(),
+        picture.splat_setup(),
+        picture.row_generator(widths),
+    ]);
+    units.extend([picture.lanes(), picture.blend(), picture.write_back()]);
+    if let Some(memory) = &timing.memory {
+        // Bursts are moved whole: what nobody wanted of them takes as much.
+        let mut unit = Unit::new("port", table);
+        let wanted = timing.bytes.all();
+        unit.dram("fill", memory.bytes_moved.saturating_sub(wanted));
+        units.push(unit);
+    }
+    units
+}
+
+/// What all units need.
+struct Picture<'a, 't> {
+    bits: Bits,
+    /// Bits of a packet.
+    packet: u64,
+    traversal: Traversal,
+    config: &'a Config,
+    timing: &'a Timing,
+    table: &'t EnergyTable,
+}
+
+impl<'t> Picture<'_, 't> {
+    fn unit(&self, name: &'static str) -> Unit<'t> {
+        Unit::new(name, self.table)
+    }
+
+    fn fetch(&self) -> Unit<'t> {
+        let mut unit = self.unit("fetch");
+        let bytes = &self.timing.bytes;
+        unit.dram("read", bytes.splats_read + bytes.harmonics_read);
+        let bits = 8 * u64::from(self.config.splat_bytes);
+        unit.queue(self.config.setup_fifo, bits, self.timing.splats.fetched);
+        unit
+    }
+
+    /// Every splat is brought before the eye; only those that are seen go on.
+    fn setup(&self, widths: &Widths) -> Unit<'t> {
+        let geometry = Geometry::new(widths);
+        let tables = [Geometry::TABLE_WORDS, geometry.table_bits];
+        let mut unit = self.unit("setup");
+        unit.stage(&geometry.rotation, tables, self.timing.splats.fetched);
+        unit.stage(&geometry.footprint, tables, self.timing.splats.visible);
+        unit
+    }
+
+    /// Two comparisons a tile, a counter an entry.
+    fn binning(&self) -> Unit<'t> {
+        let splats = &self.timing.splats;
+        let mut unit = self.unit("binning");
+        unit.queue(self.config.bin_fifo, self.packet, splats.visible);
+        unit.adders(16, 2 * splats.tiles + splats.entries);
+        unit.dram("write", self.timing.bytes.packets_written);
+        unit
+    }
+
+    /// A pass reads every entry, counts it in a table of its digit and writes it.
+    fn sort(&self) -> Unit<'t> {
+        let moves = self.timing.splats.entries * u64::from(self.config.sort_passes);
+        let mut unit = self.unit("sort");
+        unit.adders(32, moves);
+        unit.memory("digits", 256, 32, [moves; 2]);
+        unit.dram("read", self.timing.bytes.sort_moved / 2);
+        unit.dram("write", self.timing.bytes.sort_moved / 2);
+        unit
+    }
+
+    fn packet_fetch(&self) -> Unit<'t> {
+        let mut unit = self.unit("packet_fetch");
+        unit.dram("read", self.timing.bytes.packets_read);
+        unit.queue(
+            self.config.packet_fifo,
+            self.packet,
+            self.timing.pixels.pairs,
+        );
+        unit
+    }
+
+    fn splat_setup(&self) -> Unit<'t> {
+        let pairs = self.timing.pixels.pairs;
+        let mut unit = self.unit("splat_setup");
+        let m = self.bits.mantissa;
+        match self.traversal {
+            Traversal::Spans => unit.products(&self.bits.setup_products(), pairs),
+            Traversal::Box => unit.products(&[[m + 1, m + 1]; 7], pairs),
+        }
+        let [setup, _] = self.bits.operators();
+        unit.adder_bits(setup.adder_bits, pairs);
+        if self.config.overlap != Overlap::Primitive {
+            unit.queue(self.config.splat_fifo, self.packet, pairs);
+        }
+        unit
+    }
+
+    fn row_generator(&self, widths: &Widths) -> Unit<'t> {
+        let pixels = &self.timing.pixels;
+        let mut unit = self.unit("row_generator");
+        match self.traversal {
+            Traversal::Spans => {
+                let [_, row] = self.bits.operators();
+                unit.products(&self.bits.row_products(), pixels.rows);
+                unit.adder_bits(row.adder_bits, pixels.rows);
+                let bits = u64::from(widths.mantissa.min(18));
+                unit.memory("table", Geometry::TABLE_WORDS, bits, [pixels.rows, 0]);
+            }
+            Traversal::Box => unit.adders(63, 4 * pixels.rows),
+        }
+        unit.queue(self.config.row_fifo, self.bits.run, pixels.runs);
+        unit
+    }
+
+    /// Two additions and the comparison with the cut-off a visited pixel; table and opacity where it is inside.
+    fn lanes(&self) -> Unit<'t> {
+        let pixels = &self.timing.pixels;
+        let mut unit = self.unit("lanes");
+        unit.adders(self.bits.radial + 5, 3 * pixels.visited);
+        let [words, entry] = self.bits.table;
+        unit.memory("table", words, entry, [pixels.covered, 0]);
+        if let Some(product) = self.bits.interpolation_product() {
+            unit.products(&[product], pixels.covered);
+            unit.adders(self.bits.weight + 1, pixels.covered);
+        }
+        let [opacity, ..] = self.bits.blend_products();
+        unit.products(&[opacity], pixels.covered);
+        unit
+    }
+
+    /// Transmittance is read where a pixel is inside; what has not finished is blended and written.
+    fn blend(&self) -> Unit<'t> {
+        let pixels = &self.timing.pixels;
+        let mut unit = self.unit("blend");
+        let [_, share, colour] = self.bits.blend_products();
+        unit.products(&[share, colour, colour, colour], pixels.live);
+        unit.adders(self.bits.transmittance + 2, pixels.live);
+        unit.adders(self.bits.accumulator + 5, 3 * pixels.live);
+        let [transmittance, sums] = self.bits.pixel;
+        let words = self.bank_words();
+        unit.memory(
+            "tile_buffer",
+            words,
+            transmittance,
+            [pixels.covered, pixels.live],
+        );
+        unit.memory("tile_buffer", words, sums, [pixels.live; 2]);
+        unit
+    }
+
+    /// Every pixel is read, and cleared for the next tile.
+    fn write_back(&self) -> Unit<'t> {
+        let written = self.timing.bytes.pixels_written / u64::from(self.config.pixel_bytes);
+        let mut unit = self.unit("write_back");
+        for bits in self.bits.pixel {
+            unit.memory("tile_buffer", self.bank_words(), bits, [written; 2]);
+        }
+        unit.dram("write", self.timing.bytes.pixels_written);
+        unit
+    }
+
+    /// Pixels of a bank of the tile buffer.
+    fn bank_words(&self) -> u64 {
+        let config = self.config;
+        let banks = match config.buffer_banks {
+            0 => config.lanes,
+            banks => banks,
+        };
+        let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
+        pixels.div_ceil(banks.into())
+    }
+}

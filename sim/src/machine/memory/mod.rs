@@ -1,0 +1,250 @@
+//! The memory that a machine reads splats and packets from and writes packets, lists and pixels to.
+//!
+//! Two kinds. [`Channels`] are a read and a write channel of a fixed bandwidth, shared evenly: a sentence instead of a part, fast, and enough to
+//! compare machines. [`Shared`] is a real part behind one port, with bursts, banks, rows, refresh and a bus that has to turn ([`dram`], [`port`]). The
+//! units are the same with both: they ask this trait for data and are told when.
+//!
+//! ```text
+//! scene | harmonics | packets, by splat | list entries, twice for the sort | frame, tile by tile
+//! ```
+
+pub mod dram;
+pub mod parts;
+pub mod port;
+mod shared;
+
+pub use port::Access;
+pub(super) use shared::Shared;
+
+use super::accounts::{Account, Cause};
+use super::config::Config;
+use super::lanes::PairWork;
+use dram::DramCounts;
+use port::WriteId;
+use serde::Serialize;
+
+/// A read: when it was asked for, and when its data have arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Read {
+    pub asked: u64,
+    pub arrives: u64,
+}
+
+/// A tile buffer that is being written back: free in a cycle, or when a write of the port is over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Buffer {
+    Free(u64),
+    Written {
+        id: WriteId,
+        blended: u64,
+        least: u64,
+    },
+}
+
+/// A tile to be written back.
+pub(super) struct TileWrite {
+    pub tile: u32,
+    pub pixels: u32,
+    /// When its last pixel has been blended.
+    pub blended: u64,
+    /// Cycles that it takes to begin, and to read it out at least.
+    pub begin: u64,
+    pub least: u64,
+    /// Cycles to clear the buffer afterwards.
+    pub clear: u64,
+}
+
+/// What units ask of a memory. Accounts move to the end of what was asked.
+pub(super) trait Memory {
+    /// A splat for setup, with its harmonics if it is seen; `free` is when its queue has a place.
+    fn splat(&mut self, fetch: &mut Account, free: u64, number: u64, seen: bool) -> Read;
+    /// A footprint's packet and so many list entries; binning waits until they are taken.
+    fn store(&mut self, binning: &mut Account, write: &mut Account, splat: u64, entries: u64);
+    /// All passes of the sort over so many entries, beside its own cycles.
+    fn sort(&mut self, sort: &mut Account, entries: u64);
+    /// A pair's list entry and a splat's packet, for a raster unit; no packet where its cache holds it.
+    fn packet(
+        &mut self,
+        unit: u32,
+        fetch: &mut Account,
+        free: u64,
+        pair: u64,
+        splat: Option<u32>,
+    ) -> Read;
+    /// The first cycle in which a raster unit could ask for its next packet.
+    fn next_request(&self, unit: u32, fetch: &Account, free: u64) -> u64;
+    /// Packets that were on their way when their tile had finished.
+    fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]);
+    /// A tile's pixels; gives when writing them begins, and the buffer that becomes free.
+    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, Buffer);
+    /// When a buffer is free.
+    fn buffer(&mut self, write_back: &mut Account, buffer: Buffer) -> u64;
+    /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle. The next phase starts from 0 again.
+    fn end_of_phase(&mut self, cycles: u64) -> u64;
+    /// What a part did in a picture of so many cycles, if there is one.
+    fn facts(&self, cycles: u64) -> Option<MemoryFacts>;
+}
+
+/// What a memory part did for a picture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MemoryFacts {
+    /// The part.
+    pub part: &'static str,
+    /// Its data sheet.
+    pub source: &'static str,
+    /// Bursts, rows, refreshes.
+    pub counts: DramCounts,
+    /// Bytes in whole bursts, whether they were wanted or not.
+    pub bytes_moved: u64,
+    /// What its bus could move in the picture's cycles.
+    pub bytes_at_peak: u64,
+}
+
+/// A read and a write channel of a fixed bandwidth.
+pub(super) struct Channels {
+    splat: u64,
+    harmonics: u64,
+    packet: u64,
+    /// A list entry alone.
+    entry: u64,
+    latency: u64,
+    packet_bytes: u64,
+    list_bytes: u64,
+    sort: Sort,
+    read_bandwidth: u64,
+    write_bandwidth: u64,
+    /// Bytes of a pixel times units, which share the bandwidth evenly.
+    pixel_bytes: u64,
+}
+
+/// What the sort moves.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sort {
+    pub passes: u64,
+    pub cycles: u64,
+    pub bytes: u64,
+}
+
+impl Sort {
+    fn new(config: &Config) -> Sort {
+        Sort {
+            passes: config.sort_passes.into(),
+            cycles: config.sort_cycles.into(),
+            bytes: config.sorted_bytes().into(),
+        }
+    }
+}
+
+impl Channels {
+    pub fn new(config: &Config, packet_bytes: u32) -> Channels {
+        let units = u64::from(config.raster_units);
+        let read_bandwidth = u64::from(config.read_bandwidth);
+        let reading = |bytes: u64| bytes.div_ceil(read_bandwidth);
+        Channels {
+            splat: reading(config.splat_bytes.into()),
+            harmonics: reading(config.harmonics_bytes.into()),
+            packet: reading(u64::from(packet_bytes + config.list_bytes) * units),
+            entry: reading(u64::from(config.list_bytes) * units),
+            latency: config.latency.into(),
+            packet_bytes: packet_bytes.into(),
+            list_bytes: config.list_bytes.into(),
+            sort: Sort::new(config),
+            read_bandwidth,
+            write_bandwidth: config.write_bandwidth.into(),
+            pixel_bytes: u64::from(config.pixel_bytes) * units,
+        }
+    }
+}
+
+impl Memory for Channels {
+    #[inline(always)]
+    fn splat(&mut self, fetch: &mut Account, free: u64, _: u64, seen: bool) -> Read {
+        let asked = free.max(fetch.at());
+        fetch.wait(Cause::FifoFull, asked);
+        fetch.work(self.splat + if seen { self.harmonics } else { 0 });
+        Read {
+            asked,
+            arrives: fetch.at() + self.latency,
+        }
+    }
+
+    #[inline(always)]
+    fn store(&mut self, binning: &mut Account, write: &mut Account, _: u64, entries: u64) {
+        let bytes = match entries {
+            0 => 0,
+            _ => self.packet_bytes + self.list_bytes * entries,
+        };
+        binning.wait(Cause::WriteChannel, write.at());
+        write.wait(Cause::Upstream, binning.at());
+        write.work(bytes.div_ceil(self.write_bandwidth));
+    }
+
+    /// Reading and writing go on beside the comparisons, each in its channel.
+    fn sort(&mut self, sort: &mut Account, entries: u64) {
+        let moves = entries * self.sort.passes;
+        sort.work(moves * self.sort.cycles);
+        let bytes = moves * self.sort.bytes;
+        sort.wait(Cause::Memory, bytes.div_ceil(self.read_bandwidth));
+        sort.wait(Cause::WriteChannel, bytes.div_ceil(self.write_bandwidth));
+    }
+
+    #[inline(always)]
+    fn packet(
+        &mut self,
+        _: u32,
+        fetch: &mut Account,
+        free: u64,
+        _: u64,
+        splat: Option<u32>,
+    ) -> Read {
+        let asked = free.max(fetch.at());
+        fetch.wait(Cause::FifoFull, asked);
+        fetch.work(match splat {
+            Some(_) => self.packet,
+            None => self.entry,
+        });
+        Read {
+            asked,
+            arrives: fetch.at() + self.latency,
+        }
+    }
+
+    #[inline(always)]
+    fn next_request(&self, _: u32, fetch: &Account, free: u64) -> u64 {
+        free.max(fetch.at())
+    }
+
+    #[inline(always)]
+    fn in_vain(&mut self, _: u32, fetch: &mut Account, _: u64, pairs: &[PairWork]) {
+        fetch.work(pairs.len() as u64 * self.packet);
+    }
+
+    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, Buffer) {
+        write_back.wait(Cause::Lanes, tile.blended);
+        let start = write_back.at();
+        let bytes = u64::from(tile.pixels) * self.pixel_bytes;
+        let transfer = bytes.div_ceil(self.write_bandwidth).max(tile.least);
+        write_back.work(tile.begin + transfer);
+        (start, Buffer::Free(write_back.at() + tile.clear))
+    }
+
+    #[inline(always)]
+    fn buffer(&mut self, _: &mut Account, buffer: Buffer) -> u64 {
+        match buffer {
+            Buffer::Free(at) => at,
+            // No buffer of these channels waits for a port.
+            Buffer::Written { blended, .. } => blended,
+        }
+    }
+
+    fn end_of_phase(&mut self, _: u64) -> u64 {
+        0
+    }
+
+    fn facts(&self, _: u64) -> Option<MemoryFacts> {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests;

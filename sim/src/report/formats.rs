@@ -1,0 +1,42 @@
+//! What floating-point datapaths make of the report's picture, as a table of its page and as lines on a terminal.
+
+use super::table::{decibels, scientific, signed};
+use super::{FormatRow, Report};
+
+/// A section of the page; nothing if nobody asked.
+pub(super) fn formats_section(report: &Report) -> String {
+    if report.formats.is_empty() {
+        return String::new();
+    }
+    let line = |row: &FormatRow| {
+        let error = &row.error.rgb;
+        format!(
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n",
+            row.engine,
+            decibels(error.psnr_db),
+            scientific(error.max_abs),
+            signed(error.bias)
+        )
+    };
+    let lines: String = report.formats.iter().map(line).collect();
+    format!(
+        "<section>\n<h2>Floating-point datapaths</h2>\n<p class=\"read\">The usual formulas, every operation rounded. fp16 and bfloat16 have setup \
+         in single precision and a centre relative to its tile.</p>\n<div class=\"scroll\"><table>\n<tr><th>engine</th><th>PSNR dB</th><th>max \
+         error</th><th>bias</th></tr>\n{lines}</table></div>\n</section>\n"
+    )
+}
+
+/// The same, a line each.
+pub fn formats_text(report: &Report) -> String {
+    let line = |row: &FormatRow| {
+        let error = &row.error.rgb;
+        format!(
+            "{:<9} PSNR {} dB, max error {}, bias {}\n",
+            row.engine,
+            decibels(error.psnr_db),
+            scientific(error.max_abs),
+            signed(error.bias)
+        )
+    };
+    report.formats.iter().map(line).collect()
+}

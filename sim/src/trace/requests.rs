@@ -1,0 +1,59 @@
+//! Requests to a memory part for the simulators of DRAM: every burst in the order of the cycles in which it was asked for.
+//!
+//! | format | a line |
+//! |---|---|
+//! | Ramulator 2, front end `LoadStoreTrace` | `LD 0x1c0` or `ST 0x1c0` |
+//! | DRAMsim3, trace CPU | `0x1c0 READ 1234`, the cycle in clocks of the part |
+//!
+//! The three phases of a picture follow each other. Ramulator's format has no cycles: it is asked as fast as it takes requests.
+
+use crate::machine::memory::Access;
+use crate::machine::memory::parts::Part;
+use std::fmt::Write;
+
+fn in_order(accesses: &[Access]) -> Vec<Access> {
+    let mut sorted = accesses.to_vec();
+    sorted.sort_by_key(|access| access.cycle);
+    sorted
+}
+
+/// For Ramulator 2.
+pub fn ramulator2(accesses: &[Access]) -> String {
+    let mut text = String::new();
+    for access in in_order(accesses) {
+        let what = if access.write { "ST" } else { "LD" };
+        // Writing to a String cannot fail.
+        let _ = writeln!(text, "{what} {:#x}", access.address);
+    }
+    text
+}
+
+/// For DRAMsim3; a machine with this clock and part.
+pub fn dramsim3(accesses: &[Access], part: &Part, clock_mhz: u32) -> String {
+    let mut text = String::new();
+    let machine = 1000 * u128::from(clock_mhz.max(1));
+    for access in in_order(accesses) {
+        let what = if access.write { "WRITE" } else { "READ" };
+        let clock = u128::from(access.cycle) * u128::from(part.khz) / machine;
+        let _ = writeln!(text, "{:#x} {what} {clock}", access.address);
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_those_of_the_simulators() {
+        let access = |cycle, address, write| Access {
+            cycle,
+            address,
+            write,
+        };
+        let all = [access(7, 0x40, true), access(2, 0x1c0, false)];
+        assert_eq!(ramulator2(&all), "LD 0x1c0\nST 0x40\n");
+        let part = Part::named("ddr3-1600-x16").unwrap();
+        assert_eq!(dramsim3(&all, part, 200), "0x1c0 READ 8\n0x40 WRITE 28\n");
+    }
+}
