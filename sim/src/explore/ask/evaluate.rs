@@ -107,6 +107,9 @@ impl Reached {
 /// Rows of all frames for a design and a tile.
 type WorkKey = (String, [u16; 2]);
 
+/// Rows and groups of all frames, shared by the machines that run on them.
+type FrameWork = (Arc<Vec<Workload>>, Arc<Vec<LaneWork>>);
+
 /// Groupings kept at most: each is as large as a picture's rows.
 const MOST_GROUPINGS: usize = 48;
 
@@ -298,7 +301,7 @@ impl<'a> Evaluator<'a> {
     }
 
     /// Rows and groups of all frames.
-    fn work(&mut self, choice: &Choice) -> Result<(Arc<Vec<Workload>>, Arc<Vec<LaneWork>>)> {
+    fn work(&mut self, choice: &Choice) -> Result<FrameWork> {
         let key = work_key(choice);
         let shape = LaneShape::from(&choice.machine);
         let workloads = match self.workloads.get(&key) {
