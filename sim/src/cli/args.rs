@@ -7,7 +7,7 @@ use super::page;
 use super::shell;
 use super::values::{DesignName, ENGINES, one_of};
 use super::verification_args;
-use super::view_args::ViewOptions;
+use super::view_args::{PathOptions, ViewOptions};
 use crate::plan::Engine;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -32,7 +32,9 @@ Examples:
   splatline render aneurism.nhdr --rules ewa --engine float --depth 16 --size 1024x1024 -o aneurism.png
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
-  splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field";
+  splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field
+  splatline render guitar.ply --camera-path keys.toml --json frames.json -o frames/guitar.png
+      a picture a frame: frames/guitar-0001.png and so on, and one report over all";
 
 const COMPARE_EXAMPLES: &str = "\
 Examples:
@@ -41,6 +43,8 @@ Examples:
   splatline compare fuel.nhdr --design my_design.toml --repeat 5 --size 800x600 -o out
   splatline compare guitar.ply --engine exact -o out      against the ray integral instead of EWA
   splatline compare lion.ply --as surface -o out          a point cloud as surface splats
+  splatline compare guitar.ply --camera-path keys.toml -o out
+      every frame in a folder of its own, the chosen design alone, and frames.json and frames.html over all
 
 Writes fixed.png, float.png, error.png, report.json and report.html.";
 
@@ -118,6 +122,8 @@ pub struct RenderOptions {
     #[command(flatten)]
     pub view: ViewOptions,
     #[command(flatten)]
+    pub path: PathOptions,
+    #[command(flatten)]
     pub drawing: DrawingOptions,
     /// Picture to write: .png, or .npy (height x width x 4 doubles) or .exr, both premultiplied; - writes a PNG to stdout
     #[arg(short, long, value_name = "x.png", help_heading = "Output")]
@@ -128,6 +134,8 @@ pub struct RenderOptions {
 pub struct CompareOptions {
     #[command(flatten)]
     pub view: ViewOptions,
+    #[command(flatten)]
+    pub path: PathOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
     #[command(flatten)]

@@ -1,6 +1,7 @@
 //! `splatline compare`: fixed point against the reference, with pictures and a report.
 
 use super::args::CompareOptions;
+use super::frames;
 use super::output::{self, create_folder, write};
 use super::resolve::{Asked, COMPARED, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
@@ -10,7 +11,11 @@ use crate::plan::{Engine, Plan, all_entries, compare_all};
 
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let own = [drawing.work.inputs(), options.machine.machine.clone()];
+    let own = [
+        drawing.work.inputs(),
+        options.machine.machine.clone(),
+        options.path.camera_path.clone(),
+    ];
     let own = output::files(own.iter().map(Option::as_ref));
     let inputs = [options.view.inputs(), own].concat();
     output::check_folder(&options.output, &FILES, &inputs)?;
@@ -18,6 +23,9 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
         output::check(json, &["json"], &inputs)?;
     }
     create_folder(&options.output)?;
+    if options.path.camera_path.is_some() {
+        return frames::compare(options);
+    }
     let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = asked.prepare()?;
     prepared.plan = against_reference(prepared.plan)?;
@@ -42,7 +50,7 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
 }
 
 /// The fixed picture is always drawn; the engine asked for can only say what it is compared with.
-fn against_reference(plan: Plan) -> Result<Plan, Failure> {
+pub fn against_reference(plan: Plan) -> Result<Plan, Failure> {
     let asked = plan.reference.unwrap_or(plan.engine);
     let reference = match asked {
         Engine::Exact => Engine::Exact,

@@ -1,5 +1,6 @@
 //! `splatline explore` and `splatline merge`: sweeps, in one piece or in shards.
 
+use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
 use super::resolve::{Asked, COMPARED, calibration, energy_table, room_for_picture};
@@ -11,6 +12,7 @@ use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
 use crate::explore::sweep::{self, Shard, Subject};
 use crate::explore::table::{Table, heading};
+use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::plan::Engine;
 use crate::progress::Progress;
@@ -20,9 +22,23 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
-    create_folder(&options.output)?;
-    let text = read_settings(&options.space)?;
-    let space = Space::from_toml(&options.space.display().to_string(), &text)?;
+    match (&options.space, &options.output) {
+        (Some(space), Some(output)) if !ask::is_asked(&options.limits) => {
+            sweep_space(options, space, output)
+        }
+        _ => ask::run(options),
+    }
+}
+
+/// Every point of the space.
+fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(), Failure> {
+    if !options.more.others.is_empty() || options.path.camera_path.is_some() {
+        let message = "a sweep is of one picture: several scenes and camera paths need a limit (--fps, --max-error ...), which searches the space";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    create_folder(output)?;
+    let text = read_settings(file)?;
+    let space = Space::from_toml(&file.display().to_string(), &text)?;
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
     let prepared = asked.prepare()?;
     let splats = prepared.splats()?;
@@ -46,9 +62,9 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         energy: energy_table(&options.energy)?,
         reference: reference.as_ref(),
     };
-    let identity = Identity::new(&subject, &text, &settings(options)?)?;
-    folder::claim(&options.output, &identity)?;
-    let path = options.output.join(table_name(options.shard));
+    let identity = Identity::new(&subject, &text, &settings(options, &space)?)?;
+    folder::claim(output, &identity)?;
+    let path = output.join(table_name(options.shard));
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
 
     let mine = (0..space.points.len())
@@ -70,11 +86,26 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         mine - before.min(mine)
     ))?;
     if options.shard.count == 1 {
-        let note = synthesis::statement(&subject.calibration);
+        let note = format!(
+            "{}{}",
+            synthesis::statement(&subject.calibration),
+            clock_note(&subject.machine, &space)
+        );
         let table = folder::table(&path, &identity)?;
-        finish(&splats.scene.name, &note, &table, &options.output)?;
+        finish(&splats.scene.name, &note, &table, output)?;
     }
     Ok(())
+}
+
+/// That no clock was given, where it was not; nothing otherwise.
+fn clock_note(machine: &Config, space: &Space) -> &'static str {
+    let swept = space.axes.iter().any(|axis| axis.key == "clock_mhz");
+    match machine.clock_mhz > 0 || swept {
+        true => "",
+        false => {
+            "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
+        }
+    }
 }
 
 pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
@@ -151,7 +182,7 @@ fn table_name(shard: Shard) -> String {
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
-fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
+fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<Settings>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();
     let files = [
@@ -161,17 +192,34 @@ fn settings(options: &ExploreOptions) -> Result<Vec<Settings>, Failure> {
         ("design", design.filter(|name| is_toml(name))),
         ("machine", machine.filter(|name| is_toml(name))),
         ("calibration", options.area.calibration.clone()),
+        ("parts", options.area.parts.clone()),
         ("energy", options.energy.energy.clone()),
     ];
     let named = files
         .into_iter()
         .filter_map(|(role, path)| Some((role, path?)));
-    named
-        .map(|(role, path)| {
-            let text = read_settings(&path)?;
-            Ok(Settings { role, text })
-        })
-        .collect()
+    let read = |(role, path): (&'static str, PathBuf)| {
+        let text = read_settings(&path)?;
+        Ok(Settings { role, text })
+    };
+    let mut all: Vec<Settings> = named.map(read).collect::<Result<_, Failure>>()?;
+    let mut bases = String::new();
+    for file in base_files(space) {
+        bases += &read_settings(&file)?;
+    }
+    if !bases.is_empty() {
+        let (role, text) = ("bases", bases);
+        all.push(Settings { role, text });
+    }
+    Ok(all)
+}
+
+/// The files of designs that a space begins with.
+fn base_files(space: &Space) -> Vec<PathBuf> {
+    let bases = space.axes.iter().filter(|axis| axis.key == "base");
+    let values = bases.flat_map(|axis| &axis.values);
+    let names = values.filter_map(toml::Value::as_str).map(PathBuf::from);
+    names.filter(|name| is_toml(name)).collect()
 }
 
 /// Names of designs and machines have no extension.

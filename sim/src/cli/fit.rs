@@ -2,11 +2,11 @@
 
 use super::machine_args::FitOptions;
 use super::output::{self, write};
-use super::resolve::{Asked, COMPARED, room_for_picture};
+use super::resolve::{Asked, COMPARED, Frame, KEPT, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
-use crate::explore::fit::{Fit, Metric, Task, design_toml, fit};
-use crate::plan::{Engine, Entry, Prepared};
+use crate::explore::fit::{Fit, Fitness, Metric, Task, design_toml, fit};
+use crate::plan::{Engine, Entry};
 use crate::progress::Progress;
 use anyhow::anyhow;
 use splatline::format::WIDTH_RANGES;
@@ -15,14 +15,22 @@ use std::fmt::Write;
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
     if let Some(path) = &options.output {
         let mut inputs = options.view.inputs();
+        inputs.extend(options.more.others.clone());
+        inputs.extend(options.path.camera_path.clone());
         inputs.extend(options.work.inputs());
         output::check(path, &["toml"], &inputs)?;
     }
-    let prepared = Asked::work(&options.view, &options.work).prepare()?;
-    let Entry { design, traversal } = &prepared.plan.entry;
-    warn(&prepared.setup_warnings()?);
-    let fitted = fitted(&prepared, options.metric, options.max_error)?;
+    let asked = Asked::work(&options.view, &options.work);
+    let frames = asked.frames(&options.path, &options.more)?;
+    for frame in &frames {
+        warn(&frame.prepared.setup_warnings()?);
+    }
+    let Entry { design, traversal } = &frames[0].prepared.plan.entry;
+    let fitted = fitted(&frames, options.metric, options.max_error)?;
     print_result(&text(design, &fitted))?;
+    if frames.len() > 1 {
+        print_result(&format!("over {} frames\n", frames.len()))?;
+    }
     if let Some(path) = &options.output {
         let rounding = &design.resolved().rounding;
         let design = design_toml(&fitted.widths, rounding, *traversal);
@@ -31,21 +39,28 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Fits what is planned, starting from its design.
-pub fn fitted(prepared: &Prepared, metric: Metric, budget: f64) -> Result<Fit, Failure> {
-    let Entry { design, traversal } = &prepared.plan.entry;
-    room_for_picture(&prepared.plan.camera, COMPARED)?;
-    let reference = prepared.draw_reference(Engine::Float, &|_, _| ())?.picture;
-    let draw = |design: &DesignChoice| {
+/// Fits what is planned for all frames, starting from their design.
+pub fn fitted(frames: &[Frame], metric: Metric, budget: f64) -> Result<Fit, Failure> {
+    let Entry { design, traversal } = &frames[0].prepared.plan.entry;
+    let mut references = Vec::with_capacity(frames.len());
+    for Frame { prepared, .. } in frames {
+        room_for_picture(&prepared.plan.camera, COMPARED + KEPT * frames.len() as u64)?;
+        references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
+    }
+    let measure = |design: &DesignChoice| {
         let entry = Entry {
             design: design.clone(),
             traversal: *traversal,
         };
-        Ok(prepared.draw_fixed(&entry)?.picture)
+        let mut errors = Vec::with_capacity(frames.len());
+        for (frame, reference) in frames.iter().zip(&references) {
+            let picture = frame.prepared.draw_fixed(&entry)?.picture;
+            errors.push(Fitness::of(&picture, reference)?);
+        }
+        Ok(Fitness::over(&errors))
     };
     let task = Task {
-        draw: &draw,
-        reference: &reference,
+        measure: &measure,
         metric,
         budget,
     };

@@ -5,12 +5,14 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
+mod ask;
 mod compare;
 mod demo;
 mod drawing_args;
 mod explore;
 mod fit;
 mod footprints;
+mod frames;
 mod info;
 mod machine_args;
 mod model;

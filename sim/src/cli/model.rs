@@ -1,21 +1,25 @@
 //! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
 
-use super::machine_args::ModelOptions;
+use super::machine_args::{AreaOptions, ModelOptions};
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, calibration, energy_table, machine};
+use super::resolve::{Asked, Frame, calibration, energy_table, machine, part};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
-use crate::machine::area::{self, synthesis};
+use crate::machine::area::{self, Calibration, synthesis};
+use crate::machine::clock::{Clock, Pace};
 use crate::machine::config;
 use crate::machine::energy;
 use crate::machine::histogram::Histograms;
 use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::parts::Part;
+use crate::machine::summary::{self, OverFrames};
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
-use crate::machine::{Config, others, simulate, summary};
+use crate::machine::{Config, others, simulate, simulate_alone};
 use crate::metrics::median;
 use crate::plan::Entry;
 use crate::progress::Progress;
+use crate::report::machine::{page, watch};
 use crate::scene::Scene;
 use anyhow::anyhow;
 use serde_json::json;
@@ -31,15 +35,25 @@ struct Modelled {
     machine: Config,
 }
 
+/// Frames that are told one by one; of more than these only the summary is.
+const FEW_FRAMES: usize = 8;
+
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if let Some(folder) = &options.output {
-        let files = [&options.machine.machine, &options.footprints];
+        let files = [
+            &options.machine.machine,
+            &options.footprints,
+            &options.path.camera_path,
+        ];
         let mut inputs = output::files(files.map(Option::as_ref));
         inputs.extend(options.view.inputs());
+        inputs.extend(options.more.others.clone());
+        inputs.extend(options.area.inputs());
         output::check_folder(
             folder,
             &[
                 "timing.json",
+                "timing.html",
                 "machine.toml",
                 "action_counts.yaml",
                 "machines.json",
@@ -51,60 +65,20 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if options.machines {
         return others_beside_ours(options);
     }
-    let Modelled {
-        name,
-        workload,
-        entry,
-        machine: config,
-    } = match &options.footprints {
-        Some(table) => from_table(table, options)?,
-        None => from_scene(options)?,
-    };
-    let work = LaneWork::new(&workload, LaneShape::from(&config));
-    let (timing, seconds) = timed(&workload, &work, &config, options.repeat);
-    let speed = timing.total as f64 / seconds / 1e6;
-    print_result(&summary::text(&name, &timing))?;
-    let area = estimate_area(options, &entry, &config)?;
-    let energy = energy::estimate(
-        &entry.design.widths,
-        entry.traversal,
-        &config,
-        &timing,
-        &energy_table(&options.energy)?,
-    );
-    print_result(&energy.text())?;
-    print_result(&format!(
-        "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
-        seconds * 1e3,
-        timing.total
-    ))?;
-    if let Some(folder) = &options.output {
-        let histograms = Histograms::new(&work, &config, workload.splats.len());
-        let result = json!({
-            "format": "splatline-timing/1",
-            "scene": name,
-            "splats": workload.splats.len(),
-            "visible": workload.visible(),
-            "cycles": timing,
-            "area": area,
-            "energy": energy,
-            "histograms": histograms,
-            "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
-        });
-        write(
-            &folder.join("timing.json"),
-            format!("{result:#}\n").as_bytes(),
-        )?;
-        write(
-            &folder.join("machine.toml"),
-            config::to_toml(&config).as_bytes(),
-        )?;
-        write(
-            &folder.join("action_counts.yaml"),
-            energy::action_counts(&energy).as_bytes(),
-        )?;
+    let priced = Priced::new(&options.area)?;
+    if let Some(table) = &options.footprints {
+        return one(&from_table(table, options)?, &priced, options);
     }
-    Ok(())
+    if options.view.scene.is_none() && options.view.from.is_none() {
+        let message = "name a scene, a report with --from, or a table with --footprints";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let mut frames = asked.frames(&options.path, &options.more)?;
+    match frames.len() {
+        1 => one(&from_scene(&frames.remove(0))?, &priced, options),
+        _ => several(&frames, &priced, options),
+    }
 }
 
 /// All machines of the presets on the scene's splats.
@@ -137,40 +111,182 @@ fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The machine's area, which is also said.
+/// What area and clock are counted by.
+struct Priced {
+    prices: Calibration,
+    part: Option<(String, Part)>,
+}
+
+impl Priced {
+    fn new(options: &AreaOptions) -> Result<Priced, Failure> {
+        let named = options.part.clone().unwrap_or_default();
+        Ok(Priced {
+            prices: calibration(options)?,
+            part: part(options)?.map(|part| (named, part)),
+        })
+    }
+
+    fn pace(&self, timing: &Timing, entry: &Entry, config: &Config) -> Pace {
+        let clock = Clock::of(config, &entry.design.widths, self.prices.family);
+        Pace::new(timing, config, clock)
+    }
+}
+
+/// One picture, with all accounts.
+fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(), Failure> {
+    let Modelled {
+        name,
+        workload,
+        entry,
+        machine: config,
+    } = modelled;
+    let work = LaneWork::new(workload, LaneShape::from(config));
+    let (timing, seconds) = timed(workload, &work, config, options.repeat);
+    let speed = timing.total as f64 / seconds / 1e6;
+    print_result(&summary::text(name, &timing))?;
+    let pace = priced.pace(&timing, entry, config);
+    print_result(&pace.text())?;
+    let area = estimate_area(priced, entry, config, &pace)?;
+    let energy = energy::estimate(
+        &entry.design.widths,
+        entry.traversal,
+        config,
+        &timing,
+        &energy_table(&options.energy)?,
+    );
+    print_result(&energy.text())?;
+    print_result(&format!(
+        "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
+        seconds * 1e3,
+        timing.total
+    ))?;
+    let Some(folder) = &options.output else {
+        return Ok(());
+    };
+    let histograms = Histograms::new(&work, config, workload.splats.len());
+    let watched = watch(workload, &work, config, &timing);
+    let page = page(name, &timing, &watched, workload.columns, config);
+    write(&folder.join("timing.html"), page.as_bytes())?;
+    write(
+        &folder.join("action_counts.yaml"),
+        energy::action_counts(&energy).as_bytes(),
+    )?;
+    let result = json!({
+        "format": "splatline-timing/1",
+        "scene": name,
+        "splats": workload.splats.len(),
+        "visible": workload.visible(),
+        "cycles": timing,
+        "pace": pace,
+        "area": area,
+        "energy": energy,
+        "histograms": histograms,
+        "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
+    });
+    write_results(folder, &result, config)
+}
+
+/// Several pictures: the worst of them, the 95th percentile and the mean.
+fn several(frames: &[Frame], priced: &Priced, options: &ModelOptions) -> Result<(), Failure> {
+    let started = Instant::now();
+    let progress = Progress::new(frames.len());
+    let mut paces = Vec::with_capacity(frames.len());
+    let mut told = Vec::with_capacity(frames.len());
+    for frame in frames {
+        progress.doing(&frame.name);
+        let modelled = from_scene(frame)?;
+        let timing = simulate_alone(&modelled.workload, &modelled.machine);
+        let pace = priced.pace(&timing, &modelled.entry, &modelled.machine);
+        told.push(json!({ "name": frame.name, "visible": modelled.workload.visible(), "cycles": timing, "pace": pace }));
+        paces.push(pace);
+        progress.advance();
+    }
+    drop(progress);
+    let plan = &frames[0].prepared.plan;
+    let (entry, config) = (&plan.entry, &plan.machine);
+    let named: Vec<(&str, &Pace)> = frames
+        .iter()
+        .map(|frame| frame.name.as_str())
+        .zip(&paces)
+        .collect();
+    let over = OverFrames::new(&named);
+    if frames.len() <= FEW_FRAMES {
+        for (name, pace) in &named {
+            let (ms, fps) = (pace.ms_per_frame, pace.frames_per_s);
+            print_result(&format!("{name}: {ms:.3} ms, {fps:.2} frames a second\n"))?;
+        }
+    }
+    print_result(&over.text())?;
+    let clock = &paces[0].clock;
+    print_result(&format!("clock: {} MHz ({})\n", clock.mhz, clock.of))?;
+    let area = estimate_area(priced, entry, config, &paces[0])?;
+    let seconds = started.elapsed().as_secs_f64();
+    print_result(&format!(
+        "host: {} frames in {seconds:.1} s\n",
+        frames.len()
+    ))?;
+    let Some(folder) = &options.output else {
+        return Ok(());
+    };
+    let result = json!({
+        "format": "splatline-timing/1",
+        "frames": told,
+        "over_frames": over,
+        "area": area,
+        "host": { "all_s": seconds },
+    });
+    write_results(folder, &result, config)
+}
+
+fn write_results(
+    folder: &Path,
+    result: &serde_json::Value,
+    config: &Config,
+) -> Result<(), Failure> {
+    write(
+        &folder.join("timing.json"),
+        format!("{result:#}\n").as_bytes(),
+    )?;
+    write(
+        &folder.join("machine.toml"),
+        config::to_toml(config).as_bytes(),
+    )
+}
+
+/// The machine's area, and how much of the part it takes, which are also said.
 fn estimate_area(
-    options: &ModelOptions,
+    priced: &Priced,
     entry: &Entry,
     config: &Config,
+    pace: &Pace,
 ) -> Result<serde_json::Value, Failure> {
-    let prices = calibration(&options.area)?;
-    let area = area::estimate(&entry.design.widths, entry.traversal, config, &prices);
-    let statement = synthesis::statement(&prices);
+    let prices = &priced.prices;
+    let area = area::estimate(&entry.design.widths, entry.traversal, config, prices);
+    let statement = synthesis::statement(prices);
     print_result(&format!(
         "area: raster units {}; around them {}\n{statement}\n",
         area.raster, area.around
     ))?;
+    if let Some((name, part)) = &priced.part {
+        print_result(&part.text(name, &area, pace.channel_bytes_per_s))?;
+    }
+    let part = priced.part.as_ref().map(|(_, part)| part);
     Ok(
-        json!({ "raster": area.raster, "around": area.around, "luts_in_all": area.weight, "of": statement }),
+        json!({ "raster": area.raster, "around": area.around, "luts_in_all": area.weight, "of": statement, "part": part }),
     )
 }
 
-fn from_scene(options: &ModelOptions) -> Result<Modelled, Failure> {
-    if options.view.scene.is_none() && options.view.from.is_none() {
-        let message = "name a scene, a report with --from, or a table with --footprints";
-        return Err(Failure::Usage(message.to_owned()));
-    }
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
-    let prepared = asked.prepare()?;
+fn from_scene(frame: &Frame) -> Result<Modelled, Failure> {
+    let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let progress = Progress::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
     print_result(&uncharged(prepared.splats()?.scene, &prepared.plan.machine))?;
     Ok(Modelled {
-        name: prepared.scene.name().to_owned(),
+        name: frame.name.clone(),
         workload,
-        entry: prepared.plan.entry,
+        entry: prepared.plan.entry.clone(),
         machine: prepared.plan.machine,
     })
 }

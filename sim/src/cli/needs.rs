@@ -3,7 +3,7 @@
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::output::{self, write};
-use super::resolve::Asked;
+use super::resolve::{Asked, Frame};
 use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
@@ -18,13 +18,32 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     if let Some(path) = &options.json {
         let mut inputs = options.view.inputs();
         inputs.extend(options.work.inputs());
+        inputs.extend(options.more.others.clone());
+        inputs.extend(options.path.camera_path.clone());
         inputs.extend(options.machine.machine.clone());
         output::check(path, &["json"], &inputs)?;
     }
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
-    let prepared = asked.prepare()?;
+    let frames = asked.frames(&options.path, &options.more)?;
+    let mut answers = Vec::with_capacity(frames.len());
+    for frame in frames {
+        answers.push(one(&frame, options)?);
+    }
+    if let Some(path) = &options.json {
+        let answer = match &answers[..] {
+            [only] => only.clone(),
+            _ => json!({ "format": "splatline-needs/1", "frames": answers }),
+        };
+        write(path, format!("{answer:#}\n").as_bytes())?;
+    }
+    Ok(())
+}
+
+/// What one frame needs, which is also said.
+fn one(frame: &Frame, options: &NeedsOptions) -> Result<serde_json::Value, Failure> {
+    let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
-    let (name, systems) = (prepared.scene.name(), prepared.systems());
+    let (name, systems) = (frame.name.as_str(), prepared.systems());
     let mut answer = Map::new();
     answer.insert("format".to_owned(), "splatline-needs/1".into());
     answer.insert("scene".to_owned(), name.into());
@@ -32,7 +51,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
         Subject::Splats(splats) if splats.hybrid.is_none() => {
-            let found = examined(&prepared)?;
+            let found = examined(prepared)?;
             print_result(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
         }
@@ -49,7 +68,8 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     let design = &prepared.plan.entry.design;
     match options.max_error {
         Some(budget) => {
-            let fitted = fit::fitted(&prepared, Metric::Largest, budget)?;
+            let only = std::slice::from_ref(frame);
+            let fitted = fit::fitted(only, Metric::Largest, budget)?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }
@@ -58,10 +78,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
             answer.insert("fit".to_owned(), json!(null));
         }
     }
-    if let Some(path) = &options.json {
-        write(path, format!("{:#}\n", json!(answer)).as_bytes())?;
-    }
-    Ok(())
+    Ok(json!(answer))
 }
 
 /// Units, ranges and FIFO depths of splats.

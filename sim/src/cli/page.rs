@@ -67,7 +67,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     warn(&prepared.warnings);
     let up = options.view.up.map(|Vector(up)| up);
     let bytes = write_page(&prepared, up, &options.output)?;
-    let AnyScene::Splats(scene) = &prepared.scene else {
+    let AnyScene::Splats(scene) = &*prepared.scene else {
         return Ok(());
     };
     print_result(&format!(

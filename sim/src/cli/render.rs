@@ -1,23 +1,20 @@
 //! `splatline render`: one picture.
 
 use super::args::RenderOptions;
+use super::frames;
 use super::output::{self, write};
 use super::resolve::{Asked, COMPARED, DRAWN, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
-use crate::picture::{EXTENSIONS, Format};
+use crate::picture::{EXTENSIONS, Format, Picture};
 use crate::plan::measure::draw_alone;
-use crate::plan::{Engine, Look};
+use crate::plan::{Engine, Look, Prepared};
 use crate::progress::Progress;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let inputs = [
-        options.view.inputs(),
-        output::files([drawing.work.inputs().as_ref()]),
-    ]
-    .concat();
+    let inputs = inputs(options);
     output::check(&options.output, &EXTENSIONS, &inputs)?;
     if let Some(json) = &drawing.json {
         output::check(json, &["json"], &inputs)?;
@@ -29,20 +26,16 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
             "--traversal has no meaning for --engine {engine}"
         )));
     }
+    if options.path.camera_path.is_some() {
+        return frames::render(options);
+    }
     let prepared = Asked::drawing(&options.view, drawing).prepare()?;
-    let bytes = match (&prepared.plan.look, prepared.plan.engine) {
-        // The reference of surfaces keeps every fragment.
-        (Look::Surface(_), Engine::Float) => COMPARED,
-        _ => DRAWN,
-    };
-    room_for_picture(&prepared.plan.camera, bytes)?;
+    check_room(&prepared)?;
     let progress = Progress::new(1);
     progress.doing(format!("drawing {}", prepared.scene.name()));
     let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
     let picture = &measured.drawing.picture;
-    let format = Format::of(&options.output).unwrap_or(Format::Png);
-    let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
-    write(&options.output, &bytes)?;
+    write_picture(options, picture, &options.output)?;
     if let Some(path) = &drawing.json {
         write(path, report.to_json()?.as_bytes())?;
     }
@@ -51,6 +44,38 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     print_error(&if_layers_were_merged(measured.drawing.merged));
     print_error(&if_nothing_is_seen(picture, &report));
     print_result(&of_drawing(&report))
+}
+
+/// The files that are read.
+pub fn inputs(options: &RenderOptions) -> Vec<PathBuf> {
+    let own = [
+        options.drawing.work.inputs(),
+        options.path.camera_path.clone(),
+    ];
+    let own = output::files(own.iter().map(Option::as_ref));
+    [options.view.inputs(), own].concat()
+}
+
+/// Writes a picture in the format that its name says.
+pub fn write_picture(
+    options: &RenderOptions,
+    picture: &Picture,
+    path: &Path,
+) -> Result<(), Failure> {
+    let drawing = &options.drawing;
+    let format = Format::of(path).unwrap_or(Format::Png);
+    let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
+    write(path, &bytes)
+}
+
+/// Refuses a picture that does not fit into memory.
+pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
+    let bytes = match (&prepared.plan.look, prepared.plan.engine) {
+        // The reference of surfaces keeps every fragment.
+        (Look::Surface(_), Engine::Float) => COMPARED,
+        _ => DRAWN,
+    };
+    room_for_picture(&prepared.plan.camera, bytes)
 }
 
 fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {

@@ -10,16 +10,18 @@ use super::say::{Failure, print_error, print_result};
 use super::values::{
     AntialiasChoice, Backfaces, DesignName, OrbitChoice, Size, TraversalChoice, Vector,
 };
-use super::view_args::{SurfaceOptions, ViewOptions};
+use super::view_args::{MoreScenes, PathOptions, SurfaceOptions, ViewOptions};
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
 use crate::cameras::{self, Pose};
 use crate::design::DesignChoice;
-use crate::framing::{Ball, Frame, USUAL_FOV, orbited};
+use crate::framing::{Ball, Frame as SceneFrame, USUAL_FOV, orbited};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
 use crate::machine::energy::EnergyTable;
+use crate::machine::parts::{Part, Parts};
 use crate::memory;
+use crate::plan::path::{self, CameraPath};
 use crate::plan::{AnyScene, Engine, Entry, Look, Plan, Prepared, Source, Taken};
 use crate::progress::Progress;
 use crate::rules::{Antialias, Compositing, Kernel, Rules};
@@ -31,6 +33,7 @@ use crate::surface::{Buffer, Style, USUAL_EDGE};
 use anyhow::anyhow;
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Where neither a camera file nor `--size` says otherwise.
 const USUAL_SIZE: Size = Size {
@@ -54,6 +57,24 @@ pub struct Asked<'a> {
     points: Option<Points>,
     phase_bits: u8,
     machine: Option<&'a MachineOptions>,
+}
+
+/// One picture of several, with what it is called.
+pub struct Frame {
+    /// The scene, and the camera where there are several.
+    pub name: String,
+    /// Its plan.
+    pub prepared: Prepared,
+}
+
+impl Frame {
+    /// The only picture of its scene.
+    pub fn only(prepared: Prepared) -> Frame {
+        Frame {
+            name: prepared.scene.name().to_owned(),
+            prepared,
+        }
+    }
 }
 
 impl<'a> Asked<'a> {
@@ -102,8 +123,48 @@ impl<'a> Asked<'a> {
     pub fn prepare(&self) -> Result<Prepared, Failure> {
         match &self.view.from {
             Some(report) => self.read_report(report),
-            None => self.read_options(),
+            None => self.read_options(scene_of(self.view)?, None),
         }
+    }
+
+    /// A plan for every frame: of each scene, by each camera of the path.
+    pub fn frames(&self, path: &PathOptions, more: &MoreScenes) -> Result<Vec<Frame>, Failure> {
+        let size = self.view.size.map(|size| [size.width, size.height]);
+        let path = match &path.camera_path {
+            Some(file) => {
+                let loaded = path::load(file, size)?;
+                for note in &loaded.notes {
+                    print_error(&format!("{}: {note}\n", file.display()));
+                }
+                Some(loaded.path)
+            }
+            None => None,
+        };
+        if self.view.from.is_some() {
+            return Ok(vec![Frame::only(self.prepare()?)]);
+        }
+        let scenes = std::iter::once(scene_of(self.view)?).chain(&more.others);
+        let mut frames = Vec::new();
+        for scene in scenes {
+            let prepared = self.read_options(scene, path.as_ref())?;
+            let Some(path) = &path else {
+                frames.push(Frame::only(prepared));
+                continue;
+            };
+            for (name, camera) in path.cameras(prepared.scene.up(), self.path_size())? {
+                frames.push(Frame {
+                    name: format!("{}, {name}", prepared.scene.name()),
+                    prepared: prepared.seen_by(camera),
+                });
+            }
+        }
+        Ok(frames)
+    }
+
+    /// Of pictures whose cameras have no size of their own.
+    fn path_size(&self) -> [usize; 2] {
+        let Size { width, height } = self.view.size.unwrap_or(USUAL_SIZE);
+        [width, height]
     }
 
     /// A report's plan; the machine's options may change its machine, which no picture depends on.
@@ -116,9 +177,9 @@ impl<'a> Asked<'a> {
         Ok(prepared)
     }
 
-    fn read_options(&self) -> Result<Prepared, Failure> {
+    fn read_options(&self, scene: &Path, path: Option<&CameraPath>) -> Result<Prepared, Failure> {
         let view = self.view;
-        let source = self.source()?;
+        let source = self.source(scene)?;
         let machine = match self.machine {
             Some(options) => machine(options)?,
             None => Config::default(),
@@ -127,9 +188,16 @@ impl<'a> Asked<'a> {
         let entry = Entry::new(design, self.traversal.map(Traversal::from));
         let progress = Progress::spinner(format!("loading {}", source.path.display()));
         let loaded = source.load(&|what| progress.doing(what))?;
-        let (camera, warnings) = camera(view, loaded.scene.up(), || {
-            loaded.scene.frame(view.up.map(|Vector(up)| up))
-        })?;
+        let frame = || loaded.scene.frame(view.up.map(|Vector(up)| up));
+        let (camera, warnings) = match path {
+            Some(path) => {
+                let cameras = path.cameras(loaded.scene.up(), self.path_size())?;
+                let first = cameras.into_iter().next();
+                let (_, camera) = first.ok_or_else(|| anyhow!("the camera path is empty"))?;
+                (camera, Vec::new())
+            }
+            None => camera(view, loaded.scene.up(), scene, frame)?,
+        };
         drop(progress);
         for note in &loaded.notes {
             print_error(&format!("{}: {note}\n", loaded.scene.name()));
@@ -148,16 +216,16 @@ impl<'a> Asked<'a> {
                 entry,
                 machine,
             },
-            scene: loaded.scene,
+            scene: Arc::new(loaded.scene),
             warnings,
             prepare_s: loaded.seconds,
         })
     }
 
     /// The scene asked for, if the other options have a meaning for its kind.
-    fn source(&self) -> Result<Source, Failure> {
+    fn source(&self, path: &Path) -> Result<Source, Failure> {
         let (view, surface) = (self.view, &self.view.surface);
-        let path = scene_of(view)?.clone();
+        let path = path.to_owned();
         let taken = match surface.kind {
             None => Taken::Splats {
                 transfer: view.transfer.clone(),
@@ -314,10 +382,30 @@ fn change_machine(options: &MachineOptions, unnamed: Config) -> Result<Config, F
     Ok(config)
 }
 
-/// The prices that the options name.
+/// The part that the options name.
+pub fn part(options: &AreaOptions) -> Result<Option<Part>, Failure> {
+    let Some(name) = &options.part else {
+        return Ok(None);
+    };
+    let mut parts = Parts::default();
+    if let Some(path) = &options.parts {
+        let text = read_settings(path)?;
+        let file = path.display().to_string();
+        parts = parts
+            .and(&file, &text)
+            .map_err(|problem| anyhow!(problem))?;
+    }
+    let found = parts.find(name).map_err(Failure::Usage)?;
+    Ok(Some(found.clone()))
+}
+
+/// The prices that the options name: a file's, a part's family's, or a family's.
 pub fn calibration(options: &AreaOptions) -> Result<Calibration, Failure> {
     match &options.calibration {
-        None => Ok(options.family.calibration()),
+        None => Ok(match part(options)? {
+            Some(part) => part.family.calibration(),
+            None => options.family.calibration(),
+        }),
         Some(path) => {
             let text = read_settings(path)?;
             Ok(Calibration::from_toml(&path.display().to_string(), &text)
@@ -342,14 +430,15 @@ pub fn energy_table(options: &EnergyOptions) -> Result<EnergyTable, Failure> {
 fn camera(
     options: &ViewOptions,
     up: [f64; 3],
-    frame: impl FnOnce() -> Frame,
+    scene: &Path,
+    frame: impl FnOnce() -> SceneFrame,
 ) -> Result<(Camera, Vec<String>), Failure> {
     let (camera, warnings) = match (&options.camera, options.eye, options.target) {
         (Some(path), ..) => camera_from_file(path, options)?,
         (None, Some(Vector(eye)), Some(Vector(target))) => {
             (camera_from_eye(eye, target, up, options)?, Vec::new())
         }
-        _ => (framed(&frame(), options)?, Vec::new()),
+        _ => (framed(&frame(), scene, options)?, Vec::new()),
     };
     let camera = match options.zoom {
         Some(factor) => camera.zoomed(factor)?,
@@ -427,6 +516,9 @@ pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Bytes of a pixel of each further reference picture that is kept beside those being compared.
+pub const KEPT: u64 = 32;
+
 /// Bytes of a pixel while a picture is drawn and written: 47 were measured, 53 for a surface.
 pub const DRAWN: u64 = 64;
 /// While two are compared: both, the error map and their files; 79 were measured, 138 for a surface in eight layers, whose reference
@@ -434,12 +526,12 @@ pub const DRAWN: u64 = 64;
 pub const COMPARED: u64 = 192;
 
 /// The whole scene, and a line that tells by which rule.
-fn framed(frame: &Frame, options: &ViewOptions) -> Result<Camera, Failure> {
+fn framed(frame: &SceneFrame, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
     let Size { width, height } = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
-    let scene = scene_of(options)?.display().to_string();
-    let place = |frame: &Frame| frame.camera(orbit, fov, width, height);
+    let scene = scene.display().to_string();
+    let place = |frame: &SceneFrame| frame.camera(orbit, fov, width, height);
     let camera = match place(frame) {
         Ok(camera) => sound_camera(camera, &scene)?,
         Err(error) => return Err(why_not_framed(error, frame, &scene, place)),
@@ -451,11 +543,11 @@ fn framed(frame: &Frame, options: &ViewOptions) -> Result<Camera, Failure> {
 /// Whose fault it is: of the scene if a ball of usual size can be framed, of the options otherwise.
 fn why_not_framed(
     error: CameraError,
-    frame: &Frame,
+    frame: &SceneFrame,
     scene: &str,
-    place: impl Fn(&Frame) -> Result<Camera, CameraError>,
+    place: impl Fn(&SceneFrame) -> Result<Camera, CameraError>,
 ) -> Failure {
-    let usual = Frame {
+    let usual = SceneFrame {
         ball: Ball {
             centre: [0.0; 3],
             radius: 1.0,

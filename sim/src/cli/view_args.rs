@@ -114,6 +114,23 @@ impl ViewOptions {
     }
 }
 
+/// Many views in one command.
+#[derive(Debug, Default, Args)]
+pub struct PathOptions {
+    /// Many cameras, a frame each: a COLMAP folder, transforms.json, cameras.json, or key frames (TOML, as docs/files.md shows)
+    #[arg(long, value_name = "FILE", help_heading = "Camera",
+        conflicts_with_all = ["from", "camera", "image", "eye", "target", "up", "fov", "orbit", "zoom"])]
+    pub camera_path: Option<PathBuf>,
+}
+
+/// Scenes beside the first.
+#[derive(Debug, Default, Args)]
+pub struct MoreScenes {
+    /// Further scenes, each seen whole or by the same camera
+    #[arg(value_name = "MORE", conflicts_with = "from")]
+    pub others: Vec<PathBuf>,
+}
+
 /// How a point cloud is drawn as a surface.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces")]

@@ -17,7 +17,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
 /// Version of `sweep.json`; tables of another version are never taken for ours.
-const FORMAT: &str = "splatline-sweep/4";
+const FORMAT: &str = "splatline-sweep/5";
 /// Differences that a message lists at most.
 const FEW: usize = 6;
 

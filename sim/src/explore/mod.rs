@@ -2,8 +2,10 @@
 //!
 //! ```text
 //! space (TOML) -> points -> sweep (shared work once, CSV appended) -> front (CSV, HTML)
+//! limits (frames a second, LUT, error ...) -> ask (search over designs and machines) -> the cheapest point
 //! ```
 
+pub mod ask;
 pub mod fit;
 pub mod folder;
 pub mod front;

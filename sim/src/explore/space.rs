@@ -92,6 +92,19 @@ impl Source<'_> {
 impl Space {
     /// Reads a space from the text of its file.
     pub fn from_toml(file: &str, text: &str) -> Result<Space, SpaceError> {
+        let (axes, table) = Space::read(file, text)?;
+        let points = points(&Source { file, text }, &table, &axes)?;
+        Ok(Space { axes, points })
+    }
+
+    /// The same without points: what is searched and not swept may have any number of combinations.
+    pub fn without_points(file: &str, text: &str) -> Result<Space, SpaceError> {
+        let (axes, _) = Space::read(file, text)?;
+        let points = Vec::new();
+        Ok(Space { axes, points })
+    }
+
+    fn read(file: &str, text: &str) -> Result<(Vec<Axis>, toml::Table), SpaceError> {
         let source = Source { file, text };
         let table: toml::Table = text
             .parse()
@@ -115,8 +128,7 @@ impl Space {
             }
         }
         axes.sort_by_key(|axis| axis.part);
-        let points = points(&source, &table, &axes)?;
-        Ok(Space { axes, points })
+        Ok((axes, table))
     }
 
     /// A point's keys and values on the axes of some parts.
@@ -203,13 +215,20 @@ fn check_design(key: &str, values: &[Value]) -> Result<(), String> {
             ));
         }
     };
+    // A design's file is as good as a name: what `fit` found is one.
+    let known = |name: &str| names.contains(&name) || (key == "base" && name.ends_with(".toml"));
     match values
         .iter()
-        .find(|value| !value.as_str().is_some_and(|name| names.contains(&name)))
+        .find(|value| !value.as_str().is_some_and(known))
     {
         Some(value) => Err(format!(
-            "{value} is not allowed: allowed are {}",
-            names.join(", ")
+            "{value} is not allowed: allowed are {}{}",
+            names.join(", "),
+            if key == "base" {
+                " and files that end in .toml"
+            } else {
+                ""
+            }
         )),
         None => Ok(()),
     }

@@ -7,6 +7,7 @@ use super::table::Table;
 use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
+use crate::machine::clock::{Clock, Pace};
 use crate::machine::config::Config;
 use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -18,6 +19,7 @@ use crate::plan::Splats;
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use splatline::format::Traversal;
+use toml::Value;
 
 /// What is swept over: everything that the points have in common.
 pub struct Subject<'a> {
@@ -124,28 +126,25 @@ fn same(space: &Space, a: &[usize], b: &[usize], part: Part) -> bool {
 
 fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
     let settings = space.settings(point, |part| part == Part::Design);
+    changed(&subject.design, &settings)
+}
+
+/// A design with some of its keys set otherwise; `base` names another one to begin with, or its file.
+pub(super) fn changed(start: &DesignChoice, settings: &[(&str, &Value)]) -> Result<DesignChoice> {
     if settings.is_empty() {
-        return Ok(subject.design.clone());
+        return Ok(start.clone());
     }
-    let mut table = toml::Table::new();
-    let resolved = subject.design.resolved();
     let base = settings
         .iter()
         .find(|(key, _)| *key == "base")
         .and_then(|(_, value)| value.as_str());
-    table.insert("base".to_owned(), base.unwrap_or("standard24").into());
-    if base.is_none() {
-        for (key, value) in &resolved.widths {
-            table.insert(
-                key.clone(),
-                toml::Value::Integer(value.as_i64().unwrap_or(0)),
-            );
-        }
-        table.insert("rounding".to_owned(), resolved.rounding.as_ref().into());
-        table.insert("traversal".to_owned(), resolved.traversal.as_ref().into());
-    }
-    for (key, value) in settings {
-        table.insert(key.to_owned(), value.clone());
+    let start = match base {
+        Some(name) => DesignChoice::load(name)?,
+        None => start.clone(),
+    };
+    let mut table: toml::Table = start.resolved().to_toml().parse()?;
+    for (key, value) in settings.iter().filter(|(key, _)| *key != "base") {
+        table.insert((*key).to_owned(), (*value).clone());
     }
     Ok(DesignChoice::from_toml("space.toml", &table.to_string())?)
 }
@@ -216,14 +215,17 @@ impl Run<'_> {
                     &config,
                     &self.subject.calibration,
                 );
+                let widths = &self.options.design.widths;
                 let energy = energy::estimate(
-                    &self.options.design.widths,
+                    widths,
                     self.options.traversal,
                     &config,
                     &timing,
                     &self.subject.energy,
                 );
-                results(self.error, &timing, &area, energy.mj_per_frame)
+                let clock = Clock::of(&config, widths, self.subject.calibration.family);
+                let pace = Pace::new(&timing, &config, clock);
+                results(self.error, &timing, &pace, &area, energy.mj_per_frame)
             }
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
@@ -244,6 +246,7 @@ impl Run<'_> {
 fn results(
     error: Option<&ChannelError>,
     timing: &Timing,
+    pace: &Pace,
     area: &Area,
     energy_mj: f64,
 ) -> Vec<String> {
@@ -279,6 +282,15 @@ fn results(
         ]
         .map(|part| format!("{part:.4}")),
     );
+    fields.extend([
+        pace.clock.mhz.to_string(),
+        u8::from(pace.clock.assumed).to_string(),
+        format!("{:.3}", pace.frames_per_s),
+        format!("{:.4}", pace.ms_per_frame),
+        pace.bytes_per_frame.to_string(),
+        format!("{:.0}", pace.bytes_per_s),
+        format!("{:.4}", timing.pixels.packet_hit_rate()),
+    ]);
     for part in [&area.raster, &area.around] {
         fields.extend(part.resources().map(|(_, count)| count.to_string()));
     }

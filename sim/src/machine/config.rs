@@ -63,6 +63,19 @@ pub enum Binning {
     Exact,
 }
 
+/// The order in which tiles are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TileOrder {
+    /// Row by row, each from the left.
+    Raster,
+    /// Row by row, to the right and back in turn.
+    Serpentine,
+    /// By the interleaved bits of column and row.
+    Morton,
+    /// Along Hilbert's curve.
+    Hilbert,
+}
+
 /// A machine. Times are in clock cycles, sizes in bytes where the name says so and in entries otherwise.
 ///
 /// As data it is the table of its file, so that a report's machine reads like one.
@@ -149,8 +162,14 @@ pub struct Config {
     pub write_back_cycles: u32,
     /// Cycles to clear a tile buffer before it is drawn into; 0 where that happens during the write-back.
     pub clear_cycles: u32,
-    /// Clock in megahertz; 0 if none is given.
+    /// Packets that a raster unit keeps, so that a splat over several tiles is read less often; 0: none.
+    pub packet_cache: u32,
+    /// The order in which tiles are drawn.
+    pub tile_order: TileOrder,
+    /// Clock in megahertz; 0 takes that of the nearest circuit that was placed, except for a memory part, which needs one.
     pub clock_mhz: u32,
+    /// Pictures in work at the same time: with two, one is set up and sorted while another is drawn; with three, each phase has one.
+    pub overlap_frames: u32,
     /// What the memory is: 0 for two channels of a fixed bandwidth, else a part behind one port, counted from 1 in [`PARTS`].
     pub part: u32,
     /// Writes that the port to a part holds back.
@@ -204,7 +223,10 @@ impl Default for Config {
             buffer_banks: 0,
             write_back_cycles: 4,
             clear_cycles: 0,
+            packet_cache: 0,
+            tile_order: TileOrder::Raster,
             clock_mhz: 0,
+            overlap_frames: 1,
             part: 0,
             write_queue: 32,
             harmonics_bytes: 0,
@@ -293,7 +315,8 @@ impl Config {
         let unit = sequencers * ring(self.row_fifo)
             + ring(self.packet_fifo)
             + ring(self.splat_fifo)
-            + lanes * u64::from(self.row_fifo);
+            + lanes * u64::from(self.row_fifo)
+            + u64::from(self.packet_cache);
         let geometry = ring(self.setup_fifo) + ring(self.bin_fifo);
         8 * (u64::from(self.raster_units) * unit + geometry)
     }

@@ -98,6 +98,8 @@ pub struct LaneWork {
     pub pairs: Vec<PairWork>,
     /// All tiles.
     pub tiles: Vec<TileWork>,
+    /// Tiles in a row of the screen; 0 if that is not known.
+    pub columns: u32,
 }
 
 impl LaneWork {
@@ -111,6 +113,7 @@ impl LaneWork {
             bands: Vec::with_capacity(parts.iter().map(|part| part.bands.len()).sum()),
             pairs: Vec::with_capacity(workload.pairs.len()),
             tiles: Vec::with_capacity(parts.len()),
+            columns: workload.columns,
         };
         for (part, tile) in parts.into_iter().zip(&workload.tiles) {
             let base = work.bands.len() as u32;

@@ -14,6 +14,8 @@
 
 pub mod accounts;
 pub mod area;
+mod cache;
+pub mod clock;
 pub mod config;
 pub mod energy;
 mod geometry;
@@ -22,9 +24,11 @@ pub mod lanes;
 pub mod memory;
 pub mod observe;
 pub mod others;
+pub mod parts;
 pub mod primitive;
 mod raster;
 pub mod summary;
+mod tile_order;
 pub mod timing;
 pub mod workload;
 

@@ -11,6 +11,7 @@
 //! can decrease when a service time or latency grows.
 
 use super::accounts::{Account, Cause, Fifo};
+use super::cache::PacketCache;
 use super::config::{Config, Layout, Overlap};
 use super::lanes::{Band, PairWork};
 use super::memory::{Buffer, Memory, TileWrite};
@@ -85,6 +86,7 @@ pub(super) struct RasterUnit {
     /// own handshake takes a cycle.
     handed_over: u64,
     pub prefetched_in_vain: u64,
+    pub cache: PacketCache,
 }
 
 /// From the handshake that ends a tile until the circuit takes the next tile's first packet.
@@ -168,6 +170,7 @@ impl RasterUnit {
             ]),
             handed_over: 1,
             prefetched_in_vain: 0,
+            cache: PacketCache::new(config.packet_cache),
         }
     }
 
@@ -294,10 +297,11 @@ impl RasterUnit {
     #[inline(always)]
     fn fetch<O: Observer, M: Memory>(&mut self, at: &mut Place<O, M>) -> [u64; 2] {
         let free = self.packets.free_at();
-        let (pair, splat) = (at.pair, at.splat);
+        let pair = at.pair;
+        let wanted = (!self.cache.look_up(at.splat)).then_some(at.splat);
         let read = at
             .memory
-            .packet(self.number, &mut self.fetch, free, pair, splat);
+            .packet(self.number, &mut self.fetch, free, pair, wanted);
         at.event(Stage::Fetch, 0, 0, read.asked, read.arrives);
         [read.asked, read.arrives]
     }

@@ -12,6 +12,7 @@ use super::memory::parts::Part;
 use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
 use super::observe::{Blind, Observer};
 use super::raster::{Drawing, Job, RasterUnit};
+use super::tile_order::sequence;
 use super::workload::Workload;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -77,21 +78,27 @@ pub struct Bytes {
     pub sort_moved: u64,
     /// Packets and list entries read by the raster phase.
     pub packets_read: u64,
-    /// Of these, packets of tiles that had finished before they could be used.
+    /// Packets that the raster phase found in its caches instead.
+    pub packets_cached: u64,
+    /// Of those that were read, packets of tiles that had finished before they could be used.
     pub packets_in_vain: u64,
     /// Pixels written back.
     pub pixels_written: u64,
 }
 
 impl Bytes {
+    /// Bytes read and bytes written; a sort reads as much as it writes.
+    pub fn directions(&self) -> [u64; 2] {
+        let sorted = self.sort_moved / 2;
+        [
+            self.splats_read + self.harmonics_read + sorted + self.packets_read,
+            self.packets_written + sorted + self.pixels_written,
+        ]
+    }
+
     /// All of them.
     pub fn all(&self) -> u64 {
-        self.splats_read
-            + self.harmonics_read
-            + self.packets_written
-            + self.sort_moved
-            + self.packets_read
-            + self.pixels_written
+        self.directions().iter().sum()
     }
 }
 
@@ -100,6 +107,8 @@ impl Bytes {
 pub struct PixelWork {
     /// Splat-tile pairs drawn.
     pub pairs: u64,
+    /// Of these, pairs whose packet was in a cache.
+    pub packet_hits: u64,
     /// Pairs left out because their tile had finished.
     pub pairs_left_out: u64,
     /// Rows of the drawn pairs.
@@ -122,6 +131,13 @@ pub struct PixelWork {
     pub covered_per_cycle_and_lane: f64,
     /// live / (raster cycles x lanes x raster units).
     pub live_per_cycle_and_lane: f64,
+}
+
+impl PixelWork {
+    /// Which part of the pairs found their packet in a cache.
+    pub fn packet_hit_rate(&self) -> f64 {
+        self.packet_hits as f64 / self.pairs.max(1) as f64
+    }
 }
 
 /// Cycles of `workload` on a machine; `work` must have been made for the machine's [`LaneShape`].
@@ -220,13 +236,15 @@ fn phases<M: Memory>(
         entries: geometry.entries,
     };
     let entry = u64::from(packet_bytes + config.list_bytes);
+    let cached = timing.pixels.packet_hits * u64::from(packet_bytes);
     timing.bytes = Bytes {
         splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
         harmonics_read: geometry.visible * u64::from(config.harmonics_bytes),
         packets_written: geometry.packets * u64::from(packet_bytes)
             + geometry.entries * u64::from(config.list_bytes),
         sort_moved: 2 * moves * u64::from(config.sorted_bytes()),
-        packets_read: (raster.pixels.pairs + raster.in_vain()) * entry,
+        packets_read: (raster.pixels.pairs + raster.in_vain()) * entry - cached,
+        packets_cached: cached,
         packets_in_vain: raster.in_vain() * entry,
         pixels_written: raster.pixels_written * u64::from(config.pixel_bytes),
     };
@@ -260,10 +278,11 @@ impl Raster {
         observer: &mut O,
         memory: &mut M,
     ) {
-        for number in 0..work.tiles.len() {
+        let order = sequence(config.tile_order, work.columns, work.tiles.len());
+        for (turn, number) in order.into_iter().enumerate() {
             let job = job(work, config, number);
             self.count(&job);
-            let unit = self.choose(number, config.assignment);
+            let unit = self.choose(turn, config.assignment);
             self.units[unit].draw(&job, observer, memory);
         }
     }
@@ -276,6 +295,7 @@ impl Raster {
         observer: &mut O,
         memory: &mut M,
     ) {
+        let order = sequence(config.tile_order, work.columns, work.tiles.len());
         let count = self.units.len();
         let mut drawn: Vec<Option<(Job, Drawing)>> = (0..count).map(|_| None).collect();
         // The next tile of each unit, or of all of them where tiles are not assigned beforehand.
@@ -293,7 +313,7 @@ impl Raster {
                 break;
             };
             let Some((job, drawing)) = &mut drawn[unit] else {
-                let taken = job(work, config, next[unit % step]);
+                let taken = job(work, config, order[next[unit % step]]);
                 next[unit % step] += step;
                 self.count(&taken);
                 let begun = self.units[unit].begin(&taken, memory);
@@ -448,6 +468,7 @@ impl Timing {
             .map_or(1, |unit| unit.sequencers.len() as u64);
         let busy = self.units.get("lanes").map_or(0, |unit| unit.busy);
         self.pixels = PixelWork {
+            packet_hits: raster.units.iter().map(|unit| unit.cache.hits).sum(),
             slots: busy * u64::from(config.lanes) / sequencers,
             covered_per_cycle_and_lane: per_lane(raster.pixels.covered),
             live_per_cycle_and_lane: per_lane(raster.pixels.live),

@@ -12,6 +12,7 @@
 pub mod draw;
 pub mod load;
 pub mod measure;
+pub mod path;
 pub mod record;
 
 pub use draw::{Drawing, FootprintLine};
@@ -32,6 +33,7 @@ use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
 use splatline::format::Traversal;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Why commands about cycles take no surfaces; said once for all of them.
 pub const NO_SURFACE_UNIT: &str = "the machine has no surface unit: its units set up, walk, look up and blend volume splats, and none of \
@@ -147,8 +149,8 @@ pub struct Plan {
 pub struct Prepared {
     /// What is decided.
     pub plan: Plan,
-    /// What is drawn.
-    pub scene: AnyScene,
+    /// What is drawn; shared by all frames of a path.
+    pub scene: Arc<AnyScene>,
     /// What was changed on the way in; for reports and stderr.
     pub warnings: Vec<String>,
     /// Seconds that loading and classifying took.
@@ -208,15 +210,28 @@ impl Prepared {
                 entry: Entry::new(design, None),
                 machine: Config::default(),
             },
-            scene: AnyScene::Splats(scene),
+            scene: Arc::new(AnyScene::Splats(scene)),
             warnings: Vec::new(),
             prepare_s: 0.0,
         }
     }
 
+    /// The same scene seen by another camera.
+    pub fn seen_by(&self, camera: Camera) -> Prepared {
+        Prepared {
+            plan: Plan {
+                camera,
+                ..self.plan.clone()
+            },
+            scene: Arc::clone(&self.scene),
+            warnings: self.warnings.clone(),
+            prepare_s: self.prepare_s,
+        }
+    }
+
     /// The scene with its look.
     pub fn subject(&self) -> Result<Subject<'_>> {
-        match (&self.scene, &self.plan.look) {
+        match (&*self.scene, &self.plan.look) {
             (
                 AnyScene::Splats(scene),
                 Look::Splats {

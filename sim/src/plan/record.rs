@@ -16,6 +16,7 @@ use anyhow::{Context, Result, bail};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::path::Path;
+use std::sync::Arc;
 
 impl Prepared {
     /// The plan that a report records, with its scene loaded again; `doing` is told of what takes long.
@@ -27,7 +28,7 @@ impl Prepared {
         let loaded = plan.source.load(doing)?;
         Ok(Prepared {
             plan,
-            scene: loaded.scene,
+            scene: Arc::new(loaded.scene),
             warnings: Vec::new(),
             prepare_s: loaded.seconds,
         })
@@ -141,7 +142,7 @@ pub fn report_of_drawing(
 fn scene_facts(prepared: &Prepared, measured: &Measured) -> SceneFacts {
     let drawing = &measured.drawing;
     let (culled, clamped) = (drawing.culled.clone(), drawing.clamped);
-    match &prepared.scene {
+    match &*prepared.scene {
         super::AnyScene::Splats(scene) => {
             SceneFacts::new(scene, culled, clamped, drawing.colour_log2)
         }

@@ -7,7 +7,9 @@
 pub mod error_map;
 pub mod facts;
 pub mod formats;
+pub mod frames;
 pub mod html;
+pub mod machine;
 mod labels;
 pub mod plot;
 pub mod png;

@@ -114,6 +114,12 @@ impl Family {
         }
     }
 
+    /// The family as options and files call it.
+    pub fn by_key(key: &str) -> Option<Family> {
+        let value = toml::Value::String(key.to_owned());
+        value.try_into().ok()
+    }
+
     /// The family of that name.
     pub fn named(name: &str) -> Option<Family> {
         Family::ALL.into_iter().find(|family| family.name() == name)

@@ -199,7 +199,12 @@ fn queues(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric
         Overlap::Primitive => Fabric::default(),
         _ => queue(config.splat_fifo, bits),
     };
-    let each = queue(config.packet_fifo, bits) + splats;
+    // Each packet of a cache with the rest of its splat's number, up to 2^24 splats.
+    let cache = match config.packet_cache {
+        0 => Fabric::default(),
+        packets => queue(packets, bits + 24),
+    };
+    let each = queue(config.packet_fifo, bits) + splats + cache;
     each * u64::from(config.raster_units)
         + queue(config.setup_fifo, 8 * u64::from(config.splat_bytes))
         + queue(config.bin_fifo, bits)

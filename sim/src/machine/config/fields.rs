@@ -1,8 +1,7 @@
 //! The table of fields: section, key, range, meaning, and how to read and write it in a [`Config`].
 
+use super::{Assignment, Binning, Config, Layout, Overlap, Termination, TileOrder};
 use crate::machine::memory::parts::PARTS;
-
-use super::{Assignment, Binning, Config, Layout, Overlap, Termination};
 
 /// What a field may hold. Values are passed as integers; a choice is its index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,6 +57,15 @@ const LAYOUTS: [Layout; 4] = [Layout::Run, Layout::Aligned, Layout::Quad, Layout
 const OVERLAPS: [Overlap; 3] = [Overlap::Serial, Overlap::Pipelined, Overlap::Primitive];
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Static, Assignment::Dynamic];
 const TERMINATIONS: [Termination; 2] = [Termination::Discard, Termination::Skip];
+const TILE_ORDERS: [TileOrder; 4] = [
+    TileOrder::Raster,
+    TileOrder::Serpentine,
+    TileOrder::Morton,
+    TileOrder::Hilbert,
+];
+const CACHES: Range = Range::OneOf(&[
+    0, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16_384, 32_768, 65_536,
+]);
 const BINNINGS: [Binning; 2] = [Binning::Box, Binning::Exact];
 
 /// The two channels, and all parts.
@@ -78,7 +86,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 45] = [
+pub const FIELDS: [Field; 48] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -111,6 +119,8 @@ pub const FIELDS: [Field; 45] = [
     entry("raster", "packet_fifo", DEPTH, "packets between fetch and splat setup (reads in flight)", |c| c.packet_fifo, |c, v| c.packet_fifo = v),
     entry("raster", "splat_fifo", DEPTH, "splats between splat setup and row generator", |c| c.splat_fifo, |c, v| c.splat_fifo = v),
     entry("raster", "row_fifo", DEPTH, "runs between row generator and lanes", |c| c.row_fifo, |c, v| c.row_fifo = v),
+    entry("raster", "packet_cache", CACHES, "packets that a raster unit keeps, in four ways; 0: none", |c| c.packet_cache, |c, v| c.packet_cache = v),
+    entry("raster", "tile_order", Range::Choice(&["raster", "serpentine", "morton", "hilbert"]), "order in which tiles are drawn", |c| index(&TILE_ORDERS, &c.tile_order), |c, v| c.tile_order = TILE_ORDERS[v as usize]),
     entry("lanes", "lanes", LANES, "pixel lanes per raster unit", |c| c.lanes, |c, v| c.lanes = v),
     entry("lanes", "layout", Range::Choice(&["run", "aligned", "quad", "rows"]), "how lanes lie on the screen", |c| index(&LAYOUTS, &c.layout), |c, v| c.layout = LAYOUTS[v as usize]),
     entry("lanes", "pixel_termination", Range::Choice(&["discard", "skip"]), "finished pixels", |c| index(&TERMINATIONS, &c.pixel_termination), |c, v| c.pixel_termination = TERMINATIONS[v as usize]),
@@ -123,7 +133,8 @@ pub const FIELDS: [Field; 45] = [
     entry("buffer", "buffer_banks", Range::Number(0, 64), "pixels per cycle; 0: one per lane", |c| c.buffer_banks, |c, v| c.buffer_banks = v),
     entry("buffer", "write_back_cycles", CYCLES, "cycles to begin a write-back", |c| c.write_back_cycles, |c, v| c.write_back_cycles = v),
     entry("buffer", "clear_cycles", CYCLES, "cycles to clear a buffer before a tile; 0: during the write-back", |c| c.clear_cycles, |c, v| c.clear_cycles = v),
-    entry("clock", "clock_mhz", Range::Number(0, 10_000), "clock in MHz; 0: none is given", |c| c.clock_mhz, |c, v| c.clock_mhz = v),
+    entry("clock", "clock_mhz", Range::Number(0, 10_000), "clock in MHz; 0: that of the nearest circuit that was placed, marked as assumed", |c| c.clock_mhz, |c, v| c.clock_mhz = v),
+    entry("clock", "overlap_frames", Range::Number(1, 3), "pictures in work at the same time; 2: geometry and sort beside raster, 3: each phase", |c| c.overlap_frames, |c, v| c.overlap_frames = v),
 ];
 
 const fn entry(

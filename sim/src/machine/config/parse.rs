@@ -144,6 +144,15 @@ impl Config {
 
     /// Conditions between fields: the key at fault, its value and what is allowed.
     pub fn check_together(&self) -> Result<(), (&'static str, String, String)> {
+        if self.packet_cache > 0 && self.part > 0 {
+            let allowed =
+                "allowed is 0 with a memory part: a cache in front of its port is not modelled";
+            return Err((
+                "packet_cache",
+                self.packet_cache.to_string(),
+                allowed.to_owned(),
+            ));
+        }
         if self.layout == Layout::Quad && self.lanes < 2 {
             return Err((
                 "layout",

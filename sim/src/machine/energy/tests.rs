@@ -92,6 +92,7 @@ fn one_splat() -> Workload {
         length: length as u8,
     };
     Workload {
+        columns: 0,
         tile: [16, 8],
         packet_bytes: 48,
         splats: vec![

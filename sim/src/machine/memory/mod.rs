@@ -62,8 +62,15 @@ pub(super) trait Memory {
     fn store(&mut self, binning: &mut Account, write: &mut Account, splat: u64, entries: u64);
     /// All passes of the sort over so many entries, beside its own cycles.
     fn sort(&mut self, sort: &mut Account, entries: u64);
-    /// A pair's list entry and packet, for a raster unit.
-    fn packet(&mut self, unit: u32, fetch: &mut Account, free: u64, pair: u64, splat: u32) -> Read;
+    /// A pair's list entry and a splat's packet, for a raster unit; no packet where its cache holds it.
+    fn packet(
+        &mut self,
+        unit: u32,
+        fetch: &mut Account,
+        free: u64,
+        pair: u64,
+        splat: Option<u32>,
+    ) -> Read;
     /// The first cycle in which a raster unit could ask for its next packet.
     fn next_request(&self, unit: u32, fetch: &Account, free: u64) -> u64;
     /// Packets that were on their way when their tile had finished.
@@ -98,6 +105,8 @@ pub(super) struct Channels {
     splat: u64,
     harmonics: u64,
     packet: u64,
+    /// A list entry alone.
+    entry: u64,
     latency: u64,
     packet_bytes: u64,
     list_bytes: u64,
@@ -135,6 +144,7 @@ impl Channels {
             splat: reading(config.splat_bytes.into()),
             harmonics: reading(config.harmonics_bytes.into()),
             packet: reading(u64::from(packet_bytes + config.list_bytes) * units),
+            entry: reading(u64::from(config.list_bytes) * units),
             latency: config.latency.into(),
             packet_bytes: packet_bytes.into(),
             list_bytes: config.list_bytes.into(),
@@ -179,10 +189,20 @@ impl Memory for Channels {
     }
 
     #[inline(always)]
-    fn packet(&mut self, _: u32, fetch: &mut Account, free: u64, _: u64, _: u32) -> Read {
+    fn packet(
+        &mut self,
+        _: u32,
+        fetch: &mut Account,
+        free: u64,
+        _: u64,
+        splat: Option<u32>,
+    ) -> Read {
         let asked = free.max(fetch.at());
         fetch.wait(Cause::FifoFull, asked);
-        fetch.work(self.packet);
+        fetch.work(match splat {
+            Some(_) => self.packet,
+            None => self.entry,
+        });
         Read {
             asked,
             arrives: fetch.at() + self.latency,

@@ -184,14 +184,22 @@ impl Memory for Shared {
         }
     }
 
-    fn packet(&mut self, unit: u32, fetch: &mut Account, free: u64, pair: u64, splat: u32) -> Read {
+    fn packet(
+        &mut self,
+        unit: u32,
+        fetch: &mut Account,
+        free: u64,
+        pair: u64,
+        splat: Option<u32>,
+    ) -> Read {
         let asked = self.next_request(unit, fetch, free);
         fetch.wait(Cause::FifoFull, asked);
         let reader = &mut self.readers[unit as usize];
         reader.next = asked + 1;
         let [entry, each] = [Map::of(self.map.sorted, pair), self.map.sorted[1]];
         self.port.read_on(&mut reader.list, asked, entry, each);
-        let packet = Map::of(self.map.packet, splat.into());
+        // Machines with a part have no packet cache, so that a splat is always named.
+        let packet = Map::of(self.map.packet, splat.unwrap_or_default().into());
         let served = self.port.read(asked, packet, self.packet_bytes);
         fetch.wait(Cause::Port, served.start);
         fetch.work(served.end.saturating_sub(fetch.at()));
@@ -205,7 +213,7 @@ impl Memory for Shared {
 
     fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]) {
         for (pair, work) in (first..).zip(pairs) {
-            self.packet(unit, fetch, 0, pair, work.splat);
+            self.packet(unit, fetch, 0, pair, Some(work.splat));
         }
     }
 

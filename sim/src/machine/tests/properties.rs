@@ -1,8 +1,9 @@
 //! Closed forms where they exist, conservation, monotonicity, and safety of the interlock pixel by pixel.
 
-use super::super::config::{Assignment, Config, FIELDS, Layout, Overlap, Termination};
+use super::super::config::{Assignment, Config, FIELDS, Layout, Overlap, Termination, TileOrder};
 use super::super::lanes::{LaneShape, LaneWork};
 use super::super::observe::{Event, Stage};
+use super::super::timing::PixelWork;
 use super::super::workload::{Workload, mask};
 use super::super::{Timing, simulate_alone, simulate_observed};
 use super::{machine, workload};
@@ -52,6 +53,27 @@ proptest! {
         let waited = lanes.stalled.get("memory").copied().unwrap_or(0);
         prop_assert_eq!(lanes.busy + lanes.stalled.get("turn").copied().unwrap_or(0), expected);
         prop_assert!(waited <= workload.pairs.len() as u64);
+    }
+
+    /// A cache that holds every splat reads each once a unit; whatever it saves is accounted for, and no picture takes longer by it.
+    #[test]
+    fn a_cache_saves_what_it_says(mut workload in workload(), config in machine(), order in 0usize..4) {
+        workload.pairs.iter_mut().for_each(|pair| pair.splat %= 3);
+        workload.columns = 2;
+        let orders = [TileOrder::Raster, TileOrder::Serpentine, TileOrder::Morton, TileOrder::Hilbert];
+        let without = Config { raster_units: 1, tile_order: orders[order], ..config };
+        let with = Config { packet_cache: 16, ..without };
+        let [before, after] = [without, with].map(|config| simulate_alone(&workload, &config));
+        prop_assert_eq!(after.bytes.packets_read + after.bytes.packets_cached, before.bytes.packets_read);
+        prop_assert_eq!(before.bytes.packets_cached, 0);
+        prop_assert!(after.total <= before.total);
+        prop_assert_eq!(after.pixels, PixelWork { packet_hits: after.pixels.packet_hits, covered_per_cycle_and_lane: after.pixels.covered_per_cycle_and_lane,
+            live_per_cycle_and_lane: after.pixels.live_per_cycle_and_lane, ..before.pixels });
+        let misses = before.pixels.pairs - after.bytes.packets_cached / u64::from(workload.packet_bytes);
+        prop_assert!(misses <= 3, "{} misses of three splats", misses);
+        let raster = simulate_alone(&workload, &Config { tile_order: TileOrder::Raster, ..without });
+        prop_assert_eq!(raster.pixels.pairs, before.pixels.pairs);
+        prop_assert_eq!(raster.bytes, before.bytes);
     }
 
     #[test]

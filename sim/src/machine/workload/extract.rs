@@ -97,7 +97,7 @@ impl DesignJob for ExtractJob<'_> {
             parts,
             pixels,
             self.footprints.len(),
-            self.tile,
+            [self.tile, self.viewport],
             packet_bytes,
         )
     }

@@ -89,6 +89,8 @@ pub struct Workload {
     pub splats: Vec<SplatWork>,
     /// Tiles, row by row.
     pub tiles: Vec<Tile>,
+    /// Tiles in a row of the screen; 0 if that is not known.
+    pub columns: u32,
     /// Pairs of all tiles, in drawing order within each.
     pub pairs: Vec<Pair>,
     /// Rows of all pairs.
@@ -181,11 +183,12 @@ fn assemble(
     parts: Vec<TilePart>,
     pixels: impl Fn(usize) -> u32,
     splats: usize,
-    tile: [u16; 2],
+    [tile, viewport]: [[u16; 2]; 2],
     packet_bytes: u32,
 ) -> Workload {
     let mut workload = Workload {
         tile,
+        columns: viewport[0].div_ceil(tile[0]).into(),
         packet_bytes,
         splats: vec![SplatWork::default(); splats],
         ..Workload::default()

@@ -311,7 +311,7 @@ fn workload(entries: &[TableEntry], splats: usize, options: &TableOptions) -> Wo
         parts.collect(),
         pixels,
         splats,
-        options.tile,
+        [options.tile, viewport],
         options.packet_bytes,
     )
 }

@@ -24,6 +24,7 @@ use splatline_sim::scene::{self, Scene, synthetic};
 use splatline_sim::sheets::{SheetKind, SheetPlan};
 use splatline_sim::surface::{Buffer, Style, USUAL_EDGE};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Frames of which the median counts; one more is drawn before.
@@ -169,10 +170,10 @@ fn surface_plans(
         let mut prepared =
             Prepared::of_splats(empty.clone(), camera.clone(), Rules::EWA, design.clone());
         prepared.plan.look = Look::Surface(style);
-        prepared.scene = AnyScene::Surface {
+        prepared.scene = Arc::new(AnyScene::Surface {
             scene: points.clone(),
             is_height_field: false,
-        };
+        });
         (name, prepared)
     };
     ways.map(plan).into()
@@ -182,7 +183,7 @@ fn surface_plans(
 fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) -> Result<Way<'a>> {
     let entry: &'a Entry = &prepared.plan.entry;
     let mut kernel = prepared.kernel(entry, Some(choice))?;
-    let splats = match &prepared.scene {
+    let splats = match &*prepared.scene {
         AnyScene::Splats(scene) => scene.splats.len(),
         AnyScene::Surface { scene, .. } => scene.points.len(),
     };

@@ -1,0 +1,112 @@
+//! `--camera-path` of `render` and `compare`: a picture a frame, and one report over all.
+
+use super::args::{CompareOptions, RenderOptions};
+use super::compare::against_reference;
+use super::output::{self, create_folder, write};
+use super::render::{check_room, inputs, write_picture};
+use super::resolve::{Asked, COMPARED, Frame, room_for_picture};
+use super::say::{Failure, print_result, warn};
+use super::view_args::MoreScenes;
+use crate::machine::summary::Spread;
+use crate::picture::EXTENSIONS;
+use crate::plan::compare_all;
+use crate::plan::measure::draw_alone;
+use crate::progress::Progress;
+use crate::report::frames::{FrameRow, page};
+use serde_json::json;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+/// Version of the report over frames.
+const FORMAT: &str = "splatline-frames/1";
+
+/// A picture a frame, numbered behind the output's name.
+pub fn render(options: &RenderOptions) -> Result<(), Failure> {
+    if output::is_stream(&options.output) {
+        let message = "--camera-path draws many pictures, and stdout takes one: name a file with -o, frames are numbered behind its name";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let drawing = &options.drawing;
+    let frames =
+        Asked::drawing(&options.view, drawing).frames(&options.path, &MoreScenes::default())?;
+    let inputs = inputs(options);
+    for number in 1..=frames.len() {
+        output::check(&numbered(&options.output, number), &EXTENSIONS, &inputs)?;
+    }
+    let (progress, mut warnings) = (Progress::new(frames.len()), BTreeSet::new());
+    let (mut rows, mut seconds) = (Vec::new(), Vec::new());
+    for (number, frame) in (1..).zip(&frames) {
+        let prepared = &frame.prepared;
+        check_room(prepared)?;
+        progress.doing(&frame.name);
+        let (measured, report) = draw_alone(prepared, &drawing.effort(), &progress)?;
+        let file = numbered(&options.output, number);
+        write_picture(options, &measured.drawing.picture, &file)?;
+        seconds.push(report.host.total_s);
+        rows.push(json!({ "name": frame.name, "file": file, "report": report }));
+        warnings.extend(report.warnings);
+        progress.advance();
+    }
+    drop(progress);
+    let spread = Spread::of(seconds);
+    if let Some(json) = &drawing.json {
+        let all = json!({ "format": FORMAT, "frames": rows, "total_s": spread });
+        write(json, format!("{all:#}\n").as_bytes())?;
+    }
+    warn(&warnings.into_iter().collect::<Vec<_>>());
+    print_result(&format!(
+        "{} frames, {} to {}: worst {:.1} ms, 95 % {:.1} ms, mean {:.1} ms\n",
+        frames.len(),
+        numbered(&options.output, 1).display(),
+        numbered(&options.output, frames.len()).display(),
+        spread.worst * 1e3,
+        spread.percentile_95 * 1e3,
+        spread.mean * 1e3
+    ))
+}
+
+/// Every frame's pictures and report in a folder of its own.
+pub fn compare(options: &CompareOptions) -> Result<(), Failure> {
+    let drawing = &options.drawing;
+    let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
+    let frames = asked.frames(&options.path, &MoreScenes::default())?;
+    let (progress, mut warnings) = (Progress::new(frames.len()), BTreeSet::new());
+    let mut rows = Vec::with_capacity(frames.len());
+    for (number, Frame { name, prepared }) in (1..).zip(frames) {
+        progress.doing(&name);
+        let mut prepared = prepared;
+        prepared.plan = against_reference(prepared.plan)?;
+        room_for_picture(&prepared.plan.camera, COMPARED)?;
+        let comparison = compare_all(&prepared, &drawing.effort(), &[])?;
+        let folder = options.output.join(format!("frame-{number:04}"));
+        create_folder(&folder)?;
+        comparison.write(&folder, drawing.depth, drawing.backdrop())?;
+        rows.push(FrameRow::new(&name, &folder, &comparison.report));
+        warnings.extend(comparison.report.warnings);
+        progress.advance();
+    }
+    drop(progress);
+    let over = FrameRow::over(&rows);
+    let result = json!({ "format": FORMAT, "frames": rows, "over_frames": over });
+    let text = format!("{result:#}\n");
+    write(&options.output.join("frames.json"), text.as_bytes())?;
+    if let Some(json) = &drawing.json {
+        write(json, text.as_bytes())?;
+    }
+    let title = format!(
+        "Frames: {}",
+        rows.first().map_or("", |row| row.name.as_str())
+    );
+    let html = options.output.join("frames.html");
+    write(&html, page(&title, &rows, &over).as_bytes())?;
+    warn(&warnings.into_iter().collect::<Vec<_>>());
+    print_result(&over.text())?;
+    print_result(&format!("{}\n", html.display()))
+}
+
+/// The picture of a frame, counted from 1: `x.png` becomes `x-0001.png`.
+fn numbered(path: &Path, number: usize) -> PathBuf {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let extension = path.extension().unwrap_or_default().to_string_lossy();
+    path.with_file_name(format!("{stem}-{number:04}.{extension}"))
+}

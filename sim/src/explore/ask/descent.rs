@@ -1,0 +1,357 @@
+//! The search: coordinate descent from several machines, and moves of two fields at once where one alone gains nothing.
+//!
+//! A point is better if it misses its limits by less, and among points that hold them if it costs less. A field of the machine is tried at every
+//! value. A width is lowered by bisection to the least that holds the limits on errors, as `fit` does, because each trial draws pictures. Where no
+//! single field gains anything, one is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
+
+use super::evaluate::{Evaluator, Reached};
+use crate::explore::space::{Axis, Part};
+use anyhow::Result;
+use splatline::format::WIDTH_RANGES;
+use std::cmp::Ordering;
+
+/// What a point is judged by, the first number first; less is better.
+pub type Score = [f64; 3];
+
+/// Judges what a point reaches.
+pub type Judge<'a> = &'a dyn Fn(&Reached) -> Score;
+
+/// Machines drawn at random beside the ones that are known, from which the best are followed.
+const RANDOM: usize = 32;
+
+/// Of all machines to begin with, so many are followed.
+const FOLLOWED: usize = 2;
+
+/// Fields of a machine that are exchanged for each other: those whose steps cost and gain most.
+const EXCHANGED: [&str; 12] = [
+    "tile_width",
+    "tile_height",
+    "lanes",
+    "raster_units",
+    "rows_at_once",
+    "splat_cycles",
+    "row_cycles",
+    "setup_interval",
+    "read_bandwidth",
+    "write_bandwidth",
+    "packet_cache",
+    "row_fifo",
+];
+
+/// The order in which widths are lowered: those whose bits are dear first.
+const ORDER: [&str; 13] = [
+    "mantissa",
+    "view",
+    "position",
+    "peak",
+    "weight",
+    "transmittance",
+    "alpha",
+    "accumulator",
+    "interpolation",
+    "table",
+    "radial",
+    "colour",
+    "subpixel",
+];
+
+/// Lexicographic.
+pub fn compare(a: &Score, b: &Score) -> Ordering {
+    let pairs = a.iter().zip(b);
+    pairs
+        .map(|(a, b)| a.total_cmp(b))
+        .find(|order| order.is_ne())
+        .unwrap_or(Ordering::Equal)
+}
+
+impl Evaluator<'_> {
+    /// The score of a point; infinite for what makes no machine.
+    fn score(&mut self, point: &[usize], judge: Judge) -> Result<Score> {
+        self.evaluate(&[point.to_vec()])?;
+        Ok(self.scored(point, judge))
+    }
+
+    /// The same of a point that has been evaluated.
+    fn scored(&self, point: &[usize], judge: Judge) -> Score {
+        let reached = self.known.get(point).and_then(Option::as_ref);
+        reached.map_or([f64::INFINITY; 3], judge)
+    }
+
+    /// The best of these points and of the one at hand, which stays if none is better.
+    fn best(&mut self, at: &[usize], points: &[Vec<usize>], judge: Judge) -> Result<Vec<usize>> {
+        let score = self.score(at, judge)?;
+        let mut hopeful = Vec::new();
+        for point in points {
+            if self.could_be_better(point, &score, judge)? {
+                hopeful.push(point.clone());
+            }
+        }
+        self.evaluate(&hopeful)?;
+        let first_best = hopeful
+            .iter()
+            .min_by(|a, b| compare(&self.scored(a, judge), &self.scored(b, judge)));
+        Ok(match first_best {
+            Some(best) if compare(&self.scored(best, judge), &score).is_lt() => best.clone(),
+            _ => at.to_vec(),
+        })
+    }
+
+    /// Would a point be better than this score if it had no error and took no time?
+    fn could_be_better(&self, point: &[usize], score: &Score, judge: Judge) -> Result<bool> {
+        let choice = self.choice(point)?;
+        let optimistic = judge(&self.at_best(&choice));
+        Ok(choice.machine.check_together().is_ok() && compare(&optimistic, score).is_lt())
+    }
+
+    /// What a point costs, which needs no simulation.
+    fn cost(&self, point: &[usize]) -> Result<f64> {
+        Ok(self.at_best(&self.choice(point)?).cost())
+    }
+
+    /// The better of two points; the second only if it is better.
+    fn better(&mut self, a: Vec<usize>, b: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
+        let (score, other) = (self.score(&a, judge)?, self.score(&b, judge)?);
+        Ok(if compare(&other, &score).is_lt() {
+            b
+        } else {
+            a
+        })
+    }
+
+    /// The least index of a width up to the point's that holds the limits on errors.
+    fn lowest_width(&mut self, point: &[usize], axis: usize) -> Result<Vec<usize>> {
+        let at = |index: usize| {
+            let mut moved = point.to_vec();
+            moved[axis] = index;
+            moved
+        };
+        let (mut bad, mut good) = (0, point[axis]);
+        while bad < good {
+            let middle = bad + (good - bad) / 2;
+            match self.error_excess(&at(middle))? <= 0.0 {
+                true => good = middle,
+                false => bad = middle + 1,
+            }
+        }
+        Ok(at(good))
+    }
+
+    /// Moves one field at a time until none gains anything.
+    pub fn descend(
+        &mut self,
+        start: Vec<usize>,
+        axes: &[usize],
+        judge: Judge,
+    ) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            for axis in axes {
+                let others = others_of(self, &point, *axis);
+                point = self.best(&point, &others, judge)?;
+            }
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
+    /// Moves one field at a time, and two where one gains nothing, until neither does.
+    pub fn settle(
+        &mut self,
+        start: Vec<usize>,
+        axes: &[usize],
+        judge: Judge,
+    ) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            point = self.descend(point, axes, judge)?;
+            point = self.exchange(&point, axes, judge)?;
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
+    /// Lowers one width at a time as far as the limits on errors allow, until none gains area.
+    fn lower_widths(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            for axis in widths {
+                let lowest = self.lowest_width(&point, *axis)?;
+                if self.cost(&lowest)? <= self.cost(&point)? {
+                    point = lowest;
+                }
+            }
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
+    /// One field up a step and another down, over all pairs: the best of what that gives.
+    fn exchange(&mut self, point: &[usize], axes: &[usize], judge: Judge) -> Result<Vec<usize>> {
+        let dear = |axis: &&usize| EXCHANGED.contains(&self.space.axes[**axis].key.as_str());
+        let axes: Vec<usize> = axes.iter().filter(dear).copied().collect();
+        let mut moved = Vec::new();
+        for up in &axes {
+            for down in axes.iter().filter(|down| *down != up) {
+                for steps in [[1, -1], [1, 1], [-1, -1]] {
+                    // Two fields the same way are one move, whichever is named first.
+                    if steps[0] == steps[1] && up > down {
+                        continue;
+                    }
+                    let first = step(self, point, *up, steps[0]);
+                    let both = first.and_then(|first| step(self, &first, *down, steps[1]));
+                    moved.extend(both);
+                }
+            }
+        }
+        self.best(point, &moved, judge)
+    }
+
+    /// A bit more of one width for as many less of another as the errors allow, if that is cheaper.
+    fn exchange_widths(&mut self, point: &[usize], widths: &[usize]) -> Result<Vec<usize>> {
+        let cost = self.cost(point)?;
+        for up in widths {
+            let Some(raised) = step(self, point, *up, 1) else {
+                continue;
+            };
+            for down in widths.iter().filter(|down| *down != up) {
+                // One bit less at least: what does not hold the limits then is not bisected.
+                let Some(lowered) = step(self, &raised, *down, -1) else {
+                    continue;
+                };
+                if self.cost(&lowered)? >= cost || self.error_excess(&lowered)? > 0.0 {
+                    continue;
+                }
+                return self.lowest_width(&lowered, *down);
+            }
+        }
+        Ok(point.to_vec())
+    }
+
+    /// Widths as small as the limits on errors allow; all of them untouched if there are none.
+    fn narrow(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let before = point.clone();
+            point = self.lower_widths(point, widths)?;
+            point = self.exchange_widths(&point, widths)?;
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
+    /// The whole search from a point whose design holds the limits on errors, if there are any.
+    pub fn search(&mut self, start: Vec<usize>, judge: Judge) -> Result<Vec<usize>> {
+        let (widths, mut others) = self.split_axes();
+        if !self.has_error_limit() {
+            // Without a limit widths are fields as all others.
+            others.extend(&widths);
+        }
+        let mut point = match self.has_error_limit() {
+            true => self.lower_widths(start, &widths)?,
+            false => start,
+        };
+        let mut beginnings = self.beginnings(&point, &others);
+        self.evaluate(&beginnings)?;
+        beginnings.sort_by(|a, b| compare(&self.scored(a, judge), &self.scored(b, judge)));
+        beginnings.truncate(FOLLOWED);
+        beginnings.push(point.clone());
+        let mut ends = Vec::new();
+        for beginning in beginnings {
+            ends.push(self.descend(beginning, &others, judge)?);
+        }
+        for end in ends {
+            point = self.better(point, end, judge)?;
+        }
+        loop {
+            let before = point.clone();
+            if self.has_error_limit() {
+                let narrowed = self.narrow(point.clone(), &widths)?;
+                let narrowed = self.descend(narrowed, &others, judge)?;
+                point = self.better(point, narrowed, judge)?;
+            }
+            point = self.settle(point, &others, judge)?;
+            if point == before {
+                return Ok(point);
+            }
+        }
+    }
+
+    /// Widths, the dearest bits first; and all other axes.
+    pub fn split_axes(&self) -> (Vec<usize>, Vec<usize>) {
+        let axes = &self.space.axes;
+        let width = |name: &str| {
+            let place = axes
+                .iter()
+                .position(|axis| axis.part == Part::Design && axis.key == name);
+            place.filter(|place| is_width(&axes[*place]))
+        };
+        let widths: Vec<usize> = ORDER.iter().filter_map(|name| width(name)).collect();
+        let others = (0..axes.len()).filter(|axis| !widths.contains(axis));
+        (widths.clone(), others.collect())
+    }
+
+    /// The point's own machine, and others of which each field is drawn by chance, always the same ones.
+    fn beginnings(&self, point: &[usize], machines: &[usize]) -> Vec<Vec<usize>> {
+        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+        let mut below = |count: usize| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            (state >> 33) as usize % count.max(1)
+        };
+        let mut all = vec![point.to_vec()];
+        for _ in 0..RANDOM {
+            let mut other = point.to_vec();
+            for axis in machines {
+                other[*axis] = below(self.space.axes[*axis].values.len());
+            }
+            all.push(other);
+        }
+        all
+    }
+
+    pub fn has_error_limit(&self) -> bool {
+        let limits = &self.question.limits;
+        limits.iter().any(|limit| limit.quantity.is_error())
+    }
+}
+
+/// Is it a width, from narrow to wide?
+fn is_width(axis: &Axis) -> bool {
+    let named = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);
+    let bits: Vec<i64> = axis
+        .values
+        .iter()
+        .filter_map(toml::Value::as_integer)
+        .collect();
+    axis.part == Part::Design && named && bits.is_sorted()
+}
+
+/// The point with every other value of a field.
+fn others_of(evaluator: &Evaluator, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
+    let all = 0..evaluator.space.axes[axis].values.len();
+    all.filter(|index| *index != point[axis])
+        .map(|index| {
+            let mut moved = point.to_vec();
+            moved[axis] = index;
+            moved
+        })
+        .collect()
+}
+
+/// A field one step up or down its axis.
+fn step(evaluator: &Evaluator, point: &[usize], axis: usize, by: isize) -> Option<Vec<usize>> {
+    let index = point[axis].checked_add_signed(by)?;
+    (index < evaluator.space.axes[axis].values.len()).then(|| {
+        let mut moved = point.to_vec();
+        moved[axis] = index;
+        moved
+    })
+}

@@ -1,0 +1,160 @@
+//! An answer for people.
+
+use super::{Answer, Found, Standing};
+use crate::machine::config::{Config, FIELDS};
+use std::fmt::Write;
+
+impl Answer {
+    /// The whole answer; machines are told by what they have otherwise than `usual`.
+    pub fn text(&self, usual: &Config) -> String {
+        let mut text = format!(
+            "{} points and {} designs looked at, on {} of {} frames\n",
+            self.points, self.designs, self.frames[0], self.frames[1]
+        );
+        if !self.searched_designs {
+            text += "the design was kept: no limit on its error (--max-error, --psnr) or no widths in the space\n";
+        }
+        let Some((first, next)) = self.found.split_first() else {
+            return text;
+        };
+        text += match self.holds {
+            true => "\ncheapest point that holds all limits\n",
+            false => "\nno point was found that holds all limits; this one misses them least\n",
+        };
+        text += &point(first, usual);
+        text += &self.limits();
+        if !self.holds {
+            text += &self.failing();
+        }
+        for (number, found) in (1..).zip(next) {
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "\nnext {number}");
+            text += &point(found, usual);
+        }
+        text
+    }
+
+    fn limits(&self) -> String {
+        let mut text = format!(
+            "  {:<22} {:>12} {:>12} {:>9}  {:<16} {}\n",
+            "limit", "bound", "reached", "left", "of", "cheapest looked at without it"
+        );
+        let cost = self.found.first().map_or(0.0, |found| found.reached.cost());
+        for standing in &self.standings {
+            let Standing {
+                limit,
+                value,
+                slack,
+                cost_without,
+                ..
+            } = standing;
+            let without = match cost_without {
+                Some(without) if self.holds && *without < cost => {
+                    format!("{without:.0} ({:+.1} %)", 100.0 * (without / cost - 1.0))
+                }
+                Some(_) if self.holds => "as cheap: does not bind".to_owned(),
+                Some(without) => format!("{without:.0}"),
+                None => "none".to_owned(),
+            };
+            let _ = writeln!(
+                text,
+                "  {:<22} {:>12} {:>12} {:>7.1} %  {:<16} {without}",
+                limit.quantity.name(),
+                limit.quantity.show(limit.bound),
+                limit.quantity.show(*value),
+                100.0 * slack,
+                limit.of,
+            );
+        }
+        text
+    }
+
+    /// Which limit would have to give way, by how much.
+    fn failing(&self) -> String {
+        let mut alone: Vec<(&Standing, f64)> = self
+            .standings
+            .iter()
+            .filter_map(|standing| Some((standing, standing.missed_alone?)))
+            .filter(|(_, missed)| *missed > 0.0)
+            .collect();
+        alone.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let Some(((first, missed), others)) = alone.split_first() else {
+            return "more than one limit fails: no point looked at misses only one of them\n"
+                .to_owned();
+        };
+        let mut text = format!(
+            "the first limit to fail is {} ({}): with all others held it is missed by {:.1} %\n",
+            first.limit.quantity.name(),
+            first.limit.of,
+            100.0 * missed
+        );
+        for (standing, missed) in others {
+            let _ = writeln!(
+                text,
+                "  {} ({}) in its place: missed by {:.1} %",
+                standing.limit.quantity.name(),
+                standing.limit.of,
+                100.0 * missed
+            );
+        }
+        text
+    }
+}
+
+/// A point in a few lines.
+fn point(found: &Found, usual: &Config) -> String {
+    let Found {
+        design,
+        machine,
+        reached,
+    } = found;
+    let widths: Vec<String> = design
+        .widths
+        .iter()
+        .map(|(name, bits)| format!("{name} {bits}"))
+        .collect();
+    let differs = FIELDS
+        .iter()
+        .filter(|field| (field.get)(machine) != (field.get)(usual));
+    let fields: Vec<String> = differs
+        .map(|field| format!("{} {}", field.key, field.show(machine)))
+        .collect();
+    let [geometry, sort, raster] = reached.phases;
+    let all = reached.area.raster + reached.area.around;
+    let error = reached.error.map_or(String::new(), |error| {
+        format!(
+            "; largest error {:.3e}, PSNR {:.2} dB",
+            error.max_abs,
+            error.psnr_db()
+        )
+    });
+    let pace = &reached.pace;
+    let spread = &reached.ms_per_frame;
+    let energy = reached
+        .millijoules
+        .map_or(String::new(), |energy| format!("; {energy:.3} mJ a frame"));
+    format!(
+        "  cost      {:.0} in look-up tables: {all}\n  \
+           pace      {:.2} frames a second at {} MHz{}, {:.3} ms a frame (95 %: {:.3}, mean {:.3}), limited by {}{error}{energy}\n  \
+           cycles    geometry {geometry}, sort {sort}, raster {raster}; {:.2} MB a frame, {:.0} MB a second\n  \
+           design    {} ({}, {})\n  \
+           machine   {}\n",
+        reached.cost(),
+        pace.frames_per_s,
+        pace.clock.mhz,
+        if pace.clock.assumed { " (assumed)" } else { "" },
+        spread.worst,
+        spread.percentile_95,
+        spread.mean,
+        pace.limited_by,
+        pace.bytes_per_frame as f64 / 1e6,
+        pace.bytes_per_s / 1e6,
+        widths.join(", "),
+        design.rounding,
+        design.traversal,
+        match fields.is_empty() {
+            true => "all as by default".to_owned(),
+            false => fields.join(", "),
+        },
+    )
+}
