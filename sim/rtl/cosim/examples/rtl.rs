@@ -5,7 +5,7 @@ use splatline::format::Traversal;
 use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, fmax, formal, layouts, mutants, package, speed};
+use splatline_rtl::{area, fmax, formal, layouts, mutants, package, setup, speed};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
@@ -95,7 +95,9 @@ fn write_package(design: &str, folder: &Path) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     std::fs::create_dir_all(folder)?;
     let text = package::text(choice.name.as_str(), &choice.widths)?;
-    write_whole(&folder.join("splatline_pkg.sv"), &text)
+    write_whole(&folder.join("splatline_pkg.sv"), &text)?;
+    let setup = setup::text::text(choice.name.as_str(), &choice.widths)?;
+    write_whole(&folder.join("splatline_setup_pkg.sv"), &setup)
 }
 
 /// A file under its name is always a whole one.

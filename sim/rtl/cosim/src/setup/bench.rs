@@ -1,0 +1,181 @@
+//! Splats through the setup unit, with random pauses at both ends, every packet and every reason against the kernel's.
+
+use super::constants::constants;
+use super::model::{Inputs, Model, Outputs, RECORD};
+use super::program::program;
+use crate::workload::split_mix;
+use anyhow::{Result, ensure};
+use splatline::footprint::packet::{Layout, Packet};
+use splatline::format::RuntimeWidths;
+use splatline::rules::Rules;
+use splatline::setup::{Cull, setup};
+use splatline::splat::VolumeSplat;
+use splatline::view::View;
+
+/// What is set up: splats seen by a camera under rules.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// What it is.
+    pub name: String,
+    /// The camera.
+    pub view: View,
+    /// The rules.
+    pub rules: Rules,
+    /// The splats.
+    pub splats: Vec<VolumeSplat>,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, Default)]
+pub struct Findings {
+    /// Splats whose packet or reason was compared.
+    pub splats: usize,
+    /// Of them culled, by reason as in `Cull::ALL`.
+    pub culled: [usize; 6],
+    /// Of them with another packet or reason than the kernel's.
+    pub mismatches: usize,
+    /// The first of those.
+    pub first_difference: Option<String>,
+    /// Splats with an exponent that has no place in a record: not offered.
+    pub unfit: usize,
+    /// Cycles.
+    pub cycles: u64,
+}
+
+/// Cycles without a packet after which the unit counts as hanging.
+const PATIENCE: u32 = 20_000;
+
+/// A splat as the unit takes it; nothing if an exponent has no place.
+pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
+    let mut bits = Bits::default();
+    for coordinate in splat.centre {
+        bits.put(coordinate.mantissa as u32, 32);
+    }
+    for coordinate in splat.centre {
+        bits.put(exponent(coordinate.exponent, coordinate.mantissa == 0)?, 10);
+    }
+    for axis in splat.axes {
+        for component in axis.mantissa {
+            bits.put(component as u32, 32);
+        }
+    }
+    for axis in splat.axes {
+        bits.put(exponent(axis.exponent, axis.mantissa == [0; 3])?, 10);
+    }
+    bits.put(splat.weight.mantissa as u32, 32);
+    bits.put(exponent(splat.weight.exponent, splat.weight.mantissa == 0)?, 10);
+    for channel in splat.colour {
+        bits.put(channel.to_bits(), 32);
+    }
+    Some(bits.words)
+}
+
+/// Ten bits; 0 has any exponent.
+fn exponent(value: i32, zero: bool) -> Option<u32> {
+    match value {
+        _ if zero => Some(0),
+        -512..=511 => Some(value as u32 & 0x3ff),
+        _ => None,
+    }
+}
+
+#[derive(Default)]
+struct Bits {
+    words: [u32; RECORD],
+    filled: usize,
+}
+
+impl Bits {
+    fn put(&mut self, value: u32, bits: usize) {
+        let placed = u64::from(value) << (self.filled % 32);
+        let word = self.filled / 32;
+        self.words[word] |= placed as u32;
+        if let Some(next) = self.words.get_mut(word + 1) {
+            *next |= (placed >> 32) as u32;
+        }
+        self.filled += bits;
+    }
+}
+
+/// What the kernel says: the packet's words, or the reason.
+fn expected(design: RuntimeWidths, layout: &Layout, load: &Load, splat: &VolumeSplat) -> Result<Packet, Cull> {
+    setup(design, &load.view, &load.rules, splat).map(|footprint| layout.encode(&footprint))
+}
+
+fn reason(cull: Cull) -> u8 {
+    Cull::ALL.iter().position(|known| *known == cull).map_or(0, |i| i as u8 + 1)
+}
+
+/// Draws `load` through the circuit. `pauses`: how many of 8 cycles, at random, hold a record or a packet back.
+pub fn run(model: &mut Model, design: RuntimeWidths, load: &Load, pauses: u64) -> Result<Findings> {
+    let widths = splatline::format::Design::widths(&design);
+    let layout = Layout::new(&widths);
+    write_constants(model, &widths, load)?;
+    let mut findings = Findings::default();
+    let splats: Vec<(&VolumeSplat, [u32; RECORD])> =
+        load.splats.iter().filter_map(|s| Some((s, record(s)?))).collect();
+    findings.unfit = load.splats.len() - splats.len();
+    let (mut offered, mut state, mut idle) = (0, 7, 0);
+    while findings.splats < splats.len() {
+        let held = split_mix(&mut state);
+        let inputs = Inputs {
+            record_valid: (offered < splats.len() && held % 8 >= pauses).into(),
+            record: splats.get(offered).map_or([0; RECORD], |(_, record)| *record),
+            packet_ready: ((held >> 8) % 8 >= pauses).into(),
+            ..Inputs::default()
+        };
+        let out = model.tick(&inputs);
+        findings.cycles += 1;
+        offered += usize::from(inputs.record_valid & out.record_ready);
+        idle += 1;
+        ensure!(idle < PATIENCE, "{}: the setup unit hangs after {} splats", load.name, findings.splats);
+        if inputs.packet_ready & out.packet_valid == 1 {
+            let splat = splats[findings.splats].0;
+            compare(&mut findings, &expected(design, &layout, load, splat), &out, &layout);
+            idle = 0;
+        }
+    }
+    Ok(findings)
+}
+
+fn write_constants(model: &mut Model, widths: &splatline::format::Widths, load: &Load) -> Result<()> {
+    let names = program(widths)?.constants;
+    for (index, value, exponent) in constants(&names, widths, &load.view, &load.rules)? {
+        model.tick(&Inputs {
+            constant_valid: 1,
+            constant_index: index,
+            constant_value: value as u64,
+            constant_exponent: exponent as u32,
+            ..Inputs::default()
+        });
+    }
+    Ok(())
+}
+
+fn compare(findings: &mut Findings, expected: &Result<Packet, Cull>, out: &Outputs, layout: &Layout) {
+    let index = findings.splats;
+    findings.splats += 1;
+    let same = match expected {
+        Ok(packet) => out.cull == 0 && out.packet[..layout.words()] == packet[..layout.words()],
+        Err(cull) => {
+            let reason = reason(*cull);
+            findings.culled[usize::from(reason) - 1] += 1;
+            out.cull == reason
+        }
+    };
+    if same {
+        return;
+    }
+    findings.mismatches += 1;
+    if findings.first_difference.is_none() {
+        let got = match out.cull {
+            0 => format!("{:?}", layout.decode(&out.packet)),
+            reason => format!("{:?}", Cull::ALL.get(usize::from(reason) - 1)),
+        };
+        let wanted = match expected {
+            Ok(packet) => format!("{:?}", layout.decode(packet)),
+            Err(cull) => format!("{cull:?}"),
+        };
+        findings.first_difference = Some(format!("splat {index}: the kernel has {wanted}, the circuit {got}"));
+    }
+}

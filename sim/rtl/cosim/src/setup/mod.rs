@@ -1,0 +1,10 @@
+//! The setup unit (`sim/rtl/setup_unit.sv`): its program, its constants, and its co-simulation with the kernel's `setup`.
+
+pub mod assemble;
+pub mod bench;
+pub mod circuit;
+pub mod constants;
+pub mod model;
+pub mod program;
+pub mod text;
+pub mod loads;
