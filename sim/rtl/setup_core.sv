@@ -125,8 +125,13 @@ module setup_core (
       2'd3: exponent3 = slot3.entry ? -18'sd32 : -18'sd46;
       default: ;
     endcase
-    if (slot3.pick == 2'd1 && chosen3) {exponent3, value3} = constant3;
-    else if (slot3.pick == 2'd1 || slot3.pick == 2'd2 && !chosen3) {exponent3, value3} = {b_exponent3, {12{b3[51]}}, b3};
+    if (slot3.pick == 2'd1 && chosen3) begin
+      value3 = constant3[63:0];
+      exponent3 = constant3[81:64];
+    end else if (slot3.pick == 2'd1 || slot3.pick == 2'd2 && !chosen3) begin
+      value3 = {{12{b3[51]}}, b3};
+      exponent3 = b_exponent3;
+    end
   end
 
   logic [33:0] left4, right4;

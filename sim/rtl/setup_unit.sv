@@ -42,7 +42,7 @@ module setup_unit #(
   endgenerate
 
   // Constants: of the cores in a memory, of the units around them in registers.
-  (* ram_style = "distributed" *) logic [81:0] constants[0:63];
+  (* ram_style = "block", no_rw_check *) logic [81:0] constants[0:63];
   logic [81:0] eye_x, eye_y, eye_z, flags, near, far;
   always_ff @(posedge clk) begin
     if (constant_valid) begin
@@ -116,13 +116,16 @@ module setup_unit #(
       else pending_count[5:0] <= counts[6*OUT_ROUND+:6];
     end
     if (rst) begin
-      {phase, loaded, cycle, round, batch, counts, pending} <= 0;
+      {phase, loaded, cycle, round, batch, counts} <= 0;
+      pending <= 0;
       load_side <= 1;
       issues <= 1;
     end
   end
 
   // The slots' pipeline, once for all cores.
+  logic [BITS-1:0] stored;
+  logic issued;
   splatline_setup_pkg::slot_t fetched;
   logic [24*BITS-1:0] slots;
   logic [7:0] a_place, b_place;
@@ -135,8 +138,11 @@ module setup_unit #(
   logic side;
   logic fetched_side;
   assign splat = place_round - fetched.round;
+  // The program's memory has its register to itself; a pause is a slot without effect.
+  assign fetched = issued ? stored : {BITS{1'b0}};
   always_ff @(posedge clk) begin
-    fetched <= issues ? splatline_setup_pkg::microcode(cycle) : {BITS{1'b0}};
+    stored <= splatline_setup_pkg::microcode(cycle);
+    issued <= issues;
     place_round <= round;
     fetched_side <= round[0];
     a_place <= fetched.a + {4'd0, splat & fetched.a_turn};
@@ -162,7 +168,13 @@ module setup_unit #(
 
   logic [5:0] drain_core, drain_core1;
   logic [2:0] drain_word;
-  logic [CORES*WORD-1:0] words;
+  // One core's word: the others' are 0.
+  logic [CORES*WORD-1:0] chosen_words;
+  logic [WORD-1:0] chosen;
+  always_comb begin
+    chosen = 0;
+    for (int core = 0; core < CORES; core = core + 1) chosen = chosen | chosen_words[core*WORD+:WORD];
+  end
   genvar i;
   generate
     for (i = 0; i < CORES; i = i + 1) begin : gen_core
@@ -194,7 +206,7 @@ module setup_unit #(
         if (out2) results[out_place2] <= {out_a, out_a_exponent, out_b, out_b_exponent};
         result <= results[{drain_side, drain_word}];
       end
-      assign words[i*WORD+:WORD] = result;
+      assign chosen_words[i*WORD+:WORD] = drain_core1 == 6'(i) ? result : {WORD{1'b0}};
     end
   endgenerate
 
@@ -215,7 +227,7 @@ module setup_unit #(
     // Rounds without splats leave no results.
     if (drained || (!pending[drain_side] && pending[!drain_side])) drain_side <= !drain_side;
     drain_core1 <= drain_core;
-    word <= words[drain_core1*WORD+:WORD];
+    word <= chosen;
     {drain_valid1, drain_valid2} <= {begins, drain_valid1};
     if (rst) {draining, drain_core, drain_side, drain_valid1, drain_valid2} <= 0;
   end

@@ -169,7 +169,11 @@ impl Program {
         let places = times.into_iter().zip(registers);
         Ok(Program {
             places: places
-                .map(|(time, (register, copies))| Place { time, register, copies })
+                .map(|(time, (register, copies))| Place {
+                    time,
+                    register,
+                    copies,
+                })
                 .collect(),
             operations,
             round,
@@ -199,7 +203,10 @@ fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
 }
 
 fn reads_input(operation: &Operation) -> bool {
-    operation.terms.iter().any(|term| matches!(term.a, Operand::Input(_)))
+    operation
+        .terms
+        .iter()
+        .any(|term| matches!(term.a, Operand::Input(_)))
 }
 
 /// Cycles of every operation's first slot; nothing if the round is too short.
@@ -209,7 +216,13 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
     let mut state = seed;
     let stir: Vec<usize> = operations
         .iter()
-        .map(|_| if seed == 0 { 0 } else { split_mix(&mut state) as usize % LATENCY })
+        .map(|_| {
+            if seed == 0 {
+                0
+            } else {
+                split_mix(&mut state) as usize % LATENCY
+            }
+        })
         .collect();
     let mut taken = vec![false; round];
     let mut times = vec![usize::MAX; operations.len()];
@@ -230,7 +243,10 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             });
             ends.max().unwrap_or(0)
         };
-        let can = left.iter().copied().filter(|index| ready(*index) != usize::MAX);
+        let can = left
+            .iter()
+            .copied()
+            .filter(|index| ready(*index) != usize::MAX);
         let first = can.min_by_key(|index| {
             let input = !reads_input(&operations[*index]);
             (input, usize::MAX - rest[*index] - stir[*index], *index)
@@ -243,7 +259,9 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             slot + length + after <= round && !taken[slot..slot + length].iter().any(|taken| *taken)
         };
         let time = (ready(first)..ready(first) + round).find(fits)?;
-        if reads_input(&operations[first]) && time + length + LOAD_AHEAD > round || time / round >= ROUNDS {
+        if reads_input(&operations[first]) && time + length + LOAD_AHEAD > round
+            || time / round >= ROUNDS
+        {
             return None;
         }
         taken[time % round..time % round + length].fill(true);
@@ -254,7 +272,11 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
 }
 
 /// Registers for every result: the first, and how many.
-fn registers(operations: &[Operation], times: &[usize], round: usize) -> Result<Vec<(usize, usize)>> {
+fn registers(
+    operations: &[Operation],
+    times: &[usize],
+    round: usize,
+) -> Result<Vec<(usize, usize)>> {
     let last_slot = |index: usize| times[index] + operations[index].terms.len() - 1;
     let mut copies = vec![1; operations.len()];
     for (index, operation) in operations.iter().enumerate() {
@@ -263,7 +285,9 @@ fn registers(operations: &[Operation], times: &[usize], round: usize) -> Result<
             copies[value] = copies[value].max(rounds.next_power_of_two());
         }
     }
-    let mut order: Vec<usize> = (0..operations.len()).filter(|i| !operations[*i].out).collect();
+    let mut order: Vec<usize> = (0..operations.len())
+        .filter(|i| !operations[*i].out)
+        .collect();
     // The widest first, so that all stand at a multiple of their width.
     order.sort_by_key(|index| REGISTERS - copies[*index]);
     let mut free = 0;

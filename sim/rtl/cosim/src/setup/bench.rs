@@ -6,7 +6,7 @@ use super::program::program;
 use crate::workload::split_mix;
 use anyhow::{Result, ensure};
 use splatline::footprint::packet::{Layout, Packet};
-use splatline::format::RuntimeWidths;
+use splatline::format::{Design, RuntimeWidths, Widths};
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
@@ -42,8 +42,46 @@ pub struct Findings {
     pub cycles: u64,
 }
 
+impl Load {
+    /// The same view and rules.
+    pub fn clone_without_splats(&self) -> Load {
+        Load {
+            name: self.name.clone(),
+            view: self.view,
+            rules: self.rules,
+            splats: Vec::new(),
+        }
+    }
+}
+
+impl Findings {
+    /// Both together.
+    pub fn and(&self, other: &Findings) -> Findings {
+        let difference = self
+            .first_difference
+            .as_ref()
+            .or(other.first_difference.as_ref());
+        let mut culled = self.culled;
+        for (sum, more) in culled.iter_mut().zip(other.culled) {
+            *sum += more;
+        }
+        Findings {
+            splats: self.splats + other.splats,
+            culled,
+            mismatches: self.mismatches + other.mismatches,
+            first_difference: difference.cloned(),
+            unfit: self.unfit + other.unfit,
+            cycles: self.cycles + other.cycles,
+        }
+    }
+}
+
 /// Cycles without a packet after which the unit counts as hanging.
 const PATIENCE: u32 = 20_000;
+
+/// Pauses of packets from here on last for blocks of cycles.
+pub const LONG: u64 = 8;
+const BLOCK: u64 = 2_048;
 
 /// A splat as the unit takes it; nothing if an exponent has no place.
 pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
@@ -63,7 +101,10 @@ pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
         bits.put(exponent(axis.exponent, axis.mantissa == [0; 3])?, 10);
     }
     bits.put(splat.weight.mantissa as u32, 32);
-    bits.put(exponent(splat.weight.exponent, splat.weight.mantissa == 0)?, 10);
+    bits.put(
+        exponent(splat.weight.exponent, splat.weight.mantissa == 0)?,
+        10,
+    );
     for channel in splat.colour {
         bits.put(channel.to_bits(), 32);
     }
@@ -98,49 +139,83 @@ impl Bits {
 }
 
 /// What the kernel says: the packet's words, or the reason.
-fn expected(design: RuntimeWidths, layout: &Layout, load: &Load, splat: &VolumeSplat) -> Result<Packet, Cull> {
+fn expected(
+    design: RuntimeWidths,
+    layout: &Layout,
+    load: &Load,
+    splat: &VolumeSplat,
+) -> Result<Packet, Cull> {
     setup(design, &load.view, &load.rules, splat).map(|footprint| layout.encode(&footprint))
 }
 
 fn reason(cull: Cull) -> u8 {
-    Cull::ALL.iter().position(|known| *known == cull).map_or(0, |i| i as u8 + 1)
+    Cull::ALL
+        .iter()
+        .position(|known| *known == cull)
+        .map_or(0, |i| i as u8 + 1)
 }
 
-/// Draws `load` through the circuit. `pauses`: how many of 8 cycles, at random, hold a record or a packet back.
+/// Draws `load` through the circuit. `pauses`: how many of 8 cycles, at random, hold a record or a packet back; from [`LONG`] on packets are not taken at
+/// all for thousands of cycles, until every queue is full.
 pub fn run(model: &mut Model, design: RuntimeWidths, load: &Load, pauses: u64) -> Result<Findings> {
-    let widths = splatline::format::Design::widths(&design);
+    let widths = design.widths();
     let layout = Layout::new(&widths);
-    write_constants(model, &widths, load)?;
+    write_constants(model, &program(&widths)?.constants, &widths, load)?;
     let mut findings = Findings::default();
-    let splats: Vec<(&VolumeSplat, [u32; RECORD])> =
-        load.splats.iter().filter_map(|s| Some((s, record(s)?))).collect();
+    let splats: Vec<(&VolumeSplat, [u32; RECORD])> = load
+        .splats
+        .iter()
+        .filter_map(|s| Some((s, record(s)?)))
+        .collect();
     findings.unfit = load.splats.len() - splats.len();
     let (mut offered, mut state, mut idle) = (0, 7, 0);
     while findings.splats < splats.len() {
         let held = split_mix(&mut state);
         let inputs = Inputs {
-            record_valid: (offered < splats.len() && held % 8 >= pauses).into(),
-            record: splats.get(offered).map_or([0; RECORD], |(_, record)| *record),
-            packet_ready: ((held >> 8) % 8 >= pauses).into(),
+            record_valid: (offered < splats.len() && held % 8 >= pauses % LONG).into(),
+            record: splats
+                .get(offered)
+                .map_or([0; RECORD], |(_, record)| *record),
+            packet_ready: taken(&findings, held >> 8, pauses).into(),
             ..Inputs::default()
         };
         let out = model.tick(&inputs);
         findings.cycles += 1;
         offered += usize::from(inputs.record_valid & out.record_ready);
         idle += 1;
-        ensure!(idle < PATIENCE, "{}: the setup unit hangs after {} splats", load.name, findings.splats);
+        ensure!(
+            idle < PATIENCE,
+            "{}: the setup unit hangs after {} splats",
+            load.name,
+            findings.splats
+        );
         if inputs.packet_ready & out.packet_valid == 1 {
             let splat = splats[findings.splats].0;
-            compare(&mut findings, &expected(design, &layout, load, splat), &out, &layout);
+            compare(
+                &mut findings,
+                &expected(design, &layout, load, splat),
+                &out,
+                &layout,
+            );
             idle = 0;
         }
     }
     Ok(findings)
 }
 
-fn write_constants(model: &mut Model, widths: &splatline::format::Widths, load: &Load) -> Result<()> {
-    let names = program(widths)?.constants;
-    for (index, value, exponent) in constants(&names, widths, &load.view, &load.rules)? {
+fn taken(findings: &Findings, held: u64, pauses: u64) -> bool {
+    let mut block = findings.cycles / BLOCK;
+    held % 8 >= pauses % LONG && (pauses < LONG || split_mix(&mut block) % 2 == 0)
+}
+
+/// Writes the constants that a program asks for, by their names.
+pub fn write_constants(
+    model: &mut Model,
+    names: &[&'static str],
+    widths: &Widths,
+    load: &Load,
+) -> Result<()> {
+    for (index, value, exponent) in constants(names, widths, &load.view, &load.rules)? {
         model.tick(&Inputs {
             constant_valid: 1,
             constant_index: index,
@@ -152,7 +227,12 @@ fn write_constants(model: &mut Model, widths: &splatline::format::Widths, load: 
     Ok(())
 }
 
-fn compare(findings: &mut Findings, expected: &Result<Packet, Cull>, out: &Outputs, layout: &Layout) {
+fn compare(
+    findings: &mut Findings,
+    expected: &Result<Packet, Cull>,
+    out: &Outputs,
+    layout: &Layout,
+) {
     let index = findings.splats;
     findings.splats += 1;
     let same = match expected {
@@ -176,6 +256,8 @@ fn compare(findings: &mut Findings, expected: &Result<Packet, Cull>, out: &Outpu
             Ok(packet) => format!("{:?}", layout.decode(packet)),
             Err(cull) => format!("{cull:?}"),
         };
-        findings.first_difference = Some(format!("splat {index}: the kernel has {wanted}, the circuit {got}"));
+        findings.first_difference = Some(format!(
+            "splat {index}: the kernel has {wanted}, the circuit {got}"
+        ));
     }
 }

@@ -44,7 +44,10 @@ pub fn constants(
         words.push((FIRST_REGISTER + place as u8, value, exponent));
     }
     for (_, _, exponent) in &words {
-        ensure!(exponent.abs() < 1 << 16, "an exponent of camera or rules has no place in 18 bits");
+        ensure!(
+            exponent.abs() < 1 << 16,
+            "an exponent of camera or rules has no place in 18 bits"
+        );
     }
     Ok(words)
 }
@@ -76,7 +79,11 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
             let entry = view.rotation[row][column];
             let rest = i64::from(view.pose.rotation_rest[row][column]);
             let drop = 30u32.saturating_sub(low);
-            let rest = if drop == 0 { rest } else { (rest + (1 << (drop - 1))) >> drop };
+            let rest = if drop == 0 {
+                rest
+            } else {
+                (rest + (1 << (drop - 1))) >> drop
+            };
             let position = round_entry(entry, widths.position.into());
             all.push(named(&format!("turn_{r}{c}"), position, -30));
             all.push(named(&format!("rest_{r}{c}"), rest, -30 - low as i32));
@@ -93,8 +100,15 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Vec<Named> {
     let mut all = Vec::new();
     for (axis, name) in ["u", "v"].into_iter().enumerate() {
         all.push(number(&format!("focal_{name}"), view.focal[axis]));
-        all.push(named(&format!("principal_{name}"), view.principal[axis].to_bits(), -32));
-        let (low, high) = (view.limits.low[axis].to_bits(), view.limits.high[axis].to_bits());
+        all.push(named(
+            &format!("principal_{name}"),
+            view.principal[axis].to_bits(),
+            -32,
+        ));
+        let (low, high) = (
+            view.limits.low[axis].to_bits(),
+            view.limits.high[axis].to_bits(),
+        );
         let (below, above, least, most) = if !perspective {
             // Everything lies below the limit, which is 0.
             (i64::MIN, i64::MAX, SoftFloat::ZERO, SoftFloat::ZERO)
@@ -113,6 +127,10 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Vec<Named> {
 }
 
 fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
+    ensure!(
+        rules.spacing.mantissa <= 0,
+        "spacing: the setup unit's program has no distance scaling; set it to 0"
+    );
     let integral = rules.kernel.inverse_integral();
     let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
     let (least, cutoff) = match rules.cutoff {
@@ -120,14 +138,28 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
         Cutoff::Opacity => match (by_opacity(rules), ln(smallest)) {
             (false, _) => (0, rules.kernel.end()),
             (true, Some(least)) => (least, 0),
-            (true, None) => bail!("alpha_min = 0: a cut-off by the opacity needs a smallest opacity"),
+            (true, None) => {
+                bail!("alpha_min = 0: a cut-off by the opacity needs a smallest opacity")
+            }
         },
     };
-    ensure!(widths.mantissa > 16, "mantissa = {}: the setup unit needs more than 16", widths.mantissa);
-    ensure!(widths.view > 16, "view = {}: the setup unit needs more than 16", widths.view);
+    ensure!(
+        widths.mantissa > 16,
+        "mantissa = {}: the setup unit needs more than 16",
+        widths.mantissa
+    );
+    ensure!(
+        widths.view > 16,
+        "view = {}: the setup unit needs more than 16",
+        widths.view
+    );
     Ok(vec![
         number("low_pass", rules.low_pass),
-        named("inverse_integral", integral.mantissa.into(), integral.exponent - 1),
+        named(
+            "inverse_integral",
+            integral.mantissa.into(),
+            integral.exponent - 1,
+        ),
         named("ln_least", -least, -32),
         named("cutoff", cutoff.into(), -28),
     ])

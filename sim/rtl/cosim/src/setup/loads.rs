@@ -105,7 +105,8 @@ fn lion() -> Result<Option<(Scene, Camera)>> {
     };
     let scene = spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION);
     let (eye, target) = ([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16]);
-    let camera = Camera::look_at(eye, target, scene.up, 45.0, 512, 512).context("the lion's camera")?;
+    let camera =
+        Camera::look_at(eye, target, scene.up, 45.0, 512, 512).context("the lion's camera")?;
     Ok(Some((scene, camera)))
 }
 
@@ -136,37 +137,12 @@ fn arbitrary(state: &mut u64, range: u64) -> VolumeSplat {
         mantissa: [number(i).mantissa, number(i).mantissa, number(i).mantissa],
         exponent: exponents[i],
     });
-    let colour = [0; 3].map(|_: u32| float::colour(f64::from(number(0).mantissa as u32) / f64::from(1 << 28)));
+    let colour = [0; 3]
+        .map(|_: u32| float::colour(f64::from(number(0).mantissa as u32) / f64::from(1 << 28)));
     VolumeSplat {
         centre,
         axes,
         weight,
         colour,
-    }
-}
-
-#[cfg(all(test, has_rtl))]
-mod tests {
-    use super::*;
-    use crate::setup::bench::run;
-    use crate::setup::circuit::library;
-    use crate::setup::model::Model;
-    use splatline::format::{Lean18, RuntimeWidths, Standard24};
-
-    #[test]
-    fn packets_equal_the_kernels() {
-        for (design, widths) in [("lean18", Lean18::WIDTHS), ("standard24", Standard24::WIDTHS)] {
-            let folder = tempfile::tempdir().unwrap();
-            let library = library(folder.path(), design, &widths, 3, None, "-O1").unwrap();
-            let runtime = RuntimeWidths::new(widths).unwrap();
-            let (mut loads, missing) = captured(1000).unwrap();
-            println!("{design}: not at hand: {missing:?}");
-            loads.extend(synthetic(300, 1));
-            for load in &loads {
-                let mut model = Model::new(&library, 1).unwrap();
-                let findings = run(&mut model, runtime, load, 3).unwrap();
-                println!("{design} {}: {findings:?}", load.name);
-            }
-        }
     }
 }

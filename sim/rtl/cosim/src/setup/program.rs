@@ -24,17 +24,6 @@ pub const NORMALISED: u8 = 1;
 /// The opacity decides where a footprint ends.
 pub const BY_OPACITY: u8 = 2;
 
-/// Words in which the results leave a core, first and second factor of each slot, by the names of `setup_pack.sv`.
-pub const RESULTS: [[&str; 2]; 7] = [
-    ["depth", "peak"],
-    ["position_u", "cutoff"],
-    ["position_v", "root_u"],
-    ["root_v", "curvature"],
-    ["spread", "slope"],
-    ["stretch", "cross"],
-    ["conic_c", "conic_c"],
-];
-
 /// Bits of the difference's low part; 0 where it has none.
 pub fn low_bits(widths: &Widths) -> u32 {
     u32::from(widths.position).saturating_sub(30)
@@ -80,7 +69,10 @@ const fn less(term: Term) -> Term {
 }
 
 const fn taken_off(term: Term) -> Term {
-    Term { after: true, ..term }
+    Term {
+        after: true,
+        ..term
+    }
 }
 
 #[derive(Default)]
@@ -123,7 +115,14 @@ impl Builder {
         self.add(name, vec![plain(a)], Unit::First(0), Some(bits))
     }
 
-    fn pick(&mut self, name: &str, pick: Pick, a: Value, b: Operand, picked: Option<&'static str>) -> Value {
+    fn pick(
+        &mut self,
+        name: &str,
+        pick: Pick,
+        a: Value,
+        b: Operand,
+        picked: Option<&'static str>,
+    ) -> Value {
         let term = Term {
             pick,
             picked,
@@ -153,14 +152,24 @@ impl Builder {
         terms[1].before = true;
         let seed = self.add(&format!("{name}, seed"), terms, Unit::First(0), None);
         let wrong = vec![less(product(value(a), value(seed)))];
-        let defect = self.add_to(&format!("{name}, defect"), "reciprocal_one", wrong, Unit::At(-47));
+        let defect = self.add_to(
+            &format!("{name}, defect"),
+            "reciprocal_one",
+            wrong,
+            Unit::At(-47),
+        );
         let terms = vec![plain(value(seed)), product(value(seed), value(defect))];
         self.add(name, terms, Unit::First(-30), Some(bits))
     }
 
     /// `root_seed`.
     fn root(&mut self, name: &str, a: Value, bits: u32) -> Value {
-        self.add(name, Self::looked_up(Table::Root, a), Unit::First(0), Some(bits))
+        self.add(
+            name,
+            Self::looked_up(Table::Root, a),
+            Unit::First(0),
+            Some(bits),
+        )
     }
 }
 
@@ -170,7 +179,12 @@ pub fn program(widths: &Widths) -> Result<Program> {
     let builder = &mut builder;
     let (view, mantissa) = (u32::from(widths.view), u32::from(widths.mantissa));
     let [x, y, z] = to_camera(builder, widths);
-    let weight = builder.add("weight", vec![plain(Operand::Input(WEIGHT))], Unit::First(0), None);
+    let weight = builder.add(
+        "weight",
+        vec![plain(Operand::Input(WEIGHT))],
+        Unit::First(0),
+        None,
+    );
     let turned = turned_axes(builder, mantissa);
     let projected = project(builder, [x, y, z], view, mantissa);
     let columns = shear(builder, &turned, &projected, mantissa);
@@ -187,6 +201,42 @@ pub fn program(widths: &Widths) -> Result<Program> {
         [shape.spread, shape.slope],
         [shape.stretch, shape.cross],
         [shape.conic_c, shape.conic_c],
+    ];
+    let terms = results.map(|[a, b]| product(value(a), value(b)));
+    let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
+    builder.operations[out].out = true;
+    Program::new(std::mem::take(&mut builder.operations))
+}
+
+/// A program that is no setup: the record's weight through rounding, reciprocal, root and logarithm, each into a field of the packet that only
+/// [`Layout`](splatline::footprint::packet::Layout) touches on its way (`slope`, `stretch`, `curvature`, cut-off). For vectors of those units alone.
+pub fn units(widths: &Widths) -> Result<Program> {
+    let mut builder = Builder::default();
+    let builder = &mut builder;
+    let bits = u32::from(widths.mantissa);
+    let given = builder.add(
+        "given",
+        vec![plain(Operand::Input(WEIGHT))],
+        Unit::First(0),
+        None,
+    );
+    let slope = builder.round("rounded", value(given), bits);
+    let whole = builder.round("31 bits", value(given), 31);
+    let stretch = builder.reciprocal("reciprocal", whole, bits);
+    let seed = builder.root("root, seed", whole, 31);
+    let inverse = builder.reciprocal("1/root", seed, 31);
+    let heron = vec![plain(value(seed)), product(value(whole), value(inverse))];
+    let twice = builder.sum("root, twice", heron, bits);
+    let spread = builder.root("root, 16 bits", whole, 16);
+    let cutoff = cutoff(builder, given);
+    let results = [
+        [given, given],
+        [given, cutoff],
+        [given, given],
+        [given, twice],
+        [spread, slope],
+        [stretch, slope],
+        [slope, slope],
     ];
     let terms = results.map(|[a, b]| product(value(a), value(b)));
     let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
@@ -216,13 +266,20 @@ fn to_camera(builder: &mut Builder, widths: &Widths) -> [Value; 3] {
     [0, 1, 2].map(|row| {
         let bits = (row < 2).then_some(u32::from(widths.view));
         let high = |i: usize| Operand::Input(HIGH + i as u8);
-        let mut terms: Vec<Term> = (0..3).map(|i| product(high(i), constant(TURN[row][i]))).collect();
+        let mut terms: Vec<Term> = (0..3)
+            .map(|i| product(high(i), constant(TURN[row][i])))
+            .collect();
         if low_bits(widths) > 0 {
             let low = |i: usize| Operand::Input(LOW + i as u8);
             let tails = (0..3).map(|i| product(low(i), constant(TURN[row][i])));
             let rests = (0..3).map(|i| product(high(i), constant(REST[row][i])));
             let cross = tails.chain(rests).collect();
-            let cross = builder.add(&format!("{}, cross", names[row]), cross, Unit::First(0), None);
+            let cross = builder.add(
+                &format!("{}, cross", names[row]),
+                cross,
+                Unit::First(0),
+                None,
+            );
             terms.push(plain(value(cross)));
         }
         builder.add(names[row], terms, Unit::First(0), bits)
@@ -238,7 +295,12 @@ fn turned_axes(builder: &mut Builder, bits: u32) -> [[Value; 3]; 3] {
                 product(component, constant(AXIS[row][i]))
             };
             let name = format!("axis {axis}, row {row}");
-            builder.add(&name, (0..3).map(entry).collect(), Unit::First(0), Some(bits))
+            builder.add(
+                &name,
+                (0..3).map(entry).collect(),
+                Unit::First(0),
+                Some(bits),
+            )
         })
     })
 }
@@ -255,7 +317,13 @@ fn project(builder: &mut Builder, [x, y, z]: [Value; 3], view: u32, mantissa: u3
     const PRINCIPAL: [&str; 2] = ["principal_u", "principal_v"];
     let z = builder.round("z", value(z), view);
     let inverse = builder.reciprocal("1/z", z, view);
-    let inverse = builder.pick("1/z or 1", Pick::Flag(PERSPECTIVE), inverse, constant("one"), None);
+    let inverse = builder.pick(
+        "1/z or 1",
+        Pick::Flag(PERSPECTIVE),
+        inverse,
+        constant("one"),
+        None,
+    );
     let on_plane = [x, y].map(|c| builder.multiply("on plane", value(c), value(inverse), view));
     let position = [0, 1].map(|axis| {
         let terms = vec![
@@ -264,7 +332,8 @@ fn project(builder: &mut Builder, [x, y, z]: [Value; 3], view: u32, mantissa: u3
         ];
         builder.add("position", terms, Unit::At(-32), None)
     });
-    let gain = FOCAL.map(|focal| builder.multiply("gain", value(inverse), constant(focal), mantissa));
+    let gain =
+        FOCAL.map(|focal| builder.multiply("gain", value(inverse), constant(focal), mantissa));
     let ratio = [0, 1].map(|axis| ratio(builder, on_plane[axis], axis, mantissa));
     Projected {
         position,
@@ -282,14 +351,36 @@ fn ratio(builder: &mut Builder, on_plane: Value, axis: usize, bits: u32) -> Valu
     let over_low = vec![plain(value(on_plane))];
     let over_low = builder.add_to("above the least ratio", LOW[axis], over_low, Unit::At(-32));
     let under_high = vec![taken_off(plain(value(on_plane)))];
-    let under_high = builder.add_to("below the largest ratio", HIGH[axis], under_high, Unit::At(-32));
+    let under_high = builder.add_to(
+        "below the largest ratio",
+        HIGH[axis],
+        under_high,
+        Unit::At(-32),
+    );
     let free = builder.round("ratio", value(on_plane), bits);
-    let low = builder.pick("ratio, from below", Pick::Sign, over_low, value(free), Some(FIRST[axis]));
-    builder.pick("ratio, from above", Pick::Sign, under_high, value(low), Some(LAST[axis]))
+    let low = builder.pick(
+        "ratio, from below",
+        Pick::Sign,
+        over_low,
+        value(free),
+        Some(FIRST[axis]),
+    );
+    builder.pick(
+        "ratio, from above",
+        Pick::Sign,
+        under_high,
+        value(low),
+        Some(LAST[axis]),
+    )
 }
 
 /// `project_axes` from the turned axes on.
-fn shear(builder: &mut Builder, turned: &[[Value; 3]; 3], projected: &Projected, bits: u32) -> [[Value; 2]; 3] {
+fn shear(
+    builder: &mut Builder,
+    turned: &[[Value; 3]; 3],
+    projected: &Projected,
+    bits: u32,
+) -> [[Value; 2]; 3] {
     turned.map(|[x, y, z]| {
         [0, 1].map(|axis| {
             let along = less(product(value(projected.ratio[axis]), value(z)));
@@ -366,7 +457,13 @@ fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> Shape {
 }
 
 /// `centre_opacity`. The root's half stands in the constant `inverse_integral`.
-fn peak(builder: &mut Builder, weight: Value, projected: &Projected, inverse: Value, bits: u32) -> Value {
+fn peak(
+    builder: &mut Builder,
+    weight: Value,
+    projected: &Projected,
+    inverse: Value,
+    bits: u32,
+) -> Value {
     let square = |v| product(value(v), value(v));
     let [u, v] = projected.ratio;
     let slant = vec![plain(constant("one")), square(u), square(v)];
@@ -380,7 +477,12 @@ fn peak(builder: &mut Builder, weight: Value, projected: &Projected, inverse: Va
     let area = builder.multiply("area", value(gain_u), value(gain_v), bits);
     let peak = builder.multiply("weight of the area", value(weight), value(area), bits);
     let peak = builder.multiply("peak of the profile", value(peak), value(density), bits);
-    let peak = builder.multiply("peak, normalised", value(peak), constant("inverse_integral"), bits);
+    let peak = builder.multiply(
+        "peak, normalised",
+        value(peak),
+        constant("inverse_integral"),
+        bits,
+    );
     builder.pick("peak", Pick::Flag(NORMALISED), peak, value(weight), None)
 }
 
@@ -392,8 +494,18 @@ fn cutoff(builder: &mut Builder, peak: Value) -> Value {
     let by = |inner: Operand| taken_off(product(value(rest), inner));
     let fifth = vec![plain(constant("quarter")), by(constant("fifth"))];
     let fifth = builder.add("1/4 - d/5", fifth, Unit::At(-30), None);
-    let fourth = builder.add_to("1/3 - d (1/4 ..)", "third", vec![by(value(fifth))], Unit::At(-30));
-    let third = builder.add_to("1/2 - d (1/3 ..)", "half", vec![by(value(fourth))], Unit::At(-30));
+    let fourth = builder.add_to(
+        "1/3 - d (1/4 ..)",
+        "third",
+        vec![by(value(fifth))],
+        Unit::At(-30),
+    );
+    let third = builder.add_to(
+        "1/2 - d (1/3 ..)",
+        "half",
+        vec![by(value(fourth))],
+        Unit::At(-30),
+    );
     let bent = vec![product(value(rest), value(third))];
     let bent = builder.add("d (1/2 ..)", bent, Unit::At(-36), None);
     let power = |half| Term {
@@ -409,7 +521,12 @@ fn cutoff(builder: &mut Builder, peak: Value) -> Value {
     ];
     let logarithm = builder.add("logarithm, 40 bits", logarithm, Unit::At(-40), None);
     let rounded = vec![plain(value(logarithm))];
-    let difference = builder.add_to("logarithm over the least", "ln_least", rounded, Unit::At(-32));
+    let difference = builder.add_to(
+        "logarithm over the least",
+        "ln_least",
+        rounded,
+        Unit::At(-32),
+    );
     let doubled = Term {
         b: constant("two"),
         scaled: true,
@@ -418,7 +535,13 @@ fn cutoff(builder: &mut Builder, peak: Value) -> Value {
     let cutoff = builder.add("cut-off, unlimited", vec![doubled], Unit::At(-28), None);
     let beyond = vec![taken_off(plain(value(cutoff)))];
     let beyond = builder.add_to("before the end", "cutoff_end", beyond, Unit::At(-28));
-    let cutoff = builder.pick("cut-off, limited", Pick::Sign, beyond, value(cutoff), Some("cutoff_end"));
+    let cutoff = builder.pick(
+        "cut-off, limited",
+        Pick::Sign,
+        beyond,
+        value(cutoff),
+        Some("cutoff_end"),
+    );
     let given = constant("cutoff");
     builder.pick("cut-off", Pick::Flag(BY_OPACITY), cutoff, given, None)
 }

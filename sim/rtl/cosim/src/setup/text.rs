@@ -60,6 +60,15 @@ fn slot_bits() -> u32 {
 
 /// The text of a design's package.
 pub fn text(name: &str, widths: &Widths) -> Result<String> {
+    with_program(name, widths, program)
+}
+
+/// The same for another program.
+pub fn with_program(
+    name: &str,
+    widths: &Widths,
+    program: fn(&Widths) -> Result<Program>,
+) -> Result<String> {
     ensure!(
         widths.colour <= 26,
         "there is no setup unit for design '{name}': colour = {}: it must be at most 26",
@@ -88,23 +97,61 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     let out = program.operations.iter().position(|o| o.out).unwrap_or(0);
     let out = program.places[out].time;
     let rows: [(&str, i64, &str); 10] = [
-        ("POSITION", widths.position.into(), "magnitude bits of a difference to the eye"),
+        (
+            "POSITION",
+            widths.position.into(),
+            "magnitude bits of a difference to the eye",
+        ),
         ("LOW", low_bits(widths).into(), "those of its low part"),
-        ("MANTISSA", widths.mantissa.into(), "magnitude bits of a mantissa"),
+        (
+            "MANTISSA",
+            widths.mantissa.into(),
+            "magnitude bits of a mantissa",
+        ),
         ("ROUND", program.round as i64, "cycles of a round"),
-        ("LATENCY", LATENCY as i64, "cycles from a sum's last slot to its use"),
-        ("LOAD_AHEAD", LOAD_AHEAD as i64, "cycles before a round's end from which its records are full"),
-        ("OUT_ROUND", (out / program.round) as i64, "round in which a splat's results come"),
+        (
+            "LATENCY",
+            LATENCY as i64,
+            "cycles from a sum's last slot to its use",
+        ),
+        (
+            "LOAD_AHEAD",
+            LOAD_AHEAD as i64,
+            "cycles before a round's end from which its records are full",
+        ),
+        (
+            "OUT_ROUND",
+            (out / program.round) as i64,
+            "round in which a splat's results come",
+        ),
         ("OUT_SLOT", (out % program.round) as i64, "their first slot"),
-        ("WORDS", program.operations.iter().filter(|o| o.out).map(|o| o.terms.len() as i64).sum(), "slots with results"),
-        ("FIRST_REGISTER", FIRST_REGISTER.into(), "address of the first number outside the cores"),
+        (
+            "WORDS",
+            program
+                .operations
+                .iter()
+                .filter(|o| o.out)
+                .map(|o| o.terms.len() as i64)
+                .sum(),
+            "slots with results",
+        ),
+        (
+            "FIRST_REGISTER",
+            FIRST_REGISTER.into(),
+            "address of the first number outside the cores",
+        ),
     ];
     for (name, value, meaning) in rows {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "  localparam int {name} = {value};  // {meaning}");
     }
     for (place, name) in REGISTERS.iter().enumerate() {
-        let _ = writeln!(text, "  localparam int {} = {};", name.to_uppercase(), usize::from(FIRST_REGISTER) + place);
+        let _ = writeln!(
+            text,
+            "  localparam int {} = {};",
+            name.to_uppercase(),
+            usize::from(FIRST_REGISTER) + place
+        );
     }
     let _ = writeln!(text, "  localparam int SLOT_BITS = {};\n", slot_bits());
 }
@@ -127,7 +174,10 @@ fn microcode(text: &mut String, program: &Program) -> Result<()> {
             program.operations[operation].name
         );
     }
-    let _ = writeln!(text, "      default: microcode = {bits}'h0;\n    endcase\n  endfunction\n");
+    let _ = writeln!(
+        text,
+        "      default: microcode = {bits}'h0;\n    endcase\n  endfunction\n"
+    );
     Ok(())
 }
 
@@ -136,7 +186,13 @@ fn word(program: &Program, index: usize, term: usize) -> Result<u128> {
     let place = program.places[index];
     let slot = operation.terms[term];
     let mut values = vec![("round", (place.time / program.round) as i64)];
-    let address = |name: &str| program.constants.iter().position(|c| *c == name).unwrap_or(0) as i64;
+    let address = |name: &str| {
+        program
+            .constants
+            .iter()
+            .position(|c| *c == name)
+            .unwrap_or(0) as i64
+    };
     if let Some(name) = constant(operation, term)? {
         values.push(("constant", address(name)));
     }
@@ -162,7 +218,10 @@ fn factors(values: &mut Vec<(&'static str, i64)>, program: &Program, slot: &Term
     match slot.a {
         Operand::Value(value) => {
             let place = program.places[value];
-            values.extend([("a", place.register as i64), ("a_turn", place.copies as i64 - 1)]);
+            values.extend([
+                ("a", place.register as i64),
+                ("a_turn", place.copies as i64 - 1),
+            ]);
         }
         Operand::Input(item) => values.extend([("a_input", 1), ("a", item.into())]),
         Operand::Constant(_) => values.push(("a_constant", 1)),
@@ -171,7 +230,10 @@ fn factors(values: &mut Vec<(&'static str, i64)>, program: &Program, slot: &Term
     match slot.b {
         Operand::Value(value) => {
             let place = program.places[value];
-            values.extend([("b", place.register as i64), ("b_turn", place.copies as i64 - 1)]);
+            values.extend([
+                ("b", place.register as i64),
+                ("b_turn", place.copies as i64 - 1),
+            ]);
         }
         Operand::Constant(_) => values.push(("b_constant", 1)),
         Operand::Input(_) | Operand::None => {}
@@ -228,7 +290,10 @@ fn tables(text: &mut String) {
         "  // {entry, step}: reciprocals from 0, logarithms from 256, roots from 320 on.\n  function automatic logic [54:0] table_entry(input logic [8:0] index);\n    case (index)\n",
     );
     let mut row = |index: usize, entry: u32, step: u32| {
-        let _ = writeln!(text, "      9'd{index}: table_entry = {{32'd{entry}, 23'd{step}}};");
+        let _ = writeln!(
+            text,
+            "      9'd{index}: table_entry = {{32'd{entry}, 23'd{step}}};"
+        );
     };
     for i in 0..256 {
         row(i, RECIPROCALS[i], RECIPROCALS[i] - RECIPROCALS[i + 1]);
