@@ -34,21 +34,18 @@ module setup_core (
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
   localparam signed [17:0] NOTHING = -18'sd65535;  // exponent of 0
 
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot6, slot8, slot9, slot10, slot11, slot12, slot15, slot16, slot17, slot18, slot21, slot22;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot6, slot8, slot10, slot11, slot12, slot16, slot17, slot21, slot22;
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot6 = slots[6*BITS+:BITS];
   assign slot8 = slots[8*BITS+:BITS];
-  assign slot9 = slots[9*BITS+:BITS];
   assign slot10 = slots[10*BITS+:BITS];
   assign slot11 = slots[11*BITS+:BITS];
   assign slot12 = slots[12*BITS+:BITS];
-  assign slot15 = slots[15*BITS+:BITS];
   assign slot16 = slots[16*BITS+:BITS];
   assign slot17 = slots[17*BITS+:BITS];
-  assign slot18 = slots[18*BITS+:BITS];
   assign slot21 = slots[21*BITS+:BITS];
   assign slot22 = slots[22*BITS+:BITS];
 

@@ -122,7 +122,7 @@ module setup_pack (
   logic signed [15:0] fixed_shift, conic_shift;
   logic signed [17:0] aligned_exponent, conic_distance, fixed_distance;
   logic signed [63:0] fixed_out, aligned_out, peak_fixed, extent_u, extent_v;
-  logic [M-1:0] conic_a, conic_c;
+  logic [M-1:0] conic_a;
   logic signed [M:0] conic_b;
   assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
   assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
