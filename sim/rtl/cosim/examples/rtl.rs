@@ -5,7 +5,7 @@ use splatline::format::Traversal;
 use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, fmax, formal, layouts, mutants, package, speed};
+use splatline_rtl::{area, fmax, formal, layouts, mutants, package, setup, speed};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
@@ -30,6 +30,12 @@ const USAGE: &str = "usage: rtl COMMAND
   mutants       circuits with one mistake each: is it noticed?
   formal        the queues' promises by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   mutants PART  those whose name contains PART
+  setup         the setup unit's packets and culls against the kernel's, a million splats for each design
+  setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
+  setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
+  setup fmax CORES   Fmax of the setup unit with so many cores by nextpnr on the ECP5
+  setup area page   docs/setup-unit.md again without synthesis
+  setup mutants [PART]   setup units with one mistake each: is it noticed?
 ";
 
 fn main() -> ExitCode {
@@ -54,6 +60,16 @@ fn main() -> ExitCode {
         ["formal"] => formal::report(),
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
+        ["setup"] => setup::report::full(),
+        ["setup", "units"] => setup_units(),
+        ["setup", "area"] => setup::area::report(),
+        ["setup", "fmax", cores] => cores
+            .parse()
+            .context("a number of cores")
+            .and_then(fmax::setup_unit),
+        ["setup", "area", "page"] => setup::area::page(),
+        ["setup", "mutants"] => judge_setup_mutants(""),
+        ["setup", "mutants", part] => judge_setup_mutants(part),
         _ => {
             eprint!("{USAGE}");
             return ExitCode::from(2);
@@ -95,7 +111,9 @@ fn write_package(design: &str, folder: &Path) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     std::fs::create_dir_all(folder)?;
     let text = package::text(choice.name.as_str(), &choice.widths)?;
-    write_whole(&folder.join("splatline_pkg.sv"), &text)
+    write_whole(&folder.join("splatline_pkg.sv"), &text)?;
+    let setup = setup::text::text(choice.name.as_str(), &choice.widths)?;
+    write_whole(&folder.join("splatline_setup_pkg.sv"), &setup)
 }
 
 /// A file under its name is always a whole one.
@@ -297,6 +315,37 @@ fn judge_mutants(part: &str) -> Result<()> {
         .filter(|mutant| mutant.name.contains(part))
     {
         let verdict = judge.verdict(mutant)?;
+        survivors += usize::from(verdict.is_none());
+        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
+        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
+    }
+    ensure!(survivors == 0, "{survivors} mutants survive");
+    Ok(())
+}
+
+fn setup_units() -> Result<()> {
+    for (design, widths, _) in setup::report::SUBJECTS {
+        // standard24 has too many mantissas for all of them.
+        let step = 1 << (widths.mantissa - 18);
+        let difference = setup::vectors::first_difference(design, &widths, step)?;
+        ensure!(
+            difference.is_none(),
+            "{design}: {}",
+            difference.unwrap_or_default()
+        );
+        println!("{design}: every {step}. mantissa agrees");
+    }
+    Ok(())
+}
+
+/// The same for the setup unit.
+fn judge_setup_mutants(part: &str) -> Result<()> {
+    let loads = setup::mistakes::judges()?;
+    println!("| mistake | unit | noticed as |\n|---|---|---|");
+    let mut survivors = 0;
+    let chosen = setup::mistakes::MISTAKES.iter();
+    for mutant in chosen.filter(|mutant| mutant.name.contains(part)) {
+        let verdict = setup::mistakes::verdict(mutant, &loads)?;
         survivors += usize::from(verdict.is_none());
         let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
         println!("| {} | {} | {noticed} |", mutant.name, mutant.file);

@@ -5,6 +5,7 @@
 
 use crate::area::{self, counts, sources, synthesised_cells, yosys};
 use crate::mutants::run;
+use crate::setup;
 use anyhow::{Context, Result};
 use serde_json::Value;
 use splatline_sim::atomic;
@@ -123,6 +124,23 @@ pub fn part(words: &str) -> Result<()> {
     Ok(())
 }
 
+/// The setup unit, whose cores stand where the others' lanes do.
+const SETUP: &str = "setup_unit";
+
+/// Places the setup unit of both designs with so many cores on the ECP5 and prints its lines.
+pub fn setup_unit(cores: u32) -> Result<()> {
+    print!("{HEAD}");
+    for subject in subjects().iter().take(2) {
+        let circuit = Circuit {
+            subject,
+            unit: SETUP,
+            lanes: Some(cores),
+        };
+        print!("{}", line(&circuit, &DEVICES[0])?);
+    }
+    Ok(())
+}
+
 /// Places everything; keeps the table and writes the page. Lines are shown and kept as they come: an interrupted run leaves those that it had.
 pub fn report() -> Result<()> {
     let mut text = HEAD.to_owned();
@@ -234,7 +252,7 @@ fn too_large(fabric: &Fabric, device: &Device) -> bool {
 }
 
 fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
-    if let Some(lanes) = circuit.lanes {
+    if let Some(lanes) = circuit.lanes.filter(|_| circuit.unit != SETUP) {
         let known = counts()?.into_iter().find(|line| {
             line.design == circuit.subject.name
                 && line.family == device.family
@@ -291,8 +309,11 @@ fn placement(
 /// Synthesises a circuit between registers into `netlist.json`.
 fn netlist(circuit: &Circuit, device: &Device, folder: &Path) -> Result<Fabric> {
     let Subject { name, widths } = circuit.subject;
-    let read = sources(folder, name, widths)?;
     let unit = circuit.unit;
+    let read = match unit {
+        SETUP => setup::area::sources(folder, name, widths)?,
+        _ => sources(folder, name, widths)?,
+    };
     let ports = folder.join("ports.json");
     yosys(&format!(
         "{read}; hierarchy -top {unit}; proc; write_json {}",
@@ -331,7 +352,8 @@ fn wrapper_text(unit: &str, lanes: Option<u32>, ports: &serde_json::Map<String, 
         );
         *first += bits;
     }
-    let lanes = lanes.map_or(String::new(), |lanes| format!(" #(.LANES({lanes}))"));
+    let parameter = if unit == SETUP { "CORES" } else { "LANES" };
+    let lanes = lanes.map_or(String::new(), |lanes| format!(" #(.{parameter}({lanes}))"));
     let [inputs, outputs] = widths;
     format!(
         "module wrapper (input logic clk, input logic serial_in, output logic serial_out);

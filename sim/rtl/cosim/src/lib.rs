@@ -22,6 +22,7 @@ pub mod mutants;
 pub mod package;
 pub mod picture;
 pub mod roots;
+pub mod setup;
 pub mod speed;
 pub mod stamps;
 pub mod suite;

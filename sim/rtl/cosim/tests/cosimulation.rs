@@ -2,6 +2,7 @@
 
 use splatline::format::{Lean18, Standard24};
 use splatline_rtl::package::{path, text};
+use splatline_rtl::setup;
 
 #[test]
 fn committed_packages_are_the_generators() {
@@ -19,8 +20,25 @@ fn committed_packages_are_the_generators() {
     }
 }
 
+#[test]
+fn committed_setup_packages_are_the_generators() {
+    for (design, widths) in [
+        ("lean18", Lean18::WIDTHS),
+        ("standard24", Standard24::WIDTHS),
+    ] {
+        let committed = std::fs::read_to_string(setup::text::path(design).unwrap()).unwrap();
+        let stale =
+            "run `cargo run -p splatline-rtl --example rtl -- package` and commit the result";
+        assert!(
+            committed == setup::text::text(design, &widths).unwrap(),
+            "{design}: splatline_setup_pkg.sv is stale; {stale}"
+        );
+    }
+}
+
 #[cfg(has_rtl)]
 mod with_verilator {
+    use super::setup;
     use splatline::footprint::packet::VERSION;
     use splatline::format::Lean18;
     use splatline::rules::Rules as KernelRules;
@@ -55,6 +73,43 @@ mod with_verilator {
                 }
             }
         }
+    }
+
+    /// Rounding, reciprocal, root and logarithm of the setup unit's cores, by a program that has nothing else.
+    #[test]
+    fn setup_units_equal_the_kernels() {
+        let difference = setup::vectors::first_difference("lean18", &Lean18::WIDTHS, 37).unwrap();
+        assert_eq!(difference, None);
+    }
+
+    /// Packets and reasons of the setup unit, of scenes, hard cases and arbitrary bits, with pauses at both ends.
+    #[test]
+    fn setup_unit_gives_the_kernels_packets() {
+        let widths = Lean18::WIDTHS;
+        let design = splatline::format::RuntimeWidths::new(widths).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let spec = setup::circuit::Spec::new("lean18", &widths, 3);
+        let library = setup::circuit::library(folder.path(), &spec).unwrap();
+        let (scenes, missing) = setup::loads::captured(1000).unwrap();
+        println!("not at hand: {missing:?}");
+        let mut seen = setup::bench::Findings::default();
+        for (index, load) in setup::loads::synthetic(400, 1)
+            .iter()
+            .chain(&scenes)
+            .enumerate()
+        {
+            let mut model = setup::model::Model::new(&library, index as u32 + 1).unwrap();
+            let findings =
+                setup::bench::run(&mut model, design, load, 3 * index as u64 % 11).unwrap();
+            assert_eq!(findings.mismatches, 0, "{}: {findings:?}", load.name);
+            assert_eq!(findings.unfit, 0, "{}", load.name);
+            seen = seen.and(&findings);
+        }
+        assert!(seen.splats >= 4_000, "{seen:?}");
+        assert!(
+            seen.culled.iter().all(|count| *count > 0),
+            "not every reason: {seen:?}"
+        );
     }
 
     #[test]

@@ -1,0 +1,170 @@
+//! Area of the setup unit: Yosys' counts, the lines through them, and which device holds it beside four lanes.
+
+use super::counts::{FITTED_CORES, LEAST_INTERVAL, SetupUnit, cores, estimate, parse, to_csv};
+use super::program::program;
+use super::text::text;
+use crate::area::{synthesis, synthesised_cells};
+use crate::package;
+use anyhow::{Context, Result};
+use splatline::format::Widths;
+use splatline_sim::atomic;
+use splatline_sim::machine::area::synthesis::{Part, Subject, subjects, synthesised};
+use splatline_sim::machine::area::{Fabric, Family};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// Where the page is kept.
+pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/setup-unit.md");
+
+/// Where the counts are kept.
+const COUNTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-counts.csv");
+
+const HEAD: &str = include_str!("../../setup-head.md");
+const NOTES: &str = include_str!("../../setup-notes.md");
+
+/// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012).
+const DEVICES: [(&str, Family, [u64; 3]); 1] = [("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744])];
+
+/// Families that are synthesised.
+const FAMILIES: [Family; 1] = [Family::Ecp5];
+
+/// Intervals on the page.
+const INTERVALS: [u32; 6] = [8, 10, 16, 20, 32, 64];
+
+/// A number of cores that no line goes through, for the first design.
+const UNSEEN: u32 = 2;
+
+/// Synthesises all of them, and writes counts and page.
+pub fn report() -> Result<()> {
+    let mut units = Vec::new();
+    for (place, subject) in subjects().iter().take(2).enumerate() {
+        for family in FAMILIES {
+            let fitted = FITTED_CORES.iter().copied();
+            let unseen = (place == 0).then_some(UNSEEN);
+            for cores in fitted.chain(unseen) {
+                let unit = unit(subject, family, cores)?;
+                eprintln!("{} {} {cores}: {}", unit.design, family.name(), unit.fabric);
+                units.push(unit);
+            }
+        }
+    }
+    atomic::write(COUNTS.as_ref(), to_csv(&units).as_bytes())?;
+    write_page(&units)
+}
+
+/// The page again, from the counts of the last synthesis.
+pub fn page() -> Result<()> {
+    let text = fs::read_to_string(COUNTS)?;
+    write_page(&parse(&text).context("not a table of counts")?)
+}
+
+/// Writes a design's packages into a folder; gives Yosys' words for reading them with all units.
+pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
+    let packages = [
+        ("splatline_pkg.sv", package::text(name, widths)?),
+        ("splatline_setup_pkg.sv", text(name, widths)?),
+    ];
+    let mut read = "read_verilog -sv".to_owned();
+    for (file, text) in packages {
+        let path = folder.join(file);
+        fs::write(&path, text)?;
+        // Writing to a String cannot fail.
+        let _ = write!(read, " {}", path.display());
+    }
+    let units = fs::read_to_string(crate::area::rtl().join("setup_files.txt"))?;
+    read.extend(units.lines().map(|unit| format!(" {unit}")));
+    Ok(read)
+}
+
+/// Hierarchy is kept, so that equal cores are synthesised once.
+fn unit(subject: &Subject, family: Family, cores: u32) -> Result<SetupUnit> {
+    let folder = tempfile::tempdir()?;
+    let Subject { name, widths } = subject;
+    let read = sources(folder.path(), name, widths)?;
+    let keep = if family == Family::Xilinx7 {
+        ""
+    } else {
+        " -noflatten"
+    };
+    let script = format!(
+        "{read}; chparam -set CORES {cores} setup_unit; {}{keep} -top setup_unit; flatten; opt_clean",
+        synthesis(family)
+    );
+    Ok(SetupUnit {
+        design: (*name).to_owned(),
+        position: widths.position,
+        mantissa: widths.mantissa,
+        round: program(widths)?.round as u32,
+        family,
+        cores,
+        fabric: synthesised_cells(&script, folder.path())?,
+    })
+}
+
+fn write_page(units: &[SetupUnit]) -> Result<()> {
+    let mut text = HEAD.to_owned();
+    for unit in units {
+        let seen = if unit.fitted() { "" } else { " ." };
+        let estimate = estimate(units, unit.family, unit.mantissa, unit.cores).context("lines")?;
+        let cells = (0..4).map(|i| {
+            let (count, estimated) = (unit.fabric.resources()[i].1, estimate.resources()[i].1);
+            let error = 100.0 * (estimated as f64 / count.max(1) as f64 - 1.0);
+            format!("{count} / {estimated} / {error:+.1} %")
+        });
+        let _ = writeln!(
+            text,
+            "| {} | {} | {}{seen} | {} |",
+            unit.design,
+            unit.family.name(),
+            unit.cores,
+            cells.collect::<Vec<_>>().join(" | ")
+        );
+    }
+    text.push_str("\n## Which device holds it beside four lanes\n\n| design | device | cycles a splat | cores | setup unit: LUT, DSP, kbit | with the primitive of four lanes | fits |\n|---|---|---|---|---|---|---|\n");
+    for subject in subjects().iter().take(2) {
+        for device in DEVICES {
+            for interval in INTERVALS {
+                text += &held(units, subject.name, &subject.widths, device, interval)?;
+            }
+        }
+    }
+    text.push_str(NOTES);
+    Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
+}
+
+/// One line of the second table.
+fn held(
+    units: &[SetupUnit],
+    name: &str,
+    widths: &Widths,
+    (device, family, has): (&str, Family, [u64; 3]),
+    interval: u32,
+) -> Result<String> {
+    let round = program(widths)?.round as u32;
+    let cores = cores(round, interval.max(LEAST_INTERVAL));
+    let setup = estimate(units, family, widths.mantissa, cores).context("lines")?;
+    let lanes = synthesised()
+        .into_iter()
+        .find(|line| line.design == name && line.family == family && line.part == Part::Lanes(4))
+        .context("the primitive's counts")?;
+    let together = setup + lanes.fabric;
+    let numbers = |fabric: &Fabric| [fabric.luts, fabric.dsps, fabric.memory_kbit];
+    let short: Vec<String> = ["LUT", "DSP", "kbit"]
+        .iter()
+        .zip(numbers(&together).iter().zip(has))
+        .filter(|(_, (needs, has))| *needs > has)
+        .map(|(what, (needs, has))| format!("no: {needs} of {has} {what}"))
+        .collect();
+    let fits = if short.is_empty() {
+        "yes".to_owned()
+    } else {
+        short.join(", ")
+    };
+    let words = |fabric: &Fabric| numbers(fabric).map(|n| n.to_string()).join(", ");
+    Ok(format!(
+        "| {name} | {device} | {interval} | {cores} | {} | {} | {fits} |\n",
+        words(&setup),
+        words(&together)
+    ))
+}

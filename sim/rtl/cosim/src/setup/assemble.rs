@@ -1,0 +1,335 @@
+//! From a list of sums to a microprogram: every operation gets its slots in a round of fixed length, and its result a register.
+//!
+//! The cores of `setup_unit.sv` have one issue slot a cycle and a pipeline of [`LATENCY`] cycles. A splat's operations depend on each other over
+//! many such latencies, so a round starts the next splats long before the last ones are done: slot t of the list is issued in cycle t modulo the
+//! round's length, for the splats that came t / length rounds before (modulo scheduling). Nothing branches; a culled splat runs through.
+//!
+//! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a register is written again only
+//! by a slot that is issued after the old value's last reader, and the sequencer may pause between any two rounds.
+
+use crate::workload::split_mix;
+use anyhow::{Context, Result, ensure};
+use std::collections::HashMap;
+
+/// Cycles from the issue of a sum's last term until its result can be read.
+pub const LATENCY: usize = 24;
+
+/// Registers of a core.
+pub const REGISTERS: usize = 256;
+
+/// Constants of a picture.
+pub const CONSTANTS: usize = 64;
+
+/// Rounds that a splat may take: as many splats of one core are in flight.
+pub const ROUNDS: usize = 16;
+
+/// Orders of the operations that are tried before the round is made a cycle longer.
+const ATTEMPTS: u64 = 400;
+
+/// So many cycles before a round ends the next splats' records may begin to come in.
+pub const LOAD_AHEAD: usize = 48;
+
+/// An operation's number; also its result's name.
+pub type Value = usize;
+
+/// Where a term takes a factor from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Operand {
+    /// Nowhere.
+    #[default]
+    None,
+    /// A result.
+    Value(Value),
+    /// An item of the record; only as first factor.
+    Input(u8),
+    /// A number that is the same for all splats of a picture.
+    Constant(&'static str),
+}
+
+/// The core's table that gives a term.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Table {
+    /// None.
+    #[default]
+    None,
+    /// 1/x.
+    Reciprocal,
+    /// sqrt(x).
+    Root,
+    /// 1/middle and ln(middle).
+    Logarithm,
+}
+
+/// What a plain term's value is, if not its first factor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pick {
+    /// The first factor.
+    #[default]
+    None,
+    /// The slot's constant where the first factor is negative, otherwise the second.
+    Sign,
+    /// The first where the rules' or the view's flag is set, otherwise the second.
+    Flag(u8),
+}
+
+/// One slot: a product, or one number, added to a sum.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Term {
+    /// First factor.
+    pub a: Operand,
+    /// Second factor.
+    pub b: Operand,
+    /// The constant that `Pick::Sign` picks.
+    pub picked: Option<&'static str>,
+    /// The term is `a`, not the product.
+    pub plain: bool,
+    /// A plain term's exponent is that of a and b together.
+    pub scaled: bool,
+    /// Negated before it is aligned.
+    pub before: bool,
+    /// Negated after it is aligned.
+    pub after: bool,
+    /// Rounded down, not to nearest.
+    pub floor: bool,
+    /// Table of which `a` is the argument.
+    pub table: Table,
+    /// The table's entry itself; otherwise its step times the argument's rest.
+    pub entry: bool,
+    /// The position of a's leading bit instead of a.
+    pub power: bool,
+    /// Which value.
+    pub pick: Pick,
+}
+
+/// Where a sum's last bit lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// So many bits below the largest term's leading bit; at most four terms.
+    Below(i32),
+    /// So many powers above the first term's exponent.
+    First(i32),
+    /// There.
+    At(i32),
+    /// The exponent of the first term's second factor.
+    Second,
+}
+
+/// A sum of terms, or the words of the result.
+#[derive(Clone, Debug)]
+pub struct Operation {
+    /// What it is.
+    pub name: String,
+    /// One slot each, in a row.
+    pub terms: Vec<Term>,
+    /// Unit.
+    pub unit: Unit,
+    /// A constant in that unit, added.
+    pub addend: Option<&'static str>,
+    /// Rounded to a mantissa of so many bits, otherwise left as it is.
+    pub bits: Option<u32>,
+    /// Its terms' factors leave the core; there is no result.
+    pub out: bool,
+}
+
+/// Where an operation stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Place {
+    /// Cycle of its first slot after the round in which its splat began.
+    pub time: usize,
+    /// First register of its result.
+    pub register: usize,
+    /// Registers that splats take in turn: a power of two.
+    pub copies: usize,
+}
+
+/// A program with places.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The operations.
+    pub operations: Vec<Operation>,
+    /// Their places.
+    pub places: Vec<Place>,
+    /// Cycles of a round.
+    pub round: usize,
+    /// Constants in the order of their addresses.
+    pub constants: Vec<&'static str>,
+}
+
+impl Program {
+    /// The shortest round that holds the operations.
+    pub fn new(operations: Vec<Operation>) -> Result<Program> {
+        let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
+        let round = (slots..slots + 64).find_map(|round| {
+            let times = (0..ATTEMPTS).find_map(|seed| schedule(&operations, round, seed))?;
+            Some((round, times))
+        });
+        let (round, times) = round.context("no round holds the operations")?;
+        let registers = registers(&operations, &times, round)?;
+        let constants = constants(&operations)?;
+        let places = times.into_iter().zip(registers);
+        Ok(Program {
+            places: places
+                .map(|(time, (register, copies))| Place {
+                    time,
+                    register,
+                    copies,
+                })
+                .collect(),
+            operations,
+            round,
+            constants,
+        })
+    }
+
+    /// The slot of every cycle of a round: operation and term.
+    pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
+        let mut slots = vec![None; self.round];
+        for (index, place) in self.places.iter().enumerate() {
+            for term in 0..self.operations[index].terms.len() {
+                slots[place.time % self.round + term] = Some((index, term));
+            }
+        }
+        slots
+    }
+}
+
+/// The results that an operation reads.
+fn read(operation: &Operation) -> impl Iterator<Item = Value> + '_ {
+    let factors = operation.terms.iter().flat_map(|term| [term.a, term.b]);
+    factors.filter_map(|factor| match factor {
+        Operand::Value(value) => Some(value),
+        _ => None,
+    })
+}
+
+fn reads_input(operation: &Operation) -> bool {
+    operation
+        .terms
+        .iter()
+        .any(|term| matches!(term.a, Operand::Input(_)))
+}
+
+/// Cycles of every operation's first slot; nothing if the round is too short.
+///
+/// What has the most behind it comes first; the seed stirs that order by a latency, since not every order fills a round without gaps.
+fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usize>> {
+    let mut state = seed;
+    let stir: Vec<usize> = operations
+        .iter()
+        .map(|_| {
+            if seed == 0 {
+                0
+            } else {
+                split_mix(&mut state) as usize % LATENCY
+            }
+        })
+        .collect();
+    let mut taken = vec![false; round];
+    let mut times = vec![usize::MAX; operations.len()];
+    // Cycles from an operation's issue to the end of everything that follows from it.
+    let mut rest = vec![0; operations.len()];
+    for (index, operation) in operations.iter().enumerate().rev() {
+        let length = rest[index] + operation.terms.len() - 1 + LATENCY;
+        for value in read(operation) {
+            rest[value] = rest[value].max(length);
+        }
+    }
+    let mut left: Vec<usize> = (0..operations.len()).collect();
+    while !left.is_empty() {
+        let ready = |index: usize| {
+            let ends = read(&operations[index]).map(|value| match times[value] {
+                usize::MAX => usize::MAX,
+                time => time + operations[value].terms.len() - 1 + LATENCY,
+            });
+            ends.max().unwrap_or(0)
+        };
+        let can = left
+            .iter()
+            .copied()
+            .filter(|index| ready(*index) != usize::MAX);
+        let first = can.min_by_key(|index| {
+            let input = !reads_input(&operations[*index]);
+            (input, usize::MAX - rest[*index] - stir[*index], *index)
+        })?;
+        let length = operations[first].terms.len();
+        // The last results are counted before their round ends.
+        let after = if operations[first].out { 4 } else { 0 };
+        let fits = |time: &usize| {
+            let slot = time % round;
+            slot + length + after <= round && !taken[slot..slot + length].iter().any(|taken| *taken)
+        };
+        let time = (ready(first)..ready(first) + round).find(fits)?;
+        if reads_input(&operations[first]) && time + length + LOAD_AHEAD > round
+            || time / round >= ROUNDS
+        {
+            return None;
+        }
+        taken[time % round..time % round + length].fill(true);
+        times[first] = time;
+        left.retain(|index| *index != first);
+    }
+    Some(times)
+}
+
+/// Registers for every result: the first, and how many.
+fn registers(
+    operations: &[Operation],
+    times: &[usize],
+    round: usize,
+) -> Result<Vec<(usize, usize)>> {
+    let last_slot = |index: usize| times[index] + operations[index].terms.len() - 1;
+    let mut copies = vec![1; operations.len()];
+    for (index, operation) in operations.iter().enumerate() {
+        for value in read(operation) {
+            let rounds = (last_slot(index) - last_slot(value)).div_ceil(round);
+            copies[value] = copies[value].max(rounds.next_power_of_two());
+        }
+    }
+    let mut order: Vec<usize> = (0..operations.len())
+        .filter(|i| !operations[*i].out)
+        .collect();
+    // The widest first, so that all stand at a multiple of their width.
+    order.sort_by_key(|index| REGISTERS - copies[*index]);
+    let mut free = 0;
+    let mut places = vec![(0, 1); operations.len()];
+    for index in order {
+        places[index] = (free, copies[index]);
+        free += copies[index];
+    }
+    ensure!(free <= REGISTERS, "{free} registers are too many");
+    Ok(places)
+}
+
+/// The constant that a slot reads; an error if it were two.
+pub fn constant(operation: &Operation, term: usize) -> Result<Option<&'static str>> {
+    let Term { a, b, picked, .. } = operation.terms[term];
+    let named = |operand| match operand {
+        Operand::Constant(name) => Some(name),
+        _ => None,
+    };
+    let addend = operation.addend.filter(|_| term == 0);
+    let mut names = [named(a), named(b), picked, addend].into_iter().flatten();
+    let first = names.next();
+    ensure!(
+        names.all(|name| Some(name) == first),
+        "{}: a slot has one constant",
+        operation.name
+    );
+    Ok(first)
+}
+
+fn constants(operations: &[Operation]) -> Result<Vec<&'static str>> {
+    let mut found: HashMap<&str, ()> = HashMap::new();
+    let mut names = Vec::new();
+    for operation in operations {
+        for term in 0..operation.terms.len() {
+            if let Some(name) = constant(operation, term)?
+                && found.insert(name, ()).is_none()
+            {
+                names.push(name);
+            }
+        }
+    }
+    ensure!(names.len() <= CONSTANTS, "there are too many constants");
+    Ok(names)
+}

@@ -1,0 +1,222 @@
+//! What the setup unit has to be told of a picture: camera and rules as numbers of 64 bits with an exponent, each at its address.
+//!
+//! Nothing here is computed for a splat. As `Blend::new` does for the pixels, thresholds and limits are brought into the form in which the circuit
+//! compares them; every one is exact, or the kernel's own value.
+
+use super::program::low_bits;
+use super::text::{FIRST_REGISTER, REGISTERS};
+use anyhow::{Context, Result, bail, ensure};
+use splatline::format::Widths;
+use splatline::kernel::Kernel;
+use splatline::math::{Extended, LN_2, SoftFloat, fraction, ln};
+use splatline::rules::{Cutoff, Rules, THRESHOLD};
+use splatline::view::{Projection, View, round_entry};
+
+/// An address, a value, an exponent.
+pub type Constant = (u8, i64, i32);
+
+/// The picture's constants for the addresses of `names`.
+pub fn constants(
+    names: &[&'static str],
+    widths: &Widths,
+    view: &View,
+    rules: &Rules,
+) -> Result<Vec<Constant>> {
+    let known = [
+        turn(widths, view),
+        screen(widths, view, rules),
+        of_rules(widths, rules)?,
+        fixed().to_vec(),
+    ]
+    .concat();
+    let find = |name: &str| {
+        let found = known.iter().find(|(known, ..)| known == name);
+        found.with_context(|| format!("there is no constant '{name}'"))
+    };
+    let mut words = Vec::new();
+    for (address, name) in names.iter().enumerate() {
+        let (_, value, exponent) = find(name)?;
+        words.push((address as u8, *value, *exponent));
+    }
+    for (name, value, exponent) in registers(view, rules)? {
+        let place = REGISTERS.iter().position(|register| *register == name);
+        let place = place.with_context(|| format!("there is no register '{name}'"))?;
+        words.push((FIRST_REGISTER + place as u8, value, exponent));
+    }
+    for (_, _, exponent) in &words {
+        ensure!(
+            exponent.abs() < 1 << 16,
+            "an exponent of camera or rules has no place in 18 bits"
+        );
+    }
+    Ok(words)
+}
+
+type Named = (String, i64, i32);
+
+fn named(name: &str, value: i64, exponent: i32) -> Named {
+    (name.to_owned(), value, exponent)
+}
+
+fn number(name: &str, value: SoftFloat) -> Named {
+    if value.mantissa == 0 {
+        named(name, 0, ZERO_EXPONENT)
+    } else {
+        named(name, value.mantissa.into(), value.exponent)
+    }
+}
+
+/// The exponent of 0 in `setup_core.sv`.
+const ZERO_EXPONENT: i32 = -(1 << 16) + 1;
+
+/// W for positions, in two parts where they have two, and for axes.
+fn turn(widths: &Widths, view: &View) -> Vec<Named> {
+    let low = low_bits(widths);
+    let mut all = Vec::new();
+    let letters = ['x', 'y', 'z'];
+    for (row, r) in letters.iter().enumerate() {
+        for (column, c) in letters.iter().enumerate() {
+            let entry = view.rotation[row][column];
+            let rest = i64::from(view.pose.rotation_rest[row][column]);
+            let drop = 30u32.saturating_sub(low);
+            let rest = if drop == 0 {
+                rest
+            } else {
+                (rest + (1 << (drop - 1))) >> drop
+            };
+            let position = round_entry(entry, widths.position.into());
+            all.push(named(&format!("turn_{r}{c}"), position, -30));
+            all.push(named(&format!("rest_{r}{c}"), rest, -30 - low as i32));
+            let axis = round_entry(entry, widths.view.into());
+            all.push(named(&format!("axis_{r}{c}"), axis, -30));
+        }
+    }
+    all
+}
+
+fn screen(widths: &Widths, view: &View, rules: &Rules) -> Vec<Named> {
+    let bits = u32::from(widths.mantissa);
+    let perspective = view.projection == Projection::Perspective;
+    let mut all = Vec::new();
+    for (axis, name) in ["u", "v"].into_iter().enumerate() {
+        all.push(number(&format!("focal_{name}"), view.focal[axis]));
+        all.push(named(
+            &format!("principal_{name}"),
+            view.principal[axis].to_bits(),
+            -32,
+        ));
+        let (low, high) = (
+            view.limits.low[axis].to_bits(),
+            view.limits.high[axis].to_bits(),
+        );
+        let (below, above, least, most) = if !perspective {
+            // Everything lies below the limit, which is 0.
+            (i64::MIN, i64::MAX, SoftFloat::ZERO, SoftFloat::ZERO)
+        } else if rules.clamp_jacobian {
+            let limit = |fixed| SoftFloat::from_wide(fixed, -32, bits);
+            (low.saturating_neg(), high, limit(low), limit(high))
+        } else {
+            (i64::MAX, i64::MAX, SoftFloat::ZERO, SoftFloat::ZERO)
+        };
+        all.push(named(&format!("below_{name}"), below, -32));
+        all.push(named(&format!("above_{name}"), above, -32));
+        all.push(number(&format!("least_{name}"), least));
+        all.push(number(&format!("most_{name}"), most));
+    }
+    all
+}
+
+fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
+    ensure!(
+        rules.spacing.mantissa <= 0,
+        "spacing: the setup unit's program has no distance scaling; set it to 0"
+    );
+    let integral = rules.kernel.inverse_integral();
+    let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
+    let (least, cutoff) = match rules.cutoff {
+        Cutoff::Radial(cutoff) => (0, cutoff.min(rules.kernel.end())),
+        Cutoff::Opacity => match (by_opacity(rules), ln(smallest)) {
+            (false, _) => (0, rules.kernel.end()),
+            (true, Some(least)) => (least, 0),
+            (true, None) => {
+                bail!("alpha_min = 0: a cut-off by the opacity needs a smallest opacity")
+            }
+        },
+    };
+    ensure!(
+        widths.mantissa > 16,
+        "mantissa = {}: the setup unit needs more than 16",
+        widths.mantissa
+    );
+    ensure!(
+        widths.view > 16,
+        "view = {}: the setup unit needs more than 16",
+        widths.view
+    );
+    Ok(vec![
+        number("low_pass", rules.low_pass),
+        named(
+            "inverse_integral",
+            integral.mantissa.into(),
+            integral.exponent - 1,
+        ),
+        named("ln_least", -least, -32),
+        named("cutoff", cutoff.into(), -28),
+    ])
+}
+
+/// Does a footprint end where its opacity falls below the smallest one?
+fn by_opacity(rules: &Rules) -> bool {
+    rules.cutoff == Cutoff::Opacity && rules.kernel == Kernel::Gaussian
+}
+
+fn fixed() -> [Named; 12] {
+    [
+        named("one", 1 << 30, -30),
+        named("two", 1, 1),
+        named("reciprocal_one", 1 << 47, -47),
+        named("logarithm_one", -(1 << 36), -36),
+        named("fifth", fraction(5).into(), -30),
+        named("quarter", fraction(4).into(), -30),
+        named("third", fraction(3).into(), -30),
+        named("half", fraction(2).into(), -30),
+        named("ln_2_high", LN_2 >> 20, -20),
+        named("ln_2_low", LN_2 & 0xf_ffff, -40),
+        named("cutoff_end", 15 << 28, -28),
+        named("nothing", 0, ZERO_EXPONENT),
+    ]
+}
+
+/// What stands in registers of its own, outside the cores.
+fn registers(view: &View, rules: &Rules) -> Result<Vec<(&'static str, i64, i32)>> {
+    let eye = &view.pose;
+    let flags = i64::from(view.projection == Projection::Perspective)
+        | i64::from(rules.normalised) << 1
+        | i64::from(by_opacity(rules)) << 2
+        | i64::from(view.viewport[0]) << 16
+        | i64::from(view.viewport[1]) << 32;
+    let [x, y, z] = eye.position;
+    let (near, near_leading) = limit(view.near);
+    let (far, far_leading) = limit(view.far);
+    Ok(vec![
+        ("eye_x", x, eye.exponent),
+        ("eye_y", y, eye.exponent),
+        ("eye_z", z, eye.exponent),
+        ("flags", flags, 0),
+        ("near", near, near_leading),
+        ("far", far, far_leading),
+    ])
+}
+
+/// A limit of depth with its leading bit as far up as it goes, and that bit's power. What lies beyond every depth stays there.
+fn limit(depth: Extended) -> (i64, i32) {
+    if depth.value == 0 {
+        return (0, 0);
+    }
+    let value = match depth.value.unsigned_abs().leading_zeros() {
+        0 => depth.value / 2,
+        spare => depth.value << (spare - 1),
+    };
+    let leading = depth.leading();
+    (value, leading.clamp(-30_000, 30_000))
+}

@@ -1,0 +1,113 @@
+//! Setup units with one mistake each, in every stage: does the comparison with the kernel notice it?
+
+use super::bench::{LONG, Load, run};
+use super::circuit::{Spec, library};
+use super::loads::{captured, synthetic};
+use super::model::Model;
+use crate::mutants::Mutant;
+use anyhow::Result;
+use splatline::format::{Lean18, RuntimeWidths};
+
+const fn mutant(
+    name: &'static str,
+    file: &'static str,
+    from: &'static str,
+    to: &'static str,
+) -> Mutant {
+    Mutant {
+        name,
+        file,
+        from,
+        to,
+    }
+}
+
+const CORE: &str = "setup_core.sv";
+const EYE: &str = "setup_difference.sv";
+const PACK: &str = "setup_pack.sv";
+const UNIT: &str = "setup_unit.sv";
+const PACKAGE: &str = "splatline_setup_pkg.sv";
+
+/// The mistakes.
+#[rustfmt::skip]
+pub const MISTAKES: [Mutant; 48] = [
+    mutant("mantissas truncated", CORE, "34'sd1 <<< slot21.drop", "34'sd0 <<< slot21.drop"),
+    mutant("mantissas' last bits kept", CORE, "-(34'sd2 <<< slot21.drop)", "-34'sd2"),
+    mutant("carry of a mantissa dropped", CORE, "assign carried22 = rounded22[32]", "assign carried22 = 1'b0 && rounded22[32]"),
+    mutant("negative powers of two not carried", CORE, "rounded22[33] && !rounded22[31] && rounded22[32:1]", "1'b0 && rounded22[32:1]"),
+    mutant("0 keeps its exponent", CORE, "if (nothing22)", "if (1'b0)"),
+    mutant("terms rounded down", CORE, "moved16[0] && !slot16.down", "1'b0 && !slot16.down"),
+    mutant("alignment does not saturate", CORE, "if (overflow16)", "if (1'b0)"),
+    mutant("alignment saturates a bit late", CORE, "> 20'sd63", "> 20'sd64"),
+    mutant("shifts of 64 and more wrap", CORE, "shift13 > 19'sd64 ? 7'd127", "1'b0 ? 7'd127"),
+    mutant("sums wrap", CORE, "sum18[67:63] == {5{sum18[63]}}", "1'b1"),
+    mutant("unit of the first term alone", CORE, "slot12.last || slot12.base != 0 ?", "1'b1 ?"),
+    mutant("unit without the fourth term", CORE, "slot10.last ? unit10 : unit9", "unit10"),
+    mutant("terms of 0 count for the unit", CORE, "length8 == 0 ? -18'sd98304", "1'b0 ? -18'sd98304"),
+    mutant("sums go on from the last one", CORE, "slot17.first ? (slot17.addend", "1'b0 ? (slot17.addend"),
+    mutant("addends left out", CORE, "(slot17.addend ?", "(1'b0 ?"),
+    mutant("terms taken off are added", CORE, "slot17.subtracted ?", "1'b0 ?"),
+    mutant("terms negated too late", CORE, "product_sign4) ^ negated4", "product_sign4)"),
+    mutant("roots of odd powers", CORE, "assign even2 = a_exponent2[0]", "assign even2 = 1'b1"),
+    mutant("a root's rest a bit short", CORE, "even3 ? a3[22:7]", "even3 ? {a3[22:8], 1'b0}"),
+    mutant("a reciprocal's rest a bit short", CORE, "a3[21:0], 1'b0}", "a3[21:1], 2'b0}"),
+    mutant("the other limit picked", CORE, "slot3.pick == 2'd1 ? a3[63]", "slot3.pick == 2'd1 ? !a3[63]"),
+    mutant("one flag for all", CORE, "flags[slot3.flag]", "flags[1]"),
+    mutant("leading bit's power one off", CORE, "a_exponent3} + 34'sd30", "a_exponent3} + 34'sd29"),
+    mutant("negative factors", CORE, "right3[33] ? -right3 : right3", "right3"),
+    mutant("both sides of the records one", CORE, "records[{side, slot0.a[3:1]}]", "records[{1'b0, slot0.a[3:1]}]"),
+    mutant("difference a bit coarser", EYE, "top - 16'sd60", "top - 16'sd59"),
+    mutant("the eye does not count for the unit", EYE, "top_z > eye_top ? top_z : eye_top", "top_z"),
+    mutant("components of -2^31", EYE, "32'h80000001 : value", "32'h80000000 : value"),
+    mutant("the last coordinate does not count", EYE, "phase == 1 || phase == 2 ? together |", "phase == 1 ? together |"),
+    mutant("difference not normalised", EYE, "drop <= $signed({9'd0, together_length})", "drop <= 16'sd1 + $signed({9'd0, together_length})"),
+    mutant("the near plane itself is drawn", PACK, "same = a_leading == b_leading && a == b;", "same = 1'b0;"),
+    mutant("behind the eye", PACK, "(perspective && (depth1[63] || depth_nothing))", "1'b0"),
+    mutant("the far plane ignored", PACK, "far2 ? 3'd2 :", ""),
+    mutant("the key a bit off", PACK, "depth_normal[61:24]", "depth_normal[62:25]"),
+    mutant("halves of opacities go up", PACK, "peak_fixed2[0] && peak_half2", "1'b0"),
+    mutant("opacities do not saturate", PACK, "peak_even >> (splatline_pkg::PEAK + 4) != 0 ?", "1'b0 ?"),
+    mutant("halves of colours go up", PACK, "(value[26-COLOUR:0] != 0 || shaded[0])", "1'b1"),
+    mutant("extents without their slack", PACK, "{11'd0, extent[63:10]}", "65'd0"),
+    mutant("a column too few", PACK, "64'sh80000000;\n    high_v", "64'sh7fffffff;\n    high_v"),
+    mutant("a row too many", PACK, "extent_v2 + 64'sh7fffffff", "extent_v2 - 64'sh80000001"),
+    mutant("boxes beyond the viewport", PACK, "value > $signed({16'd0, limit}) ? limit :", ""),
+    mutant("centres a bit too far out", PACK, "beyond(u2, 7'd58)", "beyond(u2, 7'd59)"),
+    mutant("degenerate ones drawn", PACK, "degenerate2 ? 3'd4 :", ""),
+    mutant("reasons in another order", PACK, "far2 ? 3'd2 : range ? 3'd3 :", "range ? 3'd3 : far2 ? 3'd2 :"),
+    mutant("conic's unit of two coefficients", PACK, "(largest > conic_exponent1 ? largest : conic_exponent1)", "largest"),
+    mutant("results overwritten under back-pressure", UNIT, "&& pending[!round[0]]", "&& 1'b0"),
+    mutant("a round's records of the next", UNIT, "load_side <= !load_side;", "load_side <= load_side;"),
+    mutant("an entry of the reciprocals", PACKAGE, "9'd77: table_entry = {32'd", "9'd77: table_entry = {32'd1"),
+];
+
+/// What the comparison says of a mistake: its first difference, or nothing if it survives.
+pub fn verdict(mistake: &Mutant, loads: &[Load]) -> Result<Option<String>> {
+    let folder = tempfile::tempdir()?;
+    let widths = Lean18::WIDTHS;
+    let spec = Spec {
+        mistake: Some(mistake),
+        effort: "-O0",
+        ..Spec::new("lean18", &widths, 2)
+    };
+    let library = library(folder.path(), &spec)?;
+    let Ok(design) = RuntimeWidths::new(widths) else {
+        return Ok(None);
+    };
+    for load in loads {
+        for pauses in [0, LONG] {
+            match run(&mut Model::new(&library, 1)?, design, load, pauses) {
+                Err(error) => return Ok(Some(format!("{error:#}"))),
+                Ok(findings) if findings.mismatches > 0 => return Ok(findings.first_difference),
+                Ok(_) => {}
+            }
+        }
+    }
+    Ok(None)
+}
+
+/// What the mistakes are judged by.
+pub fn judges() -> Result<Vec<Load>> {
+    let (captured, _) = captured(400)?;
+    Ok([synthetic(400, 1), captured].concat())
+}

@@ -1,0 +1,15 @@
+//! The setup unit (`sim/rtl/setup_unit.sv`): its program, its constants, and its co-simulation with the kernel's `setup`.
+
+pub mod area;
+pub mod assemble;
+pub mod bench;
+pub mod circuit;
+pub mod constants;
+pub mod counts;
+pub mod loads;
+pub mod mistakes;
+pub mod model;
+pub mod program;
+pub mod report;
+pub mod text;
+pub mod vectors;

@@ -1,0 +1,556 @@
+//! What a core of `setup_unit.sv` computes: the kernel's setup as a list of sums, each one line of `src/setup`.
+//!
+//! The list says nothing of the arithmetic: what a sum, a rounding or a table is stands in `setup_core.sv`. Names are the kernel's.
+
+use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value};
+use anyhow::Result;
+use splatline::format::Widths;
+
+/// Items of a record: the difference to the eye (high and low parts), the axes, the weight.
+pub const ITEMS: u8 = 16;
+/// High parts of the difference.
+pub const HIGH: u8 = 0;
+/// Its low parts.
+pub const LOW: u8 = 3;
+/// Nine components of the axes.
+pub const AXES: u8 = 6;
+/// The weight.
+pub const WEIGHT: u8 = 15;
+
+/// Flags: the view is perspective, the rules normalise kernels, the cut-off follows from the opacity.
+pub const PERSPECTIVE: u8 = 0;
+/// Kernels are normalised.
+pub const NORMALISED: u8 = 1;
+/// The opacity decides where a footprint ends.
+pub const BY_OPACITY: u8 = 2;
+
+/// Bits of the difference's low part; 0 where it has none.
+pub fn low_bits(widths: &Widths) -> u32 {
+    u32::from(widths.position).saturating_sub(30)
+}
+
+const fn value(value: Value) -> Operand {
+    Operand::Value(value)
+}
+
+const fn constant(name: &'static str) -> Operand {
+    Operand::Constant(name)
+}
+
+const fn product(a: Operand, b: Operand) -> Term {
+    Term {
+        a,
+        b,
+        picked: None,
+        plain: false,
+        scaled: false,
+        before: false,
+        after: false,
+        floor: false,
+        table: Table::None,
+        entry: false,
+        power: false,
+        pick: Pick::None,
+    }
+}
+
+const fn plain(a: Operand) -> Term {
+    Term {
+        plain: true,
+        ..product(a, Operand::None)
+    }
+}
+
+const fn less(term: Term) -> Term {
+    Term {
+        before: true,
+        ..term
+    }
+}
+
+const fn taken_off(term: Term) -> Term {
+    Term {
+        after: true,
+        ..term
+    }
+}
+
+#[derive(Default)]
+struct Builder {
+    operations: Vec<Operation>,
+}
+
+impl Builder {
+    fn add(&mut self, name: &str, terms: Vec<Term>, unit: Unit, bits: Option<u32>) -> Value {
+        self.operations.push(Operation {
+            name: name.to_owned(),
+            terms,
+            unit,
+            addend: None,
+            bits,
+            out: false,
+        });
+        self.operations.len() - 1
+    }
+
+    /// A sum with a constant in its unit.
+    fn add_to(&mut self, name: &str, addend: &'static str, terms: Vec<Term>, unit: Unit) -> Value {
+        let value = self.add(name, terms, unit, None);
+        self.operations[value].addend = Some(addend);
+        value
+    }
+
+    /// `sum_of_products`.
+    fn sum(&mut self, name: &str, terms: Vec<Term>, bits: u32) -> Value {
+        self.add(name, terms, Unit::Below(60), Some(bits))
+    }
+
+    /// `SoftFloat::multiply`.
+    fn multiply(&mut self, name: &str, a: Operand, b: Operand, bits: u32) -> Value {
+        self.add(name, vec![product(a, b)], Unit::First(0), Some(bits))
+    }
+
+    /// `SoftFloat::from_wide`.
+    fn round(&mut self, name: &str, a: Operand, bits: u32) -> Value {
+        self.add(name, vec![plain(a)], Unit::First(0), Some(bits))
+    }
+
+    fn pick(
+        &mut self,
+        name: &str,
+        pick: Pick,
+        a: Value,
+        b: Operand,
+        picked: Option<&'static str>,
+    ) -> Value {
+        let term = Term {
+            pick,
+            picked,
+            b,
+            ..plain(value(a))
+        };
+        self.add(name, vec![term], Unit::First(0), None)
+    }
+
+    /// A table's entry and its step times the argument's rest.
+    fn looked_up(table: Table, a: Value) -> Vec<Term> {
+        let entry = Term {
+            table,
+            entry: true,
+            ..plain(value(a))
+        };
+        let step = Term {
+            table,
+            ..product(value(a), Operand::None)
+        };
+        vec![entry, step]
+    }
+
+    /// `reciprocal` of a positive number.
+    fn reciprocal(&mut self, name: &str, a: Value, bits: u32) -> Value {
+        let mut terms = Self::looked_up(Table::Reciprocal, a);
+        terms[1].before = true;
+        let seed = self.add(&format!("{name}, seed"), terms, Unit::First(0), None);
+        let wrong = vec![less(product(value(a), value(seed)))];
+        let defect = self.add_to(
+            &format!("{name}, defect"),
+            "reciprocal_one",
+            wrong,
+            Unit::At(-47),
+        );
+        let terms = vec![plain(value(seed)), product(value(seed), value(defect))];
+        self.add(name, terms, Unit::First(-30), Some(bits))
+    }
+
+    /// `root_seed`.
+    fn root(&mut self, name: &str, a: Value, bits: u32) -> Value {
+        self.add(
+            name,
+            Self::looked_up(Table::Root, a),
+            Unit::First(0),
+            Some(bits),
+        )
+    }
+}
+
+/// The program of a design.
+pub fn program(widths: &Widths) -> Result<Program> {
+    let mut builder = Builder::default();
+    let builder = &mut builder;
+    let (view, mantissa) = (u32::from(widths.view), u32::from(widths.mantissa));
+    let [x, y, z] = to_camera(builder, widths);
+    let weight = builder.add(
+        "weight",
+        vec![plain(Operand::Input(WEIGHT))],
+        Unit::First(0),
+        None,
+    );
+    let turned = turned_axes(builder, mantissa);
+    let projected = project(builder, [x, y, z], view, mantissa);
+    let columns = shear(builder, &turned, &projected, mantissa);
+    let covariance = covariance(builder, &columns, mantissa);
+    let shape = shape(builder, &covariance, mantissa);
+    let peak = peak(builder, weight, &projected, shape.inverse, mantissa);
+    let cutoff = cutoff(builder, peak);
+    let roots = extents(builder, cutoff, &covariance);
+    let results = [
+        [z, peak],
+        [projected.position[0], cutoff],
+        [projected.position[1], roots[0]],
+        [roots[1], shape.curvature],
+        [shape.spread, shape.slope],
+        [shape.stretch, shape.cross],
+        [shape.conic_c, shape.conic_c],
+    ];
+    let terms = results.map(|[a, b]| product(value(a), value(b)));
+    let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
+    builder.operations[out].out = true;
+    Program::new(std::mem::take(&mut builder.operations))
+}
+
+/// A program that is no setup: the record's weight through rounding, reciprocal, root and logarithm, each into a field of the packet that only
+/// [`Layout`](splatline::footprint::packet::Layout) touches on its way (`slope`, `stretch`, `curvature`, cut-off). For vectors of those units alone.
+pub fn units(widths: &Widths) -> Result<Program> {
+    let mut builder = Builder::default();
+    let builder = &mut builder;
+    let bits = u32::from(widths.mantissa);
+    let given = builder.add(
+        "given",
+        vec![plain(Operand::Input(WEIGHT))],
+        Unit::First(0),
+        None,
+    );
+    let slope = builder.round("rounded", value(given), bits);
+    let whole = builder.round("31 bits", value(given), 31);
+    let stretch = builder.reciprocal("reciprocal", whole, bits);
+    let seed = builder.root("root, seed", whole, 31);
+    let inverse = builder.reciprocal("1/root", seed, 31);
+    let heron = vec![plain(value(seed)), product(value(whole), value(inverse))];
+    let twice = builder.sum("root, twice", heron, bits);
+    let spread = builder.root("root, 16 bits", whole, 16);
+    let cutoff = cutoff(builder, given);
+    let results = [
+        [given, given],
+        [given, cutoff],
+        [given, given],
+        [given, twice],
+        [spread, slope],
+        [stretch, slope],
+        [slope, slope],
+    ];
+    let terms = results.map(|[a, b]| product(value(a), value(b)));
+    let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
+    builder.operations[out].out = true;
+    Program::new(std::mem::take(&mut builder.operations))
+}
+
+const TURN: [[&str; 3]; 3] = [
+    ["turn_xx", "turn_xy", "turn_xz"],
+    ["turn_yx", "turn_yy", "turn_yz"],
+    ["turn_zx", "turn_zy", "turn_zz"],
+];
+const REST: [[&str; 3]; 3] = [
+    ["rest_xx", "rest_xy", "rest_xz"],
+    ["rest_yx", "rest_yy", "rest_yz"],
+    ["rest_zx", "rest_zy", "rest_zz"],
+];
+const AXIS: [[&str; 3]; 3] = [
+    ["axis_xx", "axis_xy", "axis_xz"],
+    ["axis_yx", "axis_yy", "axis_yz"],
+    ["axis_zx", "axis_zy", "axis_zz"],
+];
+
+/// `Eye::to_camera` from the difference on: x and y as mantissas of the view, z in 64 bits.
+fn to_camera(builder: &mut Builder, widths: &Widths) -> [Value; 3] {
+    let names = ["x", "y", "z"];
+    [0, 1, 2].map(|row| {
+        let bits = (row < 2).then_some(u32::from(widths.view));
+        let high = |i: usize| Operand::Input(HIGH + i as u8);
+        let mut terms: Vec<Term> = (0..3)
+            .map(|i| product(high(i), constant(TURN[row][i])))
+            .collect();
+        if low_bits(widths) > 0 {
+            let low = |i: usize| Operand::Input(LOW + i as u8);
+            let tails = (0..3).map(|i| product(low(i), constant(TURN[row][i])));
+            let rests = (0..3).map(|i| product(high(i), constant(REST[row][i])));
+            let cross = tails.chain(rests).collect();
+            let cross = builder.add(
+                &format!("{}, cross", names[row]),
+                cross,
+                Unit::First(0),
+                None,
+            );
+            terms.push(plain(value(cross)));
+        }
+        builder.add(names[row], terms, Unit::First(0), bits)
+    })
+}
+
+/// `rotate_axis` for the three axes.
+fn turned_axes(builder: &mut Builder, bits: u32) -> [[Value; 3]; 3] {
+    [0, 1, 2].map(|axis: u8| {
+        [0, 1, 2].map(|row| {
+            let entry = |i: usize| {
+                let component = Operand::Input(AXES + 3 * axis + i as u8);
+                product(component, constant(AXIS[row][i]))
+            };
+            let name = format!("axis {axis}, row {row}");
+            builder.add(
+                &name,
+                (0..3).map(entry).collect(),
+                Unit::First(0),
+                Some(bits),
+            )
+        })
+    })
+}
+
+struct Projected {
+    position: [Value; 2],
+    ratio: [Value; 2],
+    gain: [Value; 2],
+}
+
+/// `project`, whose culls are `setup_pack.sv`'s.
+fn project(builder: &mut Builder, [x, y, z]: [Value; 3], view: u32, mantissa: u32) -> Projected {
+    const FOCAL: [&str; 2] = ["focal_u", "focal_v"];
+    const PRINCIPAL: [&str; 2] = ["principal_u", "principal_v"];
+    let z = builder.round("z", value(z), view);
+    let inverse = builder.reciprocal("1/z", z, view);
+    let inverse = builder.pick(
+        "1/z or 1",
+        Pick::Flag(PERSPECTIVE),
+        inverse,
+        constant("one"),
+        None,
+    );
+    let on_plane = [x, y].map(|c| builder.multiply("on plane", value(c), value(inverse), view));
+    let position = [0, 1].map(|axis| {
+        let terms = vec![
+            plain(constant(PRINCIPAL[axis])),
+            product(value(on_plane[axis]), constant(FOCAL[axis])),
+        ];
+        builder.add("position", terms, Unit::At(-32), None)
+    });
+    let gain =
+        FOCAL.map(|focal| builder.multiply("gain", value(inverse), constant(focal), mantissa));
+    let ratio = [0, 1].map(|axis| ratio(builder, on_plane[axis], axis, mantissa));
+    Projected {
+        position,
+        ratio,
+        gain,
+    }
+}
+
+/// `ratios` of one axis. Without a clamp the limits are the format's ends, and orthographic views have limits of 0.
+fn ratio(builder: &mut Builder, on_plane: Value, axis: usize, bits: u32) -> Value {
+    const LOW: [&str; 2] = ["below_u", "below_v"];
+    const HIGH: [&str; 2] = ["above_u", "above_v"];
+    const FIRST: [&str; 2] = ["least_u", "least_v"];
+    const LAST: [&str; 2] = ["most_u", "most_v"];
+    let over_low = vec![plain(value(on_plane))];
+    let over_low = builder.add_to("above the least ratio", LOW[axis], over_low, Unit::At(-32));
+    let under_high = vec![taken_off(plain(value(on_plane)))];
+    let under_high = builder.add_to(
+        "below the largest ratio",
+        HIGH[axis],
+        under_high,
+        Unit::At(-32),
+    );
+    let free = builder.round("ratio", value(on_plane), bits);
+    let low = builder.pick(
+        "ratio, from below",
+        Pick::Sign,
+        over_low,
+        value(free),
+        Some(FIRST[axis]),
+    );
+    builder.pick(
+        "ratio, from above",
+        Pick::Sign,
+        under_high,
+        value(low),
+        Some(LAST[axis]),
+    )
+}
+
+/// `project_axes` from the turned axes on.
+fn shear(
+    builder: &mut Builder,
+    turned: &[[Value; 3]; 3],
+    projected: &Projected,
+    bits: u32,
+) -> [[Value; 2]; 3] {
+    turned.map(|[x, y, z]| {
+        [0, 1].map(|axis| {
+            let along = less(product(value(projected.ratio[axis]), value(z)));
+            let sheared = vec![plain(value([x, y][axis])), along];
+            let sheared = builder.sum("sheared", sheared, bits);
+            builder.multiply("column", value(sheared), value(projected.gain[axis]), bits)
+        })
+    })
+}
+
+struct Covariance {
+    xx: Value,
+    xy: Value,
+    yy: Value,
+    determinant: Value,
+}
+
+/// `covariance`.
+fn covariance(builder: &mut Builder, columns: &[[Value; 2]; 3], bits: u32) -> Covariance {
+    let products = |i: usize, j: usize| {
+        let each = columns.iter().map(|c| product(value(c[i]), value(c[j])));
+        each.collect::<Vec<Term>>()
+    };
+    let low_pass = plain(constant("low_pass"));
+    let xx = [products(0, 0), vec![low_pass]].concat();
+    let xx = builder.sum("xx", xx, bits);
+    let sharp = builder.sum("yy, sharp", products(1, 1), bits);
+    let xy = builder.sum("xy", products(0, 1), bits);
+    let yy = builder.sum("yy", vec![plain(value(sharp)), low_pass], bits);
+    let trace = builder.sum("trace", vec![plain(value(xx)), plain(value(sharp))], bits);
+    let mut determinant: Vec<Term> = [(0, 1), (0, 2), (1, 2)]
+        .map(|(j, k)| {
+            let [j, k] = [columns[j], columns[k]];
+            let crossed = less(product(value(j[1]), value(k[0])));
+            let minor = vec![product(value(j[0]), value(k[1])), crossed];
+            let minor = builder.sum("minor", minor, bits);
+            product(value(minor), value(minor))
+        })
+        .to_vec();
+    determinant.push(product(value(trace), constant("low_pass")));
+    let determinant = builder.sum("determinant", determinant, bits);
+    Covariance {
+        xx,
+        xy,
+        yy,
+        determinant,
+    }
+}
+
+struct Shape {
+    curvature: Value,
+    spread: Value,
+    slope: Value,
+    stretch: Value,
+    cross: Value,
+    conic_c: Value,
+    inverse: Value,
+}
+
+/// `ldl`, and the products of `conic`, which `setup_pack.sv` aligns.
+fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> Shape {
+    let stretch = builder.reciprocal("1/yy", covariance.yy, bits);
+    let inverse = builder.reciprocal("1/determinant", covariance.determinant, bits);
+    let mut multiply = |name, a, b| builder.multiply(name, value(a), value(b), bits);
+    Shape {
+        curvature: multiply("curvature", covariance.yy, inverse),
+        spread: multiply("spread", covariance.determinant, stretch),
+        slope: multiply("slope", covariance.xy, stretch),
+        cross: multiply("cross", covariance.xy, inverse),
+        conic_c: multiply("conic c", covariance.xx, inverse),
+        stretch,
+        inverse,
+    }
+}
+
+/// `centre_opacity`. The root's half stands in the constant `inverse_integral`.
+fn peak(
+    builder: &mut Builder,
+    weight: Value,
+    projected: &Projected,
+    inverse: Value,
+    bits: u32,
+) -> Value {
+    let square = |v| product(value(v), value(v));
+    let [u, v] = projected.ratio;
+    let slant = vec![plain(constant("one")), square(u), square(v)];
+    let slant = builder.sum("slant", slant, bits);
+    let squared = builder.multiply("density squared", value(slant), value(inverse), bits);
+    let seed = builder.root("density, seed", squared, 31);
+    let inverse = builder.reciprocal("1/density", seed, 31);
+    let heron = vec![plain(value(seed)), product(value(squared), value(inverse))];
+    let density = builder.sum("density, twice", heron, bits);
+    let [gain_u, gain_v] = projected.gain;
+    let area = builder.multiply("area", value(gain_u), value(gain_v), bits);
+    let peak = builder.multiply("weight of the area", value(weight), value(area), bits);
+    let peak = builder.multiply("peak of the profile", value(peak), value(density), bits);
+    let peak = builder.multiply(
+        "peak, normalised",
+        value(peak),
+        constant("inverse_integral"),
+        bits,
+    );
+    builder.pick("peak", Pick::Flag(NORMALISED), peak, value(weight), None)
+}
+
+/// `cutoff` and the logarithm that it follows from.
+fn cutoff(builder: &mut Builder, peak: Value) -> Value {
+    let whole = builder.round("peak, 31 bits", value(peak), 31);
+    let [entry, step] = [0, 1].map(|i| Builder::looked_up(Table::Logarithm, whole)[i]);
+    let rest = builder.add_to("rest", "logarithm_one", vec![step], Unit::At(-36));
+    let by = |inner: Operand| taken_off(product(value(rest), inner));
+    let fifth = vec![plain(constant("quarter")), by(constant("fifth"))];
+    let fifth = builder.add("1/4 - d/5", fifth, Unit::At(-30), None);
+    let fourth = builder.add_to(
+        "1/3 - d (1/4 ..)",
+        "third",
+        vec![by(value(fifth))],
+        Unit::At(-30),
+    );
+    let third = builder.add_to(
+        "1/2 - d (1/3 ..)",
+        "half",
+        vec![by(value(fourth))],
+        Unit::At(-30),
+    );
+    let bent = vec![product(value(rest), value(third))];
+    let bent = builder.add("d (1/2 ..)", bent, Unit::At(-36), None);
+    let power = |half| Term {
+        power: true,
+        ..product(value(whole), constant(half))
+    };
+    let logarithm = vec![
+        power("ln_2_high"),
+        power("ln_2_low"),
+        entry,
+        plain(value(rest)),
+        by(value(bent)),
+    ];
+    let logarithm = builder.add("logarithm, 40 bits", logarithm, Unit::At(-40), None);
+    let rounded = vec![plain(value(logarithm))];
+    let difference = builder.add_to(
+        "logarithm over the least",
+        "ln_least",
+        rounded,
+        Unit::At(-32),
+    );
+    let doubled = Term {
+        b: constant("two"),
+        scaled: true,
+        ..plain(value(difference))
+    };
+    let cutoff = builder.add("cut-off, unlimited", vec![doubled], Unit::At(-28), None);
+    let beyond = vec![taken_off(plain(value(cutoff)))];
+    let beyond = builder.add_to("before the end", "cutoff_end", beyond, Unit::At(-28));
+    let cutoff = builder.pick(
+        "cut-off, limited",
+        Pick::Sign,
+        beyond,
+        value(cutoff),
+        Some("cutoff_end"),
+    );
+    let given = constant("cutoff");
+    builder.pick("cut-off", Pick::Flag(BY_OPACITY), cutoff, given, None)
+}
+
+/// The roots of `bounding_box`; the rest of it is `setup_pack.sv`'s.
+fn extents(builder: &mut Builder, cutoff: Value, covariance: &Covariance) -> [Value; 2] {
+    let cutoff = builder.round("cut-off, 16 bits", value(cutoff), 16);
+    [covariance.xx, covariance.yy].map(|variance| {
+        let squared = builder.multiply("extent squared", value(cutoff), value(variance), 16);
+        builder.root("extent", squared, 16)
+    })
+}

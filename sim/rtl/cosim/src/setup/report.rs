@@ -1,0 +1,105 @@
+//! The setup unit against the kernel as a table: every design, load and rule.
+
+use super::bench::{Findings, LONG, Load, run};
+use super::circuit::{Spec, library};
+use super::loads::{captured, synthetic};
+use super::model::Model;
+use anyhow::{Context, Result, ensure};
+use rayon::prelude::*;
+use splatline::format::{Lean18, RuntimeWidths, Standard24, Widths};
+use std::path::Path;
+
+/// Designs and cores that are compared: of several cores a number that divides no round.
+pub const SUBJECTS: [(&str, Widths, usize); 2] = [
+    ("lean18", Lean18::WIDTHS, 7),
+    ("standard24", Standard24::WIDTHS, 7),
+];
+
+/// Splats that one simulation takes: several run side by side.
+const CHUNK: usize = 10_000;
+
+/// Every splat of three scenes and a hundred thousand others, under both kinds of rules.
+pub fn full() -> Result<()> {
+    println!(
+        "| design | cores | load | splats | near | far | range | degenerate | transparent | outside | cycles a splat, without pauses | mismatches |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
+    let (loads, missing) = captured(1)?;
+    for name in missing {
+        println!("(no {name}: its data is not at hand)");
+    }
+    let loads = [loads, synthetic(12_000, 1)].concat();
+    let mut total = Findings::default();
+    for (design, widths, cores) in SUBJECTS {
+        let folder = tempfile::tempdir()?;
+        let spec = Spec {
+            effort: "-O2",
+            ..Spec::new(design, &widths, cores)
+        };
+        let library = library(folder.path(), &spec)?;
+        for load in &loads {
+            let findings = all(&library, &widths, load)?;
+            print_line(design, cores, load, &findings);
+            total = total.and(&findings);
+        }
+    }
+    println!(
+        "\n{} splats, {} mismatches, {} without a place in a record",
+        total.splats, total.mismatches, total.unfit
+    );
+    ensure!(
+        total.mismatches == 0,
+        "{}",
+        total.first_difference.unwrap_or_default()
+    );
+    Ok(())
+}
+
+/// A load in parts: the first without pauses, so that its cycles say something, the others with them.
+fn all(library: &Path, widths: &Widths, load: &Load) -> Result<Findings> {
+    let design = RuntimeWidths::new(*widths)
+        .ok()
+        .context("widths out of range")?;
+    let parts: Vec<Findings> = load
+        .splats
+        .par_chunks(CHUNK)
+        .enumerate()
+        .map(|(part, splats)| {
+            let load = Load {
+                splats: splats.to_vec(),
+                ..load.clone_without_splats()
+            };
+            let pauses = if part == 0 {
+                0
+            } else {
+                part as u64 % (LONG + 2)
+            };
+            run(
+                &mut Model::new(library, part as u32 + 1)?,
+                design,
+                &load,
+                pauses,
+            )
+        })
+        .collect::<Result<_>>()?;
+    let cycles = parts.first().map_or(0, |first| first.cycles);
+    let first = load.splats.len().min(CHUNK) as u64;
+    let sum = parts
+        .iter()
+        .fold(Findings::default(), |sum, part| sum.and(part));
+    Ok(Findings {
+        cycles: cycles * 100 / first.max(1),
+        ..sum
+    })
+}
+
+fn print_line(design: &str, cores: usize, load: &Load, findings: &Findings) {
+    let culled = findings.culled.map(|count| count.to_string()).join(" | ");
+    println!(
+        "| {design} | {cores} | {} | {} | {culled} | {:.2} | {} |",
+        load.name,
+        findings.splats,
+        findings.cycles as f64 / 100.0,
+        findings.mismatches
+    );
+}

@@ -1,0 +1,125 @@
+//! The units that a core's tables make, alone: rounding, reciprocal, root (with and without Heron's step) and logarithm, of every mantissa of a
+//! design's width and of numbers that carry, against `SoftFloat::from_wide`, `reciprocal`, `square_root` and `cutoff`.
+//!
+//! The circuit is the setup unit; its program computes nothing else ([`units`](super::program::units)), and the results leave in fields that pass the packet's maker
+//! as they are.
+
+use super::bench::{Load, record, write_constants};
+use super::circuit::{Spec, library};
+use super::model::{Inputs, Model};
+use super::program::units;
+use anyhow::{Result, ensure};
+use splatline::footprint::packet::{Layout, Packet};
+use splatline::format::Widths;
+use splatline::math::{SoftFloat, reciprocal, square_root};
+use splatline::rules::Rules;
+use splatline::setup::cutoff;
+use splatline::splat::{Axis, VolumeSplat};
+use splatline_sim::vectors::hard_cases;
+
+/// Cycles for a result after which the unit counts as hanging.
+const PATIENCE: u32 = 20_000;
+
+/// The first number of which the circuit makes something else than the kernel, in words: every `step`-th mantissa, at odd and even exponents.
+pub fn first_difference(design: &str, widths: &Widths, step: usize) -> Result<Option<String>> {
+    let folder = tempfile::tempdir()?;
+    let spec = Spec {
+        program: units,
+        ..Spec::new(design, widths, 3)
+    };
+    let mut model = Model::new(&library(folder.path(), &spec)?, 1)?;
+    let (view, _) = hard_cases(1, [640, 480], 1);
+    let load = Load {
+        name: "units".to_owned(),
+        view,
+        rules: Rules::GAUSSIAN_3D,
+        splats: Vec::new(),
+    };
+    write_constants(&mut model, &units(widths)?.constants, widths, &load)?;
+    let layout = Layout::new(widths);
+    let numbers = numbers(widths, step);
+    let (mut offered, mut answered, mut idle) = (0, 0, 0);
+    while answered < numbers.len() {
+        let next = numbers
+            .get(offered)
+            .and_then(|number| record(&bearing(*number)));
+        let out = model.tick(&Inputs {
+            record_valid: next.is_some().into(),
+            record: next.unwrap_or_default(),
+            packet_ready: 1,
+            ..Inputs::default()
+        });
+        offered += usize::from(next.is_some() && out.record_ready == 1);
+        idle += 1;
+        ensure!(
+            idle < PATIENCE,
+            "the setup unit hangs after {answered} numbers"
+        );
+        if out.packet_valid == 1 {
+            idle = 0;
+            if let Some(difference) = compare(widths, &layout, numbers[answered], &out.packet) {
+                return Ok(Some(difference));
+            }
+            answered += 1;
+        }
+    }
+    Ok(None)
+}
+
+/// Mantissas of the design's width and of 31 bits, at an odd and an even exponent.
+fn numbers(widths: &Widths, step: usize) -> Vec<SoftFloat> {
+    let bits = u32::from(widths.mantissa);
+    let usual = (1i32 << (bits - 1)..(1i64 << bits) as i32).step_by(step);
+    let carrying = (0..31).flat_map(|shift| [i32::MAX >> shift, (1 << 30) >> shift]);
+    let mantissas = usual.chain(carrying.filter(|mantissa| *mantissa > 0));
+    mantissas
+        .flat_map(|mantissa| [-27, -20].map(|exponent| SoftFloat { mantissa, exponent }))
+        .collect()
+}
+
+/// A splat with this weight and nothing else.
+fn bearing(weight: SoftFloat) -> VolumeSplat {
+    let nothing = SoftFloat {
+        mantissa: 0,
+        exponent: 0,
+    };
+    VolumeSplat {
+        centre: [nothing; 3],
+        axes: [Axis::default(); 3],
+        weight,
+        colour: [0.0; 3].map(splatline::float::colour),
+    }
+}
+
+fn compare(widths: &Widths, layout: &Layout, number: SoftFloat, packet: &Packet) -> Option<String> {
+    let bits = u32::from(widths.mantissa);
+    let Ok(got) = layout.decode(packet) else {
+        return Some("a packet of another version".to_owned());
+    };
+    let rounded = SoftFloat::from_wide(number.mantissa.into(), number.exponent, bits);
+    // The circuit's root is twice the kernel's; its half stands in a constant of setup.
+    let root = square_root(number, bits).scaled_by(1);
+    let short = square_root(number, 16);
+    let short = SoftFloat::from_wide(short.mantissa.into(), short.exponent, bits);
+    let end = cutoff(&Rules::GAUSSIAN_3D, number).unwrap_or(0);
+    let pairs = [
+        ("rounded", got.ldl.shear, rounded),
+        ("reciprocal", got.ldl.vertical, reciprocal(number, bits)?),
+        ("root", got.ldl.horizontal, root),
+        ("root of 16 bits", got.ldl.squared_width, short),
+    ];
+    for (name, got, expected) in pairs {
+        if got != expected {
+            return Some(format!(
+                "{name} of {number:?}: the kernel has {expected:?}, the circuit {got:?}"
+            ));
+        }
+    }
+    // The cut-off is a number only where the opacity is above the least.
+    (end > 0 && got.cutoff != end).then(|| {
+        format!(
+            "cut-off of {number:?}: the kernel has {end}, the circuit {}",
+            got.cutoff
+        )
+    })
+}

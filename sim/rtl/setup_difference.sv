@@ -1,0 +1,169 @@
+// The first step of setup: a splat's centre relative to the eye (`Eye::difference` of src/view.rs), and the record in the beats in which the cores
+// read it. A record comes in every eighth cycle at best.
+//
+//   record | lengths | unit | alignment of centre and eye (4) | difference (3) | their length | alignment (4) | parts | beats (8)
+//
+// The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their 34-bit factors:
+// it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's, take turns at one aligner.
+module setup_difference (
+    input logic clk,
+    input logic rst,
+    input logic [2:0] phase,
+    input logic signed [63:0] eye_x,
+    input logic signed [63:0] eye_y,
+    input logic signed [63:0] eye_z,
+    input logic signed [15:0] eye_exponent,
+    // Taken in phase 0; `place` says which core and side it is for.
+    input logic valid,
+    input splatline_setup_pkg::record_t record,
+    input logic [6:0] place,
+    // Eight beats, from phase 0 on.
+    output logic beat_valid,
+    output logic [6:0] beat_place,
+    output logic [splatline_setup_pkg::BEAT_BITS-1:0] beat
+);
+  localparam signed [15:0] NOTHING = -16'sd16384;  // leading bit of 0
+
+  function automatic logic [63:0] magnitude(input logic signed [63:0] value);
+    magnitude = value[63] ? -value : value;
+  endfunction
+
+  // A component of -2^31 counts as -(2^31 - 1).
+  function automatic logic [31:0] component(input logic [31:0] value);
+    component = value == 32'h80000000 ? 32'h80000001 : value;
+  endfunction
+
+  // Four records follow each other, eight cycles apart.
+  logic [3:0] valids;
+  logic [27:0] places;
+  logic [359:0] rest1, rest2, rest3, rest4, rest_in;
+  logic [95:0] centre1;
+  logic [29:0] exponents1;
+  genvar i;
+  generate
+    for (i = 0; i < 9; i = i + 1) begin : gen_axis
+      assign rest_in[36*i+:36] = {4'd0, component(record.axes[32*i+:32])};
+    end
+  endgenerate
+  // Axes' exponents stand in the spare bits, and the weight in the last item.
+  assign rest_in[359:324] = {4'd0, record.weight};
+  logic [39:0] powers1, powers2, powers3, powers4;
+  always_ff @(posedge clk) begin
+    if (phase == 0) begin
+      valids <= {valids[2:0], valid};
+      places <= {places[20:0], place};
+      rest1 <= rest_in;
+      powers1 <= {record.weight_exponent, record.axis_exponents};
+      {rest2, rest3, rest4} <= {rest1, rest2, rest3};
+      {powers2, powers3, powers4} <= {powers1, powers2, powers3};
+      centre1 <= record.centre;
+      exponents1 <= record.centre_exponents;
+    end
+    if (rst) valids <= 0;
+  end
+
+  // Phases 1 to 3: the unit, 60 bits below the largest leading bit.
+  logic [63:0] eye_together;
+  logic signed [15:0] eye_top;
+  logic [6:0] eye_length;
+  logic signed [15:0] top_x, top_y, top_z, top_xy, top_ze, top;
+  logic signed [15:0] unit, unit_held;
+  assign top_xy = top_x > top_y ? top_x : top_y;
+  assign top_ze = top_z > eye_top ? top_z : eye_top;
+  assign unit = top - 16'sd60;
+
+  function automatic logic signed [15:0] place_of(input logic signed [31:0] value, input logic [9:0] exponent);
+    logic [6:0] length;
+    length = splatline_math::length({32'd0, value[31] ? -value : value});
+    place_of = length == 0 ? NOTHING : $signed({{6{exponent[9]}}, exponent}) + $signed({9'd0, length});
+  endfunction
+
+  always_ff @(posedge clk) begin
+    eye_together <= magnitude(eye_x) | magnitude(eye_y) | magnitude(eye_z);
+    eye_length <= splatline_math::length(eye_together);
+    eye_top <= eye_length == 0 ? NOTHING : eye_exponent + $signed({9'd0, eye_length});
+    top_x <= place_of(centre1[31:0], exponents1[9:0]);
+    top_y <= place_of(centre1[63:32], exponents1[19:10]);
+    top_z <= place_of(centre1[95:64], exponents1[29:20]);
+    if (phase == 2) top <= top_xy > top_ze ? top_xy : top_ze;
+    if (phase == 7) unit_held <= unit;
+  end
+
+  // Phases 3 to 5: centre and eye; phases 6, 7 and 0: the difference, from eleven cycles before.
+  logic signed [31:0] centre_in;
+  logic [9:0] exponent_in;
+  logic signed [63:0] wide_in, eye_in, centre_out, wide_out, difference_x, difference_y, difference_z, difference, difference_in;
+  logic signed [15:0] wide_shift, drop;
+  assign centre_in = phase == 3 ? centre1[31:0] : phase == 4 ? centre1[63:32] : centre1[95:64];
+  assign exponent_in = phase == 3 ? exponents1[9:0] : phase == 4 ? exponents1[19:10] : exponents1[29:20];
+  assign eye_in = phase == 3 ? eye_x : phase == 4 ? eye_y : eye_z;
+  assign difference_in = phase == 6 ? difference_x : phase == 7 ? difference_y : difference_z;
+  assign wide_in = phase == 3 || phase == 4 || phase == 5 ? eye_in : difference_in;
+  assign wide_shift = phase == 3 || phase == 4 || phase == 5 ? unit - eye_exponent : drop;
+  align #(.BITS(32)) align_centre (
+      .clk,
+      .negative(centre_in[31]),
+      .magnitude(centre_in[31] ? -centre_in : centre_in),
+      .shift(unit - $signed({{6{exponent_in[9]}}, exponent_in})),
+      .result(centre_out)
+  );
+  align #(.BITS(64)) align_wide (.clk, .negative(wide_in[63]), .magnitude(magnitude(wide_in)), .shift(wide_shift), .result(wide_out));
+  assign difference = centre_out - wide_out;
+
+  // Phases 7, 0 and 1: differences; 0 to 2: their magnitudes together; 3 and 4: how far they are to be moved.
+  logic [63:0] together;
+  logic [6:0] together_length;
+  logic signed [15:0] exponent;
+  logic signed [63:0] latest;
+  always_ff @(posedge clk) begin
+    if (phase == 7) difference_x <= difference;
+    if (phase == 0) difference_y <= difference;
+    if (phase == 1) difference_z <= difference;
+    latest <= difference;
+    together <= phase == 0 ? magnitude(latest) : phase == 1 || phase == 2 ? together | magnitude(latest) : together;
+    together_length <= splatline_math::length(together);
+    if (phase == 4) begin
+      drop <= $signed({9'd0, together_length}) - 16'(splatline_setup_pkg::POSITION);
+      exponent <= unit_held + $signed({9'd0, together_length}) - 16'(splatline_setup_pkg::POSITION);
+    end
+  end
+
+  // Phases 2 to 4: the parts.
+  logic signed [63:0] high, low;
+  logic [31:0] high_x, high_y, high_z, low_x, low_y, low_z;
+  logic [11:0] power;
+  assign high = splatline_math::shift_round(wide_out, 7'(splatline_setup_pkg::LOW));
+  assign low = wide_out - (high <<< splatline_setup_pkg::LOW);
+  always_ff @(posedge clk) begin
+    if (phase == 2) {high_x, low_x} <= {high[31:0], low[31:0]};
+    if (phase == 3) {high_y, low_y} <= {high[31:0], low[31:0]};
+    if (phase == 4) {high_z, low_z} <= {high[31:0], low[31:0]};
+    if (phase == 3) power <= exponent[11:0];
+  end
+
+  // High parts stand above their exponent by as many bits as the low ones have.
+  logic [11:0] above;
+  logic [439:0] axis;
+  generate
+    for (i = 0; i < 10; i = i + 1) begin : gen_item
+      assign axis[44*i+:44] = {{2{powers4[10*(i/3)+9]}}, powers4[10*(i/3)+:10], rest4[36*i+:32]};
+    end
+  endgenerate
+  assign above = power + 12'(splatline_setup_pkg::LOW);
+  assign beat_valid = valids[3];
+  assign beat_place = places[27:21];
+  logic [2:0] beat_phase;
+  always_comb begin
+    case (beat_phase)
+      3'd0: beat = {above, high_y, above, high_x};
+      3'd1: beat = {power, low_x, above, high_z};
+      3'd2: beat = {power, low_z, power, low_y};
+      3'd3: beat = axis[0+:88];
+      3'd4: beat = axis[88+:88];
+      3'd5: beat = axis[176+:88];
+      3'd6: beat = axis[264+:88];
+      default: beat = axis[352+:88];
+    endcase
+  end
+  assign beat_phase = phase - 3'd1;
+endmodule

@@ -1,0 +1,282 @@
+// The last step of setup: a core's results become a packet, or the reason why there is none.
+//
+// Its words come in seven cycles, from phase 0 on; two rounds of eight phases later the packet leaves. What needs 64 bits once for a splat stands
+// here and not in the cores: the comparison with the planes of depth (`Extended::exceeds`), the sort key (`depth::key`), the box
+// (`bounding_box`), the alignment of the conic, the fixed-point opacity. The order of the reasons is the kernel's.
+//
+//   words | depth, opacity, extents and conic | box, reason, packet
+module setup_pack (
+    input logic clk,
+    input logic rst,
+    input logic [2:0] phase,
+    input logic perspective,
+    input logic by_opacity,
+    input logic [15:0] columns,
+    input logic [15:0] rows,
+    input logic near_negative,
+    input logic [62:0] near,
+    input logic signed [17:0] near_leading,
+    input logic far_negative,
+    input logic [62:0] far,
+    input logic signed [17:0] far_leading,
+    input logic valid,  // in phase 0: a splat's words begin
+    input logic [splatline_setup_pkg::WORD_BITS-1:0] word,
+    output logic packet_valid,
+    output logic packet_taken,  // the colour below is used
+    input logic [95:0] colour,  // blue, green, red
+    output logic [2:0] cull,
+    output splatline_pkg::footprint_t packet
+);
+  localparam M = splatline_pkg::MANTISSA;
+  localparam DROP = 31 - M;
+  localparam SUBPIXEL = splatline_pkg::SUBPIXEL;
+  localparam COLOUR = splatline_pkg::COLOUR;
+
+  // Words as they come.
+  logic signed [63:0] word_a;
+  logic signed [17:0] word_a_exponent, word_b_exponent;
+  logic signed [51:0] word_b;
+  logic signed [63:0] depth0, u0, v0;
+  logic signed [17:0] depth_exponent0;
+  logic signed [31:0] peak0, root_u0, root_v0, curvature0, spread0, slope0, stretch0, cross0, conic0;
+  logic signed [17:0] peak_exponent0, root_u_exponent0, root_v_exponent0, curvature_exponent0, spread_exponent0, slope_exponent0, stretch_exponent0,
+      cross_exponent0, conic_exponent0;
+  logic signed [51:0] cutoff0;
+  logic valid0, valid1, valid2;
+  assign {word_a, word_a_exponent, word_b, word_b_exponent} = word;
+  always_ff @(posedge clk) begin
+    case (phase)
+      3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a, word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd1: {u0, cutoff0} <= {word_a, word_b};
+      3'd2: {v0, root_u0, root_u_exponent0} <= {word_a, word_b[31:0], word_b_exponent};
+      3'd3: {root_v0, root_v_exponent0, curvature0, curvature_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd4: {spread0, spread_exponent0, slope0, slope_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd5: {stretch0, stretch_exponent0, cross0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd6: {conic0, conic_exponent0} <= {word_a[31:0], word_a_exponent};
+      default: ;
+    endcase
+    if (rst) {valid0, valid1, valid2} <= 0;
+    else begin
+      if (phase == 0) valid0 <= valid;
+      if (phase == 7) {valid1, valid2} <= {valid0, valid1};
+    end
+  end
+
+  // The second round of phases: all of a splat's words stand still, and what is computed from them runs through registers.
+  logic signed [63:0] depth1, u1, v1;
+  logic signed [17:0] depth_exponent1;
+  logic signed [31:0] peak1, root_u1, root_v1, curvature1, spread1, slope1, stretch1, cross1, conic1;
+  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, curvature_exponent1, spread_exponent1, slope_exponent1, stretch_exponent1,
+      cross_exponent1, conic_exponent1;
+  logic signed [51:0] cutoff1;
+  always_ff @(posedge clk) begin
+    if (phase == 7) begin
+      {depth1, u1, v1, depth_exponent1, cutoff1} <= {depth0, u0, v0, depth_exponent0, cutoff0};
+      {peak1, root_u1, root_v1, curvature1, spread1, slope1} <= {peak0, root_u0, root_v0, curvature0, spread0, slope0};
+      {stretch1, cross1, conic1} <= {stretch0, cross0, conic0};
+      {peak_exponent1, root_u_exponent1, root_v_exponent1} <= {peak_exponent0, root_u_exponent0, root_v_exponent0};
+      {curvature_exponent1, spread_exponent1, slope_exponent1} <= {curvature_exponent0, spread_exponent0, slope_exponent0};
+      {stretch_exponent1, cross_exponent1, conic_exponent1} <= {stretch_exponent0, cross_exponent0, conic_exponent0};
+    end
+  end
+
+  // Depth: leading bit at bit 62, comparisons, key.
+  logic [63:0] depth_magnitude;
+  logic [62:0] depth_normal;
+  logic [6:0] depth_length;
+  logic signed [17:0] depth_leading;
+  logic depth_nothing, too_near, too_far;
+  logic [47:0] key;
+  logic [46:0] key_magnitude;
+
+  // Is the first number greater than the second? Leading bits' places, then the bits.
+  function automatic logic exceeds(input logic a_negative, input logic [62:0] a, input logic signed [17:0] a_leading, input logic b_negative,
+                                   input logic [62:0] b, input logic signed [17:0] b_leading);
+    logic farther, same;
+    farther = a_leading != b_leading ? a_leading > b_leading : a > b;
+    same = a_leading == b_leading && a == b;
+    if (a == 0 || b == 0 || a_negative != b_negative) exceeds = (a != 0 && !a_negative && (b == 0 || b_negative)) || (a == 0 && b != 0 && b_negative);
+    else exceeds = a_negative ? !farther && !same : farther;
+  endfunction
+
+  always_comb begin
+    if (depth_leading < -18'sd256) key_magnitude = 47'd0;
+    else if (depth_leading >= 18'sd256) key_magnitude = {47{1'b1}};
+    else key_magnitude = {9'(depth_leading + 18'sd256), depth_normal[61:24]};
+  end
+  always_ff @(posedge clk) begin
+    depth_magnitude <= depth1[63] ? -depth1 : depth1;
+    depth_length <= splatline_math::length(depth_magnitude);
+    depth_normal <= 63'(depth_magnitude << (6'd63 - depth_length[5:0]));
+    depth_leading <= depth_exponent1 + $signed({11'd0, depth_length}) - 18'sd1;
+    depth_nothing <= depth_length == 0;
+    too_near <= !exceeds(depth1[63], depth_normal, depth_leading, near_negative, near, near_leading) || (perspective && (depth1[63] || depth_nothing));
+    too_far <= !exceeds(far_negative, far, far_leading, depth1[63], depth_normal, depth_leading);
+    key <= depth_nothing ? {1'b1, 47'd0} : depth1[63] ? {1'b0, ~key_magnitude} : {1'b1, key_magnitude};
+  end
+
+  // Opacity and extents in fixed point: phases 0 to 2, four cycles later; the conic: phases 1 to 3.
+  logic signed [31:0] fixed_in, aligned_in;
+  logic signed [17:0] fixed_exponent;
+  logic signed [17:0] conic_unit, largest;
+  logic signed [15:0] fixed_shift, conic_shift;
+  logic signed [17:0] aligned_exponent, conic_distance, fixed_distance;
+  logic signed [63:0] fixed_out, aligned_out, peak_fixed, extent_u, extent_v;
+  logic [M-1:0] conic_a;
+  logic signed [M:0] conic_b;
+  assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
+  assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
+  assign fixed_distance = -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
+  assign aligned_in = phase == 1 ? curvature1 : phase == 2 ? -cross1 : conic1;
+  assign aligned_exponent = phase == 1 ? curvature_exponent1 : phase == 2 ? cross_exponent1 : conic_exponent1;
+  assign conic_distance = conic_unit - aligned_exponent;
+
+  // Beyond 16 bits every shift does the same.
+  function automatic logic signed [15:0] limited(input logic signed [17:0] value);
+    limited = value > 18'sd16000 ? 16'sd16000 : value < -18'sd16000 ? -16'sd16000 : value[15:0];
+  endfunction
+
+  assign fixed_shift = limited(fixed_distance);
+  assign conic_shift = limited(conic_distance);
+  align #(.BITS(32)) align_fixed (
+      .clk,
+      .negative(fixed_in[31]),
+      .magnitude(fixed_in[31] ? -fixed_in : fixed_in),
+      .shift(fixed_shift),
+      .result(fixed_out)
+  );
+  align #(.BITS(32)) align_conic (
+      .clk,
+      .negative(aligned_in[31]),
+      .magnitude(aligned_in[31] ? -aligned_in : aligned_in),
+      .shift(conic_shift),
+      .result(aligned_out)
+  );
+  assign largest = curvature_exponent1 > cross_exponent1 ? curvature_exponent1 : cross_exponent1;
+
+  // Does the opacity lie in the middle between two numbers? Then the even one is taken.
+  logic signed [17:0] peak_dropped;
+  logic peak_half;
+  assign peak_dropped = -peak_exponent1 - 18'(splatline_pkg::PEAK);
+  logic [31:0] peak_rest;
+  assign peak_rest = peak1 << (5'd0 - peak_dropped[4:0]);
+  always_ff @(posedge clk) begin
+    conic_unit <= (largest > conic_exponent1 ? largest : conic_exponent1) + 18'(DROP);
+    peak_half <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31 && peak_rest == 32'h80000000;
+    if (phase == 4) peak_fixed <= fixed_out;
+    if (phase == 5) extent_u <= fixed_out;
+    if (phase == 6) extent_v <= fixed_out;
+    if (phase == 5) conic_a <= aligned_out[M-1:0];
+    if (phase == 6) conic_b <= aligned_out[M:0];
+  end
+
+  // A mantissa's exponent with the packet's bits, and whether it has a place there.
+  function automatic logic signed [17:0] packed_exponent(input logic signed [17:0] exponent);
+    packed_exponent = exponent + 18'(DROP);
+  endfunction
+
+  function automatic logic packable(input logic signed [17:0] exponent);
+    packable = exponent >= -18'sd512 && exponent <= 18'sd511;
+  endfunction
+
+  logic degenerate, slope_nothing;
+  always_ff @(posedge clk) begin
+    degenerate <= !packable(packed_exponent(curvature_exponent1)) || !packable(packed_exponent(spread_exponent1)) ||
+        !packable(packed_exponent(stretch_exponent1)) || !packable(conic_unit);
+    slope_nothing <= packed_exponent(slope_exponent1) < -18'sd512;
+  end
+
+  // The third round: what has been found stands still again.
+  logic signed [63:0] u2, v2, extent_u2, extent_v2, peak_fixed2;
+  logic near2, far2, degenerate2, peak_half2, invisible2;
+  logic [31:0] cutoff2;
+  splatline_pkg::footprint_t known2;
+  function automatic logic [63:0] widened(input logic signed [63:0] extent);
+    logic [64:0] sum;
+    sum = {1'b0, extent} + {11'd0, extent[63:10]};
+    widened = sum[64] || sum[63] ? {1'b0, {63{1'b1}}} : sum[63:0];
+  endfunction
+
+  always_ff @(posedge clk) begin
+    if (phase == 7) begin
+      {u2, v2, near2, far2, degenerate2, peak_half2, cutoff2} <= {u1, v1, too_near, too_far, degenerate, peak_half, cutoff1[31:0]};
+      extent_u2 <= widened(extent_u);
+      extent_v2 <= widened(extent_v);
+      peak_fixed2 <= peak_fixed;
+      invisible2 <= by_opacity && (peak1 <= 0 || cutoff1 <= 0);
+      known2 <= 0;
+      known2.version <= splatline_pkg::PACKET_VERSION;
+      known2.depth <= key;
+      known2.curvature_mantissa <= curvature1[30:DROP];
+      known2.curvature_exponent <= 10'(packed_exponent(curvature_exponent1));
+      known2.spread_mantissa <= spread1[30:DROP];
+      known2.spread_exponent <= 10'(packed_exponent(spread_exponent1));
+      known2.slope_mantissa <= slope_nothing ? 0 : slope1[31:DROP];
+      known2.slope_exponent <= slope_nothing ? 0 : 10'(packed_exponent(slope_exponent1));
+      known2.stretch_mantissa <= stretch1[30:DROP];
+      known2.stretch_exponent <= 10'(packed_exponent(stretch_exponent1));
+      known2.conic_a <= conic_a;
+      known2.conic_b <= conic_b;
+      known2.conic_c <= aligned_out[M-1:0];
+      known2.conic_exponent <= conic_unit[9:0];
+    end
+  end
+
+  // The box, its parts within the viewport, the reason.
+  logic signed [63:0] centre_u, centre_v, low_u, low_v, high_u, high_v;
+  logic range, range_u, range_v, outside_u, outside_v, faint;
+  logic [15:0] first_u, first_v, last_u, last_v;
+  logic signed [63:0] peak_even;
+  assign peak_even = peak_fixed2 - $signed({63'd0, peak_fixed2[0] && peak_half2});
+
+  function automatic logic beyond(input logic signed [63:0] value, input logic [6:0] bits);
+    beyond = (value[63] ? -value : value) >> bits != 0;
+  endfunction
+
+  function automatic logic signed [63:0] rounded(input logic signed [63:0] position);
+    rounded = splatline_math::shift_round(position, 7'(32 - SUBPIXEL));
+  endfunction
+
+  function automatic logic [15:0] clipped(input logic signed [31:0] value, input logic [15:0] limit);
+    clipped = value < 0 ? 16'd0 : value > $signed({16'd0, limit}) ? limit : value[15:0];
+  endfunction
+
+  // Halves go to the even neighbour.
+  function automatic logic [COLOUR+3:0] shaded(input logic [31:0] value);
+    shaded = value[31-:COLOUR+4];
+    if (value[27-COLOUR] && (value[26-COLOUR:0] != 0 || shaded[0])) shaded = shaded + 1'b1;
+  endfunction
+
+  assign packet_taken = packet_valid;
+  always_ff @(posedge clk) begin
+    {centre_u, centre_v} <= {rounded(u2), rounded(v2)};
+    low_u <= (centre_u <<< (32 - SUBPIXEL)) - extent_u2 + 64'sh7fffffff;
+    low_v <= (centre_v <<< (32 - SUBPIXEL)) - extent_v2 + 64'sh7fffffff;
+    high_u <= (centre_u <<< (32 - SUBPIXEL)) + extent_u2 + 64'sh80000000;
+    high_v <= (centre_v <<< (32 - SUBPIXEL)) + extent_v2 + 64'sh80000000;
+    {first_u, first_v} <= {clipped(low_u[63:32], columns), clipped(low_v[63:32], rows)};
+    {last_u, last_v} <= {clipped(high_u[63:32], columns), clipped(high_v[63:32], rows)};
+    range <= beyond(u2, 7'd58) || beyond(v2, 7'd58);
+    range_u <= beyond(extent_u2, 7'd60);
+    range_v <= beyond(extent_v2, 7'd60);
+    outside_u <= first_u >= last_u;
+    outside_v <= first_v >= last_v;
+    faint <= peak_even <= 0;
+
+    packet_valid <= phase == 5 && valid2 && !rst;
+    cull <= near2 ? 3'd1 : far2 ? 3'd2 : range ? 3'd3 : degenerate2 ? 3'd4 : invisible2 ? 3'd5 : range_u ? 3'd3 : outside_u ? 3'd6 :
+        range_v ? 3'd3 : outside_v ? 3'd6 : faint ? 3'd5 : 3'd0;
+    packet <= known2;
+    packet.centre_u <= centre_u[27+SUBPIXEL:0];
+    packet.centre_v <= centre_v[27+SUBPIXEL:0];
+    packet.first_column <= first_u;
+    packet.first_row <= first_v;
+    packet.last_column <= last_u;
+    packet.last_row <= last_v;
+    packet.cutoff <= cutoff2;
+    packet.peak <= peak_even >> (splatline_pkg::PEAK + 4) != 0 ? {(splatline_pkg::PEAK + 4) {1'b1}} : peak_even[splatline_pkg::PEAK+3:0];
+    packet.red <= shaded(colour[31:0]);
+    packet.green <= shaded(colour[63:32]);
+    packet.blue <= shaded(colour[95:64]);
+  end
+endmodule

@@ -1,0 +1,52 @@
+  // One issue slot of a core: a term of a sum. What the fields mean stands in setup_core.sv.
+  typedef struct packed {
+    logic [3:0] round;  // rounds since the splat's first
+    logic a_input;  // first factor: an item of the record,
+    logic a_constant;  // the constant,
+    logic [7:0] a;  // or this register,
+    logic [3:0] a_turn;  // of which splats have several in turn: a mask
+    logic b_constant;  // second factor: the constant,
+    logic [7:0] b;  // or this register
+    logic [3:0] b_turn;
+    logic [5:0] constant;
+    logic [1:0] lookup;  // 1: reciprocal, 2: root, 3: logarithm
+    logic entry;  // the table's entry, not its step times the rest
+    logic power;  // the first factor's leading bit's place, not the factor
+    logic plain;  // the first factor, not the product
+    logic scaled;  // plain, by the second factor's exponent
+    logic [1:0] pick;  // 1: by the first factor's sign, 2: by a flag
+    logic [1:0] flag;
+    logic negated;  // negated before it is aligned
+    logic subtracted;  // negated after it is aligned
+    logic down;  // rounded down
+    logic first;
+    logic last;
+    logic [1:0] base;  // 0: below the largest term, 1: from the first term, 2: step alone, 3: second factor's exponent
+    logic signed [6:0] step;
+    logic addend;  // the constant is added
+    logic normal;  // rounded to a mantissa
+    logic [4:0] drop;  // of 31 - drop bits
+    logic write;
+    logic out;
+    logic [7:0] place;  // register or word of the result
+    logic [3:0] place_turn;
+  } slot_t;
+
+  // A splat as setup takes it: `VolumeSplat` with exponents of 10 bits, as the packet has them.
+  typedef struct packed {
+    logic [31:0] blue;  // UQ4.28
+    logic [31:0] green;
+    logic [31:0] red;
+    logic signed [9:0] weight_exponent;
+    logic signed [31:0] weight;
+    logic [29:0] axis_exponents;  // the first axis' are the lowest bits
+    logic [287:0] axes;  // x, y, z of the first axis, then of the others
+    logic [29:0] centre_exponents;
+    logic [95:0] centre;
+  } record_t;
+
+  // What the cores get of it: the difference to the eye in two parts, the axes, the weight; see setup_difference.sv.
+  localparam int ITEM_BITS = 44;  // {exponent 12, value 32}
+  localparam int BEAT_BITS = 88;  // two of them
+  localparam int WORD_BITS = 152;  // two results with their exponents
+

@@ -1,0 +1,293 @@
+// Splat setup: records of volume splats in, footprint packets out, in the same order, each with the reason for which it is culled (0: none; 1 near,
+// 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside). Packet and reason equal those of the kernel's `setup` (src/setup).
+//
+//   record -> setup_difference -> CORES x setup_core -> setup_pack -> fifo
+//
+// The program of a splat has ROUND slots (splatline_setup_pkg, generated). All cores obey the same slot in the same cycle, each for its own splat, so that
+// a round takes up to CORES splats in: one in ROUND / CORES cycles, in eight at best. That is the trade of multipliers for speed: a core has
+// four multipliers of 18 bits. What needs 64 bits once for a splat stands before and behind the cores, once for all of them.
+//
+// Nothing branches: a culled splat takes as long as another. A round begins as soon as the one before has ended, whether records wait or not; only if the results
+// of the round before the last are still on their way out, no slot is issued. So nothing in flight ever has to stop.
+//
+// Camera and rules are constants that `constant_*` writes before the first record; addresses are those of the package's constants.
+module setup_unit #(
+    parameter CORES = 4
+) (
+    input logic clk,
+    input logic rst,
+    input logic constant_valid,
+    input logic [6:0] constant_index,
+    input logic [63:0] constant_value,
+    input logic [17:0] constant_exponent,
+    input logic record_valid,
+    output logic record_ready,
+    input splatline_setup_pkg::record_t record,
+    output logic packet_valid,
+    input logic packet_ready,
+    output logic [2:0] cull,
+    output splatline_pkg::footprint_t packet
+);
+  localparam BITS = splatline_setup_pkg::SLOT_BITS;
+  localparam ROUND = splatline_setup_pkg::ROUND;
+  localparam WORD = splatline_setup_pkg::WORD_BITS;
+  localparam WORDS = splatline_setup_pkg::WORDS;
+  localparam OUT_ROUND = splatline_setup_pkg::OUT_ROUND;
+  localparam PLACES = 8;
+
+  generate
+    if (CORES < 1 || CORES > 32) begin : gen_illegal
+      $error("setup_unit: CORES from 1 to 32");
+    end
+  endgenerate
+
+  // Constants: of the cores in a memory, of the units around them in registers.
+  (* ram_style = "block", no_rw_check *) logic [81:0] constants[0:63];
+  logic [81:0] eye_x, eye_y, eye_z, flags, near, far;
+  always_ff @(posedge clk) begin
+    if (constant_valid) begin
+      if (!constant_index[6]) constants[constant_index[5:0]] <= {constant_exponent, constant_value};
+      case (constant_index)
+        7'(splatline_setup_pkg::EYE_X): eye_x <= {constant_exponent, constant_value};
+        7'(splatline_setup_pkg::EYE_Y): eye_y <= {constant_exponent, constant_value};
+        7'(splatline_setup_pkg::EYE_Z): eye_z <= {constant_exponent, constant_value};
+        7'(splatline_setup_pkg::FLAGS): flags <= {constant_exponent, constant_value};
+        7'(splatline_setup_pkg::NEAR): near <= {constant_exponent, constant_value};
+        7'(splatline_setup_pkg::FAR): far <= {constant_exponent, constant_value};
+        default: ;
+      endcase
+    end
+  end
+
+  // Records: in every eighth cycle at most, as long as the coming round has a core without one.
+  logic [2:0] phase;
+  logic [5:0] loaded;
+  logic load_side, taken, switches;
+  logic beat_valid;
+  logic [6:0] beat_place;
+  logic [splatline_setup_pkg::BEAT_BITS-1:0] beat;
+  assign record_ready = phase == 0 && loaded != 6'(CORES) && !switches;
+  assign taken = record_valid && record_ready;
+  setup_difference from_eye (
+      .clk,
+      .rst,
+      .phase,
+      .eye_x(eye_x[63:0]),
+      .eye_y(eye_y[63:0]),
+      .eye_z(eye_z[63:0]),
+      .eye_exponent(eye_x[79:64]),
+      .valid(taken),
+      .record,
+      .place({load_side, loaded}),
+      .beat_valid,
+      .beat_place,
+      .beat
+  );
+
+  // Rounds: which slot is issued, how many splats of each round there are.
+  logic [7:0] cycle;
+  logic [3:0] round;
+  logic issues, waits;
+  logic [5:0] batch;
+  logic [6*(OUT_ROUND+1)-1:0] counts;
+  logic [1:0] pending;
+  logic [11:0] pending_count;
+  logic drained, drain_side;
+  assign switches = cycle == 8'(ROUND - splatline_setup_pkg::LOAD_AHEAD) && issues;
+  // The next round's results go where those of the round before this one may still be.
+  assign waits = cycle == 8'(ROUND - 1) && pending[!round[0]];
+  always_ff @(posedge clk) begin
+    phase <= phase + 1'b1;
+    issues <= !waits;
+    if (taken) loaded <= loaded + 1'b1;
+    if (!waits) cycle <= cycle == 8'(ROUND - 1) ? 8'd0 : cycle + 1'b1;
+    if (switches) begin
+      {batch, loaded} <= {loaded, 6'd0};
+      load_side <= !load_side;
+    end
+    if (drained) pending[drain_side] <= 0;
+    if (cycle == 8'(ROUND - 1) && !waits) begin
+      round <= round + 1'b1;
+      counts <= {counts[6*OUT_ROUND-1:0], batch};
+    end
+    if (issues && cycle == 8'(splatline_setup_pkg::OUT_SLOT + WORDS + 3) && counts[6*OUT_ROUND+:6] != 0) begin
+      pending[round[0]] <= 1;
+      if (round[0]) pending_count[11:6] <= counts[6*OUT_ROUND+:6];
+      else pending_count[5:0] <= counts[6*OUT_ROUND+:6];
+    end
+    if (rst) begin
+      {phase, loaded, cycle, round, batch, counts} <= 0;
+      pending <= 0;
+      load_side <= 1;
+      issues <= 1;
+    end
+  end
+
+  // The slots' pipeline, once for all cores.
+  logic [BITS-1:0] stored;
+  logic issued;
+  splatline_setup_pkg::slot_t fetched;
+  logic [24*BITS-1:0] slots;
+  logic [7:0] a_place, b_place;
+  logic [23*8-1:0] result_places;
+  logic [3:0] splat;
+  logic [81:0] constant1, constant2, constant3;
+  logic [14*64-1:0] addends;
+  logic [5:0] constant_place;
+  logic [3:0] place_round;
+  logic side;
+  logic fetched_side;
+  assign splat = place_round - fetched.round;
+  // The program's memory has its register to itself; a pause is a slot without effect.
+  assign fetched = issued ? stored : {BITS{1'b0}};
+  always_ff @(posedge clk) begin
+    stored <= splatline_setup_pkg::microcode(cycle);
+    issued <= issues;
+    place_round <= round;
+    fetched_side <= round[0];
+    a_place <= fetched.a + {4'd0, splat & fetched.a_turn};
+    b_place <= fetched.b + {4'd0, splat & fetched.b_turn};
+    result_places <= {result_places[22*8-1:0], fetched.place + {4'd0, splat & fetched.place_turn}};
+    slots <= {slots[23*BITS-1:0], fetched};
+    constant_place <= fetched.constant;
+    side <= fetched_side;
+    constant1 <= constants[constant_place];
+    {constant2, constant3} <= {constant1, constant2};
+    addends <= {addends[13*64-1:0], constant3[63:0]};
+  end
+
+  // Cores, and the words that leave them.
+  logic out2;
+  logic [3:0] out_place2;
+  logic side1, side2;
+  splatline_setup_pkg::slot_t slot2;
+  assign slot2 = slots[2*BITS+:BITS];
+  assign out2 = slot2.out;
+  assign out_place2 = {side2, slot2.place[2:0]};
+  always_ff @(posedge clk) {side1, side2} <= {side, side1};
+
+  logic [5:0] drain_core, drain_core1;
+  logic [2:0] drain_word;
+  // One core's word: the others' are 0.
+  logic [CORES*WORD-1:0] chosen_words;
+  logic [WORD-1:0] chosen;
+  always_comb begin
+    chosen = 0;
+    for (int core = 0; core < CORES; core = core + 1) chosen = chosen | chosen_words[core*WORD+:WORD];
+  end
+  genvar i;
+  generate
+    for (i = 0; i < CORES; i = i + 1) begin : gen_core
+      logic signed [63:0] out_a;
+      logic signed [17:0] out_a_exponent, out_b_exponent;
+      logic signed [51:0] out_b;
+      (* ram_style = "distributed" *) logic [WORD-1:0] results[0:15];
+      logic [WORD-1:0] result;
+      setup_core core (
+          .clk,
+          .slots,
+          .a_place,
+          .b_place,
+          .result_place(result_places[22*8+:8]),
+          .flags(flags[3:0]),
+          .constant1,
+          .constant3,
+          .constant17(addends[14*64-1-:64]),
+          .load(beat_valid && beat_place[5:0] == 6'(i)),
+          .load_place({beat_place[6], phase - 3'd1}),
+          .load_beat(beat),
+          .side,
+          .out_a,
+          .out_a_exponent,
+          .out_b,
+          .out_b_exponent
+      );
+      always_ff @(posedge clk) begin
+        if (out2) results[out_place2] <= {out_a, out_a_exponent, out_b, out_b_exponent};
+        result <= results[{drain_side, drain_word}];
+      end
+      assign chosen_words[i*WORD+:WORD] = drain_core1 == 6'(i) ? result : {WORD{1'b0}};
+    end
+  endgenerate
+
+  // Results leave core by core, a splat in eight cycles, if the queue has a place for its packet.
+  logic draining, begins, free, drain_valid1, drain_valid2;
+  logic [5:0] drain_count;
+  logic [WORD-1:0] word;
+  assign drain_word = phase;
+  assign drain_count = drain_side ? pending_count[11:6] : pending_count[5:0];
+  assign begins = phase == 0 && pending[drain_side] && free;
+  assign drained = phase == 7 && draining && drain_core + 1'b1 == drain_count;
+  always_ff @(posedge clk) begin
+    if (begins) draining <= 1;
+    if (phase == 7 && draining) begin
+      draining <= 0;
+      drain_core <= drained ? 6'd0 : drain_core + 1'b1;
+    end
+    // Rounds without splats leave no results.
+    if (drained || (!pending[drain_side] && pending[!drain_side])) drain_side <= !drain_side;
+    drain_core1 <= drain_core;
+    word <= chosen;
+    {drain_valid1, drain_valid2} <= {begins, drain_valid1};
+    if (rst) {draining, drain_core, drain_side, drain_valid1, drain_valid2} <= 0;
+  end
+
+  logic packed_valid;
+  logic packed_taken;
+  logic [2:0] packed_cull;
+  splatline_pkg::footprint_t packed_packet;
+  logic [95:0] colour;
+  function automatic logic [62:0] magnitude(input logic [63:0] value);
+    magnitude = 63'(value[63] ? -value : value);
+  endfunction
+  setup_pack pack (
+      .clk,
+      .rst,
+      .phase(phase - 3'd2),
+      .perspective(flags[0]),
+      .by_opacity(flags[2]),
+      .columns(flags[31:16]),
+      .rows(flags[47:32]),
+      .near_negative(near[63]),
+      .near(magnitude(near[63:0])),
+      .near_leading(near[81:64]),
+      .far_negative(far[63]),
+      .far(magnitude(far[63:0])),
+      .far_leading(far[81:64]),
+      .valid(drain_valid2),
+      .word,
+      .packet_valid(packed_valid),
+      .packet_taken(packed_taken),
+      .colour,
+      .cull(packed_cull),
+      .packet(packed_packet)
+  );
+
+  // Colours pass by the cores.
+  (* ram_style = "block", no_rw_check *) logic [95:0] colours[0:511];
+  logic [8:0] colour_in, colour_out;
+  always_ff @(posedge clk) begin
+    if (taken) colours[colour_in] <= {record.blue, record.green, record.red};
+    colour <= colours[colour_out];
+    if (taken) colour_in <= colour_in + 1'b1;
+    if (packed_taken) colour_out <= colour_out + 1'b1;
+    if (rst) {colour_in, colour_out} <= 0;
+  end
+
+  logic none;
+  fifo #(
+      .BITS(splatline_pkg::PACKET_BITS + 3),
+      .PLACES(PLACES)
+  ) queue (
+      .clk,
+      .rst,
+      .claim(begins),
+      .free,
+      .none,
+      .in_valid(packed_valid),
+      .in({packed_cull, packed_packet}),
+      .out_valid(packet_valid),
+      .out_ready(packet_ready),
+      .out({cull, packet})
+  );
+endmodule
