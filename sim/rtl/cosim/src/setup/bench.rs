@@ -205,7 +205,7 @@ pub fn run(model: &mut Model, design: RuntimeWidths, load: &Load, pauses: u64) -
 
 fn taken(findings: &Findings, held: u64, pauses: u64) -> bool {
     let mut block = findings.cycles / BLOCK;
-    held % 8 >= pauses % LONG && (pauses < LONG || split_mix(&mut block) % 2 == 0)
+    held % 8 >= pauses % LONG && (pauses < LONG || split_mix(&mut block).is_multiple_of(2))
 }
 
 /// Writes the constants that a program asks for, by their names.

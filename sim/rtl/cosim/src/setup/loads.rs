@@ -122,9 +122,9 @@ fn arbitrary(state: &mut u64, range: u64) -> VolumeSplat {
         match bits % 16 {
             0 => 0,
             1 => i32::MIN,
-            2 => 1 << (bits >> 32) % 31,
+            2 => 1 << ((bits >> 32) % 31),
             3 => i32::MAX,
-            _ => (bits >> 32) as i32 >> (bits >> 8) % 8,
+            _ => (bits >> 32) as i32 >> ((bits >> 8) % 8),
         }
     };
     let mut number = |i: usize| SoftFloat {
