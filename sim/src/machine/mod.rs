@@ -27,6 +27,7 @@ pub mod others;
 pub mod parts;
 pub mod primitive;
 mod raster;
+mod sequencer;
 pub mod summary;
 mod tile_order;
 pub mod timing;

@@ -17,6 +17,7 @@ use super::lanes::{Band, PairWork};
 use super::memory::{Buffer, Memory, TileWrite};
 use super::observe::{Event, Observer, Stage};
 use super::primitive::{LaneRun, PrimitiveClock};
+use super::sequencer::{Sequencer, Steps, VisitCosts};
 use std::collections::VecDeque;
 
 /// Constants of a unit, resolved from the configuration.
@@ -26,9 +27,7 @@ struct Costs {
     splat: u64,
     row: u64,
     rows_at_once: u32,
-    stretch: u64,
-    stride: u64,
-    blend_latency: u64,
+    visit: VisitCosts,
     /// From a group's issue to its write.
     drain: u64,
     private_rows: bool,
@@ -36,35 +35,6 @@ struct Costs {
     write_back: u64,
     clear: u64,
 }
-
-/// A run in flight, for the read-after-write interlock.
-#[derive(Clone, Copy, Debug)]
-struct Flight {
-    first: u8,
-    last: u8,
-    start: u64,
-    /// When its last group's pixels can be read again.
-    settled: u64,
-}
-
-/// Lanes that advance together: all of them, or one lane that owns its rows.
-#[derive(Clone, Debug)]
-pub(super) struct Sequencer {
-    pub account: Account,
-    pub fifo: Fifo,
-    rows: Vec<RowFlights>,
-}
-
-/// The runs in flight on one row of the tile, or on one pair of rows with quads.
-#[derive(Clone, Debug, Default)]
-struct RowFlights {
-    /// When the last of them has settled; they settle in the order in which they came.
-    settled: u64,
-    flights: Vec<Flight>,
-}
-
-/// Flights of a row beyond which those that have settled are thrown out.
-const MANY_FLIGHTS: usize = 16;
 
 /// One raster unit's state.
 #[derive(Clone, Debug)]
@@ -93,7 +63,7 @@ pub(super) struct RasterUnit {
 const HAND_OVER: u64 = 2;
 
 /// A tile to be drawn.
-pub(super) struct Job<'a> {
+pub(super) struct TileJob<'a> {
     pub tile: u32,
     pub pixels: u32,
     /// The pairs that are drawn, the first one's first band, and the pairs that follow them.
@@ -114,7 +84,7 @@ pub(super) struct Drawing {
 
 impl Drawing {
     /// Has its last pair been drawn?
-    pub fn is_over(&self, job: &Job) -> bool {
+    pub fn is_over(&self, job: &TileJob) -> bool {
         self.pair >= job.pairs.len()
     }
 }
@@ -122,19 +92,17 @@ impl Drawing {
 impl RasterUnit {
     pub fn new(number: u32, config: &Config) -> RasterUnit {
         let private_rows = config.layout == Layout::Rows;
-        let sequencer = Sequencer {
-            account: Account::default(),
-            fifo: Fifo::new(config.row_fifo),
-            rows: vec![RowFlights::default(); usize::from(config.tile_height)],
-        };
+        let sequencer = Sequencer::new(config.row_fifo, config.tile_height.into());
         let costs = Costs {
             overlap: config.overlap,
             splat: config.splat_cycles.into(),
             row: config.row_cycles.into(),
             rows_at_once: config.rows_at_once,
-            stretch: config.stretch().into(),
-            stride: config.stride().into(),
-            blend_latency: config.blend_latency.into(),
+            visit: VisitCosts {
+                stretch: config.stretch().into(),
+                stride: config.stride().into(),
+                blend_latency: config.blend_latency.into(),
+            },
             drain: u64::from(config.table_latency) + u64::from(config.blend_latency),
             private_rows,
             prefetch: config.packet_fifo as usize,
@@ -195,7 +163,12 @@ impl RasterUnit {
     }
 
     /// Draws one tile.
-    pub fn draw<O: Observer, M: Memory>(&mut self, job: &Job, observer: &mut O, memory: &mut M) {
+    pub fn draw<O: Observer, M: Memory>(
+        &mut self,
+        job: &TileJob,
+        observer: &mut O,
+        memory: &mut M,
+    ) {
         let drawing = self.begin(job, memory);
         let buffer = drawing.buffer;
         let mut band = job.first_band;
@@ -216,17 +189,14 @@ impl RasterUnit {
     }
 
     /// Takes the tile buffer that is free first.
-    pub fn begin<M: Memory>(&mut self, job: &Job, memory: &mut M) -> Drawing {
+    pub fn begin<M: Memory>(&mut self, job: &TileJob, memory: &mut M) -> Drawing {
         let oldest = self.buffers.pop_front().unwrap_or(Buffer::Free(0));
         let mut buffer = memory.buffer(&mut self.write_back, oldest);
         if self.costs.overlap == Overlap::Primitive {
             buffer = buffer.max(self.handed_over);
         }
         // Another tile's pixels lie in another buffer.
-        self.sequencers
-            .iter_mut()
-            .flat_map(|sequencer| &mut sequencer.rows)
-            .for_each(|row| row.settled = 0);
+        self.sequencers.iter_mut().for_each(Sequencer::begin_tile);
         Drawing {
             buffer,
             pair: 0,
@@ -251,7 +221,7 @@ impl RasterUnit {
     /// Draws the tile's next pair, if there is one.
     pub fn draw_pair<O: Observer, M: Memory>(
         &mut self,
-        job: &Job,
+        job: &TileJob,
         drawing: &mut Drawing,
         observer: &mut O,
         memory: &mut M,
@@ -276,7 +246,7 @@ impl RasterUnit {
     /// Drops what was fetched in vain and writes the tile back.
     pub fn end<O: Observer, M: Memory>(
         &mut self,
-        job: &Job,
+        job: &TileJob,
         drawing: &Drawing,
         observer: &mut O,
         memory: &mut M,
@@ -354,7 +324,7 @@ impl RasterUnit {
         lanes.wait(Cause::Memory, arrived);
         lanes.wait(Cause::SplatSetup, set_up);
         lanes.wait(Cause::RowGenerator, entered);
-        let start = sequencer.visit(band, buffer, &self.costs);
+        let start = sequencer.visit(band, buffer, &self.costs.visit);
         sequencer.fifo.pass(entered, start);
         at.lanes(lane, band, start, sequencer.account.at(), &self.costs);
     }
@@ -394,7 +364,7 @@ impl RasterUnit {
             at.event(Stage::Rows, 0, band.y, began, rows.at());
             sequencer.account.wait(Cause::Turn, rows.at());
             if band.groups > 0 {
-                let start = sequencer.visit(band, buffer, costs);
+                let start = sequencer.visit(band, buffer, &costs.visit);
                 at.lanes(0, band, start, sequencer.account.at(), costs);
             }
             rows.wait(Cause::Turn, sequencer.account.at());
@@ -471,7 +441,7 @@ impl RasterUnit {
     /// A tile is written back when its last pixel has been blended.
     fn write_back<O: Observer, M: Memory>(
         &mut self,
-        job: &Job,
+        job: &TileJob,
         buffer: u64,
         observer: &mut O,
         memory: &mut M,
@@ -520,91 +490,6 @@ impl RasterUnit {
             start,
             self.write_back.at().max(start),
         );
-    }
-}
-
-impl Sequencer {
-    /// Holds the band until a buffer is free and no pixel meets one in flight, then visits it; gives the first cycle.
-    #[inline(always)]
-    fn visit(&mut self, band: &Band, buffer: u64, costs: &Costs) -> u64 {
-        self.account.wait(Cause::TileBuffer, buffer);
-        let free = self.held_until(band, costs);
-        self.account.wait(Cause::Hazard, free);
-        let start = self.account.at();
-        let cycles = u64::from(band.groups) * costs.stretch;
-        self.account.work(cycles);
-        let settled = start + cycles - costs.stretch + costs.blend_latency;
-        let row = &mut self.rows[usize::from(band.y)];
-        row.settled = settled;
-        row.flights.push(Flight {
-            first: band.first,
-            last: band.last,
-            start,
-            settled,
-        });
-        start
-    }
-
-    /// The interlock: see the document for the rule.
-    #[inline(always)]
-    fn held_until(&mut self, band: &Band, costs: &Costs) -> u64 {
-        let now = self.account.at();
-        let row = &mut self.rows[usize::from(band.y)];
-        if row.settled <= now {
-            row.flights.clear();
-            return now;
-        }
-        if row.flights.len() > MANY_FLIGHTS {
-            row.flights.retain(|flight| flight.settled > now);
-        }
-        // Those that have settled hold nothing back.
-        let mut until = now;
-        for flight in &row.flights {
-            if flight.first >= band.last || band.first >= flight.last {
-                continue;
-            }
-            let ahead = u64::from(band.first)
-                .saturating_sub(flight.first.into())
-                .div_ceil(costs.stride);
-            let behind = u64::from(flight.first).saturating_sub(band.first.into()) / costs.stride;
-            let groups = ahead + u64::from(band.skipped);
-            let pixelwise = (flight.start + costs.blend_latency + groups * costs.stretch)
-                .saturating_sub(behind * costs.stretch);
-            until = until.max(pixelwise.min(flight.settled));
-        }
-        until
-    }
-}
-
-/// Counts the row generator's steps over the rows of one pair.
-struct Steps {
-    at_once: u32,
-    /// Rows that the last step has made and no band has taken.
-    spare: u32,
-}
-
-impl Steps {
-    fn new(at_once: u32) -> Steps {
-        Steps { at_once, spare: 0 }
-    }
-
-    /// Steps begun for the next so many rows.
-    #[inline(always)]
-    fn make(&mut self, rows: u8) -> u64 {
-        let rows = u32::from(rows);
-        if rows <= self.spare {
-            self.spare -= rows;
-            return 0;
-        }
-        let missing = rows - self.spare;
-        // Most often one step is enough; the division is for tall gaps.
-        let steps = if missing <= self.at_once {
-            1
-        } else {
-            missing.div_ceil(self.at_once)
-        };
-        self.spare = steps * self.at_once - missing;
-        steps.into()
     }
 }
 

@@ -11,7 +11,7 @@ use super::lanes::{LaneShape, LaneWork};
 use super::memory::parts::Part;
 use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
 use super::observe::{Blind, Observer};
-use super::raster::{Drawing, Job, RasterUnit};
+use super::raster::{Drawing, RasterUnit, TileJob};
 use super::tile_order::sequence;
 use super::workload::Workload;
 use serde::Serialize;
@@ -297,7 +297,7 @@ impl Raster {
     ) {
         let order = sequence(config.tile_order, work.columns, work.tiles.len());
         let count = self.units.len();
-        let mut drawn: Vec<Option<(Job, Drawing)>> = (0..count).map(|_| None).collect();
+        let mut drawn: Vec<Option<(TileJob, Drawing)>> = (0..count).map(|_| None).collect();
         // The next tile of each unit, or of all of them where tiles are not assigned beforehand.
         let mut next: Vec<usize> = match config.assignment {
             Assignment::Static => (0..count).collect(),
@@ -340,7 +340,7 @@ impl Raster {
         }
     }
 
-    fn count(&mut self, job: &Job) {
+    fn count(&mut self, job: &TileJob) {
         self.pixels_written += u64::from(job.pixels);
         let sums = &mut self.pixels;
         sums.pairs += job.pairs.len() as u64;
@@ -362,7 +362,7 @@ impl Raster {
 }
 
 /// A tile's work.
-fn job<'a>(work: &'a LaneWork, config: &Config, number: usize) -> Job<'a> {
+fn job<'a>(work: &'a LaneWork, config: &Config, number: usize) -> TileJob<'a> {
     let tile = &work.tiles[number];
     let first_pair = match number {
         0 => 0,
@@ -375,7 +375,7 @@ fn job<'a>(work: &'a LaneWork, config: &Config, number: usize) -> Job<'a> {
     let all = &work.pairs[first_pair..tile.pairs_end as usize];
     let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
     let (pairs, left_out) = all.split_at(drawn);
-    Job {
+    TileJob {
         tile: number as u32,
         pixels: tile.pixels,
         pairs,

@@ -1,0 +1,336 @@
+//! Sweeps: shards, resuming, merging, and what is refused because it belongs to another sweep.
+
+use super::*;
+
+#[test]
+fn a_sweep_in_shards_is_the_whole_sweep() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(
+        path("s.toml"),
+        "[design]\nmantissa = [14, 18]\n[machine]\nlanes = [1, 4]\nrow_fifo = [2, 8]\n",
+    )
+    .unwrap();
+    let sweep = |out: &Path, shard: &str| {
+        succeed(&with(
+            "explore",
+            &[
+                "--space",
+                text(&path("s.toml")),
+                "--shard",
+                shard,
+                "-o",
+                text(out),
+            ],
+        ))
+    };
+    let (whole, parts, merged) = (path("whole"), path("parts"), path("merged"));
+    assert!(sweep(&whole, "1/1").contains("8 points, 8 of them new"));
+    assert!(sweep(&whole, "1/1").contains("8 points, 0 of them new"));
+    sweep(&parts, "1/2");
+    sweep(&parts, "2/2");
+    succeed(&["merge", text(&parts), "-o", text(&merged)]);
+    let read = |folder: &Path, file: &str| std::fs::read_to_string(folder.join(file)).unwrap();
+    assert_eq!(read(&whole, "front.csv"), read(&merged, "front.csv"));
+    assert!(read(&whole, "front.html").contains("<title>point"));
+    for sweep in [&whole, &merged] {
+        assert!(read(sweep, "front.html").contains("Estimate of area for Xilinx 7"));
+    }
+    std::fs::write(path("s.toml"), "[machine]\nlanes = [2]\n").unwrap();
+    let refused = fail(
+        1,
+        &with(
+            "explore",
+            &["--space", text(&path("s.toml")), "-o", text(&whole)],
+        ),
+    );
+    assert!(refused.contains("holds another sweep"), "{refused}");
+    assert!(
+        refused.contains("space, line 1: '[design]' there, '[machine]' here"),
+        "{refused}"
+    );
+}
+
+/// A scene of three splats in a file, so that it can be edited under its name.
+fn scene(weight: f32) -> Vec<u8> {
+    let record = |x: f32| {
+        let mut bytes = [x, 0.0, 0.0, 0.1, 0.1, 0.1].map(f32::to_le_bytes).concat();
+        bytes.extend([200, 100, 50, (weight * 255.0) as u8, 255, 128, 128, 128]);
+        bytes
+    };
+    [-0.3, 0.0, 0.4].map(record).concat()
+}
+
+/// Edited files of one name, other options, another program's identity: neither resumed nor merged, and the message says why.
+#[test]
+fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let files = [
+        ("s.toml", "[machine]\nlanes = [1, 2]\n"),
+        ("d.toml", "base = \"lean18\"\n"),
+        ("m.toml", "[lanes]\nlanes = 1\n"),
+        ("p.toml", "family = \"ecp5\"\n"),
+    ];
+    for (name, text) in files {
+        std::fs::write(path(name), text).unwrap();
+    }
+    std::fs::write(path("a.splat"), scene(0.5)).unwrap();
+    let arguments = |shard: &str, out: &str, more: &[&str]| -> Vec<String> {
+        let out = format!("FOLDER/{out}");
+        let usual = [
+            "explore",
+            "FOLDER/a.splat",
+            "--size",
+            "16x16",
+            "--space",
+            "FOLDER/s.toml",
+            "--no-error",
+        ];
+        let files = [
+            "--design",
+            "FOLDER/d.toml",
+            "--machine",
+            "FOLDER/m.toml",
+            "--calibration",
+            "FOLDER/p.toml",
+        ];
+        let all = [&usual, &files[..], more, &["--shard", shard, "-o", &out]].concat();
+        all.iter()
+            .map(|argument| argument.replace("FOLDER", text(folder.path())))
+            .collect()
+    };
+    let run = |shard: &str, out: &str, more: &[&str]| {
+        let arguments = arguments(shard, out, more);
+        splatline(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    assert!(run("1/2", "known", &[]).status.success());
+    let refused = |expected: &str, out: &str, more: &[&str]| {
+        let resumed = run("2/2", "known", more);
+        let told = String::from_utf8_lossy(&resumed.stderr).into_owned();
+        assert!(
+            told.contains("holds another sweep") && told.contains(expected),
+            "{expected}: {told}"
+        );
+        assert!(run("2/2", out, more).status.success(), "{expected}");
+        let told = fail(
+            1,
+            &[
+                "merge",
+                text(&path("known")),
+                text(&path(out)),
+                "-o",
+                text(&path("merged")),
+            ],
+        );
+        assert!(
+            told.contains("another sweep") && told.contains(expected),
+            "{expected}: {told}"
+        );
+        assert!(!path("merged").join("points.csv").exists());
+    };
+    std::fs::write(path("a.splat"), scene(0.6)).unwrap();
+    refused("scene.sha256", "edited", &[]);
+    std::fs::write(path("a.splat"), scene(0.5)).unwrap();
+    for (name, role, section) in [
+        ("d.toml", "design", ""),
+        ("m.toml", "machine", ""),
+        ("p.toml", "calibration", ""),
+    ] {
+        let before = std::fs::read_to_string(path(name)).unwrap();
+        std::fs::write(path(name), format!("{before}# a comment {section}\n")).unwrap();
+        refused(&format!("files_sha256.{role}"), role, &[]);
+        std::fs::write(path(name), before).unwrap();
+    }
+    refused("camera.", "size", &["--eye", "0,0,-3", "--target", "0,0,0"]);
+    refused("rules", "rules", &["--kernel", "disc"]);
+    refused("compositing", "order", &["--compositing", "x-ray"]);
+    refused("machine, line", "set", &["--set", "row_fifo=3"]);
+    // Tables of another version of the program.
+    let sweep = path("known").join("sweep.json");
+    let text = std::fs::read_to_string(&sweep).unwrap();
+    let start = text.find("sources_sha256").unwrap() + 18;
+    let other = format!("{}0000{}", &text[..start], &text[start + 4..]);
+    std::fs::write(&sweep, other).unwrap();
+    refused("program.sources_sha256", "program", &[]);
+}
+
+#[test]
+fn an_incomplete_or_altered_sweep_is_not_merged() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(
+        path("s.toml"),
+        "[machine]\nrow_fifo = [1, 2, 3, 4, 5, 6, 7, 8]\n",
+    )
+    .unwrap();
+    let (out, merged) = (path("out"), path("merged"));
+    let sweep = |shard: &str| {
+        let more = [
+            "--space",
+            text(&path("s.toml")),
+            "--shard",
+            shard,
+            "-o",
+            text(&out),
+        ]
+        .map(str::to_owned);
+        let more: Vec<&str> = more.iter().map(String::as_str).collect();
+        succeed(&with("explore", &more))
+    };
+    sweep("1/8");
+    let told = fail(1, &["merge", text(&out), "-o", text(&merged)]);
+    assert!(
+        told.contains("7 of the sweep's 8 points are missing") && told.contains("--partial"),
+        "{told}"
+    );
+    assert!(!merged.join("points.csv").exists());
+    let told = succeed(&["merge", "--partial", text(&out), "-o", text(&merged)]);
+    assert!(told.contains("1 points; 7 of 8 are missing"), "{told}");
+    for shard in 2..=8 {
+        sweep(&format!("{shard}/8"));
+    }
+    // A row that was merged before is not lost, though its folder is not named again.
+    std::fs::rename(out.join("points-1-of-8.csv"), path("kept.csv")).unwrap();
+    assert!(succeed(&["merge", text(&out), "-o", text(&merged)]).starts_with("8 points"));
+    std::fs::rename(path("kept.csv"), out.join("points-1-of-8.csv")).unwrap();
+
+    let table = out.join("points-3-of-8.csv");
+    let sound = std::fs::read_to_string(&table).unwrap();
+    let altered = |from: &str, to: &str, expected: &str| {
+        std::fs::write(&table, sound.replacen(from, to, 1)).unwrap();
+        let told = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
+        assert!(
+            told.contains("points-3-of-8.csv") && told.contains(expected),
+            "{told}"
+        );
+        let resume = [
+            "--space",
+            text(&path("s.toml")),
+            "--shard",
+            "3/8",
+            "-o",
+            text(&out),
+        ]
+        .map(str::to_owned);
+        let resume: Vec<&str> = resume.iter().map(String::as_str).collect();
+        assert!(fail(1, &with("explore", &resume)).contains(expected));
+    };
+    altered(
+        "\n2,3,",
+        "\n2,4,",
+        "row_fifo is '4', in the space it is '3'",
+    );
+    altered("\n2,3,", "\n2,3,NaN", "psnr_db is 'NaN");
+    let row = sound.lines().nth(1).unwrap();
+    altered(row, &format!("{row}\n{row}"), "point 2 a second time");
+    std::fs::write(&table, &sound).unwrap();
+    std::fs::write(out.join("points-old.csv"), &sound).unwrap();
+    let told = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
+    assert!(
+        told.contains("points-old.csv: looks like a sweep's table"),
+        "{told}"
+    );
+}
+
+/// A scene that nobody sees is swept, and its rows are read again.
+#[test]
+fn a_sweep_of_nothing_can_be_resumed() {
+    let folder = tempfile::tempdir().unwrap();
+    let space = folder.path().join("s.toml");
+    std::fs::write(&space, "[machine]\nlanes = [1, 2]\n").unwrap();
+    let away = [
+        "--eye",
+        "0,0,900",
+        "--target",
+        "0,0,1000",
+        "--space",
+        text(&space),
+        "-o",
+        text(folder.path()),
+    ];
+    assert!(succeed(&with("explore", &away)).contains("2 points, 2 of them new"));
+    assert!(succeed(&with("explore", &away)).contains("2 points, 0 of them new"));
+}
+
+/// Stopped by Ctrl-C again and again, a sweep still ends with the rows of one that was left alone.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(
+        path("s.toml"),
+        "[design]\nmantissa = { from = 12, to = 27 }\n[machine]\nlanes = [1, 4]\nrow_fifo = [2, 8]\n",
+    )
+    .unwrap();
+    // Large enough that it takes a while after its first rows.
+    let large = ["explore", "random:3000:1", "--size", "160x120"];
+    let arguments = |out: &Path| -> Vec<String> {
+        let space = path("s.toml");
+        let more = ["--space", text(&space), "-o", text(out)];
+        let all = large.iter().chain(&more);
+        all.map(|argument| argument.to_string()).collect()
+    };
+    let (whole, stopped) = (path("whole"), path("stopped"));
+    let run = |out: &Path| {
+        let arguments = arguments(out);
+        succeed(&arguments.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    run(&whole);
+    let table = stopped.join("points.csv");
+    let rows = || {
+        std::fs::read_to_string(&table)
+            .unwrap_or_default()
+            .lines()
+            .count()
+    };
+    let mut interrupted = 0;
+    for _ in 0..3 {
+        let before = rows();
+        let mut child = Command::new(env!("CARGO_BIN_EXE_splatline"))
+            .args(arguments(&stopped))
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        // Until it has written something new.
+        while child.try_wait().unwrap().is_none() && rows() < before + 2 {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        let kill = format!("kill -INT {}", child.id());
+        let signal = Command::new("sh").args(["-c", &kill]).status();
+        if signal.is_ok_and(|status| status.success()) && !child.wait().unwrap().success() {
+            interrupted += 1;
+        }
+    }
+    assert!(interrupted > 0, "the sweep was too fast to be interrupted");
+    run(&stopped);
+    let sorted = |folder: &Path| {
+        let text = std::fs::read_to_string(folder.join("points.csv")).unwrap();
+        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+        lines.sort();
+        lines
+    };
+    assert_eq!(sorted(&stopped), sorted(&whole));
+    assert_eq!(sorted(&whole).len(), 65);
+}
+
+/// A second process on the same table is refused while the first one runs.
+#[test]
+fn two_processes_do_not_share_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let space = folder.path().join("s.toml");
+    std::fs::write(&space, "[machine]\nlanes = [1, 2]\n").unwrap();
+    let arguments = with(
+        "explore",
+        &["--space", text(&space), "-o", text(folder.path())],
+    );
+    succeed(&arguments);
+    let table = std::fs::File::open(folder.path().join("points.csv")).unwrap();
+    table.lock().unwrap();
+    assert!(fail(1, &arguments).contains("another process is writing this table"));
+    let merge = ["merge", text(folder.path()), "-o", text(folder.path())];
+    assert!(fail(1, &merge).contains("another process is writing this table"));
+    drop(table);
+    succeed(&arguments);
+}
