@@ -276,6 +276,10 @@ fn narrow_gaussian() -> NarrowFactors {
 
 proptest! {
     #[test]
+    #[cfg_attr(
+        not(has_avx512),
+        ignore = "this processor has no AVX-512: the portable model would be compared with itself"
+    )]
     fn every_short_operation_is_the_portable_one(a: [u32; 16], b: [u32; 16], c: [u32; 16], alike: bool) {
         let all = AllNarrow { a, b: if alike { a } else { b }, c, factors: narrow_gaussian() };
         prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
@@ -290,6 +294,10 @@ proptest! {
     }
 
     #[test]
+    #[cfg_attr(
+        not(has_avx512),
+        ignore = "this processor has no AVX-512: the portable model would be compared with itself"
+    )]
     fn every_fused_operation_is_the_portable_one(
         a: [u64; 8], b: [u64; 8], c: [u64; 8], bits: u8, less in 0u32..64, alike: bool, pairs in prop::collection::vec(any::<u64>(), 0..40),
         table in prop::collection::vec(any::<u32>(), 0..60),
