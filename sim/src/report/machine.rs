@@ -37,7 +37,7 @@ const COLOURS: [&str; CAUSES.len()] = [
 pub struct Watched {
     /// Cycles that the lanes were at a tile: from its first group to its last.
     pub tiles: Vec<u64>,
-    /// Cycles of work in each slot of time, by stage of [`WATCHED`].
+    /// Cycles of work in each slot of time, by stage of `WATCHED`.
     pub slots: [Vec<u64>; 3],
     /// Cycles of a slot.
     pub slot: u64,

@@ -1,7 +1,7 @@
 //! The units that a core's tables make, alone: rounding, reciprocal, root (with and without Heron's step) and logarithm, of every mantissa of a
 //! design's width and of numbers that carry, against `SoftFloat::from_wide`, `reciprocal`, `square_root` and `cutoff`.
 //!
-//! The circuit is the setup unit; its program computes nothing else ([`units`](super::program::units)), and the results leave in fields that pass the packet's maker
+//! The circuit is the setup unit; its program computes nothing else ([`units`]), and the results leave in fields that pass the packet's maker
 //! as they are.
 
 use super::bench::{Load, record, write_constants};
