@@ -134,7 +134,7 @@ module row_generator (
   logic signed [15:0] power8, power9;
   assign risen8 = step8 + 33'h8000;
   always_ff @(posedge clk) begin
-    entry6 <= splatline_pkg::root_entry(index5);
+    entry6 <= splatline_tables::root_entry(index5);
     fraction6 <= fraction5;
     pairs6 <= pairs5;
     entry7 <= entry6;

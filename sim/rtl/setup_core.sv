@@ -92,7 +92,7 @@ module setup_core (
     {b_exponent2, b2} <= slot1.b_constant ? {constant1[81:64], constant1[51:0]} : register_b1;
     {a3, a_exponent3, b3, b_exponent3} <= {a2, a_exponent2, b2, b_exponent2};
     even3 <= even2;
-    entry3 <= splatline_setup_pkg::table_entry(index2);
+    entry3 <= splatline_tables::setup_entry(index2);
   end
 
   // 3: factors' magnitudes, or the plain term's.

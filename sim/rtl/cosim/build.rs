@@ -22,6 +22,7 @@ fn main() {
     let rtl = here.parent().expect("the crate lies in sim/rtl").to_owned();
     for file in [
         "build.rs",
+        "model.h",
         "shim.cpp",
         "runtime.cpp",
         "flat_primitive.sv",

@@ -1,13 +1,5 @@
 // The verilated setup unit behind three C functions. MODEL is its class.
-#include <cstdint>
-#include <cstring>
-#include "verilated.h"
-
-#define TEXT_(a) #a
-#define TEXT(a) TEXT_(a)
-#define HEADER_(a) TEXT(a.h)
-#define HEADER HEADER_(MODEL)
-#include HEADER
+#include "model.h"
 
 namespace {
 

@@ -1,15 +1,8 @@
 // One verilated model behind four C functions. Compiled once for each model with MODEL (the class) and NAME (the model's name).
-#include <cstdint>
-#include <cstring>
-#include "verilated.h"
+#include "model.h"
 
 #define JOIN_(a, b) a##b
 #define JOIN(a, b) JOIN_(a, b)
-#define TEXT_(a) #a
-#define TEXT(a) TEXT_(a)
-#define HEADER_(a) TEXT(a.h)
-#define HEADER HEADER_(MODEL)
-#include HEADER
 
 namespace {
 

@@ -125,7 +125,7 @@ pub struct Fit {
 }
 
 /// The order in which widths are lowered: dear bits first (multipliers of setup, rows and lanes, then storage).
-const ORDER: [&str; 13] = [
+pub(super) const LOWERING_ORDER: [&str; 13] = [
     "mantissa",
     "view",
     "position",
@@ -159,7 +159,7 @@ pub fn fit(
     }
     loop {
         let before = search.widths.clone();
-        for name in ORDER {
+        for name in LOWERING_ORDER {
             progress(name);
             error = search.lower(name, error)?;
         }

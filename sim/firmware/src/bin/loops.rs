@@ -9,9 +9,8 @@ mod image {
     use core::arch::asm;
     use splatline::blend::{Blend, FINISHED, Pixel};
     use splatline::draw::{NarrowLanes, NarrowRun, Painter32};
-    use splatline::footprint::{Conic, Footprint, Ldl};
+    use splatline::footprint::Footprint;
     use splatline::kernel::PackedTable;
-    use splatline::math::SoftFloat;
     use splatline_firmware::design::Firmware16;
     use splatline_firmware::fixed_picture::{INTERVALS, PACKED};
     use splatline_firmware::scene::RULES;
@@ -87,20 +86,9 @@ mod image {
         fn footprint(&mut self) -> Footprint {
             let peak = if self.bits(1) == 0 { 14 } else { 18 };
             Footprint {
-                depth: 0,
-                centre: [0; 2],
-                first: [0; 2],
-                end: [0; 2],
-                ldl: Ldl {
-                    horizontal: SoftFloat::ZERO,
-                    squared_width: SoftFloat::ZERO,
-                    shear: SoftFloat::ZERO,
-                    vertical: SoftFloat::ZERO,
-                },
-                conic: Conic::default(),
-                cutoff: 0,
                 opacity: self.bits(peak),
                 colour: [0; 3].map(|_: u32| self.bits(14)),
+                ..Footprint::EMPTY
             }
         }
     }

@@ -5,7 +5,7 @@ use splatline::format::Traversal;
 use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, fmax, formal, layouts, mutants, package, setup, speed};
+use splatline_rtl::{area, fmax, formal, layouts, mutants, package, setup, speed, tables};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
@@ -89,7 +89,7 @@ fn write_packages() -> Result<()> {
         let path = package::path(design);
         write_package(design, path.parent().unwrap_or(Path::new(".")))?;
     }
-    Ok(())
+    write_whole(&tables::path(), &tables::text())
 }
 
 fn print_estimate(design: &str, lanes: &str) -> Result<()> {

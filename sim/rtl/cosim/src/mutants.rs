@@ -20,7 +20,8 @@ pub struct Mutant {
     pub to: &'static str,
 }
 
-const fn mutant(
+/// A mistake, for a list of them.
+pub const fn mutant(
     name: &'static str,
     file: &'static str,
     from: &'static str,

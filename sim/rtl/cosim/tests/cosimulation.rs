@@ -2,7 +2,7 @@
 
 use splatline::format::{Lean18, Standard24};
 use splatline_rtl::package::{path, text};
-use splatline_rtl::setup;
+use splatline_rtl::{setup, tables};
 
 #[test]
 fn committed_packages_are_the_generators() {
@@ -34,6 +34,15 @@ fn committed_setup_packages_are_the_generators() {
             "{design}: splatline_setup_pkg.sv is stale; {stale}"
         );
     }
+}
+
+#[test]
+fn committed_tables_are_the_generators() {
+    let committed = std::fs::read_to_string(tables::path()).unwrap();
+    assert!(
+        committed == tables::text(),
+        "splatline_tables.sv is stale; run `cargo run -p splatline-rtl --example rtl -- package` and commit the result"
+    );
 }
 
 #[cfg(has_rtl)]

@@ -5,6 +5,7 @@
 //! single field gains anything, one is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
 
 use super::evaluate::{Evaluator, Reached};
+use crate::explore::fit::LOWERING_ORDER;
 use crate::explore::space::{Axis, Part};
 use anyhow::Result;
 use splatline::format::WIDTH_RANGES;
@@ -36,23 +37,6 @@ const EXCHANGED: [&str; 12] = [
     "write_bandwidth",
     "packet_cache",
     "row_fifo",
-];
-
-/// The order in which widths are lowered: those whose bits are dear first.
-const ORDER: [&str; 13] = [
-    "mantissa",
-    "view",
-    "position",
-    "peak",
-    "weight",
-    "transmittance",
-    "alpha",
-    "accumulator",
-    "interpolation",
-    "table",
-    "radial",
-    "colour",
-    "subpixel",
 ];
 
 /// Lexicographic.
@@ -292,7 +276,10 @@ impl Evaluator<'_> {
                 .position(|axis| axis.part == Part::Design && axis.key == name);
             place.filter(|place| is_width(&axes[*place]))
         };
-        let widths: Vec<usize> = ORDER.iter().filter_map(|name| width(name)).collect();
+        let widths: Vec<usize> = LOWERING_ORDER
+            .iter()
+            .filter_map(|name| width(name))
+            .collect();
         let others = (0..axes.len()).filter(|axis| !widths.contains(axis));
         (widths.clone(), others.collect())
     }

@@ -36,26 +36,15 @@ pub struct Bits {
 impl Bits {
     /// Of a design.
     pub fn new(widths: &Widths) -> Bits {
-        let [
-            _,
-            _,
-            mantissa,
-            subpixel,
-            radial,
-            table,
-            interpolation,
-            weight,
-            peak,
-            alpha,
-            transmittance,
-            colour,
-            accumulator,
-        ] = widths.numbers().map(u64::from);
+        let [radial, weight, peak, alpha] =
+            [widths.radial, widths.weight, widths.peak, widths.alpha].map(u64::from);
+        let [transmittance, colour, accumulator] =
+            [widths.transmittance, widths.colour, widths.accumulator].map(u64::from);
         let step = weight.saturating_sub(2);
         Bits {
-            mantissa,
+            mantissa: widths.mantissa.into(),
             lane: radial + peak + weight + alpha + transmittance + 3 * (colour + accumulator),
-            table: [1 << table, weight + 1 + step],
+            table: [1 << widths.table, weight + 1 + step],
             pixel: [transmittance + 2, 3 * (accumulator + 5)],
             // Row, column and length; the radial index and its differences; cut-off, peak and colours.
             run: 39 + 96 + (radial + 5) + (peak + 4) + 3 * (colour + 4),
@@ -63,11 +52,11 @@ impl Bits {
             accumulator,
             weight,
             peak,
-            subpixel,
+            subpixel: widths.subpixel.into(),
             alpha,
             transmittance,
             colour,
-            interpolation,
+            interpolation: widths.interpolation.into(),
             step,
         }
     }
@@ -159,7 +148,7 @@ impl Geometry {
 
     /// Of a design.
     pub fn new(widths: &Widths) -> Geometry {
-        let [position, view, m, ..] = widths.numbers().map(u64::from);
+        let [position, view, m] = [widths.position, widths.view, widths.mantissa].map(u64::from);
         // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
         let low = position.saturating_sub(30);
         let cross = if low > 0 { 18 } else { 0 };

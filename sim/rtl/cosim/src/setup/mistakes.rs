@@ -4,29 +4,15 @@ use super::bench::{LONG, Load, run};
 use super::circuit::{Spec, library};
 use super::loads::{captured, synthetic};
 use super::model::Model;
-use crate::mutants::Mutant;
+use crate::mutants::{Mutant, mutant};
 use anyhow::Result;
 use splatline::format::{Lean18, RuntimeWidths};
-
-const fn mutant(
-    name: &'static str,
-    file: &'static str,
-    from: &'static str,
-    to: &'static str,
-) -> Mutant {
-    Mutant {
-        name,
-        file,
-        from,
-        to,
-    }
-}
 
 const CORE: &str = "setup_core.sv";
 const EYE: &str = "setup_difference.sv";
 const PACK: &str = "setup_pack.sv";
 const UNIT: &str = "setup_unit.sv";
-const PACKAGE: &str = "splatline_setup_pkg.sv";
+const TABLES: &str = "splatline_tables.sv";
 
 /// The mistakes.
 #[rustfmt::skip]
@@ -78,7 +64,7 @@ pub const MISTAKES: [Mutant; 48] = [
     mutant("conic's unit of two coefficients", PACK, "(largest > conic_exponent1 ? largest : conic_exponent1)", "largest"),
     mutant("results overwritten under back-pressure", UNIT, "&& pending[!round[0]]", "&& 1'b0"),
     mutant("a round's records of the next", UNIT, "load_side <= !load_side;", "load_side <= load_side;"),
-    mutant("an entry of the reciprocals", PACKAGE, "9'd77: table_entry = {32'd", "9'd77: table_entry = {32'd1"),
+    mutant("an entry of the reciprocals", TABLES, "9'd77: setup_entry = {32'd", "9'd77: setup_entry = {32'd1"),
 ];
 
 /// What the comparison says of a mistake: its first difference, or nothing if it survives.
