@@ -273,8 +273,10 @@ fn roofline(timing: &Timing, config: &Config) -> String {
     let base = height - 34.0;
     let pixels = timing.pixels.live.max(1) as f64;
     let lanes = f64::from(config.lanes * config.raster_units) / f64::from(config.stretch());
-    let channels = f64::from(config.read_bandwidth) + f64::from(config.write_bandwidth);
-    let bytes = timing.bytes.all().max(1) as f64 / pixels;
+    // A part needs a clock, so that its bytes a cycle are known.
+    let channels = config.channel_bytes_per_cycle(config.clock_mhz.into());
+    let moved = timing.memory.as_ref().map(|memory| memory.bytes_moved);
+    let bytes = moved.unwrap_or(timing.bytes.all()).max(1) as f64 / pixels;
     let reached = pixels / timing.total.max(1) as f64;
     let x =
         |value: f64| LEFT + (WIDTH - LEFT - 20.0) * ((value.log10() + 3.0) / 6.0).clamp(0.0, 1.0);

@@ -56,7 +56,7 @@ impl Subjects {
             machine: machine(),
             calibration: Calibration::default(),
             limits,
-            energy: None,
+            energy: EnergyTable::default(),
         }
     }
 

@@ -144,12 +144,20 @@ impl Config {
 
     /// Conditions between fields: the key at fault, its value and what is allowed.
     pub fn check_together(&self) -> Result<(), (&'static str, String, String)> {
-        if self.packet_cache > 0 && self.part > 0 {
+        if self.packet_cache > 0 && self.memory_part > 0 {
             let allowed =
                 "allowed is 0 with a memory part: a cache in front of its port is not modelled";
             return Err((
                 "packet_cache",
                 self.packet_cache.to_string(),
+                allowed.to_owned(),
+            ));
+        }
+        if self.overlap_frames > 1 && self.memory_part > 0 {
+            let allowed = "allowed is 1 with a memory part: phases of two pictures at one port are not simulated";
+            return Err((
+                "overlap_frames",
+                self.overlap_frames.to_string(),
                 allowed.to_owned(),
             ));
         }
@@ -174,7 +182,11 @@ impl Config {
             && self.clock_mhz == 0
         {
             let allowed = "allowed with a clock_mhz of 1 to 10000: the part has a clock of its own";
-            return Err(("part", format!("\"{}\"", part.name), allowed.to_owned()));
+            return Err((
+                "memory_part",
+                format!("\"{}\"", part.name),
+                allowed.to_owned(),
+            ));
         }
         if self.simulator_bytes() > MOST_BYTES {
             let allowed = format!(
@@ -356,6 +368,10 @@ pub fn known(key: &str) -> String {
 fn unknown(place: &str, key: &str) -> ConfigError {
     let name = key.rsplit('.').next().unwrap_or(key);
     let hint = match field(name) {
+        // The name that the setting once had, and that the command line has for something else.
+        None if name == "part" => {
+            ": the memory is memory_part; the FPGA is the option --part".to_owned()
+        }
         Some(field) => format!(": '{name}' belongs into [{}]", field.section),
         None => {
             let start: String = name.chars().take(3).collect();

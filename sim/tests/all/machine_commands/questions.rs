@@ -115,6 +115,15 @@ fn many_frames_are_one_report() {
         first["error"]["rgb"]["max_abs"],
         all["frames"][0]["max_abs"]
     );
+    let of_first = &first["pace"]["ms_per_frame"];
+    assert!(of_first.as_f64().unwrap() > 0.0);
+    assert_eq!(*of_first, all["frames"][0]["ms_per_frame"]);
+    assert!(told.contains("frames a second if every frame"), "{told}");
+    let page = std::fs::read_to_string(out.join("frame-0001/report.html")).unwrap();
+    assert!(
+        page.contains(" ms a frame, "),
+        "the page of a comparison has a pace"
+    );
     assert!(
         std::fs::read_to_string(out.join("frames.html"))
             .unwrap()

@@ -190,8 +190,14 @@ fn memories(workload: &Workload, _: &DesignChoice) -> Result<String> {
         sort_bytes: 8,
         ..Config::primitive(4)
     };
-    for part in 0..=PARTS.len() as u32 {
-        let timing = simulate_alone(workload, &Config { part, ..base });
+    for memory_part in 0..=PARTS.len() as u32 {
+        let timing = simulate_alone(
+            workload,
+            &Config {
+                memory_part,
+                ..base
+            },
+        );
         let Timing {
             total,
             geometry,
