@@ -45,11 +45,7 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
         ),
     ];
     let limit = |(quantity, bound, of): (Quantity, Option<f64>, &str)| {
-        Some(Limit {
-            quantity,
-            bound: bound?,
-            of: of.to_owned(),
-        })
+        Some(Limit::new(quantity, bound?, of))
     };
     given.into_iter().filter_map(limit).collect()
 }

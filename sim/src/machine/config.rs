@@ -120,6 +120,8 @@ pub struct Config {
     pub sort_passes: u32,
     /// Depth sort: cycles per entry and pass.
     pub sort_cycles: u32,
+    /// Pictures of a camera path from one full sort to the next; in between tile lists keep their order.
+    pub sort_every: u32,
     /// Raster units.
     pub raster_units: u32,
     /// Who draws which tile.
@@ -202,6 +204,7 @@ impl Default for Config {
             binning: Binning::Box,
             sort_passes: 1,
             sort_cycles: 1,
+            sort_every: 1,
             raster_units: 1,
             assignment: Assignment::Dynamic,
             overlap: Overlap::Pipelined,

@@ -442,11 +442,7 @@ pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
 
 /// The limits that a part sets.
 pub fn limits_of_part(name: &str, part: &crate::machine::parts::Part) -> Vec<Limit> {
-    let limit = |quantity, bound: u64| Limit {
-        quantity,
-        bound: bound as f64,
-        of: name.to_owned(),
-    };
+    let limit = |quantity, bound: u64| Limit::new(quantity, bound as f64, name);
     vec![
         limit(Quantity::Luts, part.luts),
         limit(Quantity::FlipFlops, part.flip_flops),

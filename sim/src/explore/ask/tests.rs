@@ -96,11 +96,7 @@ fn machine() -> Config {
 }
 
 fn limit(quantity: Quantity, bound: f64) -> Limit {
-    Limit {
-        quantity,
-        bound,
-        of: "test".to_owned(),
-    }
+    Limit::new(quantity, bound, "test")
 }
 
 /// For a mesh of limits, some of which nothing holds: the search ends at the cost of the cheapest point that the sweep knows.

@@ -153,6 +153,14 @@ impl Config {
                 allowed.to_owned(),
             ));
         }
+        if self.sort_every > 1 && self.sort_passes < 2 {
+            let allowed = "allowed is 1 with a sort_passes below 2: to merge what came into a kept list is a pass itself";
+            return Err((
+                "sort_every",
+                self.sort_every.to_string(),
+                allowed.to_owned(),
+            ));
+        }
         if self.overlap_frames > 1 && self.memory_part > 0 {
             let allowed = "allowed is 1 with a memory part: phases of two pictures at one port are not simulated";
             return Err((
@@ -483,6 +491,58 @@ mod tests {
                 "{}",
                 field.key
             );
+        }
+    }
+
+    /// Every key of a file: what is beyond its range or of another kind is refused by file, line, key and what is allowed.
+    #[test]
+    fn every_key_is_refused_outside_its_range_by_name_and_line() {
+        for field in &FIELDS {
+            let wrong: Vec<String> = match field.range {
+                Range::Number(low, high) => vec![
+                    (i64::from(low) - 1).to_string(),
+                    (i64::from(high) + 1).to_string(),
+                    "9223372036854775807".to_owned(),
+                    "\"many\"".to_owned(),
+                    "1.5".to_owned(),
+                ],
+                Range::OneOf(list) => vec![
+                    (i64::from(list[0]) - 1).to_string(),
+                    (list[list.len() - 1] + 1).to_string(),
+                    "true".to_owned(),
+                ],
+                Range::Choice(_) => vec!["\"none such\"".to_owned(), "1".to_owned()],
+            };
+            for value in wrong {
+                let text = format!(
+                    "# a machine\n\n[{}]\n{} = {value}\n",
+                    field.section, field.key
+                );
+                let told = from_toml("m.toml", &text).unwrap_err().to_string();
+                let place = format!("m.toml:4: {} = ", field.path());
+                assert!(told.starts_with(&place), "{told}");
+                assert!(told.ends_with(&field.allowed()), "{told}");
+                let mut config = Config::default();
+                let word = format!("{}={}", field.key, value.trim_matches('"'));
+                if config.set_words(&[word.clone()]).is_ok() {
+                    panic!("--set {word} was taken");
+                }
+            }
+        }
+    }
+
+    /// The name that a memory part once had is told what it is called now.
+    #[test]
+    fn the_old_name_of_a_memory_part_is_told_the_new_one() {
+        for (text, line) in [
+            ("[memory]\npart = \"ddr3-1600-x16\"\n", 2),
+            ("memory.part = 1\n", 1),
+        ] {
+            let told = from_toml("m.toml", text).unwrap_err().to_string();
+            let expected = format!(
+                "m.toml:{line}: unknown key 'memory.part': the memory is memory_part; the FPGA is the option --part"
+            );
+            assert_eq!(told, expected);
         }
     }
 

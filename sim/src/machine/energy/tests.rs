@@ -93,6 +93,7 @@ fn one_splat() -> Workload {
     };
     Workload {
         columns: 0,
+        kept: None,
         tile: [16, 8],
         packet_bytes: 48,
         splats: vec![

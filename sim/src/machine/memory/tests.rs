@@ -61,6 +61,18 @@ const SHEETS: [Sheet; 3] = [
     },
 ];
 
+/// Every part says which sheet and which table in it its figures are from.
+#[test]
+fn every_part_names_its_sheet() {
+    for part in &PARTS {
+        assert!(SHEETS.iter().any(|sheet| sheet.part == part.name));
+        let sheet = ["JEDEC", "data sheet"]
+            .iter()
+            .any(|word| part.source.contains(word));
+        assert!(sheet && part.source.contains("table"), "{}", part.name);
+    }
+}
+
 #[test]
 fn rows_cost_what_the_data_sheets_say() {
     for sheet in &SHEETS {
