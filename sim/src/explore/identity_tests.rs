@@ -76,6 +76,7 @@ impl Facts {
             calibration: self.calibration.clone(),
             energy: self.energy.clone(),
             reference: self.errors.then_some(&picture),
+            more: Vec::new(),
         };
         let settings: Vec<Settings> = self
             .settings

@@ -72,6 +72,7 @@ impl Subjects {
             calibration: Calibration::default(),
             energy: EnergyTable::default(),
             reference: Some(&self.reference),
+            more: Vec::new(),
         };
         let (out, _) = Appender::open(&path, &heading(space)).unwrap();
         let whole = Shard { index: 1, count: 1 };

@@ -337,12 +337,4 @@ fn a_question_has_one_answer() {
     );
     let told = fail(2, &with("explore", &["-o", text(&out)]));
     assert!(told.contains("--space"), "{told}");
-    let told = fail(
-        2,
-        &with(
-            "explore",
-            &["playbot.ply", "--space", text(&space), "-o", text(&out)],
-        ),
-    );
-    assert!(told.contains("need a limit"), "{told}");
 }
