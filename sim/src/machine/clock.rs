@@ -254,7 +254,7 @@ mod tests {
             let figure = format!("| {}, {}", placed.mhz, placed.conditions);
             assert!(page.contains(&figure), "{figure}");
             assert!(DesignChoice::named(&placed.design).is_some());
-            let says = ["entered by hand", "docs/area.md", "rtl -- fmax"];
+            let says = ["entered by hand", "docs/area.md", "rtl -- area fmax"];
             assert!(says.iter().all(|word| placed.source.contains(word)));
         }
     }

@@ -322,7 +322,7 @@ fn a_question_has_one_answer() {
         none.contains("the first limit to fail is mJ a frame (--max-energy)"),
         "{none}"
     );
-    let told = fail(2, &with("explore", &["--max-energy", "-1"]));
+    let told = fail(2, &with("explore", &["--max-energy=-1"]));
     assert!(
         told.contains("--max-energy") && told.contains("larger than 0"),
         "{told}"

@@ -87,11 +87,19 @@ fn a_sweep_over_frames_has_worst_percentile_and_mean() {
         .find(|line| line.contains(",4,rows,"))
         .unwrap();
     assert_eq!(column(line, "frames"), "6");
-    let machine = ["--set", "lanes=4", "--set", "layout=rows", "-o", text(&out)];
+    let modelled = path("model");
+    let machine = [
+        "--set",
+        "lanes=4",
+        "--set",
+        "layout=rows",
+        "-o",
+        text(&modelled),
+    ];
     let told = succeed(&[&["model"], &frames[..], &machine].concat());
     assert!(told.contains("6 frames, the worst is"), "{told}");
     let timing: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
+        serde_json::from_slice(&std::fs::read(modelled.join("timing.json")).unwrap()).unwrap();
     let spread = &timing["over_frames"]["ms_per_frame"];
     for (name, key) in [
         ("ms_per_frame", "worst"),
