@@ -2,7 +2,7 @@
 
 use super::machine_args::{ExploreOptions, LimitOptions};
 use super::output::{self, create_folder, read_settings, write};
-use super::resolve::{Asked, COMPARED, KEPT, calibration, part, room_for_picture};
+use super::resolve::{Asked, COMPARED, KEPT, calibration, energy_table, part, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::explore::ask::limits::{Limit, Quantity};
 use crate::explore::ask::{Answer, Question, ask, limits_of_part, tightest, usual_space};
@@ -38,13 +38,14 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
             options.bandwidth.map(|megabytes| megabytes * 1e6),
             "--bandwidth",
         ),
+        (
+            Quantity::MillijoulesPerFrame,
+            options.max_energy,
+            "--max-energy",
+        ),
     ];
     let limit = |(quantity, bound, of): (Quantity, Option<f64>, &str)| {
-        Some(Limit {
-            quantity,
-            bound: bound?,
-            of: of.to_owned(),
-        })
+        Some(Limit::new(quantity, bound?, of))
     };
     given.into_iter().filter_map(limit).collect()
 }
@@ -60,6 +61,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         inputs.extend(options.work.inputs());
         inputs.extend(options.area.inputs());
         let files = [
+            &options.energy.energy,
             &options.space,
             &options.machine.machine,
             &options.path.camera_path,
@@ -96,7 +98,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         machine: plan.machine,
         calibration: calibration(&options.area)?,
         limits,
-        energy: None,
+        energy: energy_table(&options.energy)?,
     };
     let space = match &options.space {
         Some(file) => {

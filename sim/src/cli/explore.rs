@@ -3,7 +3,7 @@
 use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
-use super::resolve::{Asked, COMPARED, calibration, energy_table, room_for_picture};
+use super::resolve::{Asked, COMPARED, Frame, KEPT, calibration, energy_table, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
@@ -32,24 +32,31 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
 
 /// Every point of the space.
 fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(), Failure> {
-    if !options.more.others.is_empty() || options.path.camera_path.is_some() {
-        let message = "a sweep is of one picture: several scenes and camera paths need a limit (--fps, --max-error ...), which searches the space";
-        return Err(Failure::Usage(message.to_owned()));
-    }
     create_folder(output)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
-    let prepared = asked.prepare()?;
-    let splats = prepared.splats()?;
-    if !options.no_error {
-        room_for_picture(splats.camera, COMPARED)?;
+    let frames = asked.frames(&options.path, &options.more)?;
+    let mut references = Vec::with_capacity(frames.len());
+    for Frame { prepared, .. } in &frames {
+        warn(&prepared.setup_warnings()?);
+        if options.no_error {
+            references.push(None);
+            continue;
+        }
+        let kept = KEPT * (frames.len() as u64 - 1);
+        room_for_picture(prepared.splats()?.camera, COMPARED + kept)?;
+        references.push(Some(
+            prepared.draw_reference(Engine::Float, &|_, _| ())?.picture,
+        ));
     }
-    warn(&prepared.setup_warnings()?);
-    let reference = match options.no_error {
-        true => None,
-        false => Some(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture),
-    };
+    let mut seen = Vec::with_capacity(frames.len());
+    for (frame, reference) in frames.iter().zip(&references) {
+        seen.push((frame.prepared.splats()?, reference.as_ref()));
+    }
+    let more = seen.split_off(1);
+    let (splats, reference) = seen.remove(0);
+    let prepared = &frames[0].prepared;
     let entry = &prepared.plan.entry;
     let recorded = options.view.from.is_some().then_some(entry.traversal);
     let subject = Subject {
@@ -60,7 +67,8 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
         machine: prepared.plan.machine,
         calibration: calibration(&options.area)?,
         energy: energy_table(&options.energy)?,
-        reference: reference.as_ref(),
+        reference,
+        more,
     };
     let identity = Identity::new(&subject, &text, &settings(options, &space)?)?;
     folder::claim(output, &identity)?;
@@ -92,7 +100,11 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
             clock_note(&subject.machine, &space)
         );
         let table = folder::table(&path, &identity)?;
-        finish(&splats.scene.name, &note, &table, output)?;
+        let name = match frames.len() {
+            1 => splats.scene.name.clone(),
+            all => format!("{all} frames, of which each point shows its slowest"),
+        };
+        finish(&name, &note, &table, output)?;
     }
     Ok(())
 }

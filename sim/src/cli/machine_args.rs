@@ -18,7 +18,7 @@ Examples:
       frames a second at that clock, and how much of the part it takes
   splatline model guitar.ply --camera-path keys.toml --size 1920x1080      worst frame, 95th percentile, mean
   splatline model guitar.ply playbot.ply -o out                           the same over several scenes
-  splatline model guitar.ply --set part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
+  splatline model guitar.ply --set memory_part=ddr3-1600-x16 --set clock_mhz=100      a real memory part behind one port
   splatline model guitar.ply --machines                 beside machines of others, reimplemented from their papers
   splatline model --footprints f.csv --screen 512x512
       the workload of another rasterizer; columns as `splatline footprints` writes them, optionally tiles
@@ -195,6 +195,9 @@ pub struct LimitOptions {
     /// What the memory moves, both directions together: the machine's channels are no wider
     #[arg(long, value_name = "MB/s", value_parser = positive)]
     pub bandwidth: Option<f64>,
+    /// Energy of the most expensive frame at most; an estimate by --energy's table
+    #[arg(long, value_name = "mJ", value_parser = positive)]
+    pub max_energy: Option<f64>,
 }
 
 #[derive(Debug, Args)]
@@ -263,7 +266,7 @@ Examples:
   splatline trace guitar.ply --format kanata --first 100 --last 140 -o trace.kanata      for Konata
   splatline trace guitar.ply --format vcd --set lanes=4 -o trace.vcd                     for GTKWave or Surfer
   splatline trace guitar.ply --format perfetto -o trace.json                             for ui.perfetto.dev
-  splatline trace guitar.ply --format dramsim3 --set part=ddr3-1600-x16 --set clock_mhz=100 -o requests.txt
+  splatline trace guitar.ply --format dramsim3 --set memory_part=ddr3-1600-x16 --set clock_mhz=100 -o requests.txt
       what a memory is asked for, in the whole picture; --format ramulator2 for Ramulator 2";
 
 #[derive(Debug, Args)]

@@ -14,6 +14,7 @@ mod fit;
 mod footprints;
 mod frames;
 mod info;
+mod kept;
 mod machine_args;
 mod model;
 mod needs;

@@ -1,8 +1,9 @@
 //! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
 
+use super::kept::{self, KeptFrame, KeptOrder};
 use super::machine_args::{AreaOptions, ModelOptions};
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, Frame, calibration, energy_table, machine, part};
+use super::resolve::{Asked, Frame, calibration, energy_table, machine, part, refuse_kept_order};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, Calibration, synthesis};
@@ -73,8 +74,13 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         let message = "name a scene, a report with --from, or a table with --footprints";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = Asked::work(&options.view, &options.work)
+        .on(&options.machine)
+        .keeping_order();
     let mut frames = asked.frames(&options.path, &options.more)?;
+    if options.path.camera_path.is_none() {
+        refuse_kept_order(&frames[0].prepared.plan.machine)?;
+    }
     match frames.len() {
         1 => one(&from_scene(&frames.remove(0))?, &priced, options),
         _ => several(&frames, &priced, options),
@@ -192,12 +198,23 @@ fn several(frames: &[Frame], priced: &Priced, options: &ModelOptions) -> Result<
     let progress = Progress::new(frames.len());
     let mut paces = Vec::with_capacity(frames.len());
     let mut told = Vec::with_capacity(frames.len());
+    let mut kept: Vec<KeptFrame> = Vec::new();
+    let mut order = KeptOrder::default();
     for frame in frames {
         progress.doing(&frame.name);
-        let modelled = from_scene(frame)?;
-        let timing = simulate_alone(&modelled.workload, &modelled.machine);
-        let pace = priced.pace(&timing, &modelled.entry, &modelled.machine);
-        told.push(json!({ "name": frame.name, "visible": modelled.workload.visible(), "cycles": timing, "pace": pace }));
+        let plan = &frame.prepared.plan;
+        let (workload, of_kept) = match plan.machine.sort_every {
+            1 => (from_scene(frame)?.workload, None),
+            _ => {
+                announce(frame)?;
+                order.next(frame)?
+            }
+        };
+        let timing = simulate_alone(&workload, &plan.machine);
+        let pace = priced.pace(&timing, &plan.entry, &plan.machine);
+        told.push(json!({ "name": frame.name, "visible": workload.visible(), "cycles": timing, "pace": pace, "kept": of_kept }));
+        kept.extend(of_kept);
+        order.keep(workload);
         paces.push(pace);
         progress.advance();
     }
@@ -217,6 +234,7 @@ fn several(frames: &[Frame], priced: &Priced, options: &ModelOptions) -> Result<
         }
     }
     print_result(&over.text())?;
+    print_result(&kept::text(&kept, frames.len()))?;
     let clock = &paces[0].clock;
     print_result(&format!("clock: {} MHz ({})\n", clock.mhz, clock.of))?;
     let area = estimate_area(priced, entry, config, &paces[0])?;
@@ -276,13 +294,20 @@ fn estimate_area(
     )
 }
 
-fn from_scene(frame: &Frame) -> Result<Modelled, Failure> {
+/// Says what of a frame the kernel does not take as it is, and what the machine reads nothing for.
+fn announce(frame: &Frame) -> Result<(), Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
+    let scene = prepared.splats()?.scene;
+    print_result(&uncharged(scene, &prepared.plan.machine))
+}
+
+fn from_scene(frame: &Frame) -> Result<Modelled, Failure> {
+    let prepared = &frame.prepared;
+    announce(frame)?;
     let progress = Progress::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
-    print_result(&uncharged(prepared.splats()?.scene, &prepared.plan.machine))?;
     Ok(Modelled {
         name: frame.name.clone(),
         workload,
@@ -308,6 +333,7 @@ fn uncharged(scene: &Scene, machine: &Config) -> String {
 
 fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> {
     let machine = machine(&options.machine)?;
+    refuse_kept_order(&machine)?;
     let name = path.display().to_string();
     let text = output::read_text(path)?;
     let design = DesignChoice::load(&options.work.design.0)?;

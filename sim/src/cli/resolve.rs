@@ -57,6 +57,7 @@ pub struct Asked<'a> {
     points: Option<Points>,
     phase_bits: u8,
     machine: Option<&'a MachineOptions>,
+    keeps_order: bool,
 }
 
 /// One picture of several, with what it is called.
@@ -89,6 +90,7 @@ impl<'a> Asked<'a> {
             points: None,
             phase_bits: 3,
             machine: None,
+            keeps_order: false,
         }
     }
 
@@ -116,6 +118,22 @@ impl<'a> Asked<'a> {
         Asked {
             machine: Some(machine),
             ..self
+        }
+    }
+
+    /// The same where lists may keep the order of the picture before.
+    pub fn keeping_order(self) -> Asked<'a> {
+        Asked {
+            keeps_order: true,
+            ..self
+        }
+    }
+
+    /// Refuses a machine that keeps an order where no picture comes before another.
+    fn check_order(&self, machine: &Config) -> Result<(), Failure> {
+        match self.keeps_order {
+            true => Ok(()),
+            false => refuse_kept_order(machine),
         }
     }
 
@@ -174,6 +192,7 @@ impl<'a> Asked<'a> {
         if let Some(options) = self.machine {
             prepared.plan.machine = change_machine(options, prepared.plan.machine)?;
         }
+        self.check_order(&prepared.plan.machine)?;
         Ok(prepared)
     }
 
@@ -184,6 +203,7 @@ impl<'a> Asked<'a> {
             Some(options) => machine(options)?,
             None => Config::default(),
         };
+        self.check_order(&machine)?;
         let design = DesignChoice::load(&self.design.0)?;
         let entry = Entry::new(design, self.traversal.map(Traversal::from));
         let progress = Progress::spinner(format!("loading {}", source.path.display()));
@@ -359,6 +379,16 @@ fn culls_backfaces(options: &SurfaceOptions, scene: &SurfaceScene) -> bool {
             let opaque = scene.points.iter().all(|point| point.opacity >= 1.0);
             opaque && Orientation::of(scene).is_closed_outwards()
         }
+    }
+}
+
+/// Refuses lists that keep the order of the picture before.
+pub fn refuse_kept_order(machine: &Config) -> Result<(), Failure> {
+    match machine.sort_every {
+        1 => Ok(()),
+        every => Err(Failure::Usage(format!(
+            "sort_every = {every}: allowed is 1 here: `model` with a --camera-path keeps the order of the picture before, and nothing else does"
+        ))),
     }
 }
 

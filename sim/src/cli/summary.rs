@@ -3,6 +3,7 @@
 use crate::picture::Picture;
 use crate::report::facts::Counts;
 use crate::report::formats::formats_text;
+use crate::report::table::pace_text;
 use crate::report::table::{decibels, scientific, signed};
 use crate::report::{ChannelFacts, Report};
 use std::path::Path;
@@ -119,12 +120,13 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
         .iter()
         .map(|error| line("RGB", &error.rgb) + &line("alpha", &error.alpha));
     format!(
-        "{}, design {} by {}, against {}\n{}{}{}\n",
+        "{}, design {} by {}, against {}\n{}{}{}{}\n",
         report.scene.name,
         report.design_name(),
         report.traversal.as_deref().unwrap_or("-"),
         report.reference.as_deref().unwrap_or("-"),
         errors.collect::<String>(),
+        pace_text(report),
         formats_text(report),
         folder.join("report.html").display(),
     )

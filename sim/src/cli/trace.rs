@@ -72,7 +72,7 @@ fn requests_of(
 ) -> Result<(), Failure> {
     let (Some(part), Some(all)) = (config.memory_part(), accesses(workload, work, config)) else {
         let message = "the machine has two channels and no memory part, so there are no requests to one: choose a part, for example with \
-                       --set part=ddr3-1600-x16 --set clock_mhz=100";
+                       --set memory_part=ddr3-1600-x16 --set clock_mhz=100";
         return Err(Failure::Usage(message.to_owned()));
     };
     let text = match options.format {

@@ -17,7 +17,7 @@ use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
 /// Version of `sweep.json`; tables of another version are never taken for ours.
-const FORMAT: &str = "splatline-sweep/5";
+const FORMAT: &str = "splatline-sweep/6";
 /// Differences that a message lists at most.
 const FEW: usize = 6;
 
@@ -49,6 +49,7 @@ impl Identity {
                 "sha256": of_scene(subject.splats.scene),
             },
             "camera": serde_json::from_str::<Value>(&subject.splats.camera.to_json())?,
+            "more_frames": more_frames(subject)?,
             // Debug prints every field, and doubles so that they read back.
             "rules": format!("{:?}", subject.splats.rules),
             "compositing": format!("{:?}", subject.splats.compositing),
@@ -117,6 +118,27 @@ impl Identity {
         let few: Vec<&str> = all.iter().take(FEW).map(String::as_str).collect();
         format!("\n  {}{more}", few.join("\n  "))
     }
+}
+
+/// Scene and camera of every further frame; the digest of a scene that many frames share is made once.
+fn more_frames(subject: &Subject) -> Result<Vec<Value>> {
+    let mut known: Option<(*const Scene, String)> = None;
+    let mut all = Vec::with_capacity(subject.more.len());
+    for (splats, _) in &subject.more {
+        let scene: *const Scene = splats.scene;
+        let digest = match &known {
+            Some((before, digest)) if std::ptr::eq(*before, scene) => digest.clone(),
+            _ => of_scene(splats.scene),
+        };
+        known = Some((scene, digest.clone()));
+        all.push(json!({
+            "scene": splats.scene.name,
+            "sha256": digest,
+            "camera": serde_json::from_str::<Value>(&splats.camera.to_json())?,
+            "rules": format!("{:?}", splats.rules),
+        }));
+    }
+    Ok(all)
 }
 
 fn of_bytes(bytes: &[u8]) -> String {

@@ -76,6 +76,7 @@ impl Facts {
             calibration: self.calibration.clone(),
             energy: self.energy.clone(),
             reference: self.errors.then_some(&picture),
+            more: Vec::new(),
         };
         let settings: Vec<Settings> = self
             .settings
@@ -293,7 +294,7 @@ fn every_field_counts() {
 #[test]
 fn an_identity_of_another_version_is_refused() {
     let text = Facts::new().identity().to_text();
-    let older = text.replace("splatline-sweep/5", "splatline-sweep/3");
+    let older = text.replace("splatline-sweep/6", "splatline-sweep/3");
     let message = Identity::parse(&older).unwrap_err().to_string();
     assert!(message.contains("splatline-sweep/3"), "{message}");
     assert!(Identity::parse("{}").is_err() && Identity::parse("x").is_err());

@@ -170,6 +170,10 @@ fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axi
             let problem = format!("no such field of a machine: {}", known(""));
             return Err(source.wrong(section, key, problem));
         };
+        if field.key == "sort_every" {
+            let problem = "no point of a space keeps an order: `model` with a --camera-path and --set sort_every=N does";
+            return Err(source.wrong(section, key, problem));
+        }
         if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {
             return Err(source.wrong(
                 section,
@@ -396,6 +400,9 @@ mod tests {
         );
         assert!(message("[design]\nbase = [\"x\"]\n").contains("classic8"));
         assert!(message("[machine]\nlane = 1\n").contains("s.toml:2: lane: no such field"));
+        assert!(
+            message("[machine]\nsort_every = [1, 4]\n").contains("s.toml:2: sort_every: no point")
+        );
         assert!(message("[machine]\nlatency = { from = 9, to = 1 }\n").contains("a range is"));
         assert!(message("samples = 3\n").contains("allowed are sample"));
         for (from, to, step) in [

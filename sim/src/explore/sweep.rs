@@ -1,5 +1,6 @@
 //! Runs the points of a space. Work that points share is done once: a picture per design, a workload per design and tile, lane
-//! work per lane shape.
+//! work per lane shape. Of several frames one after the other is walked, so that the rows of one alone lie in memory; a point's line has its slowest
+//! frame, and the spread of its time over all.
 
 use super::folder::Appender;
 use super::space::{Part, Space};
@@ -11,6 +12,7 @@ use crate::machine::clock::{Clock, Pace};
 use crate::machine::config::Config;
 use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
+use crate::machine::summary::Spread;
 use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
 use crate::metrics::{ChannelError, compare};
@@ -19,6 +21,7 @@ use crate::plan::Splats;
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use splatline::format::Traversal;
+use std::sync::Mutex;
 use toml::Value;
 
 /// What is swept over: everything that the points have in common.
@@ -37,6 +40,56 @@ pub struct Subject<'a> {
     pub energy: EnergyTable,
     /// The float reference's picture; none leaves errors out.
     pub reference: Option<&'a Picture>,
+    /// Further frames, each with its reference's picture: of other scenes, or along a camera path.
+    pub more: Vec<(Splats<'a>, Option<&'a Picture>)>,
+}
+
+impl<'a> Subject<'a> {
+    /// All frames.
+    fn frames(&self) -> Vec<(&Splats<'a>, Option<&'a Picture>)> {
+        let more = self.more.iter().map(|(splats, picture)| (splats, *picture));
+        std::iter::once((&self.splats, self.reference))
+            .chain(more)
+            .collect()
+    }
+}
+
+/// Errors of a design over all frames.
+struct SweepError {
+    psnr_db: f64,
+    rms: f64,
+    max_abs: f64,
+    bias: f64,
+    ssim: f64,
+}
+
+impl SweepError {
+    /// Root of the mean square, the largest, and the means of bias and structural similarity.
+    fn over(all: &[ChannelError]) -> SweepError {
+        let count = all.len().max(1) as f64;
+        let mean = |of: &dyn Fn(&ChannelError) -> f64| all.iter().map(of).sum::<f64>() / count;
+        let rms = mean(&|error| error.rms() * error.rms()).sqrt();
+        SweepError {
+            psnr_db: match all {
+                [one] => one.psnr_db,
+                _ => -20.0 * rms.log10(),
+            },
+            rms: match all {
+                [one] => one.rms(),
+                _ => rms,
+            },
+            max_abs: all.iter().map(|error| error.max_abs).fold(0.0, f64::max),
+            bias: mean(&|error| error.bias),
+            ssim: mean(&|error| error.ssim),
+        }
+    }
+}
+
+/// What a point takes on a frame.
+struct OnFrame {
+    timing: Timing,
+    pace: Pace,
+    energy_mj: f64,
 }
 
 /// Part `index` (from 1) of `count`: every `count`-th group of points that share their picture's tile lists.
@@ -67,7 +120,7 @@ pub fn run(
     out: &Appender,
     progress: &(dyn Fn() + Sync),
 ) -> Result<()> {
-    let (all, splats) = (space.points.len(), &subject.splats);
+    let (all, frames) = (space.points.len(), subject.frames());
     let open: Vec<Point> = (0..)
         .zip(&space.points)
         .filter(|(number, _)| shard.holds(*number, all) && !done.lines.contains_key(number))
@@ -75,44 +128,59 @@ pub fn run(
         .collect();
     for group in open.chunk_by(|a, b| same(space, a.1, b.1, Part::Design)) {
         let design = design_of(subject, space, group[0].1)?;
-        let options = Options {
-            rules: splats.rules,
-            compositing: splats.compositing,
-            design: &design,
-            traversal: traversal_of(subject, space, group[0].1, &design),
-        };
-        let error = match subject.reference {
-            Some(reference) => {
-                let drawing = fixed::draw(splats.scene, splats.camera, &options);
-                Some(
-                    compare(&drawing.picture, reference)
-                        .context("the pictures cannot be compared")?
-                        .colour,
-                )
-            }
-            None => None,
-        };
+        let traversal = traversal_of(subject, space, group[0].1, &design);
+        let error = errors(&frames, &design, traversal)?;
         for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
             let tile = tile_of(subject, space, tiles[0].1)?;
-            let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
-            let run = Run {
-                subject,
-                space,
-                options: &options,
-                error: error.as_ref(),
-                workload: &workload,
-                out,
-                progress,
-            };
-            let shapes: Vec<&[Point]> = tiles
-                .chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes))
-                .collect();
-            shapes
-                .into_par_iter()
-                .try_for_each(|points| run.points(points))?;
+            let earlier: Vec<Mutex<Vec<OnFrame>>> =
+                tiles.iter().map(|_| Mutex::default()).collect();
+            for (place, (splats, _)) in frames.iter().enumerate() {
+                let options = options(splats, &design, traversal);
+                let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
+                let run = Run {
+                    subject,
+                    space,
+                    options: &options,
+                    error: error.as_ref(),
+                    workload: &workload,
+                    tiles,
+                    earlier: &earlier,
+                    is_last: place + 1 == frames.len(),
+                    out,
+                    progress,
+                };
+                let shapes: Vec<&[Point]> = tiles
+                    .chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes))
+                    .collect();
+                shapes
+                    .into_par_iter()
+                    .try_for_each(|points| run.points(points))?;
+            }
         }
     }
     Ok(())
+}
+
+/// A design's errors over all frames; nothing where there are no references.
+fn errors(
+    frames: &[(&Splats, Option<&Picture>)],
+    design: &DesignChoice,
+    traversal: Traversal,
+) -> Result<Option<SweepError>> {
+    let mut all = Vec::with_capacity(frames.len());
+    for (splats, reference) in frames {
+        let Some(reference) = reference else {
+            return Ok(None);
+        };
+        let drawing = fixed::draw(
+            splats.scene,
+            splats.camera,
+            &options(splats, design, traversal),
+        );
+        let errors = compare(&drawing.picture, reference);
+        all.push(errors.context("the pictures cannot be compared")?.colour);
+    }
+    Ok(Some(SweepError::over(&all)))
 }
 
 /// Do two points agree on all axes up to this part?
@@ -166,6 +234,16 @@ fn traversal_of(
     }
 }
 
+/// How a frame is drawn by a design.
+fn options<'a>(splats: &Splats<'a>, design: &'a DesignChoice, traversal: Traversal) -> Options<'a> {
+    Options {
+        rules: splats.rules,
+        compositing: splats.compositing,
+        design,
+        traversal,
+    }
+}
+
 fn machine_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Config> {
     let mut config = subject.machine;
     for (key, value) in space.settings(point, |part| part != Part::Design) {
@@ -184,8 +262,12 @@ struct Run<'a> {
     subject: &'a Subject<'a>,
     space: &'a Space,
     options: &'a Options<'a>,
-    error: Option<&'a ChannelError>,
+    error: Option<&'a SweepError>,
     workload: &'a Workload,
+    /// All points of the tile, and what each took on the frames before.
+    tiles: &'a [Point<'a>],
+    earlier: &'a [Mutex<Vec<OnFrame>>],
+    is_last: bool,
     out: &'a Appender,
     progress: &'a (dyn Fn() + Sync),
 }
@@ -206,27 +288,19 @@ impl Run<'_> {
 
     fn point(&self, work: &LaneWork, (number, point): Point) -> Result<()> {
         let config = machine_of(self.subject, self.space, point)?;
-        let results = match config.check_together() {
-            Ok(()) => {
-                let timing = simulate(self.workload, work, &config);
-                let area = estimate(
-                    &self.options.design.widths,
-                    self.options.traversal,
-                    &config,
-                    &self.subject.calibration,
-                );
-                let widths = &self.options.design.widths;
-                let energy = energy::estimate(
-                    widths,
-                    self.options.traversal,
-                    &config,
-                    &timing,
-                    &self.subject.energy,
-                );
-                let clock = Clock::of(&config, widths, self.subject.calibration.family);
-                let pace = Pace::new(&timing, &config, clock);
-                results(self.error, &timing, &pace, &area, energy.mj_per_frame)
-            }
+        let checked = config.check_together();
+        if checked.is_ok() {
+            let place = self.tiles.partition_point(|(other, _)| *other < number);
+            let mut frames = self.earlier[place]
+                .lock()
+                .unwrap_or_else(|p| p.into_inner());
+            frames.push(self.on_frame(work, &config));
+        }
+        if !self.is_last {
+            return Ok(());
+        }
+        let results = match checked {
+            Ok(()) => self.results(number, &config),
             Err((key, value, allowed)) => left_out(&format!("{key} = {value}: {allowed}")),
         };
         let axes = self.space.texts(point);
@@ -240,16 +314,44 @@ impl Run<'_> {
         (self.progress)();
         Ok(())
     }
+
+    fn on_frame(&self, work: &LaneWork, config: &Config) -> OnFrame {
+        let (widths, subject) = (&self.options.design.widths, self.subject);
+        let timing = simulate(self.workload, work, config);
+        let traversal = self.options.traversal;
+        let energy = energy::estimate(widths, traversal, config, &timing, &subject.energy);
+        let clock = Clock::of(config, widths, subject.calibration.family);
+        OnFrame {
+            pace: Pace::new(&timing, config, clock),
+            timing,
+            energy_mj: energy.mj_per_frame,
+        }
+    }
+
+    /// A point's columns over all frames.
+    fn results(&self, number: usize, config: &Config) -> Vec<String> {
+        let place = self.tiles.partition_point(|(other, _)| *other < number);
+        let frames = std::mem::take(
+            &mut *self.earlier[place]
+                .lock()
+                .unwrap_or_else(|p| p.into_inner()),
+        );
+        let (widths, prices) = (&self.options.design.widths, &self.subject.calibration);
+        let area = estimate(widths, self.options.traversal, config, prices);
+        results(self.error, &frames, &area)
+    }
 }
 
 /// The result columns in the order of [`super::table::RESULTS`].
-fn results(
-    error: Option<&ChannelError>,
-    timing: &Timing,
-    pace: &Pace,
-    area: &Area,
-    energy_mj: f64,
-) -> Vec<String> {
+fn results(error: Option<&SweepError>, frames: &[OnFrame], area: &Area) -> Vec<String> {
+    let slowest = frames
+        .iter()
+        .max_by(|a, b| a.pace.ms_per_frame.total_cmp(&b.pace.ms_per_frame));
+    let Some(OnFrame { timing, pace, .. }) = slowest else {
+        return left_out("no frame was simulated");
+    };
+    let energy_mj = frames.iter().map(|one| one.energy_mj).fold(0.0, f64::max);
+    let spread = Spread::of(frames.iter().map(|one| one.pace.ms_per_frame));
     let mut fields = match error {
         Some(error) => {
             let psnr = if error.psnr_db.is_finite() {
@@ -258,9 +360,8 @@ fn results(
                 String::new()
             };
             let mut fields = vec![psnr];
-            fields.extend(
-                [error.rms(), error.max_abs, error.bias].map(|value| format!("{value:.4e}")),
-            );
+            fields
+                .extend([error.rms, error.max_abs, error.bias].map(|value| format!("{value:.4e}")));
             fields.push(format!("{:.6}", error.ssim));
             fields
         }
@@ -287,6 +388,9 @@ fn results(
         u8::from(pace.clock.assumed).to_string(),
         format!("{:.3}", pace.frames_per_s),
         format!("{:.4}", pace.ms_per_frame),
+        format!("{:.4}", spread.percentile_95),
+        format!("{:.4}", spread.mean),
+        frames.len().to_string(),
         pace.bytes_per_frame.to_string(),
         format!("{:.0}", pace.bytes_per_s),
         format!("{:.4}", timing.pixels.packet_hit_rate()),
@@ -342,6 +446,7 @@ mod tests {
             calibration: Calibration::default(),
             energy: EnergyTable::default(),
             reference: Some(&reference),
+            more: Vec::new(),
         };
         let (out, _) = Appender::open(path, &heading(&space)).unwrap();
         run(&subject, &space, shard, done, &out, &|| ()).unwrap();

@@ -7,9 +7,9 @@
 use super::space::Space;
 use std::collections::BTreeMap;
 
-/// Columns behind the axes. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
+/// Columns behind the axes. Of several frames cycles, pace and bytes are those of the slowest, energy is that of the dearest, errors are over all. Area is that of the raster units, of what is around them, and all of it in look-up tables; energy is that of a picture.
 /// `clock_assumed` is 1 where nobody gave the clock (`crate::machine::clock`).
-pub const RESULTS: [&str; 30] = [
+pub const RESULTS: [&str; 33] = [
     "psnr_db",
     "rms",
     "max_abs",
@@ -26,6 +26,9 @@ pub const RESULTS: [&str; 30] = [
     "clock_assumed",
     "frames_per_s",
     "ms_per_frame",
+    "ms_per_frame_95",
+    "ms_per_frame_mean",
+    "frames",
     "bytes_per_frame",
     "bytes_per_s",
     "packet_hit_rate",
@@ -198,8 +201,10 @@ fn check_results(results: &[&str], errors: bool) -> Result<(), String> {
             &"psnr_db" | &"rms" | &"max_abs" | &"bias" | &"ssim" if !errors => ColumnKind::Nothing,
             &"bias" | &"ssim" => ColumnKind::Number,
             &"rms" | &"max_abs" | &"lanes_busy" | &"area" | &"energy_mj" => ColumnKind::Positive,
-            &"clock_mhz" | &"frames_per_s" | &"ms_per_frame" | &"bytes_per_s"
-            | &"packet_hit_rate" => ColumnKind::Positive,
+            &"clock_mhz" | &"frames_per_s" | &"bytes_per_s" | &"packet_hit_rate" => {
+                ColumnKind::Positive
+            }
+            name if name.starts_with("ms_per_frame") => ColumnKind::Positive,
             name if name.ends_with("per_cycle_and_lane") => ColumnKind::Positive,
             _ => ColumnKind::Count,
         };
@@ -280,7 +285,7 @@ mod tests {
     }
 
     const SPACE: &str = "[machine]\nlanes = [1, 2]\nlayout = [\"run\", \"rows\"]\n";
-    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,81.7,1,60.5,16.5,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.25,";
+    const SOUND: &str = "20.5,1e-3,2e-2,-1e-5,0.99,1,2,3,4,0.5,0.5,0.5,81.7,1,60.5,16.5,16.4,16.3,2,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.25,";
 
     fn checked(line: &str, errors: bool) -> Result<(), String> {
         let space = Space::from_toml("s.toml", SPACE).unwrap();
@@ -291,7 +296,7 @@ mod tests {
     #[test]
     fn values_that_no_sweep_writes_are_refused() {
         checked(&format!("1,1,rows,{SOUND}"), true).unwrap();
-        checked(&format!("1,1,rows,{}{}quads", ",".repeat(28), ","), true).unwrap();
+        checked(&format!("1,1,rows,{}{}quads", ",".repeat(31), ","), true).unwrap();
         let columns = RESULTS.len() - 1;
         for (column, name) in RESULTS.iter().enumerate().take(columns) {
             for wrong in ["NaN", "inf", "text", "1e999", "--1", " "] {

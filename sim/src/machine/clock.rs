@@ -32,6 +32,8 @@ pub struct Placed {
     pub mhz: f64,
     /// Under which conditions.
     pub conditions: String,
+    /// Where the figure is from.
+    pub source: String,
 }
 
 /// The machine's clock and where it comes from.
@@ -60,12 +62,14 @@ pub struct Pace {
     pub ms_per_frame: f64,
     /// Milliseconds from the first splat of a picture to its last pixel.
     pub latency_ms: f64,
-    /// Bytes that a picture moves over the memory interface.
+    /// Bytes that a picture moves over the memory interface; with a memory part those of whole bursts.
     pub bytes_per_frame: u64,
     /// Bytes a second at that rate.
     pub bytes_per_s: f64,
-    /// Bytes a second that the machine's two channels could move.
+    /// Bytes a second that the machine's two channels could move, or its memory part at its peak.
     pub channel_bytes_per_s: f64,
+    /// What moves them.
+    pub memory: &'static str,
     /// Packets of pictures in work lie in memory as often.
     pub frames_in_work: u32,
 }
@@ -73,7 +77,7 @@ pub struct Pace {
 /// Everything that was placed of today's circuit.
 pub fn placed() -> Vec<Placed> {
     let line = |line: &str| -> Option<Placed> {
-        let [design, lanes, family, device, mhz, conditions] =
+        let [design, lanes, family, device, mhz, conditions, source] =
             line.split(',').collect::<Vec<_>>().try_into().ok()?;
         Some(Placed {
             design: design.to_owned(),
@@ -82,6 +86,7 @@ pub fn placed() -> Vec<Placed> {
             device: device.to_owned(),
             mhz: mhz.parse().ok()?,
             conditions: conditions.to_owned(),
+            source: source.to_owned(),
         })
     };
     PLACED.lines().skip(1).filter_map(line).collect()
@@ -137,10 +142,10 @@ impl Pace {
         let (cycles, limited_by) = interval(timing, config);
         let hertz = clock.mhz * MEGA;
         let seconds = cycles.max(1) as f64 / hertz;
-        let bytes = timing.bytes.all();
-        let channels = u64::from(config.read_bandwidth) + u64::from(config.write_bandwidth);
+        let moved = timing.memory.as_ref().map(|memory| memory.bytes_moved);
+        let bytes = moved.unwrap_or(timing.bytes.all());
+        let part = config.memory_part();
         Pace {
-            clock,
             cycles_per_frame: cycles,
             limited_by,
             frames_per_s: seconds.recip(),
@@ -148,8 +153,10 @@ impl Pace {
             latency_ms: timing.total as f64 / hertz * 1e3,
             bytes_per_frame: bytes,
             bytes_per_s: bytes as f64 / seconds,
-            channel_bytes_per_s: channels as f64 * hertz,
+            channel_bytes_per_s: config.channel_bytes_per_cycle(clock.mhz) * hertz,
+            memory: part.map_or("the channels", |part| part.name),
             frames_in_work: config.overlap_frames,
+            clock,
         }
     }
 
@@ -159,7 +166,7 @@ impl Pace {
         format!(
             "clock: {mhz} MHz ({of})\n\
              pace: {:.2} frames a second, {:.3} ms a frame, limited by {}; {:.3} ms from first splat to last pixel\n\
-             traffic: {:.2} MB a frame, {:.1} MB a second of {:.1} that the channels could move\n",
+             traffic: {:.2} MB a frame, {:.1} MB a second of {:.1} that {} could move\n",
             self.frames_per_s,
             self.ms_per_frame,
             self.limited_by,
@@ -167,6 +174,7 @@ impl Pace {
             self.bytes_per_frame as f64 / MEGA,
             self.bytes_per_s / MEGA,
             self.channel_bytes_per_s / MEGA,
+            self.memory,
         )
     }
 }
@@ -204,6 +212,8 @@ fn interval(timing: &Timing, config: &Config) -> (u64, &'static str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::memory::MemoryFacts;
+    use crate::machine::memory::dram::DramCounts;
     use crate::machine::timing::Bytes;
 
     fn timing() -> Timing {
@@ -244,6 +254,8 @@ mod tests {
             let figure = format!("| {}, {}", placed.mhz, placed.conditions);
             assert!(page.contains(&figure), "{figure}");
             assert!(DesignChoice::named(&placed.design).is_some());
+            let says = ["entered by hand", "docs/area.md", "rtl -- area fmax"];
+            assert!(says.iter().all(|word| placed.source.contains(word)));
         }
     }
 
@@ -270,6 +282,55 @@ mod tests {
             ..machine(100, 3)
         };
         assert_eq!(cycles(&narrow), (800, "writing"));
+    }
+
+    /// A part moves whole bursts at no more than its bus takes, whatever the channels that it stands in for would do.
+    #[test]
+    fn with_a_memory_part_the_rates_are_the_parts() {
+        let mut config = machine(100, 1);
+        config
+            .set_words(&["memory_part=ddr3-1600-x16".into()])
+            .unwrap();
+        let facts = MemoryFacts {
+            part: "ddr3-1600-x16",
+            source: "",
+            counts: DramCounts::default(),
+            bytes_moved: 16_000,
+            bytes_at_peak: 32_000,
+        };
+        let timing = Timing {
+            memory: Some(facts),
+            ..timing()
+        };
+        let clock = Clock::of(
+            &config,
+            &DesignChoice::named("lean18").unwrap().widths,
+            Family::Xilinx7,
+        );
+        let pace = Pace::new(&timing, &config, clock);
+        assert_eq!(
+            (pace.cycles_per_frame, pace.bytes_per_frame),
+            (1_000, 16_000)
+        );
+        assert!((pace.bytes_per_s - 1.6e9).abs() < 1.0);
+        assert!((pace.channel_bytes_per_s - 3.2e9).abs() < 1.0);
+        assert!(
+            pace.text()
+                .contains("of 3200.0 that ddr3-1600-x16 could move")
+        );
+        let wide = Config {
+            read_bandwidth: 1_024,
+            ..config
+        };
+        assert_eq!(Pace::new(&timing, &wide, pace.clock.clone()), pace);
+        let told = config
+            .set_words(&["overlap_frames=2".into()])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            told.contains("overlap_frames = 2: allowed is 1 with a memory part"),
+            "{told}"
+        );
     }
 
     /// 1,000 cycles at 100 MHz are 10 microseconds; 9,600 bytes in them 960 MB a second.

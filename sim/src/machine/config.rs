@@ -120,6 +120,8 @@ pub struct Config {
     pub sort_passes: u32,
     /// Depth sort: cycles per entry and pass.
     pub sort_cycles: u32,
+    /// Pictures of a camera path from one full sort to the next; in between tile lists keep their order.
+    pub sort_every: u32,
     /// Raster units.
     pub raster_units: u32,
     /// Who draws which tile.
@@ -171,7 +173,7 @@ pub struct Config {
     /// Pictures in work at the same time: with two, one is set up and sorted while another is drawn; with three, each phase has one.
     pub overlap_frames: u32,
     /// What the memory is: 0 for two channels of a fixed bandwidth, else a part behind one port, counted from 1 in [`PARTS`].
-    pub part: u32,
+    pub memory_part: u32,
     /// Writes that the port to a part holds back.
     pub write_queue: u32,
     /// Bytes of harmonics read for a splat that is seen.
@@ -202,6 +204,7 @@ impl Default for Config {
             binning: Binning::Box,
             sort_passes: 1,
             sort_cycles: 1,
+            sort_every: 1,
             raster_units: 1,
             assignment: Assignment::Dynamic,
             overlap: Overlap::Pipelined,
@@ -227,7 +230,7 @@ impl Default for Config {
             tile_order: TileOrder::Raster,
             clock_mhz: 0,
             overlap_frames: 1,
-            part: 0,
+            memory_part: 0,
             write_queue: 32,
             harmonics_bytes: 0,
             sort_bytes: 0,
@@ -270,8 +273,16 @@ impl Config {
 
     /// The memory part, if it is not the two channels.
     pub fn memory_part(&self) -> Option<&'static Part> {
-        let index = (self.part as usize).checked_sub(1)?;
+        let index = (self.memory_part as usize).checked_sub(1)?;
         PARTS.get(index)
+    }
+
+    /// Bytes that the memory could move in a cycle of so many megahertz: both channels together, or the part at its peak.
+    pub fn channel_bytes_per_cycle(&self, mhz: f64) -> f64 {
+        match self.memory_part() {
+            Some(part) => part.peak_bytes_per_s() as f64 / (1e6 * mhz),
+            None => f64::from(self.read_bandwidth) + f64::from(self.write_bandwidth),
+        }
     }
 
     /// Bytes of a packet, of which the design's has so many.

@@ -68,37 +68,59 @@ impl Parts {
 }
 
 fn parse(file: &str, text: &str) -> Result<BTreeMap<String, Part>, String> {
-    let parts: BTreeMap<String, Part> =
-        toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
-    for (name, part) in &parts {
-        part.check().map_err(|(key, value, [low, high])| {
+    let table: toml::Table = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+    for (name, part) in &table {
+        check(part).map_err(|(key, value, allowed)| {
             let line = line_of(text, name, key);
-            format!("{file}:{line}: {name}.{key} = {value}: allowed are {low} to {high}")
+            format!("{file}:{line}: {name}.{key} = {value}: {allowed}")
         })?;
     }
+    let parts: BTreeMap<String, Part> =
+        toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
     let lower = |(name, part): (String, Part)| (name.to_lowercase(), part);
     Ok(parts.into_iter().map(lower).collect())
 }
 
-impl Part {
-    /// Key, value and allowed range of what cannot be.
-    fn check(&self) -> Result<(), (&'static str, u64, [u64; 2])> {
-        let most = 100_000_000;
-        let counts = [
-            ("luts", self.luts, 1),
-            ("flip_flops", self.flip_flops, 1),
-            ("dsps", self.dsps, 0),
-            ("memory_kbit", self.memory_kbit, 0),
-            ("megabytes_per_s", self.megabytes_per_s, 1),
-        ];
-        let wrong = counts
-            .iter()
-            .find(|(_, value, low)| !(*low..=most).contains(value));
-        wrong.map_or(Ok(()), |(key, value, low)| {
-            Err((*key, *value, [*low, most]))
-        })
-    }
+/// The counts of a part and the least that each may be.
+const COUNTS: [(&str, i64); 5] = [
+    ("luts", 1),
+    ("flip_flops", 1),
+    ("dsps", 0),
+    ("memory_kbit", 0),
+    ("megabytes_per_s", 1),
+];
+/// The most that a count may be.
+const MOST: i64 = 100_000_000;
 
+/// Key, value and what is allowed in place of a value that cannot be; keys that lack or are unknown are told by the reader of the file.
+fn check(part: &toml::Value) -> Result<(), (&'static str, String, String)> {
+    for (key, low) in COUNTS {
+        let Some(value) = part.get(key) else { continue };
+        let number = value.as_integer();
+        if !number.is_some_and(|number| (low..=MOST).contains(&number)) {
+            let allowed = format!("allowed are {low} to {MOST}");
+            return Err((key, value.to_string(), allowed));
+        }
+    }
+    if let Some(value) = part.get("family")
+        && value.as_str().and_then(Family::by_key).is_none()
+    {
+        let allowed = "allowed are \"xilinx7\", \"ecp5\" and \"ice40\"";
+        return Err(("family", value.to_string(), allowed.to_owned()));
+    }
+    for (key, allowed) in [
+        ("memory", "name the memory that megabytes_per_s is of"),
+        ("source", "name the data sheets that the figures are from"),
+    ] {
+        let Some(value) = part.get(key) else { continue };
+        if value.as_str().is_none_or(|words| words.trim().is_empty()) {
+            return Err((key, value.to_string(), allowed.to_owned()));
+        }
+    }
+    Ok(())
+}
+
+impl Part {
     /// What it holds.
     pub fn fabric(&self) -> Fabric {
         Fabric {
@@ -148,9 +170,15 @@ mod tests {
     #[test]
     fn shipped_parts_read_and_name_their_sources() {
         let parts = parse("parts.toml", SHIPPED).unwrap();
-        for name in ["xc7a35t", "xc7a100t", "lfe5u-85f", "ice40up5k"] {
-            let part = &parts[name];
+        assert!(parts.len() >= 7);
+        for (name, part) in &parts {
+            // Which sheet, and where in it.
             assert!(part.source.contains("DS"), "{name}");
+            let places = ["table", "family selection guide"];
+            assert!(
+                places.iter().any(|place| part.source.contains(place)),
+                "{name}"
+            );
             assert!(!part.memory.is_empty());
         }
         let found = Parts::default();
@@ -174,6 +202,38 @@ mod tests {
             Parts::default().and("mine.toml", &zero).unwrap_err(),
             format!("mine.toml:{line}: mine.luts = 0: allowed are 1 to 100000000")
         );
+        let refused = |line: usize, key: &str, value: &str| {
+            let lines = mine.lines().enumerate();
+            let changed = lines.map(|(index, text)| match index + 1 == line {
+                true => format!("{key} = {value}\n"),
+                false => format!("{text}\n"),
+            });
+            let told = Parts::default().and("mine.toml", &changed.collect::<String>());
+            told.unwrap_err()
+        };
+        // Every key of the part, by its own line.
+        let start = mine.lines().position(|text| text == "[mine]").unwrap() + 1;
+        let end = mine.lines().skip(start).position(str::is_empty).unwrap();
+        let keys = mine.lines().enumerate().skip(start).take(end);
+        let mut checked = 0;
+        for (index, text) in keys {
+            let key = text.split(" = ").next().unwrap();
+            let wrong: &[&str] = match COUNTS.iter().any(|(count, _)| *count == key) {
+                true => &["-1", "100000001", "1.5", "\"many\"", "nan"],
+                false => &["\" \"", "3", "true"],
+            };
+            for value in wrong {
+                let told = refused(index + 1, key, value);
+                let place = format!("mine.toml:{}: mine.{key} = ", index + 1);
+                assert!(told.starts_with(&place), "{told}");
+                assert!(
+                    told.contains("allowed are") || told.contains("name the"),
+                    "{told}"
+                );
+            }
+            checked += 1;
+        }
+        assert_eq!(checked, 8, "all keys of a part");
         let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
         let told = Parts::default().and("mine.toml", &unknown).unwrap_err();
         assert!(

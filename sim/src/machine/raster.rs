@@ -14,7 +14,7 @@ use super::accounts::{Account, Cause, Fifo};
 use super::cache::PacketCache;
 use super::config::{Config, Layout, Overlap};
 use super::lanes::{Band, PairWork};
-use super::memory::{Buffer, Memory, TileWrite};
+use super::memory::{Buffer, Memory, TileWrite, Wanted};
 use super::observe::{Event, Observer, Stage};
 use super::primitive::{LaneRun, PrimitiveClock};
 use super::sequencer::{Sequencer, Steps, VisitCosts};
@@ -266,12 +266,13 @@ impl RasterUnit {
     /// Requests a packet as soon as it has a place; gives when, and its arrival.
     #[inline(always)]
     fn fetch<O: Observer, M: Memory>(&mut self, at: &mut Place<O, M>) -> [u64; 2] {
-        let free = self.packets.free_at();
-        let pair = at.pair;
-        let wanted = (!self.cache.look_up(at.splat)).then_some(at.splat);
-        let read = at
-            .memory
-            .packet(self.number, &mut self.fetch, free, pair, wanted);
+        let wanted = Wanted {
+            unit: self.number,
+            free: self.packets.free_at(),
+            pair: at.pair,
+            splat: (!self.cache.look_up(at.splat)).then_some(at.splat),
+        };
+        let read = at.memory.packet(&mut self.fetch, wanted);
         at.event(Stage::Fetch, 0, 0, read.asked, read.arrives);
         [read.asked, read.arrives]
     }

@@ -1,6 +1,8 @@
 //! A timing as a table for people, and several of them as worst, 95th percentile and mean.
 
 use super::clock::Pace;
+use super::memory::MemoryFacts;
+use super::memory::dram::DramCounts;
 use super::timing::Timing;
 use serde::Serialize;
 use std::fmt::Write;
@@ -146,22 +148,7 @@ pub fn text(name: &str, timing: &Timing) -> String {
         bytes.pixels_written
     );
     if let Some(memory) = &timing.memory {
-        let c = &memory.counts;
-        let _ = writeln!(
-            text,
-            "memory {}: {} bursts read, {} written, {} bytes moved of {} at peak ({:.1} %); rows: {} hits, {} misses, {} conflicts; {} refreshes, {} turns of the bus",
-            memory.part,
-            c.reads,
-            c.writes,
-            memory.bytes_moved,
-            memory.bytes_at_peak,
-            100.0 * memory.bytes_moved as f64 / memory.bytes_at_peak.max(1) as f64,
-            c.row_hits,
-            c.row_misses,
-            c.row_conflicts,
-            c.refreshes,
-            c.turnarounds
-        );
+        text += &memory_line(memory);
     }
     let pixels = &timing.pixels;
     let _ = writeln!(
@@ -183,6 +170,25 @@ pub fn text(name: &str, timing: &Timing) -> String {
         pixels.covered_per_cycle_and_lane, pixels.live_per_cycle_and_lane
     );
     text
+}
+
+/// What a memory part did.
+fn memory_line(memory: &MemoryFacts) -> String {
+    let DramCounts {
+        reads,
+        writes,
+        row_hits,
+        row_misses,
+        row_conflicts,
+        refreshes,
+        turnarounds,
+    } = memory.counts;
+    let (part, moved, peak) = (memory.part, memory.bytes_moved, memory.bytes_at_peak);
+    let share = 100.0 * moved as f64 / peak.max(1) as f64;
+    format!(
+        "memory {part}: {reads} bursts read, {writes} written, {moved} bytes moved of {peak} at peak ({share:.1} %); \
+         rows: {row_hits} hits, {row_misses} misses, {row_conflicts} conflicts; {refreshes} refreshes, {turnarounds} turns of the bus\n"
+    )
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use super::config::{Assignment, Config};
 use super::geometry::Geometry;
 use super::lanes::{LaneShape, LaneWork};
 use super::memory::parts::Part;
-use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
+use super::memory::{Access, Channels, Memory, MemoryFacts, Shared, SortStep};
 use super::observe::{Blind, Observer};
 use super::raster::{Drawing, RasterUnit, TileJob};
 use super::tile_order::sequence;
@@ -63,6 +63,8 @@ pub struct SplatCounts {
     pub tiles: u64,
     /// Entries of all tiles' lists.
     pub entries: u64,
+    /// Entries that the passes of the sort moved.
+    pub sorted: u64,
 }
 
 /// Bytes read and written.
@@ -157,14 +159,14 @@ pub fn simulate_observed<O: Observer>(
         None => {
             let mut memory = Channels::new(config, packet_bytes);
             let drawn = |raster: &mut Raster, memory: &mut Channels| {
-                raster.draw(work, config, observer, memory);
+                raster.draw(&Tiles::new(work, config), observer, memory);
             };
             phases(workload, config, packet_bytes, &mut memory, drawn)
         }
         Some(part) => {
             let mut memory = shared(workload, config, packet_bytes, part, false);
             let drawn = |raster: &mut Raster, memory: &mut Shared| {
-                raster.draw_in_turn(work, config, observer, memory);
+                raster.draw_in_turn(&Tiles::new(work, config), observer, memory);
             };
             phases(workload, config, packet_bytes, &mut memory, drawn)
         }
@@ -177,7 +179,7 @@ pub fn accesses(workload: &Workload, work: &LaneWork, config: &Config) -> Option
     let packet_bytes = config.bytes_of_packet(workload.packet_bytes);
     let mut memory = shared(workload, config, packet_bytes, part, true);
     let drawn = |raster: &mut Raster, memory: &mut Shared| {
-        raster.draw_in_turn(work, config, &mut Blind, memory);
+        raster.draw_in_turn(&Tiles::new(work, config), &mut Blind, memory);
     };
     phases(workload, config, packet_bytes, &mut memory, drawn);
     Some(memory.into_trace())
@@ -192,7 +194,9 @@ fn shared(
 ) -> Shared {
     let splats = workload.splats.len() as u64;
     let entries = workload.splats.iter().map(|splat| u64::from(splat.tiles));
-    Shared::new(part, config, packet_bytes, splats, entries.sum(), traced)
+    let left = workload.kept.map_or(0, |kept| kept.left);
+    let entries = entries.sum::<u64>() + left;
+    Shared::new(part, config, packet_bytes, splats, entries, traced)
 }
 
 /// The three phases one after the other, and what came of them.
@@ -208,7 +212,8 @@ fn phases<M: Memory>(
         .end_of_phase(geometry.cycles())
         .max(geometry.cycles());
     let mut sort = Account::default();
-    memory.sort(&mut sort, geometry.entries);
+    let steps = SortStep::all(config, geometry.entries, workload.kept);
+    memory.sort(&mut sort, &steps);
     sort.wait(Cause::Port, memory.end_of_phase(sort.at()));
     let mut raster = Raster::new(config);
     draw(&mut raster, memory);
@@ -216,7 +221,7 @@ fn phases<M: Memory>(
     let finished = finished.max().unwrap_or(0);
     let raster_cycles = memory.end_of_phase(finished).max(finished);
 
-    let moves = geometry.entries * u64::from(config.sort_passes);
+    let moves = SortStep::moves(&steps);
     let total = geometry_cycles + sort.at() + raster_cycles;
     let mut timing = Timing {
         total,
@@ -234,6 +239,7 @@ fn phases<M: Memory>(
         visible: geometry.visible,
         tiles: geometry.tiles,
         entries: geometry.entries,
+        sorted: moves,
     };
     let entry = u64::from(packet_bytes + config.list_bytes);
     let cached = timing.pixels.packet_hits * u64::from(packet_bytes);
@@ -271,18 +277,11 @@ impl Raster {
     }
 
     /// Draws tile by tile: no unit needs to know what another one does meanwhile.
-    fn draw<O: Observer, M: Memory>(
-        &mut self,
-        work: &LaneWork,
-        config: &Config,
-        observer: &mut O,
-        memory: &mut M,
-    ) {
-        let order = sequence(config.tile_order, work.columns, work.tiles.len());
-        for (turn, number) in order.into_iter().enumerate() {
-            let job = job(work, config, number);
+    fn draw<O: Observer, M: Memory>(&mut self, tiles: &Tiles, observer: &mut O, memory: &mut M) {
+        for turn in 0..tiles.order.len() {
+            let job = tiles.job(turn);
             self.count(&job);
-            let unit = self.choose(turn, config.assignment);
+            let unit = self.choose(turn, tiles.config.assignment);
             self.units[unit].draw(&job, observer, memory);
         }
     }
@@ -290,30 +289,28 @@ impl Raster {
     /// Draws pair by pair, always by the unit whose next request is the earliest: the port that they share sees requests in the order of time.
     fn draw_in_turn<O: Observer, M: Memory>(
         &mut self,
-        work: &LaneWork,
-        config: &Config,
+        tiles: &Tiles,
         observer: &mut O,
         memory: &mut M,
     ) {
-        let order = sequence(config.tile_order, work.columns, work.tiles.len());
         let count = self.units.len();
         let mut drawn: Vec<Option<(TileJob, Drawing)>> = (0..count).map(|_| None).collect();
         // The next tile of each unit, or of all of them where tiles are not assigned beforehand.
-        let mut next: Vec<usize> = match config.assignment {
+        let mut next: Vec<usize> = match tiles.config.assignment {
             Assignment::Static => (0..count).collect(),
             Assignment::Dynamic => vec![0],
         };
         let step = next.len();
         loop {
             let open =
-                |unit: &usize| drawn[*unit].is_some() || next[*unit % step] < work.tiles.len();
+                |unit: &usize| drawn[*unit].is_some() || next[*unit % step] < tiles.order.len();
             let earliest = (0..count).filter(open);
             let Some(unit) = earliest.min_by_key(|unit| self.units[*unit].next_request(memory))
             else {
                 break;
             };
             let Some((job, drawing)) = &mut drawn[unit] else {
-                let taken = job(work, config, order[next[unit % step]]);
+                let taken = tiles.job(next[unit % step]);
                 next[unit % step] += step;
                 self.count(&taken);
                 let begun = self.units[unit].begin(&taken, memory);
@@ -361,28 +358,46 @@ impl Raster {
     }
 }
 
-/// A tile's work.
-fn job<'a>(work: &'a LaneWork, config: &Config, number: usize) -> TileJob<'a> {
-    let tile = &work.tiles[number];
-    let first_pair = match number {
-        0 => 0,
-        _ => work.tiles[number - 1].pairs_end as usize,
-    };
-    let first_band = match first_pair {
-        0 => 0,
-        _ => work.pairs[first_pair - 1].bands_end as usize,
-    };
-    let all = &work.pairs[first_pair..tile.pairs_end as usize];
-    let drawn = drawn(all.len(), tile.finished_after, config.tile_termination);
-    let (pairs, left_out) = all.split_at(drawn);
-    TileJob {
-        tile: number as u32,
-        pixels: tile.pixels,
-        pairs,
-        first_pair,
-        first_band,
-        left_out,
-        bands: &work.bands,
+/// The tiles of a picture in the order in which they are drawn.
+struct Tiles<'a> {
+    work: &'a LaneWork,
+    config: &'a Config,
+    order: Vec<usize>,
+}
+
+impl<'a> Tiles<'a> {
+    fn new(work: &'a LaneWork, config: &'a Config) -> Tiles<'a> {
+        Tiles {
+            work,
+            config,
+            order: sequence(config.tile_order, work.columns, work.tiles.len()),
+        }
+    }
+
+    /// The work of the tile whose turn it is.
+    fn job(&self, turn: usize) -> TileJob<'a> {
+        let (work, number) = (self.work, self.order[turn]);
+        let tile = &work.tiles[number];
+        let first_pair = match number {
+            0 => 0,
+            _ => work.tiles[number - 1].pairs_end as usize,
+        };
+        let first_band = match first_pair {
+            0 => 0,
+            _ => work.pairs[first_pair - 1].bands_end as usize,
+        };
+        let all = &work.pairs[first_pair..tile.pairs_end as usize];
+        let interval = self.config.tile_termination;
+        let (pairs, left_out) = all.split_at(drawn(all.len(), tile.finished_after, interval));
+        TileJob {
+            tile: number as u32,
+            pixels: tile.pixels,
+            pairs,
+            first_pair,
+            first_band,
+            left_out,
+            bands: &work.bands,
+        }
     }
 }
 

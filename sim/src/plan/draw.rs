@@ -6,7 +6,10 @@ use crate::fast::lanes::VectorLevel;
 use crate::fixed;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions};
 use crate::hybrid::Hybrid;
-use crate::machine::workload::{Workload, extract_from, extract_if_room, room_for};
+use crate::machine::config::Binning;
+use crate::machine::workload::{
+    InOrder, Workload, extract_from, extract_if_room, extract_in_order, room_for,
+};
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
 use crate::reference::compositor::{self, Progress as Rows};
@@ -213,6 +216,20 @@ impl Prepared {
             splats.camera,
             &splats.options(&self.plan.entry),
             [tile_width, tile_height],
+        )?)
+    }
+
+    /// Work and picture of lists that keep the order of the picture before, or are sorted anew where there is none.
+    pub fn in_order(&self, before: Option<&Workload>) -> Result<InOrder> {
+        let splats = self.splats()?;
+        let machine = &self.plan.machine;
+        Ok(extract_in_order(
+            splats.scene,
+            splats.camera,
+            &splats.options(&self.plan.entry),
+            [machine.tile_width, machine.tile_height],
+            before,
+            machine.binning == Binning::Exact,
         )?)
     }
 

@@ -7,6 +7,8 @@ use crate::atomic;
 use crate::design::DesignChoice;
 use crate::fast::lanes::VectorLevel;
 use crate::machine::Timing;
+use crate::machine::area::Family;
+use crate::machine::clock::{Clock, Pace};
 use crate::metrics::{Errors, compare};
 use crate::picture::{Backdrop, Depth, Picture};
 use crate::progress::Progress;
@@ -216,10 +218,16 @@ pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Re
     }
     let (measured, errors, cycles) = kept.context("the chosen design was not drawn")?;
     let map = ErrorMap::new(&measured.drawing.picture, &float);
+    let machine = &prepared.plan.machine;
+    let pace = cycles.as_ref().map(|timing| {
+        let clock = Clock::of(machine, &chosen.design.widths, Family::default());
+        Pace::new(timing, machine, clock)
+    });
     let report = Report {
         reference: Some(reference.name().to_owned()),
         error: Some(ErrorFacts::from(&errors)),
         error_map: Some(ScaleFacts::from(&map)),
+        pace: pace.map(serde_json::to_value).transpose()?,
         cycles: cycles.map(serde_json::to_value).transpose()?,
         table,
         ..report_of_entry(prepared, chosen, &measured)?

@@ -128,6 +128,7 @@ pub fn report_of_drawing(
         systems: prepared.systems(),
         error_map: None,
         cycles: None,
+        pace: None,
         pixels: measured.drawing.pixels,
         host: HostTimes {
             prepare_s: prepared.prepare_s + measured.host.prepare_s,

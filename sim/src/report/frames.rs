@@ -24,6 +24,10 @@ pub struct FrameRow {
     pub ssim: f64,
     /// Cycles of the machine; null where it does not draw the scene.
     pub cycles: Option<u64>,
+    /// Milliseconds a frame by the machine's clock; null without cycles.
+    pub ms_per_frame: Option<f64>,
+    /// Bytes a second at that rate; null without cycles.
+    pub bytes_per_s: Option<f64>,
 }
 
 /// The worst frame, the 95th percentile and the mean.
@@ -39,6 +43,12 @@ pub struct OverRows {
     pub bias: Spread,
     /// Cycles.
     pub cycles: Spread,
+    /// Milliseconds a frame by the machine's clock.
+    pub ms_per_frame: Spread,
+    /// Bytes a second.
+    pub bytes_per_s: Spread,
+    /// Pictures a second if every frame took as long as the worst; null without cycles.
+    pub frames_per_s_at_worst: Option<f64>,
     /// PSNR of the worst frame; null for equal pictures.
     pub worst_psnr_db: Option<f64>,
     /// Which frame that is.
@@ -52,7 +62,10 @@ impl FrameRow {
         let rgb = report.error.map(|error| error.rgb);
         let total =
             |cycles: &serde_json::Value| cycles.get("total").and_then(|total| total.as_u64());
+        let pace = |key: &str| report.pace.as_ref()?.get(key)?.as_f64();
         FrameRow {
+            ms_per_frame: pace("ms_per_frame"),
+            bytes_per_s: pace("bytes_per_s"),
             name: name.to_owned(),
             folder: folder.into_owned(),
             psnr_db: rgb.and_then(|rgb| rgb.psnr_db),
@@ -71,7 +84,11 @@ impl FrameRow {
     pub fn over(rows: &[FrameRow]) -> OverRows {
         let spread = |of: fn(&FrameRow) -> f64| Spread::of(rows.iter().map(of));
         let worst = rows.iter().max_by(|a, b| a.rms().total_cmp(&b.rms()));
+        let ms_per_frame = spread(|row| row.ms_per_frame.unwrap_or(0.0));
         OverRows {
+            frames_per_s_at_worst: Some(1e3 / ms_per_frame.worst).filter(|rate| rate.is_finite()),
+            ms_per_frame,
+            bytes_per_s: spread(|row| row.bytes_per_s.unwrap_or(0.0)),
             frames: rows.len(),
             max_abs: spread(|row| row.max_abs),
             rms: spread(FrameRow::rms),
@@ -104,6 +121,14 @@ impl OverRows {
                 "Mcycles",
                 three(&|cycles| format!("{:.3}", cycles / 1e6), &self.cycles),
             ),
+            (
+                "ms a frame",
+                three(&|ms| format!("{ms:.3}"), &self.ms_per_frame),
+            ),
+            (
+                "MB a second",
+                three(&|bytes| format!("{:.1}", bytes / 1e6), &self.bytes_per_s),
+            ),
         ];
         let mut text = format!(
             "{} frames, the one with the lowest PSNR is {}\n{:<16} {:>12} {:>12} {:>12}\n",
@@ -112,6 +137,12 @@ impl OverRows {
         for (name, [worst, p95, mean]) in lines {
             // Writing to a String cannot fail.
             let _ = writeln!(text, "{name:<16} {worst:>12} {p95:>12} {mean:>12}");
+        }
+        if let Some(rate) = self.frames_per_s_at_worst {
+            let _ = writeln!(
+                text,
+                "{rate:.2} frames a second if every frame took as long as the worst"
+            );
         }
         text
     }
@@ -126,7 +157,7 @@ table{border-collapse:collapse}td,th{padding:.15rem .6rem;text-align:right}td:fi
 pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
     let title = escape(title);
     let mut table = String::from(
-        "<table><tr><th>frame</th><th>PSNR, dB</th><th>largest error</th><th>bias</th><th>SSIM</th><th>cycles</th></tr>\n",
+        "<table><tr><th>frame</th><th>PSNR, dB</th><th>largest error</th><th>bias</th><th>SSIM</th><th>cycles</th><th>ms</th></tr>\n",
     );
     for row in rows {
         let psnr = row
@@ -135,10 +166,12 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         let cycles = row
             .cycles
             .map_or(String::new(), |cycles| cycles.to_string());
+        let ms = row.ms_per_frame;
+        let ms = ms.map_or(String::new(), |ms| format!("{ms:.3}"));
         // Writing to a String cannot fail.
         let _ = writeln!(
             table,
-            "<tr><td><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{cycles}</td></tr>",
+            "<tr><td><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{cycles}</td><td>{ms}</td></tr>",
             escape(&row.folder),
             escape(&row.name),
             row.max_abs,

@@ -396,8 +396,9 @@ fn machine_section(report: &Report) -> String {
         .flatten()
         .map(line)
         .collect();
+    let pace = escape(table::pace_text(report).trim_end());
     format!(
-        "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
+        "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
          stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n<div class=\"scroll\"><table>\n\
          <tr><th class=\"word\">unit</th><th>number</th><th>busy</th><th>busy %</th><th>idle</th><th class=\"word\">stalled by</th></tr>\n\
          {lines}</table></div>\n</section>\n",

@@ -92,6 +92,45 @@ pub fn watch(workload: &Workload, work: &LaneWork, config: &Config, timing: &Tim
     watched
 }
 
+/// A plot with its heading and the name of its file.
+pub struct Plot {
+    /// Heading.
+    pub title: &'static str,
+    /// Name without an ending.
+    pub file: &'static str,
+    /// The picture, as it stands in a page.
+    pub svg: String,
+}
+
+impl Plot {
+    /// The picture as a file of its own.
+    pub fn alone(&self) -> String {
+        let head = "<svg xmlns=\"http://www.w3.org/2000/svg\" color=\"#6b7280\" ";
+        let style = "<style>text{fill:currentColor;font:12px system-ui,sans-serif}</style>";
+        let named = self.svg.replacen("<svg ", head, 1);
+        named.replacen('>', &format!(">{style}"), 1)
+    }
+}
+
+/// All plots of a machine's cycles.
+pub fn plots(timing: &Timing, watched: &Watched, columns: u32, config: &Config) -> [Plot; 4] {
+    let plot = |title, file, svg| Plot { title, file, svg };
+    [
+        plot("Where each unit's cycles go", "stalls", accounts(timing)),
+        plot(
+            "Work over the raster phase",
+            "time",
+            over_time(timing, watched),
+        ),
+        plot(
+            "Cycles of the lanes per tile",
+            "tiles",
+            heat_map(watched, columns),
+        ),
+        plot("Roofline", "roofline", roofline(timing, config)),
+    ]
+}
+
 /// The page.
 pub fn page(
     name: &str,
@@ -101,16 +140,11 @@ pub fn page(
     config: &Config,
 ) -> String {
     let name = escape(name);
-    let plots = [
-        ("Where each unit's cycles go", accounts(timing)),
-        ("Work over the raster phase", over_time(timing, watched)),
-        ("Cycles of the lanes per tile", heat_map(watched, columns)),
-        ("Roofline", roofline(timing, config)),
-    ];
-    let sections: String = plots
-        .iter()
-        .map(|(title, plot)| format!("<h2>{title}</h2>\n<div class=\"scroll\">{plot}</div>\n"))
-        .collect();
+    let section = |Plot { title, svg, .. }: Plot| {
+        format!("<h2>{title}</h2>\n<div class=\"scroll\">{svg}</div>\n")
+    };
+    let plots = plots(timing, watched, columns, config);
+    let sections: String = plots.into_iter().map(section).collect();
     format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{name}: cycles</title>\n<style>{}</style>\n</head>\n<body>\n<h1>{name}: {} cycles</h1>\n{sections}</body>\n</html>\n",
@@ -273,8 +307,10 @@ fn roofline(timing: &Timing, config: &Config) -> String {
     let base = height - 34.0;
     let pixels = timing.pixels.live.max(1) as f64;
     let lanes = f64::from(config.lanes * config.raster_units) / f64::from(config.stretch());
-    let channels = f64::from(config.read_bandwidth) + f64::from(config.write_bandwidth);
-    let bytes = timing.bytes.all().max(1) as f64 / pixels;
+    // A part needs a clock, so that its bytes a cycle are known.
+    let channels = config.channel_bytes_per_cycle(config.clock_mhz.into());
+    let moved = timing.memory.as_ref().map(|memory| memory.bytes_moved);
+    let bytes = moved.unwrap_or(timing.bytes.all()).max(1) as f64 / pixels;
     let reached = pixels / timing.total.max(1) as f64;
     let x =
         |value: f64| LEFT + (WIDTH - LEFT - 20.0) * ((value.log10() + 3.0) / 6.0).clamp(0.0, 1.0);
@@ -382,5 +418,29 @@ mod tests {
         }
         assert!(!page.contains("NaN") && !page.contains("inf"));
         assert_eq!(page.matches("<svg").count(), 4);
+        // Alone each is a picture that a page of Markdown can show: named, with its own style, every element closed.
+        for plot in plots(&timing, &watched, workload.columns, &config) {
+            let alone = plot.alone();
+            assert!(alone.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\""));
+            assert!(
+                alone.contains("<style>text{") && alone.ends_with("</svg>"),
+                "{}",
+                plot.file
+            );
+            for element in ["svg", "text", "title", "rect", "circle", "polyline"] {
+                let begin = format!("<{element}");
+                let opened = alone.matches(&begin).count();
+                let closed = alone.matches(&format!("</{element}>")).count();
+                let empty = alone.split(&begin).skip(1);
+                let empty = empty
+                    .filter(|rest| rest.split('>').next().is_some_and(|tag| tag.ends_with('/')));
+                assert_eq!(opened, closed + empty.count(), "{} {element}", plot.file);
+            }
+        }
+        // The bar of every unit ends where its cycles do, and the roofline's point is under its roof.
+        let roof = plots(&timing, &watched, workload.columns, &config);
+        let percent = roof[3].svg.split(" % of the roof").next().unwrap();
+        let percent: f64 = percent.rsplit(' ').next().unwrap().parse().unwrap();
+        assert!(percent > 0.0 && percent <= 100.0, "{percent}");
     }
 }

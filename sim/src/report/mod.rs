@@ -62,6 +62,9 @@ pub struct Report {
     pub error_map: Option<ScaleFacts>,
     /// Cycles of the hardware model (total, phases, accounts per unit); null if it was not run, and for a float engine.
     pub cycles: Option<serde_json::Value>,
+    /// What those cycles are by the machine's clock: frames a second, milliseconds a frame, bytes a second; null without cycles.
+    #[serde(default)]
+    pub pace: Option<serde_json::Value>,
     /// Work of the rasterizer; null for a float engine, which counts no visits.
     pub pixels: Option<Pixels>,
     /// Time on this machine.

@@ -129,6 +129,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         error: compare(fixed, float).ok().as_ref().map(ErrorFacts::from),
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
+        pace: None,
         pixels: Some(Pixels {
             covered: 18_204_331,
             visited: 18_931_002,

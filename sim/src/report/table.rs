@@ -1,6 +1,6 @@
 //! The sweep's table: one set of cells for the terminal, for Markdown and for the page.
 
-use super::Row;
+use super::{Report, Row};
 
 /// Number of columns.
 pub const COLUMNS: usize = 16;
@@ -52,6 +52,23 @@ pub fn cells(row: &Row) -> [String; COLUMNS] {
             |cycles| format!("{:.3}", cycles as f64 / 1e6),
         ),
     ]
+}
+
+/// What the machine's cycles are in time, in one line; nothing where it was not run.
+pub fn pace_text(report: &Report) -> String {
+    let Some(pace) = &report.pace else {
+        return String::new();
+    };
+    let number = |key: &str| pace[key].as_f64().unwrap_or(0.0);
+    let clock = &pace["clock"];
+    format!(
+        "machine: {:.2} frames a second, {:.3} ms a frame, {:.1} MB a second at {} MHz ({})\n",
+        number("frames_per_s"),
+        number("ms_per_frame"),
+        number("bytes_per_s") / 1e6,
+        clock["mhz"],
+        clock["of"].as_str().unwrap_or("unknown"),
+    )
 }
 
 /// Aligned plain text for a terminal.

@@ -46,6 +46,7 @@ fn json_has_the_keys_that_scripts_read() {
         "/error_map/knee",
         "/error_map/magnification",
         "/cycles",
+        "/pace",
         "/pixels/covered",
         "/pixels/visited",
         "/host/setup_s",

@@ -4,12 +4,15 @@ use anyhow::{Context, Result, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
+use splatline_rtl::stamps::{Distances, STAGES};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
 use splatline_rtl::{area, fmax, formal, layouts, mutants, package, setup, speed, tables};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::machine::summary::Spread;
+use splatline_sim::metrics::median;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -145,7 +148,50 @@ fn cosim(extent: Extent) -> Result<()> {
         }
     }
     print_pictures(&pictures);
+    print_errors(&lines, &pictures);
     summary(&lines, &pictures)
+}
+
+/// How far model and circuit are apart, by scene and stage, over all circuits: cycles of each event, and parts of a picture's raster phase.
+fn print_errors(lines: &[Line], pictures: &[PictureLine]) {
+    println!("\n| scene | stage | events | median | 95 % | worst |\n|---|---|---:|---:|---:|---:|");
+    let mut scenes: Vec<&str> = Vec::new();
+    for line in lines {
+        if !scenes.contains(&line.workload) {
+            scenes.push(line.workload);
+        }
+    }
+    for scene in scenes {
+        for (stage, name) in STAGES.iter().enumerate() {
+            let mut all = Distances::default();
+            for line in lines.iter().filter(|line| line.workload == scene) {
+                all.add(&line.findings.distances[stage]);
+            }
+            let cycles = |percent| match all.percentile(percent) {
+                u64::MAX => "never".to_owned(),
+                apart => format!("{apart} cycles"),
+            };
+            let [median, p95, worst] = [50, 95, 100].map(cycles);
+            println!(
+                "| {scene} | {name} | {} | {median} | {p95} | {worst} |",
+                all.events()
+            );
+        }
+        let of_scene = pictures.iter().filter(|line| line.workload == scene);
+        let mut parts: Vec<f64> = of_scene.map(|line| line.cycles.deviation().abs()).collect();
+        if parts.is_empty() {
+            continue;
+        }
+        let middle = median(&mut parts).unwrap_or(0.0);
+        let spread = Spread::of(parts.iter().copied());
+        println!(
+            "| {scene} | picture | {} | {:.4} % | {:.4} % | {:.4} % |",
+            parts.len(),
+            100.0 * middle,
+            100.0 * spread.percentile_95,
+            100.0 * spread.worst
+        );
+    }
 }
 
 /// Shapes that are not linked in: design, lanes, cycles between two packets.

@@ -2,6 +2,7 @@
 
 use crate::bench::{Bench, Pauses};
 use crate::golden::Golden;
+use crate::stamps::{Distances, STAGES};
 use crate::units;
 use crate::workload::{Tile, Workload};
 use splatline::blend::Pixel;
@@ -28,6 +29,8 @@ pub struct Findings {
     pub timed: u64,
     /// Of these, pairs with a handshake in another cycle.
     pub wrong_cycles: u64,
+    /// How many cycles model and circuit are apart, by stage of [`STAGES`].
+    pub distances: [Distances; STAGES.len()],
     /// Cycles of the raster unit, where nothing paused.
     pub raster_cycles: u64,
     /// The first difference, in words.
@@ -44,6 +47,7 @@ impl AddAssign for Findings {
         self.roots += other.roots;
         self.timed += other.timed;
         self.wrong_cycles += other.wrong_cycles;
+        self.add_distances(&other.distances);
         self.raster_cycles += other.raster_cycles;
         if self.first_difference.is_none() {
             self.first_difference = other.first_difference;
@@ -52,6 +56,12 @@ impl AddAssign for Findings {
 }
 
 impl Findings {
+    fn add_distances(&mut self, others: &[Distances; STAGES.len()]) {
+        for (own, other) in self.distances.iter_mut().zip(others) {
+            own.add(other);
+        }
+    }
+
     /// Did nothing differ?
     pub fn agree(&self) -> bool {
         self.mismatches == 0 && self.wrong_cycles == 0 && self.first_difference.is_none()
@@ -105,6 +115,7 @@ pub fn compare<D: Design>(
             let timed = got.stamps.compare(design, lanes, tile, workload);
             findings.timed += timed.splats;
             findings.wrong_cycles += timed.wrong;
+            findings.add_distances(&timed.distances);
             difference = difference.or(timed.first_difference);
         }
         if pauses == Pauses::default() {

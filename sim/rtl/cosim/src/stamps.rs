@@ -7,6 +7,7 @@ use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::machine::primitive::{
     LaneRun, PacketStamp, PrimitiveClock, QUEUE, SETUP_INTERVAL, for_each_slot, tile_cycles,
 };
+use std::collections::BTreeMap;
 
 /// Lanes that a circuit may have.
 const MOST_LANES: usize = 16;
@@ -30,9 +31,55 @@ pub struct Stamps {
     pub idle_at: u64,
 }
 
+/// How many cycles apart model and circuit are, of the events of one stage: how often each distance was found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Distances(BTreeMap<u64, u64>);
+
+impl Distances {
+    /// Notes an event; one that the circuit never had is as far away as can be.
+    fn note(&mut self, model: u64, circuit: Option<&u64>) {
+        let apart = circuit.map_or(u64::MAX, |circuit| circuit.abs_diff(model));
+        *self.0.entry(apart).or_default() += 1;
+    }
+
+    /// Adds those of another tile.
+    pub fn add(&mut self, other: &Distances) {
+        for (apart, events) in &other.0 {
+            *self.0.entry(*apart).or_default() += events;
+        }
+    }
+
+    /// Events.
+    pub fn events(&self) -> u64 {
+        self.0.values().sum()
+    }
+
+    /// The smallest distance that so many of 100 events do not exceed; 0 of none.
+    pub fn percentile(&self, percent: u64) -> u64 {
+        let rank = (self.events() * percent).div_ceil(100).max(1);
+        let mut passed = 0;
+        let found = self.0.iter().find(|(_, events)| {
+            passed += **events;
+            passed >= rank
+        });
+        found.map_or(0, |(apart, _)| *apart)
+    }
+}
+
+/// The stages whose events are compared.
+pub const STAGES: [&str; 5] = [
+    "packet taken",
+    "rows begun",
+    "run left the rows",
+    "run popped",
+    "last pixel",
+];
+
 /// What a comparison of stamps found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Timed {
+    /// Distances of all events by stage.
+    pub distances: [Distances; STAGES.len()],
     /// Splats whose handshakes were compared.
     pub splats: u64,
     /// Of these, splats of which any handshake took place in another cycle than the clock says.
@@ -78,7 +125,7 @@ impl Stamps {
         let mut popped = self.popped.each_ref().map(|lane| lane.iter());
         for (place, index) in tile.list.iter().enumerate() {
             let footprint = &workload.footprints[*index as usize];
-            let mut same = Same(None);
+            let mut same = Same::new(&mut timed.distances);
             let offered = self.offered.get(place).copied().unwrap_or(0);
             let stamp = clock.packet(offered.max(first));
             same.check("packet taken", stamp.taken, self.taken.get(place));
@@ -91,17 +138,19 @@ impl Stamps {
                 }
             });
             timed.splats += 1;
-            timed.wrong += u64::from(same.0.is_some());
-            if let (None, Some(text)) = (&timed.first_difference, same.0) {
+            let first_difference = same.first;
+            timed.wrong += u64::from(first_difference.is_some());
+            if let (None, Some(text)) = (&timed.first_difference, first_difference) {
                 timed.first_difference = Some(format!("splat {place}: {text}"));
             }
         }
-        let mut same = Same(None);
+        let mut same = Same::new(&mut timed.distances);
         if !tile.list.is_empty() {
             same.check("last pixel", clock.idle_at(), Some(&self.idle_at));
         }
         same.check("runs left over", 0, Some(&(left.len() as u64)));
-        timed.first_difference = timed.first_difference.or(same.0);
+        let first_difference = same.first;
+        timed.first_difference = timed.first_difference.or(first_difference);
         timed
     }
 
@@ -120,7 +169,8 @@ impl Stamps {
             .filter(|_| self.setup_interval == SETUP_INTERVAL)?;
         let list = tile.list.iter();
         let footprints = list.map(|index| &workload.footprints[*index as usize]);
-        let mut same = Same(None);
+        let mut nowhere = Default::default();
+        let mut same = Same::new(&mut nowhere);
         let mut circuit = self.taken.iter().zip(&self.begun);
         let compare = |stamp: PacketStamp| {
             let (taken, begun) = circuit.next().unzip();
@@ -131,21 +181,57 @@ impl Stamps {
         let cycles = tile_cycles(design, footprints, tile.window, lanes, choice, compare);
         let idle_at = cycles.map_or(0, |cycles| first + cycles);
         same.check("last pixel", idle_at, Some(&self.idle_at));
-        same.0
+        same.first
             .map(|text| format!("clock of whole pictures: {text}"))
     }
 }
 
-/// The first cycle that is not the same, in words.
-struct Same(Option<String>);
+/// The first cycle that is not the same, in words, and how far apart all of them are.
+struct Same<'a> {
+    first: Option<String>,
+    distances: &'a mut [Distances; STAGES.len()],
+}
 
-impl Same {
+impl<'a> Same<'a> {
+    fn new(distances: &'a mut [Distances; STAGES.len()]) -> Same<'a> {
+        Same {
+            first: None,
+            distances,
+        }
+    }
+
     fn check(&mut self, what: &str, model: u64, circuit: Option<&u64>) {
-        if self.0.is_none() && circuit != Some(&model) {
+        if let Some(stage) = STAGES.iter().position(|stage| *stage == what) {
+            self.distances[stage].note(model, circuit);
+        }
+        if self.first.is_none() && circuit != Some(&model) {
             let circuit = circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
-            self.0 = Some(format!(
+            self.first = Some(format!(
                 "{what} in cycle {model} by the model, {circuit} by the circuit"
             ));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_have_their_percentiles() {
+        let mut some = Distances::default();
+        for model in 0..90u64 {
+            some.note(model, Some(&model));
+        }
+        let mut others = Distances::default();
+        for apart in 1..=9u64 {
+            others.note(100, Some(&(100 - apart)));
+        }
+        others.note(5, None);
+        some.add(&others);
+        assert_eq!(some.events(), 100);
+        let found = [50, 90, 91, 95, 99, 100].map(|percent| some.percentile(percent));
+        assert_eq!(found, [0, 0, 1, 5, 9, u64::MAX]);
+        assert_eq!(Distances::default().percentile(95), 0);
     }
 }

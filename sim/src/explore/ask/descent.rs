@@ -120,6 +120,22 @@ impl Evaluator<'_> {
         Ok(at(good))
     }
 
+    /// Moves a point until a round of moves leaves it where it is.
+    fn until_it_stays(
+        &mut self,
+        start: Vec<usize>,
+        mut round: impl FnMut(&mut Self, Vec<usize>) -> Result<Vec<usize>>,
+    ) -> Result<Vec<usize>> {
+        let mut point = start;
+        loop {
+            let moved = round(self, point.clone())?;
+            if moved == point {
+                return Ok(point);
+            }
+            point = moved;
+        }
+    }
+
     /// Moves one field at a time until none gains anything.
     pub fn descend(
         &mut self,
@@ -127,17 +143,13 @@ impl Evaluator<'_> {
         axes: &[usize],
         judge: Judge,
     ) -> Result<Vec<usize>> {
-        let mut point = start;
-        loop {
-            let before = point.clone();
+        self.until_it_stays(start, |search, mut point| {
             for axis in axes {
-                let others = others_of(self, &point, *axis);
-                point = self.best(&point, &others, judge)?;
+                let others = others_of(search, &point, *axis);
+                point = search.best(&point, &others, judge)?;
             }
-            if point == before {
-                return Ok(point);
-            }
-        }
+            Ok(point)
+        })
     }
 
     /// Moves one field at a time, and two where one gains nothing, until neither does.
@@ -147,32 +159,23 @@ impl Evaluator<'_> {
         axes: &[usize],
         judge: Judge,
     ) -> Result<Vec<usize>> {
-        let mut point = start;
-        loop {
-            let before = point.clone();
-            point = self.descend(point, axes, judge)?;
-            point = self.exchange(&point, axes, judge)?;
-            if point == before {
-                return Ok(point);
-            }
-        }
+        self.until_it_stays(start, |search, point| {
+            let point = search.descend(point, axes, judge)?;
+            search.exchange(&point, axes, judge)
+        })
     }
 
     /// Lowers one width at a time as far as the limits on errors allow, until none gains area.
     fn lower_widths(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
-        let mut point = start;
-        loop {
-            let before = point.clone();
+        self.until_it_stays(start, |search, mut point| {
             for axis in widths {
-                let lowest = self.lowest_width(&point, *axis)?;
-                if self.cost(&lowest)? <= self.cost(&point)? {
+                let lowest = search.lowest_width(&point, *axis)?;
+                if search.cost(&lowest)? <= search.cost(&point)? {
                     point = lowest;
                 }
             }
-            if point == before {
-                return Ok(point);
-            }
-        }
+            Ok(point)
+        })
     }
 
     /// One field up a step and another down, over all pairs: the best of what that gives.
@@ -219,15 +222,10 @@ impl Evaluator<'_> {
 
     /// Widths as small as the limits on errors allow; all of them untouched if there are none.
     fn narrow(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
-        let mut point = start;
-        loop {
-            let before = point.clone();
-            point = self.lower_widths(point, widths)?;
-            point = self.exchange_widths(&point, widths)?;
-            if point == before {
-                return Ok(point);
-            }
-        }
+        self.until_it_stays(start, |search, point| {
+            let point = search.lower_widths(point, widths)?;
+            search.exchange_widths(&point, widths)
+        })
     }
 
     /// The whole search from a point whose design holds the limits on errors, if there are any.
@@ -253,18 +251,14 @@ impl Evaluator<'_> {
         for end in ends {
             point = self.better(point, end, judge)?;
         }
-        loop {
-            let before = point.clone();
-            if self.has_error_limit() {
-                let narrowed = self.narrow(point.clone(), &widths)?;
-                let narrowed = self.descend(narrowed, &others, judge)?;
-                point = self.better(point, narrowed, judge)?;
+        self.until_it_stays(point, |search, mut point| {
+            if search.has_error_limit() {
+                let narrowed = search.narrow(point.clone(), &widths)?;
+                let narrowed = search.descend(narrowed, &others, judge)?;
+                point = search.better(point, narrowed, judge)?;
             }
-            point = self.settle(point, &others, judge)?;
-            if point == before {
-                return Ok(point);
-            }
-        }
+            search.settle(point, &others, judge)
+        })
     }
 
     /// Widths, the dearest bits first; and all other axes.

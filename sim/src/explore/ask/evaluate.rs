@@ -12,6 +12,7 @@ use crate::fixed::{self, Options, QuantisedScene, best_engine};
 use crate::machine::area::{Area, Calibration, estimate};
 use crate::machine::clock::{Clock, Pace};
 use crate::machine::config::Config;
+use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::summary::Spread;
 use crate::machine::workload::{Workload, extract_if_room};
@@ -21,12 +22,9 @@ use crate::plan::Splats;
 use anyhow::Result;
 use rayon::prelude::*;
 use serde::Serialize;
-use splatline::format::{Traversal, Widths};
+use splatline::format::Traversal;
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// Millijoules of a picture by its timing, design and machine.
-pub type Energy<'a> = &'a (dyn Fn(&Timing, &Widths, &Config) -> f64 + Sync);
 
 /// What is asked.
 pub struct Question<'a> {
@@ -44,8 +42,8 @@ pub struct Question<'a> {
     pub calibration: Calibration,
     /// The limits.
     pub limits: Vec<Limit>,
-    /// Energy, where there is a table of it.
-    pub energy: Option<Energy<'a>>,
+    /// Energies of actions.
+    pub energy: EnergyTable,
 }
 
 /// A design by one traversal on a machine.
@@ -73,7 +71,7 @@ pub struct Reached {
     /// Area.
     pub area: Area,
     /// Millijoules of the most expensive frame.
-    pub millijoules: Option<f64>,
+    pub millijoules: f64,
 }
 
 impl Reached {
@@ -89,7 +87,7 @@ impl Reached {
             Quantity::BytesPerSecond => self.pace.channel_bytes_per_s,
             Quantity::PsnrDb => self.error?.psnr_db(),
             Quantity::LargestError => self.error?.max_abs,
-            Quantity::MillijoulesPerFrame => self.millijoules?,
+            Quantity::MillijoulesPerFrame => self.millijoules,
         })
     }
 
@@ -248,7 +246,7 @@ impl<'a> Evaluator<'a> {
             ms_per_frame: Spread::default(),
             phases: [0; 3],
             area: estimate(&design.widths, *traversal, machine, prices),
-            millijoules: Some(0.0),
+            millijoules: 0.0,
         }
     }
 
@@ -383,6 +381,10 @@ fn reached(
         .collect();
     let pace = |timing: &Timing| Pace::new(timing, machine, clock.clone());
     let paces: Vec<Pace> = timings.iter().map(pace).collect();
+    let energy = |timing: &Timing| {
+        let table = &question.energy;
+        energy::estimate(widths, *traversal, machine, timing, table).mj_per_frame
+    };
     let slowest = (0..paces.len())
         .max_by_key(|frame| paces[*frame].cycles_per_frame)
         .unwrap_or(0);
@@ -397,9 +399,6 @@ fn reached(
         ms_per_frame: Spread::of(paces.iter().map(|pace| pace.ms_per_frame)),
         phases: [timing.geometry, timing.sort, timing.raster],
         area: estimate(widths, *traversal, machine, &question.calibration),
-        millijoules: question.energy.map(|energy| {
-            let all = timings.iter().map(|timing| energy(timing, widths, machine));
-            all.fold(0.0, f64::max)
-        }),
+        millijoules: timings.iter().map(energy).fold(0.0, f64::max),
     }
 }

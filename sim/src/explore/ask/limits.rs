@@ -77,6 +77,15 @@ impl Quantity {
 }
 
 impl Limit {
+    /// A limit that an option or a part sets.
+    pub fn new(quantity: Quantity, bound: f64, of: &str) -> Limit {
+        Limit {
+            quantity,
+            bound,
+            of: of.to_owned(),
+        }
+    }
+
     /// By which part of the bound it is missed; 0 if it is held. What is no number misses it without measure.
     pub fn excess(&self, value: f64) -> f64 {
         let over = match self.quantity.is_at_least() {
@@ -105,27 +114,19 @@ impl Limit {
 mod tests {
     use super::*;
 
-    fn limit(quantity: Quantity, bound: f64) -> Limit {
-        Limit {
-            quantity,
-            bound,
-            of: "test".to_owned(),
-        }
-    }
-
     #[test]
     fn rates_are_lower_limits_and_the_rest_upper_ones() {
-        let fps = limit(Quantity::FramesPerSecond, 60.0);
+        let fps = Limit::new(Quantity::FramesPerSecond, 60.0, "test");
         assert_eq!((fps.excess(60.0), fps.excess(90.0)), (0.0, 0.0));
         assert!((fps.excess(45.0) - 0.25).abs() < 1e-12 && (fps.slack(66.0) - 0.1).abs() < 1e-12);
-        let luts = limit(Quantity::Luts, 1000.0);
+        let luts = Limit::new(Quantity::Luts, 1000.0, "test");
         assert_eq!(luts.excess(1000.0), 0.0);
         assert!(
             (luts.excess(1100.0) - 0.1).abs() < 1e-12 && (luts.slack(900.0) - 0.1).abs() < 1e-12
         );
-        assert_eq!(limit(Quantity::Dsps, 0.0).excess(3.0), 3.0);
+        assert_eq!(Limit::new(Quantity::Dsps, 0.0, "test").excess(3.0), 3.0);
         assert_eq!(luts.excess(f64::NAN), f64::INFINITY);
-        let exact = limit(Quantity::PsnrDb, 60.0);
+        let exact = Limit::new(Quantity::PsnrDb, 60.0, "test");
         assert_eq!(exact.excess(f64::INFINITY), 0.0);
     }
 }

@@ -14,7 +14,7 @@ pub mod limits;
 mod tests;
 mod text;
 
-pub use evaluate::{Choice, Energy, Question, Reached};
+pub use evaluate::{Choice, Question, Reached};
 
 use super::space::{Axis, Part, Space, SpaceError};
 use crate::design::{DesignChoice, ResolvedDesign};
@@ -154,7 +154,7 @@ impl<'a> Question<'a> {
             machine: self.machine,
             calibration: self.calibration.clone(),
             limits: self.limits.clone(),
-            energy: self.energy,
+            energy: self.energy.clone(),
         }
     }
 
@@ -411,8 +411,8 @@ fn combined(parts: Vec<Reached>, first: usize) -> Reached {
         },
         millijoules: parts
             .iter()
-            .filter_map(|part| part.millijoules)
-            .reduce(f64::max),
+            .map(|part| part.millijoules)
+            .fold(0.0, f64::max),
         ..slowest
     }
 }
@@ -442,11 +442,7 @@ pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
 
 /// The limits that a part sets.
 pub fn limits_of_part(name: &str, part: &crate::machine::parts::Part) -> Vec<Limit> {
-    let limit = |quantity, bound: u64| Limit {
-        quantity,
-        bound: bound as f64,
-        of: name.to_owned(),
-    };
+    let limit = |quantity, bound: u64| Limit::new(quantity, bound as f64, name);
     vec![
         limit(Quantity::Luts, part.luts),
         limit(Quantity::FlipFlops, part.flip_flops),

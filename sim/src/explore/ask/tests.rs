@@ -56,7 +56,7 @@ impl Subjects {
             machine: machine(),
             calibration: Calibration::default(),
             limits,
-            energy: None,
+            energy: EnergyTable::default(),
         }
     }
 
@@ -72,6 +72,7 @@ impl Subjects {
             calibration: Calibration::default(),
             energy: EnergyTable::default(),
             reference: Some(&self.reference),
+            more: Vec::new(),
         };
         let (out, _) = Appender::open(&path, &heading(space)).unwrap();
         let whole = Shard { index: 1, count: 1 };
@@ -96,11 +97,7 @@ fn machine() -> Config {
 }
 
 fn limit(quantity: Quantity, bound: f64) -> Limit {
-    Limit {
-        quantity,
-        bound,
-        of: "test".to_owned(),
-    }
+    Limit::new(quantity, bound, "test")
 }
 
 /// For a mesh of limits, some of which nothing holds: the search ends at the cost of the cheapest point that the sweep knows.

@@ -130,12 +130,10 @@ fn point(found: &Found, usual: &Config) -> String {
     });
     let pace = &reached.pace;
     let spread = &reached.ms_per_frame;
-    let energy = reached
-        .millijoules
-        .map_or(String::new(), |energy| format!("; {energy:.3} mJ a frame"));
+    let energy = reached.millijoules;
     format!(
         "  cost      {:.0} in look-up tables: {all}\n  \
-           pace      {:.2} frames a second at {} MHz{}, {:.3} ms a frame (95 %: {:.3}, mean {:.3}), limited by {}{error}{energy}\n  \
+           pace      {:.2} frames a second at {} MHz{}, {:.3} ms a frame (95 %: {:.3}, mean {:.3}), limited by {}{error}; {energy:.3} mJ a frame (estimate)\n  \
            cycles    geometry {geometry}, sort {sort}, raster {raster}; {:.2} MB a frame, {:.0} MB a second\n  \
            design    {} ({}, {})\n  \
            machine   {}\n",

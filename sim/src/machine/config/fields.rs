@@ -86,7 +86,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 48] = [
+pub const FIELDS: [Field; 49] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -96,7 +96,7 @@ pub const FIELDS: [Field; 48] = [
     entry("memory", "read_bandwidth", BYTES, "bytes read per cycle", |c| c.read_bandwidth, |c, v| c.read_bandwidth = v),
     entry("memory", "write_bandwidth", BYTES, "bytes written per cycle", |c| c.write_bandwidth, |c, v| c.write_bandwidth = v),
     entry("memory", "latency", CYCLES, "cycles from a request to its data", |c| c.latency, |c, v| c.latency = v),
-    entry("memory", "part", Range::Choice(&PART_NAMES), "channels: two of read_bandwidth and write_bandwidth; else a part behind one port, which needs clock_mhz", |c| c.part, |c, v| c.part = v),
+    entry("memory", "memory_part", Range::Choice(&PART_NAMES), "channels: two of read_bandwidth and write_bandwidth; else a DRAM behind one port, which needs clock_mhz", |c| c.memory_part, |c, v| c.memory_part = v),
     entry("memory", "write_queue", DEPTH, "writes that the port to a part holds back", |c| c.write_queue, |c, v| c.write_queue = v),
     entry("memory", "harmonics_bytes", Range::Number(0, 65_536), "bytes of harmonics read for a splat that is seen", |c| c.harmonics_bytes, |c, v| c.harmonics_bytes = v),
     entry("memory", "sort_bytes", Range::Number(0, 65_536), "bytes of an entry while it is sorted; 0: list_bytes", |c| c.sort_bytes, |c, v| c.sort_bytes = v),
@@ -110,6 +110,7 @@ pub const FIELDS: [Field; 48] = [
     entry("binning", "binning", Range::Choice(&["box", "exact"]), "tiles met by the box, or by the traversal", |c| index(&BINNINGS, &c.binning), |c, v| c.binning = BINNINGS[v as usize]),
     entry("sort", "sort_passes", Range::Number(0, 64), "passes over all list entries", |c| c.sort_passes, |c, v| c.sort_passes = v),
     entry("sort", "sort_cycles", POSITIVE_CYCLES, "cycles per entry and pass", |c| c.sort_cycles, |c, v| c.sort_cycles = v),
+    entry("sort", "sort_every", Range::Number(1, 1024), "pictures of a camera path from one full sort to the next; in between lists keep their order, and what came is sorted and merged in", |c| c.sort_every, |c, v| c.sort_every = v),
     entry("raster", "raster_units", COUNT, "raster units, sharing the bandwidth evenly", |c| c.raster_units, |c, v| c.raster_units = v),
     entry("raster", "assignment", Range::Choice(&["static", "dynamic"]), "who draws which tile", |c| index(&ASSIGNMENTS, &c.assignment), |c, v| c.assignment = ASSIGNMENTS[v as usize]),
     entry("raster", "overlap", Range::Choice(&["serial", "pipelined", "primitive"]), "do splat setup, row generator and lanes overlap? primitive: as in sim/rtl", |c| index(&OVERLAPS, &c.overlap), |c, v| c.overlap = OVERLAPS[v as usize]),

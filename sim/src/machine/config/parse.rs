@@ -144,12 +144,28 @@ impl Config {
 
     /// Conditions between fields: the key at fault, its value and what is allowed.
     pub fn check_together(&self) -> Result<(), (&'static str, String, String)> {
-        if self.packet_cache > 0 && self.part > 0 {
+        if self.packet_cache > 0 && self.memory_part > 0 {
             let allowed =
                 "allowed is 0 with a memory part: a cache in front of its port is not modelled";
             return Err((
                 "packet_cache",
                 self.packet_cache.to_string(),
+                allowed.to_owned(),
+            ));
+        }
+        if self.sort_every > 1 && self.sort_passes < 2 {
+            let allowed = "allowed is 1 with a sort_passes below 2: to merge what came into a kept list is a pass itself";
+            return Err((
+                "sort_every",
+                self.sort_every.to_string(),
+                allowed.to_owned(),
+            ));
+        }
+        if self.overlap_frames > 1 && self.memory_part > 0 {
+            let allowed = "allowed is 1 with a memory part: phases of two pictures at one port are not simulated";
+            return Err((
+                "overlap_frames",
+                self.overlap_frames.to_string(),
                 allowed.to_owned(),
             ));
         }
@@ -174,7 +190,11 @@ impl Config {
             && self.clock_mhz == 0
         {
             let allowed = "allowed with a clock_mhz of 1 to 10000: the part has a clock of its own";
-            return Err(("part", format!("\"{}\"", part.name), allowed.to_owned()));
+            return Err((
+                "memory_part",
+                format!("\"{}\"", part.name),
+                allowed.to_owned(),
+            ));
         }
         if self.simulator_bytes() > MOST_BYTES {
             let allowed = format!(
@@ -356,6 +376,10 @@ pub fn known(key: &str) -> String {
 fn unknown(place: &str, key: &str) -> ConfigError {
     let name = key.rsplit('.').next().unwrap_or(key);
     let hint = match field(name) {
+        // The name that the setting once had, and that the command line has for something else.
+        None if name == "part" => {
+            ": the memory is memory_part; the FPGA is the option --part".to_owned()
+        }
         Some(field) => format!(": '{name}' belongs into [{}]", field.section),
         None => {
             let start: String = name.chars().take(3).collect();
@@ -467,6 +491,58 @@ mod tests {
                 "{}",
                 field.key
             );
+        }
+    }
+
+    /// Every key of a file: what is beyond its range or of another kind is refused by file, line, key and what is allowed.
+    #[test]
+    fn every_key_is_refused_outside_its_range_by_name_and_line() {
+        for field in &FIELDS {
+            let wrong: Vec<String> = match field.range {
+                Range::Number(low, high) => vec![
+                    (i64::from(low) - 1).to_string(),
+                    (i64::from(high) + 1).to_string(),
+                    "9223372036854775807".to_owned(),
+                    "\"many\"".to_owned(),
+                    "1.5".to_owned(),
+                ],
+                Range::OneOf(list) => vec![
+                    (i64::from(list[0]) - 1).to_string(),
+                    (list[list.len() - 1] + 1).to_string(),
+                    "true".to_owned(),
+                ],
+                Range::Choice(_) => vec!["\"none such\"".to_owned(), "1".to_owned()],
+            };
+            for value in wrong {
+                let text = format!(
+                    "# a machine\n\n[{}]\n{} = {value}\n",
+                    field.section, field.key
+                );
+                let told = from_toml("m.toml", &text).unwrap_err().to_string();
+                let place = format!("m.toml:4: {} = ", field.path());
+                assert!(told.starts_with(&place), "{told}");
+                assert!(told.ends_with(&field.allowed()), "{told}");
+                let mut config = Config::default();
+                let word = format!("{}={}", field.key, value.trim_matches('"'));
+                if config.set_words(&[word.clone()]).is_ok() {
+                    panic!("--set {word} was taken");
+                }
+            }
+        }
+    }
+
+    /// The name that a memory part once had is told what it is called now.
+    #[test]
+    fn the_old_name_of_a_memory_part_is_told_the_new_one() {
+        for (text, line) in [
+            ("[memory]\npart = \"ddr3-1600-x16\"\n", 2),
+            ("memory.part = 1\n", 1),
+        ] {
+            let told = from_toml("m.toml", text).unwrap_err().to_string();
+            let expected = format!(
+                "m.toml:{line}: unknown key 'memory.part': the memory is memory_part; the FPGA is the option --part"
+            );
+            assert_eq!(told, expected);
         }
     }
 

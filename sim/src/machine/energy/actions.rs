@@ -216,7 +216,7 @@ impl<'t> Picture<'_, 't> {
 
     /// A pass reads every entry, counts it in a table of its digit and writes it.
     fn sort(&self) -> Unit<'t> {
-        let moves = self.timing.splats.entries * u64::from(self.config.sort_passes);
+        let moves = self.timing.splats.sorted;
         let mut unit = self.unit("sort");
         unit.adders(32, moves);
         unit.memory("digits", 256, 32, [moves; 2]);

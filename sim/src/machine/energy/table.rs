@@ -293,6 +293,52 @@ mod tests {
         assert_eq!(table.multiplier([4, 16]), table.multiplier([8, 8]));
     }
 
+    /// Every number of the file, one after the other: outside its range it is refused by line, key and what is allowed; every entry has a source.
+    #[test]
+    fn every_number_has_a_range_and_every_entry_a_source() {
+        let (mut numbers, mut sources, mut entries) = (0, 0, 0);
+        for (index, line) in SHIPPED.lines().enumerate() {
+            entries += usize::from(line.starts_with('[') && !line.starts_with("[["));
+            entries += usize::from(line.starts_with("[["));
+            let Some((key, value)) = line.split_once(" = ").filter(|_| !line.starts_with('#'))
+            else {
+                continue;
+            };
+            let refused = |wrong: &str| {
+                let changed =
+                    SHIPPED
+                        .lines()
+                        .enumerate()
+                        .map(|(other, text)| match other == index {
+                            true => format!("{key} = {wrong}\n"),
+                            false => format!("{text}\n"),
+                        });
+                EnergyTable::from_toml("mine.toml", &changed.collect::<String>()).unwrap_err()
+            };
+            let wrong: &[&str] = match key {
+                "source" => &["\"\"", "\" \""],
+                "bits" | "bytes" => &["0", "-1", "2000000000000"],
+                "node" => continue,
+                _ => &["0", "-1", "nan", "inf", "1e9"],
+            };
+            for wrong in wrong {
+                let told = refused(wrong);
+                let place = format!("mine.toml:{}: ", index + 1);
+                assert!(told.starts_with(&place) && told.contains(key), "{told}");
+                assert!(
+                    told.contains("allowed") || told.contains("name the paper"),
+                    "{told}"
+                );
+            }
+            numbers += usize::from(value.parse::<f64>().is_ok());
+            sources += usize::from(key == "source");
+        }
+        assert!(
+            numbers > 20 && sources == entries,
+            "{numbers} {sources} {entries}"
+        );
+    }
+
     #[test]
     fn wider_is_never_cheaper() {
         let table = EnergyTable::default();

@@ -53,9 +53,9 @@ proptest! {
 
     /// Behind a part every byte of every burst is charged.
     #[test]
-    fn a_part_is_charged_whole_bursts(workload in workload(), config in machine(), part in 1u32..=3) {
+    fn a_part_is_charged_whole_bursts(workload in workload(), config in machine(), memory_part in 1u32..=3) {
         let table = EnergyTable::default();
-        let config = Config { part, clock_mhz: 100, ..config };
+        let config = Config { memory_part, clock_mhz: 100, ..config };
         let timing = simulate_alone(&workload, &config);
         let energy = estimated(&workload, &config, &table);
         let dram: u64 = energy.units.iter().map(|unit| unit.dram_attojoules).sum();
@@ -93,6 +93,7 @@ fn one_splat() -> Workload {
     };
     Workload {
         columns: 0,
+        kept: None,
         tile: [16, 8],
         packet_bytes: 48,
         splats: vec![

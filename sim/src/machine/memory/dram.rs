@@ -34,18 +34,15 @@ pub struct DramCounts {
     pub turnarounds: u64,
 }
 
-impl std::ops::Add for DramCounts {
-    type Output = DramCounts;
-    fn add(self, other: DramCounts) -> DramCounts {
-        DramCounts {
-            reads: self.reads + other.reads,
-            writes: self.writes + other.writes,
-            row_hits: self.row_hits + other.row_hits,
-            row_misses: self.row_misses + other.row_misses,
-            row_conflicts: self.row_conflicts + other.row_conflicts,
-            refreshes: self.refreshes + other.refreshes,
-            turnarounds: self.turnarounds + other.turnarounds,
-        }
+impl std::ops::AddAssign for DramCounts {
+    fn add_assign(&mut self, phase: DramCounts) {
+        self.reads += phase.reads;
+        self.writes += phase.writes;
+        self.row_hits += phase.row_hits;
+        self.row_misses += phase.row_misses;
+        self.row_conflicts += phase.row_conflicts;
+        self.refreshes += phase.refreshes;
+        self.turnarounds += phase.turnarounds;
     }
 }
 

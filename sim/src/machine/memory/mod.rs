@@ -19,6 +19,7 @@ pub(super) use shared::Shared;
 use super::accounts::{Account, Cause};
 use super::config::Config;
 use super::lanes::PairWork;
+use super::workload::Kept;
 use dram::DramCounts;
 use port::WriteId;
 use serde::Serialize;
@@ -28,6 +29,17 @@ use serde::Serialize;
 pub(super) struct Read {
     pub asked: u64,
     pub arrives: u64,
+}
+
+/// What a raster unit fetches for a pair.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    pub unit: u32,
+    /// When its queue has a place.
+    pub free: u64,
+    pub pair: u64,
+    /// Whose packet; nobody's where the unit's cache holds it.
+    pub splat: Option<u32>,
 }
 
 /// A tile buffer that is being written back: free in a cycle, or when a write of the port is over.
@@ -60,17 +72,10 @@ pub(super) trait Memory {
     fn splat(&mut self, fetch: &mut Account, free: u64, number: u64, seen: bool) -> Read;
     /// A footprint's packet and so many list entries; binning waits until they are taken.
     fn store(&mut self, binning: &mut Account, write: &mut Account, splat: u64, entries: u64);
-    /// All passes of the sort over so many entries, beside its own cycles.
-    fn sort(&mut self, sort: &mut Account, entries: u64);
-    /// A pair's list entry and a splat's packet, for a raster unit; no packet where its cache holds it.
-    fn packet(
-        &mut self,
-        unit: u32,
-        fetch: &mut Account,
-        free: u64,
-        pair: u64,
-        splat: Option<u32>,
-    ) -> Read;
+    /// All steps of the sort, beside its own cycles.
+    fn sort(&mut self, sort: &mut Account, steps: &[SortStep]);
+    /// A pair's list entry and its splat's packet.
+    fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read;
     /// The first cycle in which a raster unit could ask for its next packet.
     fn next_request(&self, unit: u32, fetch: &Account, free: u64) -> u64;
     /// Packets that were on their way when their tile had finished.
@@ -117,10 +122,48 @@ pub(super) struct Channels {
     pixel_bytes: u64,
 }
 
+/// Passes of the sort over so many entries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SortStep {
+    pub entries: u64,
+    pub passes: u64,
+    /// Places into which a pass writes: as many as a digit has values, or one for a merge.
+    pub places: u64,
+}
+
+impl SortStep {
+    /// All entries anew; or what came by itself, and a pass over what stayed, came and left, which drops and merges.
+    pub fn all(config: &Config, entries: u64, kept: Option<Kept>) -> Vec<SortStep> {
+        let anew = |entries| SortStep {
+            entries,
+            passes: config.sort_passes.into(),
+            places: BUCKETS,
+        };
+        match kept {
+            None => vec![anew(entries)],
+            Some(kept) => {
+                let merge = SortStep {
+                    entries: entries + kept.left,
+                    passes: 1,
+                    places: 1,
+                };
+                vec![anew(kept.came), merge]
+            }
+        }
+    }
+
+    /// Entries that all steps move.
+    pub fn moves(steps: &[SortStep]) -> u64 {
+        steps.iter().map(|step| step.entries * step.passes).sum()
+    }
+}
+
+/// Places into which a pass of the sort writes: a digit of eight bits.
+const BUCKETS: u64 = 256;
+
 /// What the sort moves.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sort {
-    pub passes: u64,
     pub cycles: u64,
     pub bytes: u64,
 }
@@ -128,7 +171,6 @@ pub(super) struct Sort {
 impl Sort {
     fn new(config: &Config) -> Sort {
         Sort {
-            passes: config.sort_passes.into(),
             cycles: config.sort_cycles.into(),
             bytes: config.sorted_bytes().into(),
         }
@@ -180,8 +222,8 @@ impl Memory for Channels {
     }
 
     /// Reading and writing go on beside the comparisons, each in its channel.
-    fn sort(&mut self, sort: &mut Account, entries: u64) {
-        let moves = entries * self.sort.passes;
+    fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
+        let moves = SortStep::moves(steps);
         sort.work(moves * self.sort.cycles);
         let bytes = moves * self.sort.bytes;
         sort.wait(Cause::Memory, bytes.div_ceil(self.read_bandwidth));
@@ -189,17 +231,10 @@ impl Memory for Channels {
     }
 
     #[inline(always)]
-    fn packet(
-        &mut self,
-        _: u32,
-        fetch: &mut Account,
-        free: u64,
-        _: u64,
-        splat: Option<u32>,
-    ) -> Read {
-        let asked = free.max(fetch.at());
+    fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read {
+        let asked = wanted.free.max(fetch.at());
         fetch.wait(Cause::FifoFull, asked);
-        fetch.work(match splat {
+        fetch.work(match wanted.splat {
             Some(_) => self.packet,
             None => self.entry,
         });

@@ -1,5 +1,6 @@
 //! Memory parts: organisation and timings of real DRAM, in clocks of the part, with the data sheet that they are from.
 //!
+//! The figures were entered by hand from the sheets that `source` names; the tests state them once more in nanoseconds, and do not read the sheets.
 //! Times that a data sheet gives in nanoseconds are rounded up to whole clocks here, as a controller has to.
 
 /// One memory part on one channel.

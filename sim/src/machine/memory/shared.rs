@@ -2,16 +2,13 @@
 
 use super::parts::Part;
 use super::port::{Access, Port, Stream};
-use super::{Buffer, Memory, MemoryFacts, Read, Sort, TileWrite};
+use super::{Buffer, Memory, MemoryFacts, Read, Sort, SortStep, TileWrite, Wanted};
 use crate::machine::accounts::{Account, Cause};
 use crate::machine::config::Config;
 use crate::machine::lanes::PairWork;
 
 /// Regions begin at whole megabytes, so that none shares a row with another.
 const MEGABYTE: u64 = 1 << 20;
-
-/// Buckets into which a pass of the sort writes: a digit of eight bits.
-const BUCKETS: u64 = 256;
 
 /// Where everything lies, and how large it is there.
 #[derive(Clone, Copy, Debug)]
@@ -115,6 +112,24 @@ impl Shared {
         self.traced.unwrap_or_default()
     }
 
+    /// The units of the sort take what comes in no time; their own time goes on beside it.
+    fn sort_step(&mut self, step: &SortStep) {
+        let size = self.part.burst_bytes();
+        let bursts = (step.entries * self.sort.bytes).div_ceil(size);
+        let place = bursts.div_ceil(step.places) * size;
+        for pass in 0..step.passes {
+            let [from, to] = match pass % 2 {
+                0 => [self.map.entry[0], self.map.sorted[0]],
+                _ => [self.map.sorted[0], self.map.entry[0]],
+            };
+            for burst in 0..bursts {
+                let read = self.port.read(0, from + burst * size, size);
+                let address = to + burst % step.places * place + burst / step.places * size;
+                self.port.write(read.end, address, size);
+            }
+        }
+    }
+
     /// Controller and wires, on top of the part's own latency.
     fn arrival(&self, end: u64) -> u64 {
         end + u64::from(self.config.latency)
@@ -163,35 +178,21 @@ impl Memory for Shared {
         write.wait(Cause::Port, packet.max(list));
     }
 
-    /// A pass reads the entries from one region in their order and writes them into as many places of the other as a digit has values; each
-    /// place gets a burst when it is whole.
-    fn sort(&mut self, sort: &mut Account, entries: u64) {
-        sort.work(entries * self.sort.passes * self.sort.cycles);
-        let size = self.part.burst_bytes();
-        let bursts = (entries * self.sort.bytes).div_ceil(size);
-        let bucket = bursts.div_ceil(BUCKETS) * size;
-        // The units of the sort take what comes in no time; their own time goes on beside it.
-        for pass in 0..self.sort.passes {
-            let [from, to] = match pass % 2 {
-                0 => [self.map.entry[0], self.map.sorted[0]],
-                _ => [self.map.sorted[0], self.map.entry[0]],
-            };
-            for burst in 0..bursts {
-                let read = self.port.read(0, from + burst * size, size);
-                let address = to + burst % BUCKETS * bucket + burst / BUCKETS * size;
-                self.port.write(read.end, address, size);
-            }
+    /// A pass reads the entries from one region in their order and writes them into the places of the other; each place gets a burst when it is whole.
+    fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
+        sort.work(SortStep::moves(steps) * self.sort.cycles);
+        for step in steps {
+            self.sort_step(step);
         }
     }
 
-    fn packet(
-        &mut self,
-        unit: u32,
-        fetch: &mut Account,
-        free: u64,
-        pair: u64,
-        splat: Option<u32>,
-    ) -> Read {
+    fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read {
+        let Wanted {
+            unit,
+            free,
+            pair,
+            splat,
+        } = wanted;
         let asked = self.next_request(unit, fetch, free);
         fetch.wait(Cause::FifoFull, asked);
         let reader = &mut self.readers[unit as usize];
@@ -213,7 +214,13 @@ impl Memory for Shared {
 
     fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]) {
         for (pair, work) in (first..).zip(pairs) {
-            self.packet(unit, fetch, 0, pair, Some(work.splat));
+            let wanted = Wanted {
+                unit,
+                free: 0,
+                pair,
+                splat: Some(work.splat),
+            };
+            self.packet(fetch, wanted);
         }
     }
 
@@ -248,7 +255,7 @@ impl Memory for Shared {
 
     fn end_of_phase(&mut self, cycles: u64) -> u64 {
         let end = self.port.drain();
-        self.counts = self.counts + self.port.counts();
+        self.counts += self.port.counts();
         let config = &self.config;
         let next = Port::new(self.part, config.clock_mhz, config.write_queue);
         let port = std::mem::replace(&mut self.port, next);

@@ -61,6 +61,18 @@ const SHEETS: [Sheet; 3] = [
     },
 ];
 
+/// Every part says which sheet and which table in it its figures are from.
+#[test]
+fn every_part_names_its_sheet() {
+    for part in &PARTS {
+        assert!(SHEETS.iter().any(|sheet| sheet.part == part.name));
+        let sheet = ["JEDEC", "data sheet"]
+            .iter()
+            .any(|word| part.source.contains(word));
+        assert!(sheet && part.source.contains("table"), "{}", part.name);
+    }
+}
+
 #[test]
 fn rows_cost_what_the_data_sheets_say() {
     for sheet in &SHEETS {
@@ -232,7 +244,7 @@ proptest! {
     /// wants is moved, and the trace holds every burst once.
     #[test]
     fn machines_with_parts_do_the_same_work(workload in workload(), config in machine(), which in 1u32..=3, mhz in 20u32..900, queue in 1u32..40, harmonics in 0u32..64) {
-        let with = Config { part: which, clock_mhz: mhz, write_queue: queue, harmonics_bytes: harmonics, ..config };
+        let with = Config { memory_part: which, clock_mhz: mhz, write_queue: queue, harmonics_bytes: harmonics, ..config };
         let plain = simulate_alone(&workload, &Config { harmonics_bytes: harmonics, ..config });
         let timing = simulate_alone(&workload, &with);
         let facts = timing.memory.clone().unwrap();
@@ -326,7 +338,7 @@ fn sort_and_harmonics_are_charged() {
     );
     // On a part the sort takes at least as long as its bytes take on the bus.
     let sdr = Config {
-        part: 1,
+        memory_part: 1,
         clock_mhz: 100,
         ..narrow
     };

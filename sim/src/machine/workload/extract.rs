@@ -3,11 +3,15 @@
 //! Every tile is drawn by the kernel's painter. Before a footprint is drawn, its rows are walked once more to note which of the
 //! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
 
+use super::kept::Before;
 use super::{Bins, Pair, Row, TilePart, Workload, assemble, room_for};
 use crate::camera::Camera;
 use crate::design::DesignJob;
-use crate::fixed::{self, Options, kernel_compositing, kernel_rules, table, table_entries};
+use crate::fixed::{
+    self, Options, QuantisedScene, kernel_compositing, kernel_rules, table, table_entries,
+};
 use crate::memory::TooLarge;
+use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
 use rayon::prelude::*;
@@ -47,12 +51,53 @@ pub fn extract_from(
     tile: [u16; 2],
 ) -> Workload {
     let viewport = [camera.width as u16, camera.height as u16];
-    options.design.dispatch(ExtractJob {
+    let job = ExtractJob {
         footprints,
         viewport,
         options,
         tile,
-    })
+        before: None,
+        wants_pixels: false,
+    };
+    options.design.dispatch(job).0
+}
+
+/// A picture in the order of its tiles' lists.
+pub struct InOrder {
+    /// Its work.
+    pub workload: Workload,
+    /// The picture.
+    pub picture: Picture,
+}
+
+/// The work and the picture of lists that keep the order of the picture `before`, which must be of the same scene, screen and tiles; of lists that
+/// are sorted anew where there is none. `exact` lists hold only what the traversal visits.
+pub fn extract_in_order(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    tile: [u16; 2],
+    before: Option<&Workload>,
+    exact: bool,
+) -> Result<InOrder, TooLarge> {
+    let footprints = fixed::footprints(scene, camera, options);
+    room_for(&footprints, [camera.width, camera.height], tile)?;
+    let job = ExtractJob {
+        footprints: &footprints,
+        viewport: [camera.width as u16, camera.height as u16],
+        options,
+        tile,
+        before: before.map(|workload| Before { workload, exact }),
+        wants_pixels: true,
+    };
+    let (workload, pixels) = options.design.dispatch(job);
+    let colour_log2 = QuantisedScene::new(scene, camera, options.rules).colour_log2;
+    let convert = fixed::converter(&options.design.widths, colour_log2);
+    let mut picture = Picture::new(camera.width, camera.height);
+    for (out, pixel) in picture.pixels.iter_mut().zip(&pixels) {
+        *out = convert(pixel);
+    }
+    Ok(InOrder { workload, picture })
 }
 
 struct ExtractJob<'a> {
@@ -60,12 +105,15 @@ struct ExtractJob<'a> {
     viewport: [u16; 2],
     options: &'a Options<'a>,
     tile: [u16; 2],
+    before: Option<Before<'a>>,
+    wants_pixels: bool,
 }
 
 impl DesignJob for ExtractJob<'_> {
-    type Output = Workload;
+    /// The work, and the screen's pixels if they are wanted.
+    type Output = (Workload, Vec<Pixel>);
 
-    fn run<D: Design + Send + Sync>(self, design: D) -> Workload {
+    fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
         let widths = design.widths();
         let rules = kernel_rules(self.options.rules);
         let memory = table_entries(&widths, &rules);
@@ -79,28 +127,49 @@ impl DesignJob for ExtractJob<'_> {
                 .ok()
                 .map(|footprint| (*index, footprint.first, footprint.end))
         });
-        let bins = Bins::new(boxes, self.viewport, self.tile);
+        let mut bins = Bins::new(boxes, self.viewport, self.tile);
+        let rank = self.before.map(|before| {
+            let rank = ranks(&order, self.footprints.len());
+            before.keep_order(&mut bins, &rank);
+            rank
+        });
         let window = |tile: usize| {
             let (first, last) = bins.window(tile, self.viewport, self.tile);
             Window { first, end: last }
         };
-        let parts = (0..bins.lists.len())
+        let parts: Vec<TilePart> = (0..bins.lists.len())
             .into_par_iter()
             .map(|tile| self.tile(design, &painter, &bins.lists[tile], window(tile)))
             .collect();
+        let screen = match self.wants_pixels {
+            true => self.screen(&parts, &widths, window),
+            false => Vec::new(),
+        };
         let pixels = |tile: usize| {
             let Window { first, end: last } = window(tile);
             u32::from(last[0] - first[0]) * u32::from(last[1] - first[1])
         };
         let packet_bytes = 4 * Layout::new(&widths).words() as u32;
-        assemble(
+        let mut workload = assemble(
             parts,
             pixels,
             self.footprints.len(),
             [self.tile, self.viewport],
             packet_bytes,
-        )
+        );
+        let changes = self.before.zip(rank);
+        workload.kept = changes.map(|(before, rank)| before.changes(&workload, &rank));
+        (workload, screen)
     }
+}
+
+/// The place of each splat in the order.
+fn ranks(order: &[u32], splats: usize) -> Vec<u32> {
+    let mut ranks = vec![u32::MAX; splats];
+    for (rank, splat) in (0..).zip(order) {
+        ranks[*splat as usize] = rank;
+    }
+    ranks
 }
 
 impl ExtractJob<'_> {
@@ -118,6 +187,26 @@ impl ExtractJob<'_> {
             order.reverse();
         }
         order
+    }
+
+    /// All tiles' pixels as one screen.
+    fn screen(
+        &self,
+        parts: &[TilePart],
+        widths: &Widths,
+        window: impl Fn(usize) -> Window,
+    ) -> Vec<Pixel> {
+        let [width, height] = self.viewport.map(usize::from);
+        let mut screen = vec![Pixel::clear(widths); width * height];
+        for (tile, part) in parts.iter().enumerate() {
+            let Window { first, end } = window(tile);
+            let columns = usize::from(end[0] - first[0]);
+            for (row, pixels) in part.pixels.chunks(columns).enumerate() {
+                let start = (usize::from(first[1]) + row) * width + usize::from(first[0]);
+                screen[start..start + columns].copy_from_slice(pixels);
+            }
+        }
+        screen
     }
 
     fn tile<D: Design>(
@@ -178,6 +267,9 @@ impl ExtractJob<'_> {
             if part.finished_after.is_none() && target.is_finished() {
                 part.finished_after = Some(part.pairs.len() as u32);
             }
+        }
+        if self.wants_pixels {
+            part.pixels = pixels;
         }
         part
     }
@@ -272,6 +364,59 @@ mod tests {
                 (totals.visited, totals.covered, totals.live),
                 (drawn.visited, drawn.covered, drawn.covered)
             );
+        }
+    }
+
+    /// Sorted anew the picture is the drawing's; after a step of the camera most of it is kept, some came and left, and it is another one.
+    #[test]
+    fn kept_lists_draw_nearly_the_same_picture() {
+        let scene = synthetic::random_gaussians(3_000, 3, 2.0);
+        let camera = synthetic::camera(70, 52);
+        let design = DesignChoice::named("standard24").unwrap();
+        let options = Options {
+            rules: &Rules::GAUSSIAN_3D,
+            compositing: Compositing::FrontToBack,
+            design: &design,
+            traversal: Traversal::Spans,
+        };
+        let draw = |camera: &Camera, before| {
+            extract_in_order(&scene, camera, &options, [16, 16], before, true).unwrap()
+        };
+        let first = draw(&camera, None);
+        assert_eq!(
+            first.picture,
+            fixed::draw(&scene, &camera, &options).picture
+        );
+        assert_eq!(first.workload, extract(&scene, &camera, &options, [16, 16]));
+        let still = draw(&camera, Some(&first.workload));
+        let kept = still.workload.kept.unwrap();
+        assert_eq!((kept.came, kept.left, kept.inversions), (0, 0, 0));
+        assert_eq!(still.picture, first.picture);
+
+        let [x, y, z] = camera.eye();
+        let (eye, up) = ([x + 0.2, y + 0.1, z], [0.0, -1.0, 0.0]);
+        let moved = Camera::look_at(eye, [0.0; 3], up, 40.0, 70, 52).unwrap();
+        let anew = draw(&moved, None);
+        let old = draw(&moved, Some(&first.workload));
+        let kept = old.workload.kept.unwrap();
+        let entries = old.workload.pairs.iter().filter(|pair| pair.visits).count() as u64;
+        assert!(
+            kept.came > 0 && kept.came < entries && kept.left > 0,
+            "{kept:?}"
+        );
+        assert!(
+            kept.inversions > 0 && kept.inversions < kept.pairs / 2,
+            "{kept:?}"
+        );
+        assert_ne!(old.picture, anew.picture);
+        let sorted = |workload: &Workload, tile: usize| {
+            let pairs = workload.pairs_of(tile).iter();
+            let mut splats: Vec<u32> = pairs.map(|pair| pair.splat).collect();
+            splats.sort_unstable();
+            splats
+        };
+        for tile in 0..anew.workload.tiles.len() {
+            assert_eq!(sorted(&old.workload, tile), sorted(&anew.workload, tile));
         }
     }
 

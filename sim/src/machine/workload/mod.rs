@@ -5,12 +5,16 @@
 //! 64-bit word.
 
 mod extract;
+mod kept;
 mod room;
 mod table;
 
-pub use extract::{extract, extract_from, extract_if_room};
+pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_order};
+pub use kept::Kept;
 pub use room::room_for;
 pub use table::{TableError, TableOptions, read_table};
+
+use splatline::blend::Pixel;
 
 /// Pixels of a row of a tile: bit i is column i.
 pub type Mask = u64;
@@ -95,6 +99,8 @@ pub struct Workload {
     pub pairs: Vec<Pair>,
     /// Rows of all pairs.
     pub rows: Vec<Row>,
+    /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
+    pub kept: Option<Kept>,
 }
 
 /// Sums over a workload.
@@ -125,6 +131,15 @@ impl Workload {
         totals
     }
 
+    /// A tile's pairs in drawing order.
+    pub fn pairs_of(&self, tile: usize) -> &[Pair] {
+        let first = tile.checked_sub(1);
+        let first = first.map_or(0, |before| self.tiles[before].pairs_end as usize);
+        self.tiles
+            .get(tile)
+            .map_or(&[], |tile| &self.pairs[first..tile.pairs_end as usize])
+    }
+
     /// Splats that are not culled.
     pub fn visible(&self) -> usize {
         self.splats.iter().filter(|splat| splat.tiles > 0).count()
@@ -137,6 +152,8 @@ struct TilePart {
     finished_after: Option<u32>,
     pairs: Vec<Pair>,
     rows: Vec<Row>,
+    /// The finished pixels, where somebody wants them.
+    pixels: Vec<Pixel>,
 }
 
 /// Footprints by tile: which boxes meet which tile, in drawing order.

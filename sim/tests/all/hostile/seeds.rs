@@ -121,6 +121,7 @@ fn sweep() -> String {
         calibration: Calibration::default(),
         energy: splatline_sim::machine::energy::EnergyTable::default(),
         reference: None,
+        more: Vec::new(),
     };
     let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]

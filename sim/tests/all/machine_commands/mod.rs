@@ -109,10 +109,16 @@ fn model_says_what_a_picture_takes_and_for_what() {
 #[test]
 fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
     let folder = tempfile::tempdir().unwrap();
-    let part = ["--set", "part=ddr3-1600-x16", "--set", "clock_mhz=100"];
+    let part = [
+        "--set",
+        "memory_part=ddr3-1600-x16",
+        "--set",
+        "clock_mhz=100",
+    ];
     let no_clock = fail(2, &with("model", &part[..2]));
     assert!(
-        no_clock.contains("part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000"),
+        no_clock
+            .contains("memory_part = \"ddr3-1600-x16\": allowed with a clock_mhz of 1 to 10000"),
         "{no_clock}"
     );
     let printed = succeed(&with("model", &part));
@@ -132,7 +138,10 @@ fn a_memory_part_is_a_setting_and_its_requests_are_a_trace() {
         2,
         &with("trace", &["--format", "dramsim3", "-o", text(&file)]),
     );
-    assert!(channels.contains("--set part=ddr3-1600-x16"), "{channels}");
+    assert!(
+        channels.contains("--set memory_part=ddr3-1600-x16"),
+        "{channels}"
+    );
 }
 
 /// Machines of others stand beside ours on the same splats; options that none of them would hear are refused.

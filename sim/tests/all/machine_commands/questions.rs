@@ -115,6 +115,15 @@ fn many_frames_are_one_report() {
         first["error"]["rgb"]["max_abs"],
         all["frames"][0]["max_abs"]
     );
+    let of_first = &first["pace"]["ms_per_frame"];
+    assert!(of_first.as_f64().unwrap() > 0.0);
+    assert_eq!(*of_first, all["frames"][0]["ms_per_frame"]);
+    assert!(told.contains("frames a second if every frame"), "{told}");
+    let page = std::fs::read_to_string(out.join("frame-0001/report.html")).unwrap();
+    assert!(
+        page.contains(" ms a frame, "),
+        "the page of a comparison has a pace"
+    );
     assert!(
         std::fs::read_to_string(out.join("frames.html"))
             .unwrap()
@@ -145,6 +154,73 @@ fn many_frames_are_one_report() {
         told.contains("keys.toml:1: frames = 0: allowed are 1 to 100000"),
         "{told}"
     );
+}
+
+/// Lists that keep their order along a path: what that saves and what it does to the picture is told, and it is refused where nothing comes before.
+#[test]
+fn a_kept_order_has_a_gain_and_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let (keys, out) = (folder.path().join("keys.toml"), folder.path().join("out"));
+    std::fs::write(&keys, PATH.replace("12", "8")).unwrap();
+    let scene = ["model", "random:2000:1", "--size", "64x48"];
+    let path = ["--camera-path", text(&keys)];
+    let every = ["--set", "sort_passes=8", "--set", "sort_every=4"];
+    let told = succeed(&[&scene[..], &path, &every, &["-o", text(&out)]].concat());
+    assert!(told.contains("order kept in 6 of 8 frames"), "{told}");
+    assert!(
+        told.contains("against exact order    PSNR worst "),
+        "{told}"
+    );
+    let timing: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
+    for (number, frame) in timing["frames"].as_array().unwrap().iter().enumerate() {
+        let kept = &frame["kept"];
+        assert_eq!(kept.is_null(), number % 4 == 0, "{number}");
+        if kept.is_null() {
+            continue;
+        }
+        let two = |key: &str| [0, 1].map(|which| kept[key][which].as_u64().unwrap());
+        let count = |key: &str| kept["lists"][key].as_u64().unwrap();
+        let entries = kept["entries"].as_u64().unwrap();
+        let moves = 8 * count("came") + entries + count("left");
+        // Four bytes an entry, read and written.
+        assert_eq!(two("sort_bytes"), [8 * moves, 8 * 8 * entries]);
+        let [old, anew] = two("sort_cycles");
+        assert!(old < anew && frame["cycles"]["sort"] == old);
+        assert!(count("inversions") > 0 && count("inversions") < count("pairs") / 2);
+        assert!(kept["error"]["max_abs"].as_f64().unwrap() > 0.0);
+    }
+    let refused = fail(2, &[&scene[..], &every].concat());
+    assert!(
+        refused.contains("sort_every = 4: allowed is 1 here"),
+        "{refused}"
+    );
+    let refused = fail(2, &[&["needs"], &scene[1..], &every].concat());
+    assert!(
+        refused.contains("sort_every = 4: allowed is 1 here"),
+        "{refused}"
+    );
+    let refused = fail(2, &[&scene[..], &path, &["--set", "sort_every=4"]].concat());
+    assert!(
+        refused.contains("allowed is 1 with a sort_passes below 2"),
+        "{refused}"
+    );
+    let refused = fail(
+        2,
+        &[&scene[..], &path, &["--set", "sort_every=1025"]].concat(),
+    );
+    assert!(
+        refused.contains("sort_every = 1025: allowed are 1 to 1024"),
+        "{refused}"
+    );
+}
+
+/// The first limit of the answer that a question leaves in its folder.
+fn first_standing(arguments: &[&str], out: &Path) -> serde_json::Value {
+    succeed(arguments);
+    let text = std::fs::read(out.join("answer.json")).unwrap();
+    let answer: serde_json::Value = serde_json::from_slice(&text).unwrap();
+    answer["answer"]["standings"][0].clone()
 }
 
 /// From the question to an answer whose design and machine hold what it says when they are used, also as the base of a space.
@@ -214,6 +290,43 @@ fn a_question_has_one_answer() {
             .contains("frames_per_s,ms_per_frame")
     );
 
+    let energy = first_standing(
+        &with(
+            "explore",
+            &[
+                "--space",
+                text(&space),
+                "--max-energy",
+                "0.5",
+                "-o",
+                text(&path("energy")),
+            ],
+        ),
+        &path("energy"),
+    );
+    assert_eq!(energy["limit"]["of"], "--max-energy");
+    let reached = energy["value"].as_f64().unwrap();
+    let design = path("energy").join("design.toml");
+    let machine = path("energy").join("machine.toml");
+    let again = ["--design", text(&design), "--machine", text(&machine)];
+    let told = succeed(&with("model", &again));
+    assert!(
+        reached > 0.0 && told.contains(&format!("energy: {reached:.4} mJ a frame")),
+        "{reached} {told}"
+    );
+    let none = succeed(&with(
+        "explore",
+        &["--space", text(&space), "--max-energy", "1e-9"],
+    ));
+    assert!(
+        none.contains("the first limit to fail is mJ a frame (--max-energy)"),
+        "{none}"
+    );
+    let told = fail(2, &with("explore", &["--max-energy=-1"]));
+    assert!(
+        told.contains("--max-energy") && told.contains("larger than 0"),
+        "{told}"
+    );
     let none = succeed(&with(
         "explore",
         &["--space", text(&space), "--fps", "1000000", "--lut", "10"],
@@ -224,12 +337,4 @@ fn a_question_has_one_answer() {
     );
     let told = fail(2, &with("explore", &["-o", text(&out)]));
     assert!(told.contains("--space"), "{told}");
-    let told = fail(
-        2,
-        &with(
-            "explore",
-            &["playbot.ply", "--space", text(&space), "-o", text(&out)],
-        ),
-    );
-    assert!(told.contains("need a limit"), "{told}");
 }

@@ -51,6 +51,89 @@ fn a_sweep_in_shards_is_the_whole_sweep() {
     );
 }
 
+/// Several scenes by several cameras: each point says its slowest frame, the 95th percentile and the mean, as `model` says them of that machine.
+#[test]
+fn a_sweep_over_frames_has_worst_percentile_and_mean() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let keys = "frames = 3\n[[key]]\neye = [0.0, 0.0, -9.0]\ntarget = [0.0, 0.0, 0.0]\nup = [0.0, -1.0, 0.0]\n\
+                [[key]]\neye = [2.0, 0.0, -4.0]\ntarget = [0.0, 0.0, 0.0]\nup = [0.0, -1.0, 0.0]\n";
+    std::fs::write(path("keys.toml"), keys).unwrap();
+    std::fs::write(
+        path("s.toml"),
+        "[machine]\nlanes = [1, 4]\nlayout = [\"rows\", \"quad\"]\n",
+    )
+    .unwrap();
+    let (keys, space, out) = (path("keys.toml"), path("s.toml"), path("out"));
+    let frames = [
+        "random:200:1",
+        "random:100:2",
+        "--size",
+        "32x24",
+        "--camera-path",
+        text(&keys),
+    ];
+    let sweep = ["--space", text(&space), "-o", text(&out)];
+    let told = succeed(&[&["explore"], &frames[..], &sweep].concat());
+    assert!(told.contains("4 points, 4 of them new"), "{told}");
+    let table = std::fs::read_to_string(out.join("points.csv")).unwrap();
+    let heading: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let column = |line: &str, name: &str| {
+        let place = heading.iter().position(|column| *column == name).unwrap();
+        line.split(',').nth(place).unwrap().to_owned()
+    };
+    let line = table
+        .lines()
+        .find(|line| line.contains(",4,rows,"))
+        .unwrap();
+    assert_eq!(column(line, "frames"), "6");
+    let modelled = path("model");
+    let machine = [
+        "--set",
+        "lanes=4",
+        "--set",
+        "layout=rows",
+        "-o",
+        text(&modelled),
+    ];
+    let told = succeed(&[&["model"], &frames[..], &machine].concat());
+    assert!(told.contains("6 frames, the worst is"), "{told}");
+    let timing: serde_json::Value =
+        serde_json::from_slice(&std::fs::read(modelled.join("timing.json")).unwrap()).unwrap();
+    let spread = &timing["over_frames"]["ms_per_frame"];
+    for (name, key) in [
+        ("ms_per_frame", "worst"),
+        ("ms_per_frame_95", "percentile_95"),
+        ("ms_per_frame_mean", "mean"),
+    ] {
+        assert_eq!(
+            column(line, name),
+            format!("{:.4}", spread[key].as_f64().unwrap()),
+            "{name}"
+        );
+    }
+    let errors: f64 = column(line, "max_abs").parse().unwrap();
+    assert!(errors > 0.0);
+    let none = table
+        .lines()
+        .find(|line| line.contains(",1,quad,"))
+        .unwrap();
+    assert!(none.contains("allowed with 2 or more lanes"), "{none}");
+    // Another path is another sweep.
+    std::fs::write(
+        &keys,
+        std::fs::read_to_string(&keys)
+            .unwrap()
+            .replace("2.0", "2.5"),
+    )
+    .unwrap();
+    let refused = fail(1, &[&["explore"], &frames[..], &sweep].concat());
+    assert!(
+        refused.contains("holds another sweep") && refused.contains("more_frames"),
+        "{refused}"
+    );
+}
+
 /// A scene of three splats in a file, so that it can be edited under its name.
 fn scene(weight: f32) -> Vec<u8> {
     let record = |x: f32| {

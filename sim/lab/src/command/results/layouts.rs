@@ -99,6 +99,7 @@ pub fn sweep_of(
         machine: Config::default(),
         calibration: Calibration::default(),
         reference,
+        more: Vec::new(),
     };
     let done = sweep::run(
         &task,

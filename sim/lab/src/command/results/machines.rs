@@ -6,19 +6,25 @@ use anyhow::Result;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::Options;
 use splatline_sim::machine::energy::{Energy, EnergyTable, estimate};
+use splatline_sim::machine::lanes::{LaneShape, LaneWork};
 use splatline_sim::machine::memory::parts::PARTS;
 use splatline_sim::machine::others;
 use splatline_sim::machine::workload::{Workload, extract_if_room};
-use splatline_sim::machine::{Config, Timing, simulate_alone};
+use splatline_sim::machine::{Config, Timing, simulate, simulate_alone};
 use splatline_sim::plan::Splats;
+use splatline_sim::report::machine::{Plot, plots, watch};
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 
 /// Clock of the machines with a memory part, MHz.
 const CLOCK: u32 = 100;
 
-/// The page over all subjects.
-pub fn page(subjects: &[HardwareScene]) -> Result<String> {
+/// The scene whose plots stand in the page.
+const PLOTTED: &str = "guitar";
+
+/// The page over all subjects, and the files that it shows.
+pub fn page(subjects: &[HardwareScene]) -> Result<(String, Vec<(String, String)>)> {
+    let mut files = Vec::new();
     let mut text = format!(
         "# Machines, memories and energy\n\nPrinted by `{COMMAND} --only machines`; do not edit.\n\n{}\n\
          Tested, inside and blended count pixels once per splat. Energy: {}.\n",
@@ -37,9 +43,26 @@ pub fn page(subjects: &[HardwareScene]) -> Result<String> {
         let design = DesignChoice::all().remove(2);
         let workload = workload(&splats, &design)?;
         text += &flow(&workload, &design)?;
-        text += &memories(&workload, &design)?;
+        text += &memories(&workload)?;
+        if subject.name == PLOTTED {
+            text += "\nWhere the cycles of `primitive-4` go, which `splatline model -o` writes for any machine and scene:\n\n";
+            for plot in cycles(&workload) {
+                let file = format!("machines-{PLOTTED}-{}.svg", plot.file);
+                writeln!(text, "![{}]({file})\n", plot.title)?;
+                files.push((file, plot.alone()));
+            }
+        }
     }
-    Ok(text)
+    Ok((text, files))
+}
+
+/// Plots of the cycles of four lanes.
+fn cycles(workload: &Workload) -> [Plot; 4] {
+    let config = Config::primitive(4);
+    let work = LaneWork::new(workload, LaneShape::from(&config));
+    let timing = simulate(workload, &work, &config);
+    let watched = watch(workload, &work, &config, &timing);
+    plots(&timing, &watched, workload.columns, &config)
 }
 
 fn splats(subject: &HardwareScene) -> Splats<'_> {
@@ -178,7 +201,7 @@ fn flow(workload: &Workload, design: &DesignChoice) -> Result<String> {
 }
 
 /// The same machine with two channels and with each part; eight passes of sort over entries of eight bytes.
-fn memories(workload: &Workload, _: &DesignChoice) -> Result<String> {
+fn memories(workload: &Workload) -> Result<String> {
     let mut text = format!(
         "Memories, `primitive-4` at {CLOCK} MHz, eight passes of sort over entries of 8 bytes:\n\n\
          | memory | cycles | geometry | sort | raster | MB moved | % of peak | rows hit, % | turns of the bus | ms |\n\
@@ -190,8 +213,14 @@ fn memories(workload: &Workload, _: &DesignChoice) -> Result<String> {
         sort_bytes: 8,
         ..Config::primitive(4)
     };
-    for part in 0..=PARTS.len() as u32 {
-        let timing = simulate_alone(workload, &Config { part, ..base });
+    for memory_part in 0..=PARTS.len() as u32 {
+        let timing = simulate_alone(
+            workload,
+            &Config {
+                memory_part,
+                ..base
+            },
+        );
         let Timing {
             total,
             geometry,

@@ -135,10 +135,16 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
             let views = views::load_all(&options.data, widths::SIZE)?;
             Ok(Some(widths::page(&views)?))
         }
-        ResultsPage::Machines => Ok(Some(Page {
-            file: "machines.md",
-            text: machines::page(&hardware::subjects(&options.data)?.0)?,
-        })),
+        ResultsPage::Machines => {
+            let (text, files) = machines::page(&hardware::subjects(&options.data)?.0)?;
+            for (file, plot) in files {
+                write(&options.output.join(file), plot.as_bytes())?;
+            }
+            Ok(Some(Page {
+                file: "machines.md",
+                text,
+            }))
+        }
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;
             Ok(Some(Page {
