@@ -44,7 +44,10 @@ impl Progress {
 
     /// Says what is being done now.
     pub fn doing(&self, what: impl Into<String>) {
-        self.0.set_message(what.into());
+        let what = what.into();
+        #[cfg(test)]
+        heard::note(what.clone());
+        self.0.set_message(what);
     }
 
     /// One step is done.
@@ -67,6 +70,31 @@ impl Progress {
 
 impl Drop for Progress {
     fn drop(&mut self) {
+        #[cfg(test)]
+        heard::note(format!(
+            "{} of {}",
+            self.0.position(),
+            self.0.length().unwrap_or(0)
+        ));
         self.0.finish_and_clear();
+    }
+}
+
+/// What bars said on this thread, for tests, whose standard error is no terminal.
+#[cfg(test)]
+pub mod heard {
+    use std::cell::RefCell;
+
+    thread_local! {
+        static LINES: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+    }
+
+    pub(super) fn note(line: String) {
+        LINES.with_borrow_mut(|lines| lines.push(line));
+    }
+
+    /// All that was said since the last call.
+    pub fn take() -> Vec<String> {
+        LINES.take()
     }
 }

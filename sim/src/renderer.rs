@@ -232,7 +232,7 @@ impl<S: Borrow<Scene>> Renderer<S> {
         }
         let Renderer {
             settings,
-            quantised: QuantisedScene { view, splats, .. },
+            quantised,
             rules,
             painter,
             memory,
@@ -242,16 +242,15 @@ impl<S: Borrow<Scene>> Renderer<S> {
         let painter = &**painter;
         let work = || {
             let job = FrameJob {
-                splats,
+                quantised,
                 memory,
                 plan: FramePlan {
-                    viewport: view.viewport,
+                    viewport: quantised.view.viewport,
                     back_to_front: settings.compositing == Compositing::BackToFront,
                     set_up: &|_, _| {},
                     painter,
                     progress,
                 },
-                view,
                 rules,
                 engine: settings.engine,
             };
@@ -281,10 +280,9 @@ impl DesignJob for PainterJob<'_> {
 
 /// A frame whose setup depends on the design's type.
 struct FrameJob<'a> {
-    splats: &'a [VolumeSplat],
+    quantised: &'a QuantisedScene,
     memory: &'a mut FrameMemory,
     plan: FramePlan<'a>,
-    view: &'a splatline::view::View,
     rules: &'a kernel::Rules,
     engine: Engine,
 }
@@ -294,17 +292,16 @@ impl DesignJob for FrameJob<'_> {
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
         let FrameJob {
-            splats,
+            quantised,
             memory,
             plan,
-            view,
             rules,
             engine,
         } = self;
         let set_up = |splats: &[VolumeSplat], outcomes: &mut [Outcome]| {
-            set_up_part(design, view, rules, engine, (splats, outcomes));
+            set_up_part(design, quantised, rules, engine, (splats, outcomes));
         };
         let set_up = &set_up;
-        memory.draw(splats, &FramePlan { set_up, ..plan })
+        memory.draw(&quantised.splats, &FramePlan { set_up, ..plan })
     }
 }

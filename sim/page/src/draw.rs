@@ -146,15 +146,14 @@ struct PaintedTiles {
 impl Asked<'_> {
     fn draw<D: Design>(&self, design: D) -> PaintedTiles {
         let (rules, camera) = (self.rules, self.camera);
-        let footprints: Vec<_> = self
-            .quantised
-            .splats
-            .iter()
-            .map(|splat| setup(design, &self.quantised.view, rules, splat))
+        let (quantised, widths) = (self.quantised, design.widths());
+        let splats = quantised.splats.iter();
+        let mut footprints: Vec<_> = splats
+            .map(|splat| setup(design, &quantised.view, rules, splat))
             .collect();
+        quantised.sort_keys(&widths, &quantised.splats, &mut footprints);
         let tiles = PageTiles::new(camera);
         let lists = tiles.lists(&footprints);
-        let widths = design.widths();
         let memory = table(&widths, rules);
         let painter = painter(design, rules, &memory, self.traversal);
         let mut pixels = vec![Pixel::clear(&widths); camera.width * camera.height];

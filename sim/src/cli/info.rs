@@ -7,7 +7,7 @@ use crate::metrics::median;
 use crate::plan::load::{AnyScene, recognise};
 use crate::report::facts::Counts;
 use crate::scene::points::SurfaceScene;
-use crate::scene::{Bounds, Scene, Weight};
+use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
 use clap::Args;
 use serde::Serialize;
@@ -49,6 +49,8 @@ struct Info {
     ranges: Vec<Range>,
     harmonics_degree: u8,
     rules: &'static str,
+    /// What its splats are sorted by.
+    order: &'static str,
     /// Records left out, by reason.
     dropped: Counts,
     notes: Vec<String>,
@@ -135,6 +137,7 @@ impl Info {
                 .as_ref()
                 .map_or(0, |harmonics| harmonics.degree),
             rules: scene.natural_rules.name,
+            order: scene.order.name(),
             dropped: counts(&dropped),
             notes,
             ..Info::framed(&scene.name, &frame)
@@ -189,6 +192,7 @@ impl Info {
             ranges: Vec::new(),
             harmonics_degree: 0,
             rules: "",
+            order: SortOrder::Depth.name(),
             dropped: Counts::new(),
             notes: Vec::new(),
         }
@@ -225,7 +229,7 @@ impl Info {
             direction(self.up),
             direction(self.front)
         );
-        let _ = writeln!(text, "rules      {}", self.rules);
+        let _ = writeln!(text, "rules      {}, sorted by {}", self.rules, self.order);
         let _ = writeln!(text, "harmonics  degree {}", self.harmonics_degree);
         for Range {
             of,

@@ -5,7 +5,7 @@ use super::say::{Failure, print_result};
 use super::verification_args::{VectorsAction, VectorsExportOptions};
 use crate::design::DesignChoice;
 use crate::fixed::QuantisedScene;
-use crate::scene::{self, LoadOptions};
+use crate::scene::{self, LoadOptions, SortOrder};
 use crate::vectors::{self, Subject};
 use std::path::Path;
 
@@ -37,6 +37,12 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
                     light: None,
                 },
             )?;
+            if loaded.order != SortOrder::Depth {
+                let name = &loaded.name;
+                return Err(Failure::Usage(format!(
+                    "{name}: it is sorted by distance, and vectors hold the words of a setup unit whose key is the depth: give a scene that is sorted by depth (glTF: \"sortingMethod\": \"zDepth\")"
+                )));
+            }
             let camera = loaded.default_camera(options.size.width, options.size.height);
             let camera = sound_camera(camera, &loaded.name)?;
             let rules = options.rules.unwrap_or(loaded.natural_rules);

@@ -8,15 +8,19 @@
 use crate::camera::Camera;
 use crate::metrics::median;
 use crate::rules::{Compositing, Kernel, Rules};
-use crate::scene::{Scene, Splat};
+use crate::scene::{Scene, SortOrder, Splat};
 use rayon::prelude::*;
 use splatline::float;
 pub(super) use splatline::float::exp2;
 pub use splatline::float::scaled;
+use splatline::footprint::{Footprint, depth};
+use splatline::format::Widths;
 use splatline::kernel as shapes;
+use splatline::math::Extended;
 use splatline::rules as kernel;
+use splatline::setup::Cull;
 use splatline::splat::{Axis, Position, VolumeSplat};
-use splatline::view::{Projection, View};
+use splatline::view::{Pose, Projection, View};
 
 /// A scene and its camera in the kernel's formats.
 #[derive(Clone, Debug)]
@@ -31,6 +35,8 @@ pub struct QuantisedScene {
     pub colour_log2: i32,
     /// Splats of which a value has no place in the kernel's formats: a colour or coordinate that is not finite.
     pub clamped: usize,
+    /// What its splats are sorted by.
+    pub order: SortOrder,
 }
 
 impl QuantisedScene {
@@ -72,6 +78,7 @@ impl QuantisedScene {
             clamped: seen
                 .filter(|(splat, (colour, _))| beyond(splat, colour))
                 .count(),
+            order: scene.order,
         }
     }
 
@@ -98,6 +105,44 @@ impl QuantisedScene {
             ..stated
         }
     }
+}
+
+impl QuantisedScene {
+    /// After setup of these splats: where the scene is sorted by distance, footprints get the key of the distance in the place of the depth's.
+    ///
+    /// A key is a number that splats are sorted by and nothing else, so that all that sorts them, on the host and in the machine's model, need not know
+    /// which of the two it is.
+    pub fn sort_keys(
+        &self,
+        widths: &Widths,
+        splats: &[VolumeSplat],
+        outcomes: &mut [Result<Footprint, Cull>],
+    ) {
+        if self.order == SortOrder::Depth || self.view.projection == Projection::Orthographic {
+            return;
+        }
+        for (splat, outcome) in splats.iter().zip(outcomes) {
+            if let Ok(footprint) = outcome {
+                footprint.depth = distance_key(&self.view, widths, &splat.centre);
+            }
+        }
+    }
+}
+
+/// The sort key of the distance sqrt(x^2 + y^2 + z^2) from the eye, of the words in camera space whose z is the depth.
+///
+/// The sum of squares is exact, and its root has 62 bits, of which a key holds 39.
+fn distance_key(view: &View, widths: &Widths, centre: &Position) -> u64 {
+    let point = view.pose.to_camera(&view.rotation, centre, widths);
+    let square = |word: i64| u128::from(word.unsigned_abs()).pow(2);
+    // Three squares of at most 2^126: below 2^128.
+    let sum: u128 = point.value.map(square).into_iter().sum();
+    // By an even number of places, so that the root moves by half of it.
+    let up = sum.leading_zeros().min(126) & !1;
+    depth::key(Extended {
+        value: ((sum << up).isqrt() >> 1) as i64,
+        exponent: point.exponent.saturating_add(1 - up as i32 / 2),
+    })
 }
 
 /// All splats' colours, on all cores.
@@ -215,6 +260,26 @@ pub fn kernel_compositing(compositing: Compositing) -> kernel::Compositing {
 mod tests {
     use super::*;
 
+    /// Whatever the magnitude, the key is that of the reference's distance; at the eye it is that of 0.
+    #[test]
+    fn distance_keys_are_distances() {
+        let target = [0.5, -1.0, 2.0];
+        let camera = Camera::look_at([0.0; 3], target, [0.0, -1.0, 0.0], 50.0, 64, 64).unwrap();
+        let (view, widths) = (view(&camera, 0), splatline::format::Deep32::WIDTHS);
+        let key = |place: [f64; 3]| distance_key(&view, &widths, &position(place, 0));
+        for power in -60..=60 {
+            for direction in [[1.0, 0.0, 0.0], [-0.3, 0.4, -2.0], [0.1, -5.0, 1e-3]] {
+                let place = direction.map(|part| part * exp2(power));
+                let Extended { value, exponent } = depth::number(key(place));
+                let found = value as f64 * f64::from(exponent).exp2();
+                let expected = SortOrder::Distance.place(&camera, place);
+                let error = (found / expected - 1.0).abs();
+                assert!(error < 1e-8, "2^{power}: {found} {expected}");
+            }
+        }
+        assert_eq!(key([0.0; 3]), depth::key(Extended::ZERO));
+    }
+
     #[test]
     fn both_statements_of_the_rules_agree() {
         assert_eq!(kernel_rules(&Rules::EWA), kernel::Rules::EWA);
@@ -227,7 +292,7 @@ mod tests {
     /// A Gaussian of the kernel's front door and the same one of a file become the same splat.
     #[test]
     fn both_front_doors_make_the_same_splats() {
-        use crate::scene::{Skipped, Splat, Weight, rotation_matrix};
+        use crate::scene::{Skipped, SortOrder, Splat, Weight, rotation_matrix};
         let mut state = 7u32;
         let mut next = |from: f32, to: f32| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -259,6 +324,7 @@ mod tests {
             splats: gaussians.iter().map(splat).collect(),
             harmonics: None,
             skipped: Skipped::default(),
+            order: SortOrder::Depth,
             up: [0.0, -1.0, 0.0],
         };
         let camera = Camera::look_at([0.0, 0.0, -9.0], [0.0; 3], scene.up, 50.0, 64, 64).unwrap();

@@ -23,7 +23,6 @@ use splatline::setup::{
     Covariance2d, Cull, conic, covariance, distance, ldl, project, project_axes, setup,
 };
 use splatline::splat::VolumeSplat;
-use splatline::view::View;
 
 /// Which implementation paints. All give the same pixels and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,22 +156,24 @@ fn kernel_variances(
     quantised.splats.iter().map(variance_of).collect()
 }
 
-/// Setup of some splats into as many places.
+/// Setup of some of the scene's splats into as many places, with the keys that the scene is sorted by.
 pub(crate) fn set_up_part<D: Design>(
     design: D,
-    view: &View,
+    quantised: &QuantisedScene,
     rules: &kernel::Rules,
     engine: Engine,
     (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
 ) {
+    let view = &quantised.view;
     match engine {
         Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
         Engine::Scalar => {
-            for (splat, outcome) in splats.iter().zip(outcomes) {
+            for (splat, outcome) in splats.iter().zip(outcomes.iter_mut()) {
                 *outcome = setup(design, view, rules, splat);
             }
         }
     }
+    quantised.sort_keys(&design.widths(), splats, outcomes);
 }
 
 /// Splats set up by one task.
@@ -184,13 +185,13 @@ fn set_up<D: Design + Send + Sync>(
     rules: &kernel::Rules,
     engine: Engine,
 ) -> Vec<Outcome> {
-    let QuantisedScene { view, splats, .. } = quantised;
+    let splats = &quantised.splats;
     let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
     outcomes
         .par_chunks_mut(BATCH)
         .zip(splats.par_chunks(BATCH))
         .for_each(|(outcomes, splats)| {
-            set_up_part(design, view, rules, engine, (splats, outcomes));
+            set_up_part(design, quantised, rules, engine, (splats, outcomes));
         });
     outcomes
 }
@@ -242,7 +243,9 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     let plan = FramePlan {
         viewport: view.viewport,
         back_to_front: options.compositing == Compositing::BackToFront,
-        set_up: &|splats, outcomes| set_up_part(design, view, &rules, engine, (splats, outcomes)),
+        set_up: &|splats, outcomes| {
+            set_up_part(design, quantised, &rules, engine, (splats, outcomes));
+        },
         painter: &*painter,
         progress: &|_, _| true,
     };

@@ -5,10 +5,10 @@
 //! columns of like bytes compress to a part of what interleaved splats do.
 
 use crate::rules::{Kernel, Rules};
-use crate::scene::{Harmonics, Scene, Skipped, Splat, Weight};
+use crate::scene::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
 
 /// What the bytes begin with; the digit is the version.
-const MAGIC: &[u8; 8] = b"SPLPAGE1";
+const MAGIC: &[u8; 8] = b"SPLPAGE2";
 /// Numbers of a splat: centre, axes, weight, colour.
 const NUMBERS: usize = 16;
 /// Numbers that state the rules.
@@ -22,6 +22,7 @@ pub fn encode(scene: &Scene, rules: &Rules) -> Vec<u8> {
     let mut bytes = MAGIC.to_vec();
     bytes.extend((scene.splats.len() as u32).to_le_bytes());
     bytes.extend(u32::from(degree).to_le_bytes());
+    bytes.extend(u32::from(scene.order == SortOrder::Distance).to_le_bytes());
     bytes.extend(rules_numbers(rules).iter().flat_map(|n| n.to_le_bytes()));
     let weights = scene.weights_for(rules);
     let rows: Vec<[f32; NUMBERS]> = scene
@@ -51,6 +52,11 @@ pub fn decode(bytes: &[u8]) -> Option<(Scene, Rules)> {
     let mut rest = bytes.strip_prefix(MAGIC)?;
     let count = usize::try_from(u32::from_le_bytes(*take(&mut rest)?)).ok()?;
     let degree = u8::try_from(u32::from_le_bytes(*take(&mut rest)?)).ok()?;
+    let order = match u32::from_le_bytes(*take(&mut rest)?) {
+        0 => SortOrder::Depth,
+        1 => SortOrder::Distance,
+        _ => return None,
+    };
     let mut numbers = [0.0; RULES];
     for number in &mut numbers {
         *number = f64::from_le_bytes(*take(&mut rest)?);
@@ -78,6 +84,7 @@ pub fn decode(bytes: &[u8]) -> Option<(Scene, Rules)> {
         splats,
         harmonics,
         skipped: Skipped::default(),
+        order,
         up: [0.0, 1.0, 0.0],
     };
     rest.is_empty().then_some((scene, rules))

@@ -32,6 +32,7 @@ fn rounded(splat: &Splat) -> Splat {
 #[test]
 fn a_scene_comes_back_in_single_precision() {
     let mut scene = scene();
+    scene.order = crate::scene::SortOrder::Distance;
     scene.harmonics = Some(Harmonics {
         degree: 2,
         coefficients: (0..40 * 8)
@@ -44,6 +45,7 @@ fn a_scene_comes_back_in_single_precision() {
     let expected: Vec<Splat> = scene.splats.iter().map(rounded).collect();
     assert_eq!(back.splats, expected);
     assert_eq!(back.harmonics, scene.harmonics);
+    assert_eq!(back.order, scene.order);
     let named = Rules {
         name: "page",
         ..scene.natural_rules

@@ -57,7 +57,7 @@ pub struct Drawing {
 pub struct FootprintLine {
     /// Centre.
     pub centre: [f64; 2],
-    /// Depth along the view.
+    /// What it is sorted by: the depth along the view, or the distance from the eye where the scene says so.
     pub depth: f64,
     /// a, b, c.
     pub conic: [f64; 3],
@@ -169,7 +169,7 @@ impl Prepared {
             Subject::Splats(splats) => float::footprints(splats.scene, splats.camera, splats.rules)
                 .iter()
                 .map(|f| f.as_ref().ok())
-                .map(|f| f.map(|f| line(f.centre, f.depth, f.conic, &f.bounds, f.cutoff)))
+                .map(|f| f.map(|f| line(f.centre, f.place, f.conic, &f.bounds, f.cutoff)))
                 .collect(),
             Subject::Surface(scene, style) => {
                 let project = |point| -> Result<_, Culled> {

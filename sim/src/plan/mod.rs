@@ -26,8 +26,8 @@ use crate::hybrid::Hybrid;
 use crate::machine::Config;
 use crate::reference::formats::{self, Format};
 use crate::rules::{Compositing, Rules};
-use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
+use crate::scene::{Scene, SortOrder};
 use crate::surface::Style;
 use anyhow::{Result, bail};
 use serde::{Deserialize, Serialize};
@@ -232,6 +232,17 @@ impl Prepared {
     /// The scene with its look.
     pub fn subject(&self) -> Result<Subject<'_>> {
         match (&*self.scene, &self.plan.look) {
+            (
+                AnyScene::Splats(scene),
+                Look::Splats {
+                    hybrid: Some(_), ..
+                },
+            ) if scene.order != SortOrder::Depth => {
+                bail!(
+                    "{}: it is sorted by distance, and points and stamps go by the depth: leave out --points and --traversal stamp",
+                    scene.name
+                )
+            }
             (
                 AnyScene::Splats(scene),
                 Look::Splats {

@@ -2,7 +2,7 @@
 
 use crate::camera::Camera;
 use crate::rules::Rules;
-use crate::scene::Scene;
+use crate::scene::{Scene, SortOrder};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -25,6 +25,13 @@ pub struct SceneFacts {
     /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture was multiplied by it.
     #[serde(default)]
     pub colour_log2: i32,
+    /// What its splats were sorted by; not written if it is the usual, the depth.
+    #[serde(default, skip_serializing_if = "is_usual")]
+    pub order: SortOrder,
+}
+
+fn is_usual(order: &SortOrder) -> bool {
+    *order == SortOrder::default()
 }
 
 impl SceneFacts {
@@ -40,6 +47,7 @@ impl SceneFacts {
             culled,
             clamped,
             colour_log2,
+            order: scene.order,
         }
     }
 }

@@ -13,6 +13,7 @@ use super::table::{self, HEADINGS, WORD_COLUMNS};
 use super::viewer;
 use super::{ChannelFacts, ErrorFacts, Report, Row};
 use crate::picture::Picture;
+use crate::scene::SortOrder;
 use crate::systems::Verdict;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -88,12 +89,16 @@ fn dark_plot() -> String {
 fn header(report: &Report) -> String {
     let camera = &report.camera;
     let facts = format!(
-        "{splats} splats at {width} × {height}, rules {rules}, {compositing}. {subject} compared with the {reference} engine.",
+        "{splats} splats at {width} × {height}, rules {rules}, {compositing}{order}. {subject} compared with the {reference} engine.",
         splats = table::count(report.scene.splats),
         width = camera.width,
         height = camera.height,
         rules = escape(&report.rules.name),
         compositing = escape(&report.compositing),
+        order = match report.scene.order {
+            SortOrder::Depth => "",
+            SortOrder::Distance => " by distance from the eye",
+        },
         subject = escape(&subject(report)),
         reference = escape(report.reference.as_deref().unwrap_or("no")),
     );

@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::metrics::compare;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
+use crate::scene::SortOrder;
 
 /// A soft ball and the same ball with rounding and truncation errors.
 pub fn pictures(width: usize, height: usize) -> (Picture, Picture) {
@@ -121,6 +122,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
             culled: [("outside".to_owned(), 1204), ("transparent".to_owned(), 87)].into(),
             clamped: 3,
             colour_log2: 0,
+            order: SortOrder::Depth,
         },
         warnings: vec!["brainsmall: 3 splats clamped".to_owned()],
         camera: CameraFacts::from(&camera),

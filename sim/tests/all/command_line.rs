@@ -430,6 +430,25 @@ fn a_stream_holds_the_result_alone() {
     );
 }
 
+/// A scene without a name is recognised by its first bytes.
+#[test]
+fn a_stream_may_be_the_scene() {
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/tests/files");
+    for name in ["compressed.ply", "second.sog", "tiny.glb"] {
+        let file = files.join(name);
+        let drawn = |scene: &str| {
+            let output = Command::new(env!("CARGO_BIN_EXE_splatline"))
+                .args(["render", scene, "--size", "16x16", "-o", "-"])
+                .stdin(std::fs::File::open(&file).unwrap())
+                .output()
+                .unwrap();
+            assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+            output.stdout
+        };
+        assert!(drawn("-") == drawn(file.to_str().unwrap()), "{name}");
+    }
+}
+
 #[test]
 fn shells_and_man_are_served() {
     let script = splatline(&["completions", "bash"]).stdout;
@@ -492,4 +511,56 @@ fn first_contact_is_one_command() {
             "{camera}"
         );
     }
+}
+
+/// A scene of glTF that is sorted by distance, the extension's own default, against the same one sorted by depth: what sorts it honours
+/// that, and what cannot says so.
+#[test]
+fn a_files_order_is_honoured_or_refused() {
+    let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference/tests/files");
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let stated = std::fs::read(files.join("tiny.glb")).unwrap();
+    // A key of the same length that means nothing, so that no other number of the file changes.
+    let (key, other) = (&b"sortingMethod"[..], &b"sortingNothing"[..13]);
+    let at = stated.windows(13).position(|bytes| bytes == key).unwrap();
+    let mut silent = stated.clone();
+    silent[at..at + 13].copy_from_slice(other);
+    std::fs::write(path("depth.glb"), stated).unwrap();
+    std::fs::write(path("distance.glb"), silent).unwrap();
+    let view = [
+        "--eye", "0,1,-6", "--target", "1,2,0", "--fov", "100", "--size", "32x24",
+    ];
+    let run = |arguments: &[&str]| {
+        let output = splatline(&[arguments, &view[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        String::from_utf8_lossy(&output.stdout).into_owned()
+    };
+    let depths = |scene: &str, engine: &str| -> Vec<f64> {
+        let table = run(&["footprints", scene, "--engine", engine, "-o", "-"]);
+        let field = |line: &str| line.split(',').nth(3)?.parse().ok();
+        table.lines().skip(1).filter_map(field).collect()
+    };
+    for order in ["depth", "distance"] {
+        let scene = path(&format!("{order}.glb"));
+        let info = splatline(&["info", &scene]).stdout;
+        let told = String::from_utf8_lossy(&info).into_owned();
+        assert!(told.contains(&format!("sorted by {order}")), "{told}");
+        run(&["render", &scene, "-o", &path("x.png")]);
+        run(&["model", &scene]);
+        let (fixed, float) = (depths(&scene, "fixed"), depths(&scene, "float"));
+        assert!(fixed.len() == 2 && float.len() == 2, "{fixed:?} {float:?}");
+        for (a, b) in fixed.iter().zip(&float) {
+            assert!((a / b - 1.0).abs() < 1e-5, "{order}: {a} {b}");
+        }
+    }
+    let [depth, distance] = ["depth.glb", "distance.glb"].map(|name| depths(&path(name), "float"));
+    assert!(depth.iter().zip(&distance).all(|(near, far)| far > near));
+    let scene = path("distance.glb");
+    let swan = ["--rules", "ewa", "--antialias", "swan", "--points", "auto"];
+    let picture = path("x.png");
+    let points = [&["render", &scene, "-o", &picture], &swan[..]].concat();
+    refused(1, &points, "points and stamps go by the depth");
+    let vectors = ["vectors", "export", "--scene", &scene, &path("v")];
+    refused(2, &vectors, "a setup unit whose key is the depth");
 }

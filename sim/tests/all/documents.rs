@@ -1,7 +1,14 @@
 //! Documents that state facts of the code are held against it.
 
+use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::config::FIELDS;
+use splatline_sim::explore::space::Space;
+use splatline_sim::machine::config::{self, FIELDS};
+use splatline_sim::machine::energy::EnergyTable;
+use splatline_sim::machine::parts::Parts;
+use splatline_sim::plan;
+use splatline_sim::scene::Transfer;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The table of widths in docs/number-formats.md is that of the named designs.
@@ -44,6 +51,129 @@ fn the_page_of_files_lists_every_key() {
             text.contains(&format!("`{width}`")),
             "docs/files.md lacks {width}"
         );
+    }
+}
+
+/// Words in code marks.
+fn marked(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+/// The rows of a section's table in docs/files.md, as their first column's keys and all their words, bare of brackets and of the table that they lie in.
+fn rows_of(section: &str) -> Vec<[BTreeSet<&'static str>; 2]> {
+    let text = include_str!("../../../docs/files.md");
+    let (_, rest) = text.split_once(&format!("\n## {section}")).unwrap();
+    let section = rest.split("\n## ").next().unwrap();
+    let bare = |word: &'static str| {
+        let word = word.trim_matches(['[', ']']);
+        word.rsplit('.').next().unwrap()
+    };
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    rows.map(|row| {
+        let first = row.split(" | ").next().unwrap();
+        [first, row].map(|part| marked(part).map(bare).collect())
+    })
+    .collect()
+}
+
+/// What each reader says of a file with this text.
+fn refusal(section: &str, text: &str) -> String {
+    match section {
+        "Camera (" => Camera::from_json_str(text).unwrap_err().to_string(),
+        "Transfer" => Transfer::from_toml(text).unwrap_err().to_string(),
+        "Design" => {
+            let read = DesignChoice::from_toml("d.toml", text);
+            read.unwrap_err().to_string()
+        }
+        "Energies" => EnergyTable::from_toml("e.toml", text).unwrap_err(),
+        "Parts" => match Parts::default().and("p.toml", text) {
+            Err(told) => told,
+            Ok(_) => panic!("{text} was read"),
+        },
+        "Camera path" => {
+            let folder = tempfile::tempdir().unwrap();
+            let file = folder.path().join("path.toml");
+            std::fs::write(&file, text).unwrap();
+            match plan::path::load(&file, None) {
+                Err(told) => format!("{told:#}"),
+                Ok(_) => panic!("{text} was read"),
+            }
+        }
+        other => panic!("no reader of {other}"),
+    }
+}
+
+/// An unknown key is answered by the keys there are, table by table; docs/files.md has them all and no others.
+#[test]
+fn unknown_keys_are_answered_by_those_of_the_page() {
+    for (section, texts) in [
+        ("Camera (", &["{\"hue\": 1}"][..]),
+        (
+            "Transfer",
+            &[
+                "hue = 1",
+                "[[value]]\nhue = 1",
+                "[[gradient]]\nhue = 1",
+                "[shading]\nhue = 1",
+            ],
+        ),
+        ("Design", &["hue = 1"]),
+        (
+            "Energies",
+            &[
+                "hue = 1",
+                "[[adder]]\nhue = 1",
+                "[[memory]]\nhue = 1",
+                "[dram]\nhue = 1",
+            ],
+        ),
+        ("Parts", &["[mine]\nhue = 1"]),
+        ("Camera path", &["hue = 1", "[[key]]\nhue = 1"]),
+    ] {
+        let rows = rows_of(section);
+        let all: BTreeSet<&str> = rows.iter().flat_map(|[_, words]| words.clone()).collect();
+        let mut known = BTreeSet::new();
+        for text in texts {
+            let told = refusal(section, text);
+            assert!(told.contains("unknown field `hue`"), "{section}: {told}");
+            known.extend(
+                marked(&told)
+                    .filter(|word| *word != "hue")
+                    .map(str::to_owned),
+            );
+        }
+        for key in &known {
+            assert!(
+                all.contains(&**key),
+                "docs/files.md, {section}: lacks {key}"
+            );
+        }
+        for key in rows.iter().flat_map(|[first, _]| first) {
+            assert!(
+                known.contains(*key),
+                "docs/files.md, {section}: {key} is not read"
+            );
+        }
+    }
+    let space = Space::from_toml("s.toml", "hue = 1")
+        .unwrap_err()
+        .to_string();
+    for [keys, _] in rows_of("Space") {
+        assert!(keys.iter().all(|key| space.contains(key)), "{space}");
+    }
+    for [first, words] in rows_of("Machine") {
+        let section = *first.first().unwrap();
+        let told = config::from_toml("m.toml", &format!("[{section}]\nhue = 1")).unwrap_err();
+        let told = told.to_string();
+        assert!(told.contains(&format!("[{section}] has ")), "{told}");
+        let key = |word: &&&str| word.contains('_') || FIELDS.iter().any(|f| f.key == **word);
+        for word in words.iter().filter(key) {
+            let of = |field: &&config::Field| field.key == *word;
+            assert!(
+                FIELDS.iter().any(|f| of(&f)),
+                "docs/files.md, [{section}]: {word}"
+            );
+        }
     }
 }
 

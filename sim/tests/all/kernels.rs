@@ -11,7 +11,7 @@ use splatline_sim::picture::Picture;
 use splatline_sim::reference::sphere::{Index, Shape};
 use splatline_sim::reference::{self, exact, float};
 use splatline_sim::rules::{Antialias, Compositing, Kernel, Rules};
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight};
+use splatline_sim::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// The bars of every system: PSNR against its own float counterpart, and bias.
 const LEAST_PSNR: f64 = 60.0;
@@ -41,6 +41,7 @@ fn volume() -> Scene {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     }
 }

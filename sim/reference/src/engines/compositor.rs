@@ -1,6 +1,6 @@
-//! Depth order, binning and blending, shared by both engines of the reference.
+//! Order, binning and blending, shared by both engines of the reference.
 //!
-//! Splats are ordered by depth, ties by index, and blended pixel by pixel (EWA 4.1 "every-sample" compositing;
+//! Splats are ordered by the place that their engine gave them, ties by index, and blended pixel by pixel (EWA 4.1 "every-sample" compositing;
 //! X-ray: SWAN 3.1). The picture is cut into bands of rows that rayon draws side by side, and each band into
 //! tiles: a tile goes through its splats in order and skips the rest once every pixel is finished. Only speed
 //! depends on the cutting: a pixel meets its splats in the same order as in a loop over all of them.
@@ -26,8 +26,8 @@ pub trait Projected: Send + Sync {
     /// Pixels outside of which the splat leaves no trace.
     fn bounds(&self) -> PixelBox;
 
-    /// The depth to order by.
-    fn depth(&self) -> f64;
+    /// What it is sorted by, the least first.
+    fn place(&self) -> f64;
 
     /// Linear RGB.
     fn colour(&self) -> [f64; 3];
@@ -42,11 +42,11 @@ pub trait Projected: Send + Sync {
     }
 }
 
-/// Indices of the splats that were not culled: nearest first, equal depths in the order of their indices.
+/// Indices of the splats that were not culled: nearest first, equal places in the order of their indices.
 pub fn order<S: Projected>(projected: &[Result<S, Culled>]) -> Vec<usize> {
     let drawn = projected.iter().enumerate().filter_map(|(index, outcome)| {
         let splat = outcome.as_ref().ok()?;
-        Some((splat.depth(), index))
+        Some((splat.place(), index))
     });
     let mut ordered: Vec<(f64, usize)> = drawn.collect();
     ordered.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -41,6 +41,8 @@ pub struct ExactFootprint<'a> {
     centre: [f64; 2],
     /// Camera-space z of the centre.
     depth: f64,
+    /// What it is sorted by: the depth, unless [`footprints`] says otherwise.
+    place: f64,
     /// Peak opacity or mass.
     weight: f64,
     /// Whether `weight` is a mass.
@@ -79,6 +81,7 @@ pub fn project<'a>(
         axes,
         centre,
         depth: position[2],
+        place: position[2],
         weight,
         normalised: rules.normalised,
         relative_peak: rules.kernel.relative_peak(),
@@ -110,14 +113,16 @@ pub fn project<'a>(
     Ok(footprint)
 }
 
-/// Prepares every splat of the scene, in the scene's order.
+/// Prepares every splat of the scene, in the scene's order, each with the place that the scene's [`SortOrder`](crate::scene::SortOrder) gives it.
 pub fn footprints<'a>(
     scene: &Scene,
     camera: &'a Camera,
     rules: &Rules,
 ) -> Vec<Result<ExactFootprint<'a>, Culled>> {
     compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        project(splat, weight, colour, camera, rules)
+        let footprint = project(splat, weight, colour, camera, rules)?;
+        let place = scene.order.place(camera, splat.centre);
+        Ok(ExactFootprint { place, ..footprint })
     })
 }
 
@@ -213,8 +218,8 @@ impl Projected for ExactFootprint<'_> {
         self.bounds
     }
 
-    fn depth(&self) -> f64 {
-        self.depth
+    fn place(&self) -> f64 {
+        self.place
     }
 
     fn colour(&self) -> [f64; 3] {

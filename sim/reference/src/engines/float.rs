@@ -27,6 +27,8 @@ pub struct Footprint {
     pub centre: [f64; 2],
     /// Camera-space z of the centre.
     pub depth: f64,
+    /// What it is sorted by: the depth, unless [`footprints`] says otherwise.
+    pub place: f64,
     /// Variance matrix including the low-pass filter, and its determinant.
     pub variance: ScreenVariance,
     /// Conic (A, B, C): r = A x^2 + 2 B x y + C y^2.
@@ -89,6 +91,7 @@ pub fn project_beyond_viewport(
     Ok(Footprint {
         centre,
         depth,
+        place: depth,
         variance,
         conic: variance.conic(),
         peak,
@@ -98,10 +101,12 @@ pub fn project_beyond_viewport(
     })
 }
 
-/// Projects every splat of the scene, in the scene's order.
+/// Projects every splat of the scene, in the scene's order, each with the place that the scene's [`SortOrder`](crate::scene::SortOrder) gives it.
 pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<Footprint, Culled>> {
     compositor::project_all(scene, camera, rules, |splat, weight, colour| {
-        project(splat, weight, colour, camera, rules)
+        let footprint = project(splat, weight, colour, camera, rules)?;
+        let place = scene.order.place(camera, splat.centre);
+        Ok(Footprint { place, ..footprint })
     })
 }
 
@@ -116,8 +121,8 @@ impl Projected for Footprint {
         self.bounds
     }
 
-    fn depth(&self) -> f64 {
-        self.depth
+    fn place(&self) -> f64 {
+        self.place
     }
 
     fn colour(&self) -> [f64; 3] {

@@ -19,7 +19,7 @@ use super::{Counts, Culled, Drawing, PixelBox};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::Rules;
-use crate::scene::{Scene, Splat};
+use crate::scene::{Scene, SortOrder, Splat};
 use rayon::prelude::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -216,6 +216,8 @@ impl Stages {
 struct Footprint {
     centre: [Number; 2],
     depth: Number,
+    /// What it is sorted by: the depth, or the distance from the eye.
+    place: Number,
     /// Vxx and Vyy.
     variance: [Number; 2],
     conic: [Number; 3],
@@ -241,15 +243,19 @@ impl Footprint {
 pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &Stages) -> Drawing {
     let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
+    let setup = Setup {
+        camera,
+        rules,
+        order: scene.order,
+        format: stages.setup,
+    };
     let projected: Vec<Result<Footprint, Culled>> = splats
-        .map(|((splat, weight), colour)| {
-            project(splat, weight, colour, camera, rules, stages.setup)
-        })
+        .map(|((splat, weight), colour)| setup.project(splat, weight, colour))
         .collect();
     let mut counts = Counts::of_projected(&projected);
     let mut drawn: Vec<Footprint> = projected.into_iter().flatten().collect();
-    // Stable: equal depths stay in the order of their numbers.
-    drawn.sort_by(|a, b| a.depth.value.total_cmp(&b.depth.value));
+    // Stable: equal places stay in the order of their numbers.
+    drawn.sort_by(|a, b| a.place.value.total_cmp(&b.place.value));
     let boxed: Vec<(Footprint, PixelBox)> = drawn
         .into_iter()
         .map(|footprint| (footprint, footprint.bounds(camera, rules)))
@@ -387,67 +393,81 @@ fn opacity(r: Number, peak: Number, rules: &Rules) -> Option<Number> {
     (alpha.value > 0.0 && alpha.value >= rules.alpha_min).then_some(alpha)
 }
 
-/// Projects one splat, step by step as [`single::project`](super::single::project) does.
-fn project(
-    splat: &Splat,
-    weight: f64,
-    colour: [f64; 3],
-    camera: &Camera,
-    rules: &Rules,
+/// What is the same for all splats.
+struct Setup<'a> {
+    camera: &'a Camera,
+    rules: &'a Rules,
+    order: SortOrder,
     format: Format,
-) -> Result<Footprint, Culled> {
-    let n = |value: f64| format.number(value);
-    let rotation = camera.rotation.map(|row| row.map(n));
-    let centre = splat.centre.map(n);
-    let t: [Number; 3] =
-        std::array::from_fn(|row| dot(rotation[row], centre) + n(camera.translation[row]));
-    let z = t[2];
-    if !z.value.is_finite() || z.value <= n(camera.near).value {
-        return Err(Culled::Near);
-    }
-    if z.value >= camera.far {
-        return Err(Culled::Far);
-    }
-    let focal = [n(camera.fx), n(camera.fy)];
-    let distance = if camera.orthographic { n(1.0) } else { z };
-    let slope = slopes(t, camera, rules);
-    let gain = focal.map(|f| f / distance);
-    let rows: [[Number; 3]; 2] = [0, 1].map(|i| {
-        std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k])
-    });
-    let variance = covariance(splat, format);
-    let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
-    let low_pass = n(rules.low_pass);
-    let (a, b, c) = (
-        spread(0, 0) + low_pass,
-        spread(0, 1),
-        spread(1, 1) + low_pass,
-    );
-    let determinant = a * c - b * b;
-    if !(determinant.value.is_finite() && determinant.value > 0.0) {
-        return Err(Culled::Degenerate);
-    }
-    let peak = match rules.normalised {
-        false => n(weight),
-        true => {
-            let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
-            n(weight) * gain[0] * gain[1] * slant / (n(std::f64::consts::TAU) * determinant.sqrt())
+}
+
+impl Setup<'_> {
+    /// Projects one splat, step by step as [`single::project`](super::single::project) does.
+    fn project(&self, splat: &Splat, weight: f64, colour: [f64; 3]) -> Result<Footprint, Culled> {
+        let Setup {
+            camera,
+            rules,
+            order,
+            format,
+        } = *self;
+        let n = |value: f64| format.number(value);
+        let rotation = camera.rotation.map(|row| row.map(n));
+        let centre = splat.centre.map(n);
+        let t: [Number; 3] =
+            std::array::from_fn(|row| dot(rotation[row], centre) + n(camera.translation[row]));
+        let z = t[2];
+        if !z.value.is_finite() || z.value <= n(camera.near).value {
+            return Err(Culled::Near);
         }
-    };
-    if !(peak.value > 0.0 && peak.value >= rules.alpha_min) {
-        return Err(Culled::Transparent);
+        if z.value >= camera.far {
+            return Err(Culled::Far);
+        }
+        let focal = [n(camera.fx), n(camera.fy)];
+        let distance = if camera.orthographic { n(1.0) } else { z };
+        let slope = slopes(t, camera, rules);
+        let gain = focal.map(|f| f / distance);
+        let rows: [[Number; 3]; 2] = [0, 1].map(|i| {
+            std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k])
+        });
+        let variance = covariance(splat, format);
+        let spread = |i: usize, j: usize| dot(rows[i], variance.map(|line| dot(line, rows[j])));
+        let low_pass = n(rules.low_pass);
+        let (a, b, c) = (
+            spread(0, 0) + low_pass,
+            spread(0, 1),
+            spread(1, 1) + low_pass,
+        );
+        let determinant = a * c - b * b;
+        if !(determinant.value.is_finite() && determinant.value > 0.0) {
+            return Err(Culled::Degenerate);
+        }
+        let peak = match rules.normalised {
+            false => n(weight),
+            true => {
+                let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
+                n(weight) * gain[0] * gain[1] * slant
+                    / (n(std::f64::consts::TAU) * determinant.sqrt())
+            }
+        };
+        if !(peak.value > 0.0 && peak.value >= rules.alpha_min) {
+            return Err(Culled::Transparent);
+        }
+        Ok(Footprint {
+            centre: [
+                focal[0] * t[0] / distance + n(camera.cx),
+                focal[1] * t[1] / distance + n(camera.cy),
+            ],
+            depth: z,
+            place: match order {
+                SortOrder::Distance if !camera.orthographic => dot(t, t).sqrt(),
+                _ => z,
+            },
+            variance: [a, c],
+            conic: [c / determinant, -b / determinant, a / determinant],
+            peak,
+            colour,
+        })
     }
-    Ok(Footprint {
-        centre: [
-            focal[0] * t[0] / distance + n(camera.cx),
-            focal[1] * t[1] / distance + n(camera.cy),
-        ],
-        depth: z,
-        variance: [a, c],
-        conic: [c / determinant, -b / determinant, a / determinant],
-        peak,
-        colour,
-    })
 }
 
 fn slopes(t: [Number; 3], camera: &Camera, rules: &Rules) -> [Number; 2] {

@@ -15,7 +15,7 @@ use super::float;
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
-use crate::scene::{Scene, Skipped, Splat, Weight};
+use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// The category whose picture holds all splats.
 pub const ALL: &str = "all";
@@ -120,6 +120,7 @@ impl GoldenA {
             splats: self.members(category).map(|golden| golden.splat).collect(),
             harmonics: None,
             skipped: Skipped::default(),
+            order: SortOrder::Depth,
             up: [0.0, -1.0, 0.0],
         }
     }

@@ -88,6 +88,7 @@ fn point(
     let footprint = Footprint {
         centre: screen_position(position, camera),
         depth: position[2],
+        place: position[2],
         variance,
         conic: variance.conic(),
         peak: weight * across * down * share,
@@ -136,7 +137,8 @@ impl Projected for FloatPrimitive {
         self.footprint.bounds
     }
 
-    fn depth(&self) -> f64 {
+    /// The depth, whatever the scene says: points are gathered by differences of depths.
+    fn place(&self) -> f64 {
         self.footprint.depth
     }
 
@@ -205,14 +207,14 @@ impl FloatCell {
     fn gather(&mut self, alpha: f64, point: &FloatPrimitive, range: f64, rules: &Rules) {
         if self
             .slab
-            .is_some_and(|(_, _, first)| point.depth() - first > range)
+            .is_some_and(|(_, _, first)| point.place() - first > range)
         {
             self.close(rules);
             if self.finished {
                 return;
             }
         }
-        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.depth()));
+        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.place()));
         *opacity += alpha;
         for (sum, channel) in colour.iter_mut().zip(point.colour()) {
             *sum += alpha * channel;

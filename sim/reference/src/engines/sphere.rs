@@ -186,7 +186,7 @@ impl Projected for SphereFootprint {
         self.bounds
     }
 
-    fn depth(&self) -> f64 {
+    fn place(&self) -> f64 {
         self.depth
     }
 

@@ -5,7 +5,7 @@
 use crate::camera::Camera;
 use crate::engines::golden::rotated_axes;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, Splat, Weight};
+use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// Columns and rows of the pictures.
 const SIZE: usize = 64;
@@ -351,6 +351,7 @@ fn case(name: &str, rules: Rules, splats: Vec<Splat>) -> Case {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     };
     Case {

@@ -8,7 +8,7 @@ use super::splats;
 use crate::camera::Camera;
 use crate::rules::Rules;
 use crate::scene::synthetic::{self, Random};
-use crate::scene::{Scene, Skipped, Splat, Weight};
+use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 use crate::vector;
 
 /// How large a class is made.
@@ -271,6 +271,7 @@ pub(super) fn class(name: &str, splats: Vec<Splat>, camera: Camera) -> Class {
         splats: splats.into_iter().map(rounded).collect(),
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     };
     Class {

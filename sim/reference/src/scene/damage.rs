@@ -24,3 +24,12 @@ pub(super) fn survives(whole: &[u8], load: &dyn Fn(&[u8]) -> Result<Scene, Probl
         }
     }
 }
+
+/// A refusal says what the test expects, and both are shown where it does not.
+pub(super) fn assert_told(found: impl AsRef<str>, expected: impl AsRef<str>) {
+    let (found, expected) = (found.as_ref(), expected.as_ref());
+    assert!(
+        found.contains(expected),
+        "found    {found}\nexpected {expected}"
+    );
+}

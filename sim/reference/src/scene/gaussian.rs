@@ -6,29 +6,31 @@
 //! engine can draw is counted by its reason and left out.
 
 use super::error::Problem;
-use super::{Harmonics, Scene, Skipped, Splat, Weight};
+use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
 use crate::rules::Rules;
 use crate::vector;
 
 /// The constant harmonic, 1 / (2 sqrt(pi)).
-pub(super) const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
+pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 
 /// Trained captures follow the photographs' cameras: y points down.
 const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
-/// One Gaussian with its fields decoded but not yet checked.
-pub(super) struct Gaussian<'a> {
-    pub(super) centre: [f64; 3],
+/// One Gaussian in a trainer's terms, its fields decoded but not yet checked.
+#[derive(Clone, Copy, Debug)]
+pub struct Gaussian<'a> {
+    /// Centre, scene units.
+    pub centre: [f64; 3],
     /// Standard deviations, scene units.
-    pub(super) scales: [f64; 3],
+    pub scales: [f64; 3],
     /// w, x, y, z; any length but zero.
-    pub(super) rotation: [f64; 4],
+    pub rotation: [f64; 4],
     /// 0 to 1.
-    pub(super) opacity: f64,
+    pub opacity: f64,
     /// Colour of degree 0 before clamping.
-    pub(super) base: [f64; 3],
+    pub base: [f64; 3],
     /// Coefficients of degree 1 and up.
-    pub(super) harmonics: &'a [[f32; 3]],
+    pub harmonics: &'a [[f32; 3]],
 }
 
 /// Peak opacity from a trained logit; +inf is 1 and -inf is 0 exactly.
@@ -133,6 +135,7 @@ impl GaussianScene {
             }),
             skipped: self.skipped,
             up: CAPTURE_UP,
+            order: SortOrder::Depth,
         })
     }
 }

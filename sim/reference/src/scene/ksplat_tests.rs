@@ -1,6 +1,7 @@
 //! Tests of the ksplat reader, on files built here from the format's description.
 
 use super::*;
+use crate::scene::damage::assert_told;
 
 fn put(bytes: &mut [u8], at: usize, value: &[u8]) {
     bytes[at..at + value.len()].copy_from_slice(value);
@@ -184,9 +185,6 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (bytes, expected) in cases {
         let found = load(&bytes, "x").unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }

@@ -15,6 +15,7 @@ mod ksplat;
 mod half;
 mod load;
 mod nrrd;
+mod order;
 mod ply;
 pub mod points;
 mod quaternion;
@@ -37,12 +38,13 @@ mod tests;
 
 pub use error::{LoadError, Problem};
 pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
+pub use order::SortOrder;
 pub use transfer::Transfer;
 pub use view::Bounds;
 
 use crate::camera::Camera;
 use crate::rules::Rules;
-pub use gaussian::rotation_matrix;
+pub use gaussian::{Gaussian, HARMONIC_0, rotation_matrix};
 pub(crate) use load::read_file;
 
 /// What a splat's weight means.
@@ -104,6 +106,8 @@ pub struct Scene {
     pub skipped: Skipped,
     /// Default camera's up direction.
     pub up: [f64; 3],
+    /// What its splats are sorted by.
+    pub order: SortOrder,
 }
 
 impl Scene {

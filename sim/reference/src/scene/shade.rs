@@ -9,7 +9,7 @@
 use super::error::Problem;
 use super::transfer::{Shading, Transfer};
 use super::volume::Volume;
-use super::{Scene, Skipped, Splat, Weight};
+use super::{Scene, Skipped, SortOrder, Splat, Weight};
 use crate::rules::Rules;
 
 /// Standard deviation of a voxel's kernel, in voxels.
@@ -83,6 +83,7 @@ pub(super) fn shade(
         harmonics: None,
         skipped,
         up: VOLUME_UP,
+        order: SortOrder::Depth,
     })
 }
 

@@ -1,5 +1,6 @@
 //! Tests of the spz reader, on files built here from the format's description.
 
+use crate::scene::damage::assert_told;
 use std::io::Write;
 
 use super::*;
@@ -192,10 +193,7 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (bytes, expected) in cases {
         let found = load(&bytes, "x").unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }
 
@@ -289,10 +287,7 @@ fn messages_about_streams_name_the_array() {
     ];
     for (bytes, expected) in cases {
         let found = load(&bytes, "x").unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }
 

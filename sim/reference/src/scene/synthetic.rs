@@ -4,7 +4,7 @@
 
 use super::gaussian::rotation_matrix;
 use super::view::look_at;
-use super::{Harmonics, Scene, Skipped, Splat, Weight};
+use super::{Harmonics, Scene, Skipped, SortOrder, Splat, Weight};
 use crate::camera::Camera;
 use crate::rules::Rules;
 
@@ -102,6 +102,7 @@ fn scene(name: String, splats: Vec<Splat>) -> Scene {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     }
 }

@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::engines::surface::{FloatFragment, SurfaceDrawing};
 use crate::hybrid::{DEVIATION_PER_SPACING, Hybrid, Points, spacing};
 use crate::rules::{Antialias, Rules};
-use crate::scene::{Scene, Skipped, Splat, Weight};
+use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 use crate::vector::{self, Vector};
 
 /// Peak opacity of a sample: its surface is opaque. Lower values leave the surface transparent (docs/texture.md).
@@ -135,6 +135,7 @@ fn scene(name: &str, splats: Vec<Splat>) -> Scene {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, 0.0, 1.0],
     }
 }

@@ -128,8 +128,8 @@ impl Projected for FadedTail {
         self.0.bounds
     }
 
-    fn depth(&self) -> f64 {
-        self.0.depth
+    fn place(&self) -> f64 {
+        self.0.place
     }
 
     fn colour(&self) -> [f64; 3] {

@@ -6,8 +6,11 @@ Volumes have 3 x 4 x 5 voxels of the value 100 x + 10 y + z and spacings 0.5, 1,
 with the colours (1000 k, 65535 - 1000 k, 500 k), scaled by 0.001 around (500000, 4500000, 100).
 
 Not by others: compressed.ply, first.sog, second.sog, streams.spz and tiny.glb are the few Gaussians of the unit tests of those readers,
-kept as files so that the mutation suite can damage them.
+kept as files so that the mutation suite can damage them. So are level0.ksplat to level2.ksplat, which the end of this file writes: most of
+such a file is padding, and fifty Gaussians leave something to damage.
 """
+
+import struct
 
 import laspy
 import nibabel
@@ -81,3 +84,39 @@ for version, form, names in [("1.2", 2, ["old.las", "old.laz"]), ("1.4", 7, ["ne
     cloud.red, cloud.green, cloud.blue = 1000 * k, 65535 - 1000 * k, 500 * k
     for name in names:
         cloud.write(name, laz_backend=laspy.LazBackend.Lazrs)
+
+
+def ksplat(level, count, degree):
+    """Three full buckets of sixteen Gaussians and a partial one, by the format's description; numbers from a fixed seed."""
+    rng = np.random.default_rng(level)
+    centres = rng.uniform(-1, 1, (count, 3))
+    scales, turns = rng.uniform(0.05, 0.4, (count, 3)), rng.normal(size=(count, 4))
+    colours = rng.integers(0, 256, (count, 4), dtype=np.uint8)
+    rest = rng.uniform(-0.4, 0.4, (count, 3 * ((degree + 1) ** 2 - 1)))
+    size, full = 16, count // 16
+    buckets = -(-count // size)
+    header = bytearray(4096)
+    struct.pack_into("<BB2xII4xIH14xff", header, 0, 0, 1, 1, 1, count, level, -1.5, 1.5)
+    section = bytearray(1024)
+    struct.pack_into("<IIIIfHxxIII", section, 0, count, count, size, buckets, 4.0, 12, 32767, 0, full)
+    struct.pack_into("<IH", section, 36, buckets - full, degree)
+    middles = np.array([centres[b * size : (b + 1) * size].mean(axis=0) for b in range(buckets)])
+    data = struct.pack(f"<{buckets - full}I", *[count - full * size] * (buckets - full)) + middles.astype("<f4").tobytes()
+    for k in range(count):
+        parts = np.concatenate([scales[k], turns[k]])
+        if level == 0:
+            data += centres[k].astype("<f4").tobytes() + parts.astype("<f4").tobytes()
+        else:
+            steps = (centres[k] - middles[k // size]) / 2.0 * 32767 + 32767
+            data += np.clip(steps.round(), 0, 65535).astype("<u2").tobytes() + parts.astype("<f2").tobytes()
+        data += colours[k].tobytes()
+        if level == 2:
+            data += ((rest[k] + 1.5) / 3 * 255).round().astype(np.uint8).tobytes()
+        else:
+            data += rest[k].astype("<f2" if level else "<f4").tobytes()
+    return bytes(header) + bytes(section) + data
+
+
+for level in range(3):
+    with open(f"level{level}.ksplat", "wb") as file:
+        file.write(ksplat(level, 50, 1))

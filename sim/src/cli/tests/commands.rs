@@ -297,6 +297,35 @@ fn surfaces_are_taken_by_every_command_that_they_mean_something_for() {
     }
 }
 
+/// Up, angle and orbit without an eye turn the automatic view, which still shows the whole scene.
+#[test]
+fn view_options_alone_keep_the_whole_scene_in_view() {
+    let folder = tempfile::tempdir().unwrap();
+    let [json, png] = ["r.json", "x.png"].map(|name| folder.path().join(name));
+    let scene = crate::scene::load(Path::new("random:200"), &Default::default()).unwrap();
+    let mut cameras = Vec::new();
+    for options in [
+        "",
+        "--up 0,0,1",
+        "--fov 30",
+        "--orbit 40,20",
+        "--up 1,0,0 --fov 70",
+    ] {
+        let (out, report) = (png.display(), json.display());
+        let line = format!("render random:200 --size 64x48 {options} -o {out} --json {report}");
+        run_line(&line).unwrap();
+        let camera = crate::camera::Camera::from_json_file(&json).unwrap();
+        for splat in &scene.splats {
+            let [x, y, z] = camera.to_camera(splat.centre);
+            let [u, v] = [camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy];
+            let inside = (0.0..64.0).contains(&u) && (0.0..48.0).contains(&v);
+            assert!(z > camera.near && inside, "{options}: {u}, {v} at {z}");
+        }
+        assert!(!cameras.contains(&camera), "{options} changes nothing");
+        cameras.push(camera);
+    }
+}
+
 /// The camera of a report draws the same picture again, from the report itself as well.
 #[test]
 fn a_reports_camera_can_be_used_again() {

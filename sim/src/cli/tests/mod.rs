@@ -2,6 +2,7 @@
 
 mod commands;
 mod options;
+mod told;
 
 use super::args::*;
 use super::say::explain;

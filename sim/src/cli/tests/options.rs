@@ -208,3 +208,23 @@ fn surface_options_that_make_no_sense_are_refused() {
         );
     }
 }
+
+/// Whoever reads the help of a command with many options finds them in groups that fit a screen.
+#[test]
+fn long_help_is_grouped_by_headings() {
+    let mut grouped = 0;
+    for command in Cli::command().get_subcommands() {
+        let mut groups = std::collections::BTreeMap::<&str, usize>::new();
+        for option in command.get_opts() {
+            let heading = option.get_help_heading().unwrap_or("Options");
+            *groups.entry(heading).or_default() += 1;
+        }
+        let largest = groups.values().copied().max().unwrap_or(0);
+        assert!(largest <= 12, "{}: {groups:?}", command.get_name());
+        if command.get_opts().count() > 12 {
+            grouped += 1;
+            assert!(groups.len() >= 3, "{}: {groups:?}", command.get_name());
+        }
+    }
+    assert!(grouped >= 5, "{grouped} commands have many options");
+}

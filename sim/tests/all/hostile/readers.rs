@@ -4,6 +4,7 @@
 //! 16 x 16 by both engines and compared. A text is read, and what it describes is used as far as that is quick.
 
 use splatline_sim::camera::Camera;
+use splatline_sim::cameras;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
@@ -20,7 +21,7 @@ use splatline_sim::rules::Compositing;
 use splatline_sim::scene::points::{self, SurfaceScene, height_field};
 use splatline_sim::scene::{self, LoadOptions, Scene, Transfer, synthetic};
 use splatline_sim::surface::Style;
-use splatline_sim::{input, vectors};
+use splatline_sim::{input, plan, vectors};
 use std::path::Path;
 
 /// Reads a file and uses it; the error is what the user would be told.
@@ -36,6 +37,9 @@ pub const FORMATS: &[(&str, Reader)] = &[
     ("compressed.ply", scene_file),
     ("first.sog", scene_file),
     ("second.sog", scene_file),
+    ("level0.ksplat", scene_file),
+    ("level1.ksplat", scene_file),
+    ("level2.ksplat", scene_file),
     ("tiny.glb", scene_file),
     ("raw.nrrd", scene_file),
     ("gzip.nrrd", scene_file),
@@ -59,6 +63,13 @@ pub const FORMATS: &[(&str, Reader)] = &[
     ("new.laz", cloud_file),
     ("grid.csv", height_field_file),
     ("camera.json", camera_file),
+    ("images.txt", cameras_file),
+    ("images.bin", cameras_file),
+    ("cameras.txt", cameras_file),
+    ("cameras.bin", cameras_file),
+    ("transforms.json", cameras_file),
+    ("cameras.json", cameras_file),
+    ("path.toml", path_file),
     ("transfer.toml", transfer_file),
     ("design.toml", design_file),
     ("machine.toml", machine_file),
@@ -153,6 +164,37 @@ fn camera_file(path: &Path) -> Result<(), String> {
     reference::float::footprints(&scene, &camera, options.rules);
     let small = camera.resized(SIDE, SIDE).map_err(told)?;
     draw(&scene, &small, &design)
+}
+
+/// Cameras of other tools; a model of COLMAP is two files, of which the other one is sound.
+fn cameras_file(path: &Path) -> Result<(), String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if let Some(other) = super::seeds::beside(&name) {
+        let file = path.with_file_name(other);
+        if !file.exists() {
+            std::fs::write(&file, super::seeds::seed(other)).map_err(told)?;
+        }
+    }
+    let poses = cameras::load(path, Some([SIDE, SIDE])).map_err(told)?;
+    let found = poses.into_iter().map(|pose| pose.camera);
+    draw_frames(found)
+}
+
+fn path_file(path: &Path) -> Result<(), String> {
+    let loaded = plan::path::load(path, Some([SIDE, SIDE])).map_err(told)?;
+    let frames = loaded.path.cameras([0.0, -1.0, 0.0], [SIDE, SIDE]);
+    let frames = frames.map_err(told)?;
+    draw_frames(frames.into_iter().map(|(_, camera)| camera))
+}
+
+/// The first few: what is wrong with a file is seen in them.
+fn draw_frames(cameras: impl Iterator<Item = Camera>) -> Result<(), String> {
+    let (scene, design) = (synthetic::random_gaussians(9, 1, 2.0), design());
+    for camera in cameras.take(3) {
+        let small = camera.resized(SIDE, SIDE).map_err(told)?;
+        draw(&scene, &small, &design)?;
+    }
+    Ok(())
 }
 
 fn transfer_file(path: &Path) -> Result<(), String> {

@@ -93,6 +93,49 @@ fn camera() -> String {
     camera.expect("a sound camera").to_json()
 }
 
+/// The other file of a model of COLMAP.
+pub fn beside(name: &str) -> Option<&'static str> {
+    let pairs = [
+        ("images.txt", "cameras.txt"),
+        ("images.bin", "cameras.bin"),
+        ("cameras.txt", "images.txt"),
+        ("cameras.bin", "images.bin"),
+    ];
+    let found = pairs.into_iter().find(|(first, _)| *first == name);
+    found.map(|(_, other)| other)
+}
+
+/// Intrinsics of one camera and the poses of two pictures, in binary.
+fn colmap(name: &str) -> Vec<u8> {
+    let mut bytes = 1u64.to_le_bytes().to_vec();
+    if name == "cameras.bin" {
+        bytes.extend([3i32, 1].map(i32::to_le_bytes).concat());
+        bytes.extend([32u64, 24].map(u64::to_le_bytes).concat());
+        bytes.extend([30.0f64, 31.0, 16.0, 12.0].map(f64::to_le_bytes).concat());
+        return bytes;
+    }
+    bytes[0] = 2;
+    for (number, name) in [(7i32, b"a.png\0"), (8, b"b.png\0")] {
+        bytes.extend(number.to_le_bytes());
+        let pose = [0.8f64, 0.6, 0.0, 0.0, 0.1, 0.2, 5.0].map(f64::to_le_bytes);
+        bytes.extend(pose.concat());
+        bytes.extend(3i32.to_le_bytes());
+        bytes.extend(name);
+        bytes.extend(1u64.to_le_bytes());
+        bytes.extend([0; 24]);
+    }
+    bytes
+}
+
+const COLMAP_CAMERAS: &str = "# cameras\n3 OPENCV 32 24 30 31 16 12 0.1 -0.05 0.001 0.002\n";
+const COLMAP_IMAGES: &str =
+    "7 0.8 0.6 0 0 0.1 0.2 5 3 sub/a picture.png\n1 2 -1\n8 1 0 0 0 0 0 9 3 b.png\n\n";
+const TRANSFORMS: &str = "{\"w\": 32, \"h\": 24, \"fl_x\": 30.0, \"fl_y\": 31.0, \"cx\": 16.0, \"cy\": 12.0, \"k1\": 0.1, \"frames\": [\
+{\"file_path\": \"./images/a.png\", \"transform_matrix\": [[1, 0, 0, 0.5], [0, 0.8, -0.6, -3], [0, 0.6, 0.8, 4], [0, 0, 0, 1]]}]}";
+const TRAINER: &str = "[{\"id\": 0, \"img_name\": \"a\", \"width\": 32, \"height\": 24, \"position\": [0.5, -3, -4], \
+\"rotation\": [[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]], \"fx\": 30.0, \"fy\": 31.0}]";
+const PATH: &str = "frames = 3\n[[key]]\neye = [0.5, -4.0, -8]\ntarget = [0, 0.5, 0]\nup = [0, -1, 0]\nfov = 50\n\
+[[key]]\neye = [5, -1, -8]\ntarget = [0, 0, 1e-3]\n";
 const TRANSFER: &str = "[[value]]\nat = 0\ncolour = [0.1, 0.2, 0.3]\nextinction = 0.0\n[[value]]\nat = 200\ncolour = [1, 0.5, 0.25]\nextinction = 0.8\n\
 [[gradient]]\nat = 0\nmultiplier = 0.5\n[[gradient]]\nat = 90\nmultiplier = 1\n[shading]\nambient = 0.3\ndiffuse = 0.7\nspecular = 0.2\nexponent = 9\n";
 const DESIGN: &str = "base = \"lean18\"\nview = 24\nmantissa = 20\nsubpixel = 8\nradial = 18\ntable = 7\ninterpolation = 6\nweight = 16\npeak = 16\n\
@@ -190,6 +233,12 @@ pub fn seed(name: &str) -> Vec<u8> {
         "cloud.xyz" => cloud.into(),
         "grid.csv" => b"0.1,0.2,0.3\n0.2,0.5,0.1\n0.3,0.2,0.1\n".to_vec(),
         "camera.json" => camera().into_bytes(),
+        "images.txt" => COLMAP_IMAGES.into(),
+        "cameras.txt" => COLMAP_CAMERAS.into(),
+        "images.bin" | "cameras.bin" => colmap(name),
+        "transforms.json" => TRANSFORMS.into(),
+        "cameras.json" => TRAINER.into(),
+        "path.toml" => PATH.into(),
         "transfer.toml" => TRANSFER.into(),
         "design.toml" => DESIGN.into(),
         "machine.toml" => config::to_toml(&Config::default()).into_bytes(),

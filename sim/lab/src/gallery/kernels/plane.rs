@@ -13,7 +13,7 @@ use splatline_sim::fixed;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
 use splatline_sim::rules::{Antialias, Compositing, Rules};
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight};
+use splatline_sim::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// Samples per pixel and axis of the truth.
 const SUPERSAMPLING: usize = 8;
@@ -132,6 +132,7 @@ pub fn plane(plane: &KernelPlane) -> Scene {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     }
 }

@@ -6,7 +6,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::fixed;
 use splatline_sim::reference::float;
 use splatline_sim::rules::{Compositing, Kernel, Rules};
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight, synthetic};
+use splatline_sim::scene::{Scene, Skipped, SortOrder, Splat, Weight, synthetic};
 
 /// Name and shape.
 pub const ALL: [(&str, Kernel); 4] = [
@@ -66,6 +66,7 @@ fn pair() -> (Scene, Camera) {
         splats: vec![splat(-1.0, round), splat(1.1, oval)],
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     };
     let mut camera = synthetic::camera(128, 256);

@@ -9,7 +9,7 @@ use splatline_sim::metrics::compare;
 use splatline_sim::reference::exact;
 use splatline_sim::reference::sphere::{self, Index, Shape};
 use splatline_sim::rules::{Antialias, Compositing, Rules};
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight, synthetic};
+use splatline_sim::scene::{Scene, Skipped, SortOrder, Splat, Weight, synthetic};
 
 /// The four combinations of systems 15 and 16, and the index of each pixel's own ray.
 const SHAPES: [(&str, bool, Index); 5] = [
@@ -107,6 +107,7 @@ fn ball(aside: f64) -> (Scene, Camera) {
         }],
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     };
     let mut camera = synthetic::camera(192, 192);

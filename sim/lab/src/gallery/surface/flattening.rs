@@ -10,7 +10,7 @@ use splatline_sim::reference::{float, surface};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::points::synthetic::{Paint, scene, sphere};
 use splatline_sim::scene::points::{SurfacePoint, share_of_area};
-use splatline_sim::scene::{Scene, Skipped, Splat, Weight};
+use splatline_sim::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 use splatline_sim::surface::Style;
 use splatline_sim::vector;
 
@@ -99,6 +99,7 @@ fn flattened(points: &[SurfacePoint], camera: &Camera, s: f64) -> Scene {
         splats: points.iter().map(splat).collect(),
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, 0.0, 1.0],
     }
 }

@@ -1,32 +1,17 @@
 //! A scene in a trainer's terms, and steps of numbers: what all writers begin with.
 
-use splatline_sim::scene::{Harmonics, Scene, Splat};
+use splatline_sim::scene::{Gaussian, HARMONIC_0, Harmonics, Scene, Splat};
 
-/// The constant harmonic.
-const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
-
-/// A Gaussian in a trainer's terms.
-pub(super) struct Record<'a> {
-    pub(super) centre: [f64; 3],
-    /// Standard deviations.
-    pub(super) scales: [f64; 3],
-    /// w, x, y, z; of length 1, w at least 0.
-    pub(super) rotation: [f64; 4],
-    pub(super) opacity: f64,
-    /// Colour of degree 0 before clamping.
-    pub(super) base: [f64; 3],
-    pub(super) harmonics: &'a [[f32; 3]],
-}
-
+/// All Gaussians of a scene; their rotations have length 1, w at least 0.
 pub(super) struct Trained<'a> {
     pub(super) degree: u8,
-    pub(super) records: Vec<Record<'a>>,
+    pub(super) records: Vec<Gaussian<'a>>,
 }
 
 impl<'a> Trained<'a> {
     pub(super) fn of(scene: &'a Scene) -> Trained<'a> {
         let harmonics = scene.harmonics.as_ref();
-        let record = |(index, splat)| Record::of(splat, index, harmonics);
+        let record = |(index, splat)| gaussian(splat, index, harmonics);
         Trained {
             degree: harmonics.map_or(0, |harmonics| harmonics.degree),
             records: scene.splats.iter().enumerate().map(record).collect(),
@@ -39,14 +24,17 @@ impl<'a> Trained<'a> {
     }
 
     /// Least and greatest of some numbers of all records.
-    pub(super) fn range<const N: usize>(&self, of: impl Fn(&Record) -> [f64; N]) -> [[f64; N]; 2] {
+    pub(super) fn range<const N: usize>(
+        &self,
+        of: impl Fn(&Gaussian) -> [f64; N],
+    ) -> [[f64; N]; 2] {
         range(&self.records, of)
     }
 }
 
 pub(super) fn range<const N: usize>(
-    records: &[Record],
-    of: impl Fn(&Record) -> [f64; N],
+    records: &[Gaussian],
+    of: impl Fn(&Gaussian) -> [f64; N],
 ) -> [[f64; N]; 2] {
     let mut found = [[f64::INFINITY; N], [f64::NEG_INFINITY; N]];
     for values in records.iter().map(of) {
@@ -58,32 +46,32 @@ pub(super) fn range<const N: usize>(
     found
 }
 
-impl<'a> Record<'a> {
-    pub(super) fn of(splat: &Splat, index: usize, harmonics: Option<&'a Harmonics>) -> Record<'a> {
-        let scales = splat.axes.map(length);
-        let per_splat = harmonics.map_or(0, |h| (usize::from(h.degree) + 1).pow(2) - 1);
-        let stored = harmonics.and_then(|h| {
-            h.coefficients
-                .get(index * per_splat..(index + 1) * per_splat)
-        });
-        let base = harmonics.and_then(|h| h.base.get(index));
-        Record {
-            centre: splat.centre,
-            scales,
-            rotation: quaternion(splat.axes, scales),
-            opacity: splat.weight,
-            base: base.map_or(splat.colour, |base| base.map(f64::from)),
-            harmonics: stored.unwrap_or_default(),
-        }
+fn gaussian<'a>(splat: &Splat, index: usize, harmonics: Option<&'a Harmonics>) -> Gaussian<'a> {
+    let scales = splat.axes.map(length);
+    let per_splat = harmonics.map_or(0, |h| (usize::from(h.degree) + 1).pow(2) - 1);
+    let stored = harmonics.and_then(|h| {
+        h.coefficients
+            .get(index * per_splat..(index + 1) * per_splat)
+    });
+    let base = harmonics.and_then(|h| h.base.get(index));
+    Gaussian {
+        centre: splat.centre,
+        scales,
+        rotation: quaternion(splat.axes, scales),
+        opacity: splat.weight,
+        base: base.map_or(splat.colour, |base| base.map(f64::from)),
+        harmonics: stored.unwrap_or_default(),
     }
+}
 
-    pub(super) fn logs(&self) -> [f64; 3] {
-        self.scales.map(f64::ln)
-    }
+/// What trainers store for the scales.
+pub(super) fn log_scales(gaussian: &Gaussian) -> [f64; 3] {
+    gaussian.scales.map(f64::ln)
+}
 
-    pub(super) fn constants(&self) -> [f64; 3] {
-        self.base.map(|base| (base - 0.5) / HARMONIC_0)
-    }
+/// What they store for the colour of degree 0.
+pub(super) fn constant_harmonics(gaussian: &Gaussian) -> [f64; 3] {
+    gaussian.base.map(|base| (base - 0.5) / HARMONIC_0)
 }
 
 pub(super) fn length(axis: [f64; 3]) -> f64 {

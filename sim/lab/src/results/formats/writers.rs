@@ -3,10 +3,12 @@
 //! Every number is rounded to the nearest step of its format. Where a real converter would search for a codebook or a palette, these take
 //! equal steps over the range; harmonics that only fit into a palette are not written at all.
 
-use super::trained::{Record, Trained, byte, floats, part, range, smallest_three, step};
+use super::trained::{
+    Trained, byte, constant_harmonics, floats, log_scales, part, range, smallest_three, step,
+};
 use anyhow::Result;
 use image_webp::{ColorType, WebPEncoder};
-use splatline_sim::scene::Scene;
+use splatline_sim::scene::{Gaussian, Scene};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -126,7 +128,9 @@ fn ply(scene: &Trained, path: &Path) -> Result<()> {
     let mut bytes = (text + "end_header\n").into_bytes();
     for record in &scene.records {
         let logit = (record.opacity / (1.0 - record.opacity)).ln();
-        bytes.extend(floats(record.centre.into_iter().chain(record.constants())));
+        bytes.extend(floats(
+            record.centre.into_iter().chain(constant_harmonics(record)),
+        ));
         bytes.extend(floats((0..3).flat_map(|channel| {
             record
                 .harmonics
@@ -136,7 +140,7 @@ fn ply(scene: &Trained, path: &Path) -> Result<()> {
         bytes.extend(floats(
             [logit]
                 .into_iter()
-                .chain(record.logs())
+                .chain(log_scales(record))
                 .chain(record.rotation),
         ));
     }
@@ -167,7 +171,7 @@ fn glb(scene: &Trained, path: &Path) -> Result<()> {
                 1 => vec![x, y, z, w],
                 2 => record.scales.to_vec(),
                 3 => vec![record.opacity],
-                4 => record.constants().to_vec(),
+                4 => constant_harmonics(record).to_vec(),
                 _ => record.harmonics[index - 5].map(f64::from).to_vec(),
             };
             binary.extend(floats(values));
@@ -282,10 +286,14 @@ fn spz(scene: &Trained, path: &Path) -> Result<()> {
     bytes.extend(
         records
             .iter()
-            .flat_map(|record| record.constants().map(|value| byte(0.5 + 0.15 * value))),
+            .flat_map(|record| constant_harmonics(record).map(|value| byte(0.5 + 0.15 * value))),
     );
     let log = |log: f64| ((log + 10.0) * 16.0).round().clamp(0.0, 255.0) as u8;
-    bytes.extend(records.iter().flat_map(|record| record.logs().map(log)));
+    bytes.extend(
+        records
+            .iter()
+            .flat_map(|record| log_scales(record).map(log)),
+    );
     for record in records {
         let [w, x, y, z] = record.rotation;
         let (largest, others) = smallest_three([x, -y, -z, w]);
@@ -349,7 +357,7 @@ fn compressed(scene: &Trained, path: &Path) -> Result<()> {
     for chunk in chunks {
         let ranges = [
             range(chunk, |record| record.centre),
-            range(chunk, |record| record.logs()),
+            range(chunk, log_scales),
             range(chunk, |record| record.base),
         ];
         // What the reader will see.
@@ -375,7 +383,7 @@ fn compressed(scene: &Trained, path: &Path) -> Result<()> {
     save(path, &bytes)
 }
 
-fn packed(record: &Record, [places, logs, colours]: &[[[f64; 3]; 2]; 3]) -> [u32; 4] {
+fn packed(record: &Gaussian, [places, logs, colours]: &[[[f64; 3]; 2]; 3]) -> [u32; 4] {
     let parts = |values: [f64; 3], bounds: &[[f64; 3]; 2]| -> [f64; 3] {
         std::array::from_fn(|k| part(values[k], bounds[0][k], bounds[1][k]))
     };
@@ -388,17 +396,17 @@ fn packed(record: &Record, [places, logs, colours]: &[[[f64; 3]; 2]; 3]) -> [u32
     [
         three(parts(record.centre, places)),
         rotation,
-        three(parts(record.logs(), logs)),
+        three(parts(log_scales(record), logs)),
         r << 24 | g << 16 | b << 8 | step(record.opacity, 255),
     ]
 }
 
 /// A record's pixel in one of the pictures.
-type RecordPixel<'a> = &'a dyn Fn(&Record) -> [u8; 4];
+type RecordPixel<'a> = &'a dyn Fn(&Gaussian) -> [u8; 4];
 
 fn sog(scene: &Trained, path: &Path) -> Result<()> {
     std::fs::create_dir_all(path)?;
-    let symmetric = |record: &Record| {
+    let symmetric = |record: &Gaussian| {
         record
             .centre
             .map(|place| place.abs().ln_1p().copysign(place))
@@ -412,8 +420,8 @@ fn sog(scene: &Trained, path: &Path) -> Result<()> {
             greatest.into_iter().fold(f64::NEG_INFINITY, f64::max),
         ]
     };
-    let logs = whole(scene.range(|record| record.logs()));
-    let constants = whole(scene.range(|record| record.constants()));
+    let logs = whole(scene.range(log_scales));
+    let constants = whole(scene.range(constant_harmonics));
     let book = |[least, greatest]: [f64; 2]| -> Vec<f64> {
         (0..256)
             .map(|code| least + (greatest - least) * f64::from(code) / 255.0)
@@ -422,7 +430,7 @@ fn sog(scene: &Trained, path: &Path) -> Result<()> {
     let coded = |values: [f64; 3], [least, greatest]: [f64; 2]| {
         values.map(|value| byte(part(value, least, greatest)))
     };
-    let words = |record: &Record| -> [u32; 3] {
+    let words = |record: &Gaussian| -> [u32; 3] {
         let values = symmetric(record);
         std::array::from_fn(|axis| step(part(values[axis], means[0][axis], means[1][axis]), 65_535))
     };
@@ -434,14 +442,14 @@ fn sog(scene: &Trained, path: &Path) -> Result<()> {
         ("means_u", &|record| {
             opaque(words(record).map(|word| (word >> 8) as u8))
         }),
-        ("scales", &|record| opaque(coded(record.logs(), logs))),
+        ("scales", &|record| opaque(coded(log_scales(record), logs))),
         ("quats", &|record| {
             let (largest, others) = smallest_three(record.rotation);
             let [a, b, c] = others.map(|part| byte(0.5 * part + 0.5));
             [a, b, c, 252 + largest as u8]
         }),
         ("sh0", &|record| {
-            let [r, g, b] = coded(record.constants(), constants);
+            let [r, g, b] = coded(constant_harmonics(record), constants);
             [r, g, b, byte(record.opacity)]
         }),
     ];

@@ -5,16 +5,16 @@
 //! gathered, each through its nodes' transforms; harmonics turn with them. y is up in glTF.
 //!
 //! The structures are read with serde: the crate `gltf` knows no extension of this kind and would not save much. What the
-//! extension states beyond that (its kernel, colour space and order of drawing) is checked or told in [`Notes`].
+//! extension states beyond that (its kernel and colour space) is checked or told in [`Notes`]; its order of drawing becomes the scene's.
 
 mod buffers;
 mod transform;
 
 use self::buffers::{Buffers, Numbers};
 use self::transform::Transform;
-use super::Scene;
 use super::error::Problem;
 use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
+use super::{Scene, SortOrder};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -186,6 +186,7 @@ fn gather(
     name: &str,
 ) -> Result<(Scene, Notes), Problem> {
     let mut parts = Vec::new();
+    let mut orders = Vec::new();
     let mut notes = Notes::new();
     for (index, transform) in placed {
         let mesh = document
@@ -195,7 +196,7 @@ fn gather(
         for primitive in &mesh.primitives {
             match primitive.extensions.get(EXTENSION) {
                 Some(stated) => {
-                    check(stated, &mut notes)?;
+                    orders.push(check(stated, &mut notes)?);
                     parts.push(attributes(primitive, document, buffers, *transform)?);
                 }
                 None => note(&mut notes, "primitives without Gaussians are left out"),
@@ -217,11 +218,27 @@ fn gather(
     for part in &parts {
         part.push_all(degree, &mut scene)?;
     }
+    let order = orders.first().copied().unwrap_or_default();
+    if orders.iter().any(|other| *other != order) {
+        let name = order.name();
+        note(
+            &mut notes,
+            &format!("its primitives are sorted in two ways: all are drawn in order of {name}"),
+        );
+    }
     let scene = scene.finish(name)?;
-    Ok((Scene { up: UP, ..scene }, notes))
+    Ok((
+        Scene {
+            up: UP,
+            order,
+            ..scene
+        },
+        notes,
+    ))
 }
 
-fn check(stated: &serde_json::Value, notes: &mut Notes) -> Result<(), Problem> {
+/// Refuses what would be drawn wrongly, tells what is drawn otherwise, and gives the order of drawing.
+fn check(stated: &serde_json::Value, notes: &mut Notes) -> Result<SortOrder, Problem> {
     let stated: Splatting = Deserialize::deserialize(stated).map_err(|error| {
         Problem::malformed(
             EXTENSION,
@@ -267,21 +284,18 @@ fn check(stated: &serde_json::Value, notes: &mut Notes) -> Result<(), Problem> {
             ),
         ),
     }
-    match stated.sorting_method.as_deref() {
-        Some("zDepth") => {}
-        None | Some("cameraDistance") => note(
-            notes,
-            "sorting method 'cameraDistance': drawn in order of depth along the view",
-        ),
-        Some(other) => note(
-            notes,
-            &format!(
-                "sorting method '{}': drawn in order of depth",
-                shorten(other)
-            ),
-        ),
-    }
-    Ok(())
+    Ok(match stated.sorting_method.as_deref() {
+        Some("zDepth") => SortOrder::Depth,
+        None | Some("cameraDistance") => SortOrder::Distance,
+        Some(other) => {
+            let name = shorten(other);
+            note(
+                notes,
+                &format!("sorting method '{name}': drawn in order of depth"),
+            );
+            SortOrder::Depth
+        }
+    })
 }
 
 /// Said once, however many primitives it holds for.

@@ -1,6 +1,6 @@
 //! Tests of the glTF reader, on files written here.
 
-use super::super::damage::survives;
+use super::super::damage::{assert_told, survives};
 use super::*;
 use base64::Engine;
 use serde_json::{Value, json};
@@ -166,8 +166,43 @@ fn what_is_drawn_otherwise_is_told() {
         load(&bytes, None, "x").unwrap().1
     };
     assert!(with("sortingMethod", "zDepth").is_empty());
-    assert!(with("sortingMethod", "cameraDistance")[0].contains("drawn in order of depth"));
+    assert!(with("sortingMethod", "cameraDistance").is_empty());
+    assert!(with("sortingMethod", "radix")[0].contains("drawn in order of depth"));
     assert!(with("colorSpace", "lin_rec709_display")[0].contains("drawn as stored"));
+}
+
+/// The extension's own default is the distance.
+#[test]
+fn the_order_is_the_files() {
+    let loaded = |change: &dyn Fn(&mut Value)| {
+        load(&changed(|document| change(document)), None, "x").unwrap()
+    };
+    let stated = |method: &str| {
+        let method = json!(method);
+        loaded(&move |document| {
+            document["meshes"][0]["primitives"][0]["extensions"][EXTENSION]["sortingMethod"] =
+                method.clone();
+        })
+    };
+    assert_eq!(stated("zDepth").0.order, SortOrder::Depth);
+    assert_eq!(stated("cameraDistance").0.order, SortOrder::Distance);
+    let silent = loaded(&|document| {
+        let extension = &mut document["meshes"][0]["primitives"][0]["extensions"][EXTENSION];
+        extension.as_object_mut().unwrap().remove("sortingMethod");
+    });
+    assert_eq!((silent.0.order, silent.1.len()), (SortOrder::Distance, 0));
+    let mixed = loaded(&|document| {
+        let primitives = document["meshes"][0]["primitives"].as_array_mut().unwrap();
+        let mut other = primitives[0].clone();
+        other["extensions"][EXTENSION]["sortingMethod"] = json!("cameraDistance");
+        primitives.push(other);
+    });
+    assert_eq!(mixed.0.order, SortOrder::Depth);
+    assert!(
+        mixed.1[0].contains("all are drawn in order of depth"),
+        "{:?}",
+        mixed.1
+    );
 }
 
 #[test]
@@ -247,10 +282,7 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (bytes, expected) in cases {
         let found = load_glb(&bytes).unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }
 

@@ -1,5 +1,6 @@
 //! Tests of the NRRD reader: types, encodings, spacings, damage.
 
+use crate::scene::damage::assert_told;
 use std::io::Write;
 
 use super::*;
@@ -243,10 +244,7 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (text, expected) in cases {
         let found = load(text.as_bytes(), None).unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
     let bomb = attached("uchar", "gzip", "", &gzip(&[0; 100_000]));
     let found = load(&bomb, None).unwrap_err().to_string();

@@ -1,6 +1,6 @@
 //! Tests of the compressed PLY reader, on files packed here from the layout's description.
 
-use super::super::super::damage::survives;
+use super::super::super::damage::{assert_told, survives};
 use super::super::load;
 use super::*;
 
@@ -168,9 +168,6 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (bytes, expected) in cases {
         let found = load(&bytes, "x").unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }

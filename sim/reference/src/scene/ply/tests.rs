@@ -2,6 +2,7 @@
 
 use super::super::Skipped;
 use super::*;
+use crate::scene::damage::assert_told;
 
 const FIELDS: [&str; 14] = [
     "x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1", "scale_2",
@@ -352,9 +353,6 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (text, expected) in cases {
         let found = message(text.as_bytes());
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }

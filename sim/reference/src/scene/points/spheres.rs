@@ -5,7 +5,7 @@
 
 use super::SurfaceScene;
 use crate::rules::Rules;
-use crate::scene::{Scene, Skipped, Splat, Weight};
+use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// Half the spacing of the scanned lion, scene units: the spheres of neighbouring points meet.
 pub const LION_DEVIATION: f64 = 0.0035;
@@ -35,6 +35,7 @@ pub fn as_spheres(cloud: &SurfaceScene, deviation: f64) -> Scene {
         splats: splats.collect(),
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: cloud.up,
     }
 }

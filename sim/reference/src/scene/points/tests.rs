@@ -1,6 +1,7 @@
 //! Point clouds: what is read, what is made up and what is refused.
 
 use super::*;
+use crate::scene::damage::assert_told;
 
 fn ply(properties: &str, rows: &str) -> Result<SurfaceScene, Problem> {
     let count = rows.lines().count();
@@ -191,9 +192,6 @@ fn an_obj_that_is_damaged_is_refused_or_shorter() {
         ),
     ] {
         let found = message(text);
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }

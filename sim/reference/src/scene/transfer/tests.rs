@@ -1,6 +1,7 @@
 //! Tests of transfer functions: interpolation, presets, the file format and its messages.
 
 use super::*;
+use crate::scene::damage::assert_told;
 
 const GOOD: &str = "
 [[value]]
@@ -135,9 +136,6 @@ fn each_message_names_the_key_and_the_line() {
         let found = Transfer::from_toml(&GOOD.replace(from, to))
             .unwrap_err()
             .to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }

@@ -2,7 +2,7 @@
 
 use splatline_reference::camera::Camera;
 use splatline_reference::rules::Rules;
-use splatline_reference::scene::{Scene, Skipped, Splat, Weight};
+use splatline_reference::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// A small camera in the origin that looks along z; its tiles are not all whole.
 pub fn straight_camera() -> Camera {
@@ -23,6 +23,7 @@ pub fn scene_of(splats: Vec<Splat>) -> Scene {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use splatline_reference::engines::golden::rotated_axes;
 use splatline_reference::rules::Rules;
-use splatline_reference::scene::{Scene, Skipped, Splat, Weight};
+use splatline_reference::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 
 /// The harmonic of degree 0: 1 / (2 sqrt(pi)).
 const HARMONIC_0: f64 = 0.28209479177387814;
@@ -35,6 +35,7 @@ pub fn load(path: &Path) -> Scene {
         splats,
         harmonics: None,
         skipped: Skipped::default(),
+        order: SortOrder::Depth,
         up: [0.0, -1.0, 0.0],
     }
 }

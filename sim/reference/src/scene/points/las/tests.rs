@@ -1,6 +1,7 @@
 //! Clouds as laspy wrote them (`tests/files/make.py`), and what is refused.
 
 use super::*;
+use crate::scene::damage::assert_told;
 use crate::scene::points;
 use std::path::Path;
 
@@ -126,10 +127,7 @@ fn messages_name_the_field_and_the_fix() {
         ),
     ];
     for (found, expected) in cases {
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }
 

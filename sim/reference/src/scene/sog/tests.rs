@@ -1,9 +1,9 @@
 //! Tests of the SOG reader, on bundles and folders written here.
 
-use super::super::damage::survives;
+use super::super::damage::{assert_told, survives};
 use super::*;
 use image_webp::{ColorType, WebPEncoder};
-use std::io::Write;
+use std::io::{Cursor, Write};
 
 type SogFile = (String, Vec<u8>);
 
@@ -199,10 +199,7 @@ fn each_message_names_the_field_and_the_fix() {
     ];
     for (files, expected) in cases {
         let found = load_bundle(&bundle(&files), "x").unwrap_err().to_string();
-        assert!(
-            found.contains(expected),
-            "found    {found}\nexpected {expected}"
-        );
+        assert_told(&found, expected);
     }
 }
 

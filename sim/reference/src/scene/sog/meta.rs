@@ -1,0 +1,257 @@
+//! `meta.json` of both versions: ranges of version 1 become codebooks of equal steps, so that the pictures are decoded in one way.
+
+use super::super::error::Problem;
+use super::super::gaussian::opacity_from_logit;
+use super::META;
+use serde::Deserialize;
+
+/// Entries of a palette: one per 16-bit label.
+pub(super) const MAX_ENTRIES: usize = 1 << 16;
+/// Entries of a codebook: one per byte.
+const CODES: usize = 256;
+
+/// What both versions come to.
+pub(super) struct Meta {
+    pub(super) count: u64,
+    pub(super) means: Means,
+    pub(super) scales: Coded,
+    pub(super) quats: Plain,
+    /// Opacity of each byte.
+    pub(super) opacity: Vec<f64>,
+    pub(super) sh0: Coded,
+    pub(super) rest: Option<HarmonicsPalette>,
+}
+
+/// A codebook for each of three channels.
+pub(super) struct Coded {
+    pub(super) books: [Vec<f64>; 3],
+    pub(super) files: [String; 1],
+}
+
+/// Harmonics that Gaussians share.
+pub(super) struct HarmonicsPalette {
+    /// Entries and bands; version 1 leaves both to the picture of the entries.
+    pub(super) size: Option<(usize, u8)>,
+    pub(super) codebook: Vec<f64>,
+    pub(super) files: [String; 2],
+}
+
+#[derive(Deserialize)]
+pub(super) struct Means {
+    pub(super) mins: [f64; 3],
+    pub(super) maxs: [f64; 3],
+    pub(super) files: [String; 2],
+}
+
+#[derive(Deserialize)]
+pub(super) struct Plain {
+    pub(super) files: [String; 1],
+}
+
+#[derive(Deserialize)]
+struct Meta2 {
+    count: u64,
+    means: Means,
+    scales: Coded2,
+    quats: Plain,
+    sh0: Coded2,
+    #[serde(rename = "shN")]
+    rest: Option<Palette2>,
+}
+
+#[derive(Deserialize)]
+struct Coded2 {
+    codebook: Vec<f64>,
+    files: [String; 1],
+}
+
+#[derive(Deserialize)]
+struct Palette2 {
+    count: usize,
+    bands: u8,
+    codebook: Vec<f64>,
+    files: [String; 2],
+}
+
+impl From<Coded2> for Coded {
+    /// One codebook for all channels.
+    fn from(coded: Coded2) -> Coded {
+        let book = coded.codebook;
+        Coded {
+            books: [book.clone(), book.clone(), book],
+            files: coded.files,
+        }
+    }
+}
+
+impl From<Meta2> for Meta {
+    fn from(meta: Meta2) -> Meta {
+        Meta {
+            count: meta.count,
+            means: meta.means,
+            scales: meta.scales.into(),
+            quats: meta.quats,
+            opacity: steps(0.0, 1.0),
+            sh0: meta.sh0.into(),
+            rest: meta.rest.map(|rest| HarmonicsPalette {
+                size: Some((rest.count, rest.bands)),
+                codebook: rest.codebook,
+                files: rest.files,
+            }),
+        }
+    }
+}
+
+/// What tells the versions apart before the rest is looked at.
+#[derive(Deserialize)]
+struct Version {
+    version: Option<u32>,
+}
+
+/// Version 1, which says no version: ranges in the place of codebooks, and the count in the shape of the means.
+#[derive(Deserialize)]
+struct Meta1 {
+    means: Means1,
+    scales: Ranged<[f64; 3]>,
+    quats: Plain,
+    sh0: Ranged<[f64; 4]>,
+    #[serde(rename = "shN")]
+    rest: Option<Ranged2>,
+}
+
+#[derive(Deserialize)]
+struct Means1 {
+    shape: Vec<u64>,
+    mins: [f64; 3],
+    maxs: [f64; 3],
+    files: [String; 2],
+}
+
+#[derive(Deserialize)]
+struct Ranged<N> {
+    mins: N,
+    maxs: N,
+    files: [String; 1],
+}
+
+/// One range for all coefficients, and two files.
+#[derive(Deserialize)]
+struct Ranged2 {
+    mins: f64,
+    maxs: f64,
+    files: [String; 2],
+}
+
+/// A codebook of equal steps, which is what a range is.
+fn steps(least: f64, greatest: f64) -> Vec<f64> {
+    let step = |code: usize| least + (greatest - least) * code as f64 / (CODES - 1) as f64;
+    (0..CODES).map(step).collect()
+}
+
+impl From<Meta1> for Meta {
+    fn from(meta: Meta1) -> Meta {
+        let Meta1 {
+            means,
+            scales,
+            quats,
+            sh0,
+            rest,
+        } = meta;
+        let opacity = steps(sh0.mins[3], sh0.maxs[3])
+            .into_iter()
+            .map(opacity_from_logit);
+        Meta {
+            count: means.shape.first().copied().unwrap_or(0),
+            means: Means {
+                mins: means.mins,
+                maxs: means.maxs,
+                files: means.files,
+            },
+            scales: Coded {
+                books: [0, 1, 2].map(|k| steps(scales.mins[k], scales.maxs[k])),
+                files: scales.files,
+            },
+            quats,
+            opacity: opacity.collect(),
+            sh0: Coded {
+                books: [0, 1, 2].map(|k| steps(sh0.mins[k], sh0.maxs[k])),
+                files: sh0.files,
+            },
+            rest: rest.map(|rest| HarmonicsPalette {
+                size: None,
+                codebook: steps(rest.mins, rest.maxs),
+                files: rest.files,
+            }),
+        }
+    }
+}
+
+impl Meta {
+    pub(super) fn parse(text: &[u8]) -> Result<Meta, Problem> {
+        let wrong = |error: serde_json::Error| {
+            Problem::malformed(
+                META,
+                format!("it is not understood: {error}"),
+                "export the scene again as SOG version 2",
+            )
+        };
+        let Version { version } = serde_json::from_slice(text).map_err(wrong)?;
+        let meta: Meta = match version {
+            None | Some(1) => serde_json::from_slice::<Meta1>(text).map_err(wrong)?.into(),
+            Some(2) => serde_json::from_slice::<Meta2>(text).map_err(wrong)?.into(),
+            Some(other) => {
+                return Err(Problem::malformed(
+                    format!("{META}, version"),
+                    format!("it is {other}"),
+                    "versions 1 and 2 are read; convert the scene with a current tool",
+                ));
+            }
+        };
+        meta.check()?;
+        Ok(meta)
+    }
+
+    fn check(&self) -> Result<(), Problem> {
+        if self.count == 0 {
+            return Err(Problem::malformed(
+                format!("{META}, count"),
+                "it is 0",
+                "export a scene with splats in it",
+            ));
+        }
+        let rest = self.rest.as_ref().map(|rest| ("shN", &rest.codebook));
+        let books = [
+            ("scales", &self.scales.books[0]),
+            ("sh0", &self.sh0.books[0]),
+        ];
+        for (name, book) in books.into_iter().chain(rest) {
+            if book.len() != CODES {
+                return Err(Problem::malformed(
+                    format!("{META}, {name}.codebook"),
+                    format!("it has {} entries", book.len()),
+                    format!("{CODES} are needed, one per byte; export the scene again"),
+                ));
+            }
+        }
+        match self.rest.as_ref().and_then(|rest| rest.size) {
+            Some((_, bands)) if !(1..=3).contains(&bands) => Err(Problem::malformed(
+                format!("{META}, shN.bands"),
+                format!("it is {bands}"),
+                "1 to 3 are read; export the scene again",
+            )),
+            Some((entries, _)) if entries == 0 || entries > MAX_ENTRIES => Err(Problem::malformed(
+                format!("{META}, shN.count"),
+                format!("the palette has {entries} entries"),
+                "1 to 65536 have a label; export the scene again",
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn files(&self) -> impl Iterator<Item = &String> {
+        let rest = self.rest.iter().flat_map(|rest| &rest.files);
+        let single = [&self.scales.files, &self.sh0.files, &self.quats.files];
+        let single = single.into_iter().flatten();
+        self.means.files.iter().chain(single).chain(rest)
+    }
+}
