@@ -37,6 +37,7 @@ mod tests;
 
 pub use error::{LoadError, Problem};
 pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
+pub use ply::stream::{GaussianFile, Parts};
 pub use transfer::Transfer;
 pub use view::Bounds;
 
