@@ -376,3 +376,153 @@ impl Tiles {
         frame
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::design::DesignChoice;
+    use crate::fixed::{best_engine, draw};
+    use crate::rules::Rules;
+    use crate::scene::{LoadOptions, load};
+    use splatline::format::Traversal;
+    use std::path::PathBuf;
+
+    /// Properties of a Gaussian of degree 1, in the file's order.
+    const PROPERTIES: [&str; 23] = [
+        "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3",
+        "opacity", "f_dc_0", "f_dc_1", "f_dc_2", "f_rest_0", "f_rest_1", "f_rest_2", "f_rest_3",
+        "f_rest_4", "f_rest_5", "f_rest_6", "f_rest_7", "f_rest_8",
+    ];
+
+    fn header(encoding: &str, count: usize) -> String {
+        let properties = PROPERTIES.map(|name| format!("property float {name}\n"));
+        let properties = properties.concat();
+        format!("ply\nformat {encoding} 1.0\nelement vertex {count}\n{properties}end_header\n")
+    }
+
+    /// A file of Gaussians in a box, a third of them on four planes of equal depth, some of which cannot be drawn.
+    fn file(name: &str, count: usize) -> PathBuf {
+        let mut state = 11u32;
+        let mut next = |from: f32, to: f32| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            from + (to - from) * (state >> 8) as f32 / 16_777_216.0
+        };
+        let mut bytes = header("binary_little_endian", count).into_bytes();
+        for number in 0..count {
+            let mut record: Vec<f32> = (0..PROPERTIES.len()).map(|_| next(-1.0, 1.0)).collect();
+            if number % 3 == 0 {
+                record[2] = (number / 3 % 4) as f32 * 0.5 - 1.0;
+            }
+            for scale in &mut record[3..6] {
+                *scale = next(-4.0, -2.0);
+            }
+            record[10] = next(-2.0, 3.0);
+            record[11] = next(-1.0, 80.0);
+            if number % 97 == 5 {
+                record[0] = f32::NAN;
+            }
+            bytes.extend(record.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        let path = std::env::temp_dir().join(format!("splatline-{}-{name}", std::process::id()));
+        std::fs::write(&path, bytes).unwrap();
+        path
+    }
+
+    /// The oracle is the whole scene's picture, whatever the chunks, orders and depths that are equal.
+    #[test]
+    fn chunks_draw_the_whole_scenes_picture() {
+        let path = file("chunks.ply", 1500);
+        let scene = load(&path, &LoadOptions::default()).unwrap();
+        let camera = Camera::look_at([0.0, 0.0, -3.0], [0.0; 3], scene.up, 50.0, 150, 100).unwrap();
+        let file = GaussianFile::open(&path).unwrap();
+        let design = DesignChoice::named("standard24").unwrap();
+        for compositing in [Compositing::FrontToBack, Compositing::BackToFront] {
+            let options = Options {
+                rules: &Rules::GAUSSIAN_3D,
+                compositing,
+                design: &design,
+                traversal: Traversal::Spans,
+            };
+            let whole = draw(&scene, &camera, &options);
+            let seen = whole.splats - whole.culled.iter().sum::<usize>();
+            for (size, chunks) in [
+                (1, 0),
+                (97, seen.div_ceil(97)),
+                (700, seen.div_ceil(700)),
+                (seen, 1),
+                (5000, 1),
+            ] {
+                if size == 1 && compositing == Compositing::BackToFront {
+                    continue;
+                }
+                let size = if size == 1 { 31 } else { size };
+                let drawn =
+                    draw_in_chunks(&file, &camera, &options, best_engine(), size, &|_| ()).unwrap();
+                assert!(drawn.pixels == whole.pixels, "{size} {compositing:?}");
+                assert!(drawn.picture.pixels == whole.picture.pixels);
+                assert_eq!(drawn.culled, whole.culled);
+                assert_eq!((drawn.splats, drawn.skipped), (whole.splats, scene.skipped));
+                if chunks > 0 {
+                    assert_eq!((drawn.chunks, drawn.painted), (chunks, seen), "{size}");
+                }
+            }
+        }
+        std::fs::remove_file(path).unwrap();
+    }
+
+    /// Equal depths are told apart by number; what was drawn before is not taken again.
+    #[test]
+    fn a_selection_keeps_the_least_beyond_the_last() {
+        let mut selection = Selection::new(2, Some((3, 7)));
+        let scene = crate::scene::synthetic::random_gaussians(10, 1, 1.0);
+        let camera = crate::scene::synthetic::camera(64, 64);
+        let design = DesignChoice::named("standard24").unwrap();
+        let options = Options {
+            rules: &Rules::GAUSSIAN_3D,
+            compositing: Compositing::FrontToBack,
+            design: &design,
+            traversal: Traversal::Spans,
+        };
+        let outcomes = crate::fixed::footprints(&scene, &camera, &options);
+        let footprint = *outcomes.iter().flatten().next().unwrap();
+        for place in [
+            (3, 6),
+            (9, 1),
+            (3, 7),
+            (5, 2),
+            (3, 8),
+            (9, 0),
+            (4, 4),
+            (5, 1),
+            (2, 9),
+        ] {
+            selection.offer(place, footprint);
+        }
+        let (kept, more) = selection.finish();
+        let places: Vec<Place> = kept.iter().map(|placed| placed.place).collect();
+        assert_eq!((places, more), (vec![(3, 8), (4, 4)], true));
+    }
+
+    #[test]
+    fn other_files_are_refused_with_one_message() {
+        let refused = |name: &str, contents: &[u8]| {
+            let path =
+                std::env::temp_dir().join(format!("splatline-{}-{name}", std::process::id()));
+            std::fs::write(&path, contents).unwrap();
+            let message = GaussianFile::open(&path).unwrap_err().to_string();
+            std::fs::remove_file(path).unwrap();
+            message
+        };
+        let text = header("ascii", 1);
+        for (name, contents) in [("a.splat", "x"), ("b.ply", text.as_str())] {
+            let message = refused(name, contents.as_bytes());
+            assert!(message.contains("binary .ply files"), "{message}");
+        }
+        let short = header("binary_little_endian", 2);
+        let message = refused("c.ply", [short.as_bytes(), &[0; 92]].concat().as_slice());
+        assert!(
+            message.contains("184 bytes are needed but 92 are left"),
+            "{message}"
+        );
+    }
+}

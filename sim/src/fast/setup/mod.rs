@@ -4,9 +4,9 @@
 //! splats, eight at a time -> words -> stages (in the kernel's order and with its names) -> footprints
 //! ```
 //!
-//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. Vectors do
-//! them for four or eight splats without a branch. What they do not cover is left to the kernel: parallel projection, distance scaling,
-//! exponents near the ends of 32 bits.
+//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. In double
+//! precision they are an addition and a mask ([`real`]), for four or eight splats without a branch. What vectors do not cover is left to the
+//! kernel: parallel projection, distance scaling, splats far from unit size, and those of which the last bit is in doubt.
 
 pub(crate) mod number;
 mod position;
@@ -25,7 +25,7 @@ use splatline::math::SoftFloat;
 use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, View};
+use splatline::view::{Projection, View, round_entry};
 use stages::{Footprints, Splats, Stages};
 use std::cell::Cell;
 
@@ -114,23 +114,6 @@ pub struct Parts {
     weight: SoftFloat,
 }
 
-/// Is the splat one of those that vectors take? Products of its numbers must stay within the range of doubles, and its coordinates be normalised.
-#[inline(always)]
-fn is_mild_part(splat: &Parts) -> bool {
-    let normalised = |number: &SoftFloat| {
-        let magnitude = number.mantissa.unsigned_abs();
-        let length = u32::BITS - magnitude.leading_zeros();
-        magnitude == 0 || length == position::COORDINATE && number.exponent.unsigned_abs() < 200
-    };
-    let near_one = |axis: &Axis| (-45..=40).contains(&axis.exponent);
-    let least = splat.axes.iter().flat_map(|axis| axis.mantissa).min();
-    let weight = &splat.weight;
-    (weight.mantissa == 0 || weight.exponent.unsigned_abs() < 100)
-        && splat.axes.iter().all(near_one)
-        && least.is_none_or(|mantissa| mantissa > i32::MIN)
-        && splat.centre.iter().all(normalised)
-}
-
 struct SetupBatch<'a, S: Batched> {
     design: RuntimeWidths,
     view: &'a View,
@@ -155,13 +138,16 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
             math,
             reals,
             widths,
+            rotation: self
+                .view
+                .rotation
+                .map(|row| row.map(|entry| round_entry(entry, widths.view.into()))),
             view: self.view,
             rules: self.rules,
         };
         let groups = self.splats.chunks(L::WIDE);
         for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
-            let is_mild = splats.iter().all(|splat| is_mild_part(&splat.parts()));
-            if splats.len() < L::WIDE || !is_mild {
+            if splats.len() < L::WIDE {
                 for (splat, outcome) in splats.iter().zip(outcomes) {
                     *outcome = splat.set_up_alone(self.design, self.view, self.rules);
                 }
@@ -213,13 +199,14 @@ impl Batched for VolumeSplat {
     }
 }
 
-/// A weight as a double.
+/// A weight as a double; no number if it is not 0 and outside the range of doubles that setup takes.
 #[inline(always)]
 fn weight(number: SoftFloat) -> f64 {
     let power = (1023 + i64::from(number.exponent)) << 52;
-    match number.mantissa {
-        0 => 0.0,
-        mantissa => f64::from(mantissa) * f64::from_bits(power as u64),
+    match (number.mantissa, number.exponent) {
+        (0, _) => 0.0,
+        (mantissa, -100..=100) => f64::from(mantissa) * f64::from_bits(power as u64),
+        _ => f64::NAN,
     }
 }
 

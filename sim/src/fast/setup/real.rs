@@ -7,7 +7,7 @@
 //!   rounded down to 53 bits lie on the same side of every half of fewer bits as the exact ones ([`Reals::rounded`]).
 //! - *Sums* of two numbers the same way, by the exact error of an addition. Sums of products are known within `2^-49` of their terms'
 //!   magnitudes, which covers the roundings here and those of the kernel's alignment, at `2^-60`: if both ends of this interval round to the
-//!   same number, that is the kernel's. Otherwise the splat is *in doubt*, about one in a hundred thousand, and the kernel sets it up.
+//!   same number, that is the kernel's. Otherwise the splat is *in doubt*, and the kernel sets it up: some one in ten thousand.
 //! - *Tables* (reciprocal, root, logarithm) are the kernel's, on its integers, which are the bits of the doubles.
 //!
 //! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
@@ -56,8 +56,9 @@ impl<W: Doubles> Reals<'_, W> {
     /// A number of the kernel in every word.
     #[inline(always)]
     pub fn number(self, value: SoftFloat) -> Real<W> {
-        let exponent = f64::from(value.exponent.clamp(-900, 900)).exp2();
-        Real(self.constant(f64::from(value.mantissa) * exponent))
+        let field = BIAS + i64::from(value.exponent.clamp(-900, 900));
+        let power = f64::from_bits((field << EXPONENT) as u64);
+        Real(self.constant(f64::from(value.mantissa) * power))
     }
 
     /// Puts splats in doubt where the word is not 0.

@@ -4,14 +4,14 @@
 //! splat is defined but of no use.
 
 use super::number::{Arithmetic, Number};
-use super::position::CameraPoint;
+use super::position::{COORDINATE, CameraPoint};
 use super::real::{Real, Reals};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::format::Widths;
 use splatline::math::{SoftFloat, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::Cull;
-use splatline::view::{View, round_entry};
+use splatline::view::View;
 
 type Word<W> = <W as Wide>::Word;
 
@@ -54,9 +54,14 @@ const RATIOS: [f64; 2] = [(1u64 << 18) as f64, 1.0 / (1u64 << 60) as f64];
 /// Variances and determinants below this may have lost terms below the range of doubles: 2^-900.
 const LEAST_VARIANCE: f64 = f64::from_bits((1023 - 900) << 52);
 
+/// Exponents of axes, of which products of eight come near the ends of doubles, and of coordinates.
+const AXES: [i64; 2] = [-45, 40];
+const COORDINATES: [i64; 2] = [-200, 200];
+
 /// 2^exponent as a constant.
-fn power(exponent: u32) -> f64 {
-    f64::from(exponent).exp2()
+#[inline(always)]
+pub fn power(exponent: u32) -> f64 {
+    f64::from_bits((1023 + u64::from(exponent)) << 52)
 }
 
 /// Setup under one view, rules and widths.
@@ -65,6 +70,8 @@ pub struct Stages<'a, W: Wide> {
     pub math: Arithmetic<W>,
     pub reals: Reals<'a, W>,
     pub widths: Widths,
+    /// W, entries rounded as the kernel rounds them.
+    pub rotation: [[i64; 3]; 3],
     pub view: &'a View,
     pub rules: &'a Rules,
 }
@@ -93,6 +100,7 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn setup(&self, splats: &Splats<W>) -> Footprints<W> {
         let mut culled = self.math.splat(0);
+        self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let columns = [
             self.column(splats, 0, &projected),
@@ -141,12 +149,12 @@ impl<W: Doubles> Stages<'_, W> {
         *culled = self.math.select(now, *culled, noted);
     }
 
-    /// Nothing that has been computed so far matters where a reason has been noted that is not in doubt itself.
+    /// Leaves only the doubt of before where a reason has been noted since that needed nothing of what is in doubt now.
     #[inline(always)]
-    pub fn trust(&self, culled: Word<W>) {
+    fn trust(&self, culled: Word<W>, before: Word<W>) {
         let (math, doubt) = (self.math, self.reals.doubt);
         let settled = math.greater(culled, math.splat(0));
-        doubt.set(math.select(doubt.get(), math.splat(0), settled));
+        doubt.set(math.select(doubt.get(), before, settled));
     }
 
     /// Notes the reason where it does not hold.
@@ -157,14 +165,13 @@ impl<W: Doubles> Stages<'_, W> {
         self.cull(culled, reason, math.greater(math.splat(1), kept));
     }
 
-    /// W times a vector of integers, entries rounded as the kernel rounds them.
+    /// W times a vector of integers.
     #[inline(always)]
     fn rotate(&self, row: usize, vector: &[Word<W>; 3]) -> Word<W> {
         let math = self.math;
         let mut sum = math.splat(0);
-        for (entry, part) in self.view.rotation[row].iter().zip(vector) {
-            let entry = math.splat(round_entry(*entry, self.widths.view.into()));
-            sum = math.add(sum, math.mul(entry, *part));
+        for (entry, part) in self.rotation[row].iter().zip(vector) {
+            sum = math.add(sum, math.mul(math.splat(*entry), *part));
         }
         sum
     }
@@ -172,6 +179,7 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
         let (math, reals, bits) = (self.math, self.reals, u32::from(self.widths.view));
+        let inputs = reals.doubt.get();
         let CameraPoint { value, exponent } =
             math.to_camera(self.view, &self.widths, &splats.centre);
         let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
@@ -199,7 +207,7 @@ impl<W: Doubles> Stages<'_, W> {
             centre[axis] = math.round(position, 32 - u32::from(self.widths.subpixel));
         }
         // Whatever was computed of splats before or behind the view, that they are there is not in doubt.
-        self.trust(*culled);
+        self.trust(*culled, inputs);
         let gain = [
             reals.multiply(focal[0], inverse, self.bits()),
             reals.multiply(focal[1], inverse, self.bits()),
@@ -217,23 +225,65 @@ impl<W: Doubles> Stages<'_, W> {
         }
     }
 
+    /// 1 where an integer lies outside a range.
+    #[inline(always)]
+    fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
+        let math = self.math;
+        let below = math.greater(math.splat(least), word);
+        let above = math.greater(word, math.splat(most));
+        let below = math.select(math.splat(0), math.splat(1), below);
+        math.select(below, math.splat(1), above)
+    }
+
+    /// 1 where a number is greater than another.
+    #[inline(always)]
+    fn beyond(&self, a: Word<W>, b: Word<W>) -> Word<W> {
+        let math = self.math;
+        let greater = math.lanes.double_greater(a, b);
+        math.select(math.splat(0), math.splat(1), greater)
+    }
+
+    /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
+    /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
+    #[inline(always)]
+    pub fn doubt_inputs(&self, splats: &Splats<W>) {
+        let (math, reals) = (self.math, self.reals);
+        let zero = math.splat(0);
+        for coordinate in splats.centre {
+            let leading = math.shr(
+                math.magnitude(coordinate.mantissa),
+                i64::from(COORDINATE) - 1,
+            );
+            let whole = math.lanes.wide_xor(leading, math.splat(1));
+            let doubt = math
+                .lanes
+                .wide_or(whole, self.outside(coordinate.exponent, COORDINATES));
+            let nothing = math.lanes.wide_equal(coordinate.mantissa, zero);
+            reals.doubt_where(math.select(doubt, zero, nothing));
+        }
+        for (axis, exponent) in splats.axes.iter().zip(splats.exponents) {
+            reals.doubt_where(self.outside(exponent, AXES));
+            for part in axis {
+                let least = math.lanes.wide_equal(*part, math.splat(i32::MIN.into()));
+                reals.doubt_where(math.select(zero, math.splat(1), least));
+            }
+        }
+        let weight = math
+            .lanes
+            .double_greater(reals.magnitude(splats.weight).0, reals.constant(-1.0));
+        reals.doubt_where(math.select(math.splat(1), zero, weight));
+    }
+
     /// Puts splats in doubt that lie so far out that products of what follows might leave the range of doubles.
     #[inline(always)]
     fn doubt_ranges(&self, z: Real<W>, on_plane: &[Real<W>; 2]) {
         let (math, reals) = (self.math, self.reals);
-        let beyond = |a, b| {
-            math.select(
-                math.splat(0),
-                math.splat(1),
-                math.lanes.double_greater(a, b),
-            )
-        };
-        reals.doubt_where(beyond(reals.constant(DEPTHS[0]), z.0));
-        reals.doubt_where(beyond(z.0, reals.constant(DEPTHS[1])));
+        reals.doubt_where(self.beyond(reals.constant(DEPTHS[0]), z.0));
+        reals.doubt_where(self.beyond(z.0, reals.constant(DEPTHS[1])));
         for ratio in on_plane {
             let magnitude = reals.magnitude(*ratio).0;
-            reals.doubt_where(beyond(magnitude, reals.constant(RATIOS[0])));
-            let small = beyond(reals.constant(RATIOS[1]), magnitude);
+            reals.doubt_where(self.beyond(magnitude, reals.constant(RATIOS[0])));
+            let small = self.beyond(reals.constant(RATIOS[1]), magnitude);
             reals.doubt_where(math.select(small, math.splat(0), reals.is_zero(*ratio)));
         }
     }

@@ -4,7 +4,7 @@
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
 use super::real::Real;
-use super::stages::{Footprints, Projected, Splats, Stages, Variance};
+use super::stages::{Footprints, Projected, Splats, Stages, Variance, power};
 use super::{Batched, Floats, Lists, Parts, list};
 use crate::fast::lanes::{Doubles, Lanes, Wide};
 use splatline::footprint::surface::{
@@ -74,6 +74,7 @@ impl<W: Doubles> Stages<'_, W> {
     fn surface(&self, splats: &Splats<W>) -> SurfaceWords<W> {
         let (math, reals) = (self.math, self.reals);
         let mut culled = math.splat(0);
+        self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let (first, z1) = self.column_and_depth(splats, 0, &projected);
         let (second, z2) = self.column_and_depth(splats, 1, &projected);
@@ -199,7 +200,7 @@ impl<W: Doubles> Stages<'_, W> {
         let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
         let distance = reals.from_short(math.sub(sample, centre));
         let distance = reals.narrow(distance, self.bits());
-        let distance = reals.scaled(distance, f64::from(-(subpixel as i32)).exp2());
+        let distance = reals.scaled(distance, 1.0 / power(subpixel as u32));
         reals.times_to_fixed(slope, distance, DEPTH_UNIT)
     }
 
@@ -224,7 +225,7 @@ impl<W: Doubles> Stages<'_, W> {
             normal[2],
         ];
         let away = reals.sum_is_positive(terms);
-        let one = f64::from(attribute_fraction(&self.widths)).exp2();
+        let one = power(attribute_fraction(&self.widths).into());
         let [limit, least] = [reals.constant(one), reals.constant(-one)];
         let mut facing = [math.splat(0); 3];
         for (facing, component) in facing.iter_mut().zip(normal) {
