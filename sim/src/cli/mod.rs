@@ -6,6 +6,7 @@
 
 mod args;
 mod ask;
+mod chunks;
 mod compare;
 mod demo;
 mod drawing_args;

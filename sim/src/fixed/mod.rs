@@ -4,6 +4,7 @@
 //! quantise -> setup (kernel) -> order -> tiles (kernel's painter) -> picture
 //! ```
 
+pub mod chunks;
 pub mod deep;
 mod frame;
 mod harmonics;

@@ -179,7 +179,8 @@ pub(crate) fn set_up_part<D: Design>(
 /// Splats set up by one task.
 const BATCH: usize = 1024;
 
-fn set_up<D: Design + Send + Sync>(
+/// Setup of the scene, a splat a place.
+pub(crate) fn set_up<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,

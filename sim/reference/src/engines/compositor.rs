@@ -27,7 +27,7 @@ pub trait Projected: Send + Sync {
     fn bounds(&self) -> PixelBox;
 
     /// What it is sorted by, the least first.
-    fn place(&self) -> f64;
+    fn sort_place(&self) -> f64;
 
     /// Linear RGB.
     fn colour(&self) -> [f64; 3];
@@ -46,7 +46,7 @@ pub trait Projected: Send + Sync {
 pub fn order<S: Projected>(projected: &[Result<S, Culled>]) -> Vec<usize> {
     let drawn = projected.iter().enumerate().filter_map(|(index, outcome)| {
         let splat = outcome.as_ref().ok()?;
-        Some((splat.place(), index))
+        Some((splat.sort_place(), index))
     });
     let mut ordered: Vec<(f64, usize)> = drawn.collect();
     ordered.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -218,7 +218,7 @@ impl Projected for ExactFootprint<'_> {
         self.bounds
     }
 
-    fn place(&self) -> f64 {
+    fn sort_place(&self) -> f64 {
         self.place
     }
 

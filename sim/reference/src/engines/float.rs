@@ -121,7 +121,7 @@ impl Projected for Footprint {
         self.bounds
     }
 
-    fn place(&self) -> f64 {
+    fn sort_place(&self) -> f64 {
         self.place
     }
 

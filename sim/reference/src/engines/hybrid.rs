@@ -138,7 +138,7 @@ impl Projected for FloatPrimitive {
     }
 
     /// The depth, whatever the scene says: points are gathered by differences of depths.
-    fn place(&self) -> f64 {
+    fn sort_place(&self) -> f64 {
         self.footprint.depth
     }
 
@@ -207,14 +207,14 @@ impl FloatCell {
     fn gather(&mut self, alpha: f64, point: &FloatPrimitive, range: f64, rules: &Rules) {
         if self
             .slab
-            .is_some_and(|(_, _, first)| point.place() - first > range)
+            .is_some_and(|(_, _, first)| point.sort_place() - first > range)
         {
             self.close(rules);
             if self.finished {
                 return;
             }
         }
-        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.place()));
+        let (opacity, colour, _) = self.slab.get_or_insert((0.0, [0.0; 3], point.sort_place()));
         *opacity += alpha;
         for (sum, channel) in colour.iter_mut().zip(point.colour()) {
             *sum += alpha * channel;

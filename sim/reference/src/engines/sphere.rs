@@ -186,7 +186,7 @@ impl Projected for SphereFootprint {
         self.bounds
     }
 
-    fn place(&self) -> f64 {
+    fn sort_place(&self) -> f64 {
         self.depth
     }
 

@@ -14,7 +14,7 @@ use crate::vector;
 pub const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
 
 /// Trained captures follow the photographs' cameras: y points down.
-const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
+pub(super) const CAPTURE_UP: [f64; 3] = [0.0, -1.0, 0.0];
 
 /// One Gaussian in a trainer's terms, its fields decoded but not yet checked.
 #[derive(Clone, Copy, Debug)]
@@ -122,8 +122,13 @@ impl GaussianScene {
                 "export the scene again",
             ));
         }
+        Ok(self.finish_part(name))
+    }
+
+    /// The same of a part of a file, which may be empty.
+    pub(super) fn finish_part(self, name: &str) -> Scene {
         let (degree, coefficients, base) = (self.degree, self.coefficients, self.bases);
-        Ok(Scene {
+        Scene {
             name: name.to_string(),
             natural_rules: Rules::GAUSSIAN_3D,
             weight: Weight::Opacity,
@@ -136,7 +141,7 @@ impl GaussianScene {
             skipped: self.skipped,
             up: CAPTURE_UP,
             order: SortOrder::Depth,
-        })
+        }
     }
 }
 

@@ -114,6 +114,14 @@ fn is_packed_nifti(path: &Path) -> bool {
     name.to_ascii_lowercase().ends_with(".nii.gz")
 }
 
+/// Is it a PLY file by its name, or by its first bytes if the name says nothing?
+pub(super) fn is_ply(path: &Path) -> bool {
+    let mut start = [0; 4];
+    let read = fs::File::open(path).and_then(|mut file| io::Read::read(&mut file, &mut start));
+    let start = &start[..read.unwrap_or(0)];
+    recognise(start, path).is_ok_and(|format| format == SceneFormat::Ply)
+}
+
 /// The extension decides; a file without a known one is recognised by its first bytes.
 fn recognise(bytes: &[u8], path: &Path) -> Result<SceneFormat, Problem> {
     let extension = path

@@ -15,6 +15,7 @@
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
 pub mod avx512;
+mod doubles;
 pub mod factors;
 mod floats;
 pub mod fused;
@@ -23,6 +24,7 @@ mod portable;
 mod wide;
 pub mod words;
 
+pub use doubles::Doubles;
 pub use floats::Floats;
 pub use portable::Portable;
 pub use wide::Wide;
@@ -41,7 +43,7 @@ pub struct ProductShift {
 }
 
 /// Operations on vectors of [`Lanes::WIDTH`] words. Arithmetic wraps.
-pub trait Lanes: Wide {
+pub trait Lanes: Doubles {
     /// Words of a vector.
     const WIDTH: usize;
     /// A vector.

@@ -4,12 +4,13 @@
 //! splats, eight at a time -> words -> stages (in the kernel's order and with its names) -> footprints
 //! ```
 //!
-//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. Vectors do
-//! them for four or eight splats without a branch. What they do not cover is left to the kernel: parallel projection, distance scaling,
-//! exponents near the ends of 32 bits.
+//! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. In double
+//! precision they are an addition and a mask ([`real`]), for four or eight splats without a branch. What vectors do not cover is left to the
+//! kernel: parallel projection, distance scaling, splats far from unit size, and those of which the last bit is in doubt.
 
 pub(crate) mod number;
 mod position;
+mod real;
 mod stages;
 mod surface;
 
@@ -17,14 +18,16 @@ pub use surface::SurfaceOutcome;
 
 use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch};
 use number::{Arithmetic, Number};
+use real::{Real, Reals};
 use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{Design, RuntimeWidths, Widths};
 use splatline::math::SoftFloat;
 use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
-use splatline::view::{Projection, View};
+use splatline::view::{Projection, View, round_entry};
 use stages::{Footprints, Splats, Stages};
+use std::cell::Cell;
 
 /// What setup makes of a splat.
 pub type Outcome = Result<Footprint, Cull>;
@@ -44,6 +47,9 @@ pub trait Batched: Sized {
 
     /// By vectors.
     fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> Self::Lists;
+
+    /// Is the `k`th of its vector in doubt, so that the kernel sets it up?
+    fn is_in_doubt(lists: &Self::Lists, k: usize) -> bool;
 
     /// The outcome of this splat, the `k`th of its vector.
     fn outcome(&self, lists: &Self::Lists, k: usize, widths: &Widths) -> Self::Outcome;
@@ -80,18 +86,21 @@ pub fn set_up<D: Design, S: Batched>(
 
 /// Can vectors set up under this view and these rules?
 fn covers(view: &View, rules: &Rules) -> bool {
-    let mild = |number: SoftFloat| number.exponent.unsigned_abs() < 1 << 24;
+    // Focal lengths of 2^-20 to 2^30 pixels, a filter of 2^-100 to 2^30.
+    let between = |number: SoftFloat, least: i32, most: i32| {
+        number.mantissa > 0 && (least..most).contains(&number.leading())
+    };
     let spaced = rules.spacing.mantissa > 0;
     let by_opacity = rules.cutoff == Cutoff::Opacity;
     let gaussian = rules.kernel == splatline::kernel::Kernel::Gaussian;
     view.projection == Projection::Perspective
-        && view.focal.into_iter().all(mild)
+        && view.focal.into_iter().all(|focal| between(focal, -20, 30))
         && view
             .principal
             .iter()
-            .all(|p| p.to_bits().unsigned_abs() < 1 << 58)
+            .all(|p| p.to_bits().unsigned_abs() < 1 << 57)
         && position::covers(view)
-        && mild(rules.low_pass)
+        && (rules.low_pass.mantissa == 0 || between(rules.low_pass, -100, 30))
         && !spaced
         && (gaussian || !by_opacity)
         && (rules.alpha_min > 1 || !by_opacity)
@@ -103,23 +112,6 @@ pub struct Parts {
     centre: [SoftFloat; 3],
     axes: [Axis; 3],
     weight: SoftFloat,
-}
-
-/// Is the splat one of those that vectors take? Its exponents must not come near the end of their word, and its coordinates be normalised.
-#[inline(always)]
-fn is_mild_part(splat: &Parts) -> bool {
-    let normalised = |number: &SoftFloat| {
-        let magnitude = number.mantissa.unsigned_abs();
-        let length = u32::BITS - magnitude.leading_zeros();
-        (magnitude == 0 || length == position::COORDINATE)
-            && number.exponent.unsigned_abs() < 1 << 24
-    };
-    let exponents = splat.axes.map(|axis| axis.exponent);
-    let least = splat.axes.iter().flat_map(|axis| axis.mantissa).min();
-    splat.weight.exponent.unsigned_abs() < 1 << 24
-        && exponents.iter().all(|e| e.unsigned_abs() < 1 << 24)
-        && least.is_none_or(|mantissa| mantissa > i32::MIN)
-        && splat.centre.iter().all(normalised)
 }
 
 struct SetupBatch<'a, S: Batched> {
@@ -136,24 +128,38 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
     #[inline(always)]
     fn run<L: Floats>(self, lanes: L) {
         let widths = self.design.widths();
+        let math = Arithmetic { lanes };
+        let doubt = Cell::new(math.splat(0));
+        let reals = Reals {
+            words: math,
+            doubt: &doubt,
+        };
         let stages = Stages {
-            math: Arithmetic { lanes },
+            math,
+            reals,
             widths,
+            rotation: self
+                .view
+                .rotation
+                .map(|row| row.map(|entry| round_entry(entry, widths.view.into()))),
             view: self.view,
             rules: self.rules,
         };
         let groups = self.splats.chunks(L::WIDE);
         for (splats, outcomes) in groups.zip(self.outcomes.chunks_mut(L::WIDE)) {
-            let is_mild = splats.iter().all(|splat| is_mild_part(&splat.parts()));
-            if splats.len() < L::WIDE || !is_mild {
+            if splats.len() < L::WIDE {
                 for (splat, outcome) in splats.iter().zip(outcomes) {
                     *outcome = splat.set_up_alone(self.design, self.view, self.rules);
                 }
                 continue;
             }
+            doubt.set(math.splat(0));
             let lists = S::set_up_together(&stages, &read(lanes, splats.iter().map(S::parts)));
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                *outcome = splat.outcome(&lists, k, &widths);
+                *outcome = match S::is_in_doubt(&lists, k) {
+                    true => splat.set_up_alone(self.design, self.view, self.rules),
+                    false => splat.outcome(&lists, k, &widths),
+                };
             }
         }
     }
@@ -182,31 +188,46 @@ impl Batched for VolumeSplat {
     }
 
     #[inline(always)]
+    fn is_in_doubt(lists: &Lists, k: usize) -> bool {
+        lists.doubt[k] != 0
+    }
+
+    #[inline(always)]
     fn outcome(&self, lists: &Lists, k: usize, widths: &Widths) -> Outcome {
         lists.reason(k)?;
         Ok(lists.footprint(k, colour(widths, self.colour)))
     }
 }
 
+/// A weight as a double; no number if it is not 0 and outside the range of doubles that setup takes.
+#[inline(always)]
+fn weight(number: SoftFloat) -> f64 {
+    let power = (1023 + i64::from(number.exponent)) << 52;
+    match (number.mantissa, number.exponent) {
+        (0, _) => 0.0,
+        (mantissa, -100..=100) => f64::from(mantissa) * f64::from_bits(power as u64),
+        _ => f64::NAN,
+    }
+}
+
 /// Splats to words.
 #[inline(always)]
 fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = Parts>) -> Splats<L> {
-    let mut lists = [[0; 8]; 20];
+    let mut lists = [[0; 8]; 19];
     for (k, splat) in splats.take(L::WIDE).enumerate() {
         let [a, b, c] = splat.axes;
         let parts = [a.mantissa, b.mantissa, c.mantissa];
         for i in 0..3 {
             lists[i][k] = splat.centre[i].mantissa.into();
-            lists[17 + i][k] = splat.centre[i].exponent.into();
+            lists[16 + i][k] = splat.centre[i].exponent.into();
             for axis in 0..3 {
                 lists[3 + 3 * axis + i][k] = parts[axis][i].into();
             }
             lists[12 + i][k] = splat.axes[i].exponent.into();
         }
-        lists[15][k] = splat.weight.mantissa.into();
-        lists[16][k] = splat.weight.exponent.into();
+        lists[15][k] = weight(splat.weight).to_bits() as i64;
     }
-    let mut words = [lanes.wide_splat(0); 20];
+    let mut words = [lanes.wide_splat(0); 19];
     for (word, list) in words.iter_mut().zip(&lists) {
         *word = lanes.wide_load(list);
     }
@@ -226,8 +247,7 @@ fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = Parts>) -> Splats<L> {
         a,
         b,
         c,
-        mantissa,
-        exponent,
+        weight,
         x_power,
         y_power,
         z_power,
@@ -237,7 +257,7 @@ fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = Parts>) -> Splats<L> {
         centre: [number(x, x_power), number(y, y_power), number(z, z_power)],
         axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
         exponents: [a, b, c],
-        weight: Number { mantissa, exponent },
+        weight: Real(weight),
     }
 }
 
@@ -258,6 +278,7 @@ fn lists<L: Lanes>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
 /// Words to footprints.
 pub struct Lists {
     culled: [i64; 8],
+    doubt: [i64; 8],
     depth: [i64; 8],
     centre: [[i64; 8]; 2],
     first: [[i64; 8]; 2],
@@ -283,6 +304,7 @@ impl Lists {
         } = *footprints;
         Lists {
             culled: list(lanes, footprints.culled),
+            doubt: list(lanes, footprints.doubt),
             depth: list(lanes, footprints.depth),
             centre: [list(lanes, u), list(lanes, v)],
             first: [list(lanes, left), list(lanes, top)],

@@ -27,12 +27,12 @@ pub struct CameraPoint<W: Wide> {
 /// May vectors bring splats to this view's camera space, and compare them with its depth range?
 pub fn covers(view: &View) -> bool {
     let short = |value: i64| value.unsigned_abs() < 1 << 62;
-    let mild = |exponent: i32| exponent.unsigned_abs() < 1 << 24;
+    let mild = |exponent: i32| exponent.unsigned_abs() < 200;
     let entries = view.rotation.iter().flatten();
     let eye = &view.pose;
     let far_off = view.far.value > 0 && view.far.exponent >= BEYOND;
     eye.position.into_iter().all(short)
-        && mild(eye.exponent)
+        && (mild(eye.exponent) || eye.position == [0; 3])
         && entries
             .map(|entry| entry.to_bits())
             .all(|entry| entry.unsigned_abs() <= 1 << 30)

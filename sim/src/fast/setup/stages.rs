@@ -4,13 +4,14 @@
 //! splat is defined but of no use.
 
 use super::number::{Arithmetic, Number};
-use super::position::CameraPoint;
-use crate::fast::lanes::Wide;
+use super::position::{COORDINATE, CameraPoint};
+use super::real::{Real, Reals};
+use crate::fast::lanes::{Doubles, Wide};
 use splatline::format::Widths;
 use splatline::math::{SoftFloat, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::Cull;
-use splatline::view::{View, round_entry};
+use splatline::view::View;
 
 type Word<W> = <W as Wide>::Word;
 
@@ -22,7 +23,7 @@ pub struct Splats<W: Wide> {
     pub axes: [[Word<W>; 3]; 3],
     /// Exponents of the axes.
     pub exponents: [Word<W>; 3],
-    pub weight: Number<W>,
+    pub weight: Real<W>,
 }
 
 /// Footprints, one per word, without their colours.
@@ -30,6 +31,8 @@ pub struct Splats<W: Wide> {
 pub struct Footprints<W: Wide> {
     /// 0, or one more than the place of the reason in [`Cull::ALL`].
     pub culled: Word<W>,
+    /// Not 0 where the kernel has to decide.
+    pub doubt: Word<W>,
     pub depth: Word<W>,
     pub centre: [Word<W>; 2],
     pub first: [Word<W>; 2],
@@ -42,11 +45,33 @@ pub struct Footprints<W: Wide> {
     pub peak: Word<W>,
 }
 
+/// Depths, in kernel units, that doubles take.
+const DEPTHS: [f64; 2] = [1.0 / (1u64 << 30) as f64, (1u64 << 30) as f64];
+
+/// Largest x/z and y/z that doubles take, and smallest but 0.
+const RATIOS: [f64; 2] = [(1u64 << 18) as f64, 1.0 / (1u64 << 60) as f64];
+
+/// Variances and determinants below this may have lost terms below the range of doubles: 2^-900.
+const LEAST_VARIANCE: f64 = f64::from_bits((1023 - 900) << 52);
+
+/// Exponents of axes, of which products of eight come near the ends of doubles, and of coordinates.
+const AXES: [i64; 2] = [-45, 40];
+const COORDINATES: [i64; 2] = [-200, 200];
+
+/// 2^exponent as a constant.
+#[inline(always)]
+pub fn power(exponent: u32) -> f64 {
+    f64::from_bits((1023 + u64::from(exponent)) << 52)
+}
+
 /// Setup under one view, rules and widths.
 #[derive(Clone, Copy)]
 pub struct Stages<'a, W: Wide> {
     pub math: Arithmetic<W>,
+    pub reals: Reals<'a, W>,
     pub widths: Widths,
+    /// W, entries rounded as the kernel rounds them.
+    pub rotation: [[i64; 3]; 3],
     pub view: &'a View,
     pub rules: &'a Rules,
 }
@@ -58,23 +83,24 @@ pub struct Projected<W: Wide> {
     pub depth: Number<W>,
     pub key: Word<W>,
     pub centre: [Word<W>; 2],
-    pub ratio: [Number<W>; 2],
-    gain: [Number<W>; 2],
+    pub ratio: [Real<W>; 2],
+    gain: [Real<W>; 2],
 }
 
 #[derive(Clone, Copy)]
 pub struct Variance<W: Wide> {
-    pub xx: Number<W>,
-    pub xy: Number<W>,
-    pub yy: Number<W>,
-    pub determinant: Number<W>,
+    pub xx: Real<W>,
+    pub xy: Real<W>,
+    pub yy: Real<W>,
+    pub determinant: Real<W>,
 }
 
-impl<W: Wide> Stages<'_, W> {
+impl<W: Doubles> Stages<'_, W> {
     /// `splatline::setup::setup`.
     #[inline(always)]
     pub fn setup(&self, splats: &Splats<W>) -> Footprints<W> {
         let mut culled = self.math.splat(0);
+        self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let columns = [
             self.column(splats, 0, &projected),
@@ -82,9 +108,7 @@ impl<W: Wide> Stages<'_, W> {
             self.column(splats, 2, &projected),
         ];
         let variance = self.variance(&columns);
-        let inverse = self
-            .math
-            .reciprocal(variance.determinant, self.widths.mantissa.into());
+        let inverse = self.reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
         let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
         let peak = self.peak(splats.weight, &projected, inverse);
@@ -98,11 +122,12 @@ impl<W: Wide> Stages<'_, W> {
         let peak = self.peak_fixed(peak, &mut culled);
         Footprints {
             culled,
+            doubt: self.reals.doubt.get(),
             depth: projected.key,
             centre: projected.centre,
             first,
             last,
-            ldl,
+            ldl: self.packed(ldl),
             conic,
             conic_exponent,
             cutoff,
@@ -124,6 +149,14 @@ impl<W: Wide> Stages<'_, W> {
         *culled = self.math.select(now, *culled, noted);
     }
 
+    /// Leaves only the doubt of before where a reason has been noted since that needed nothing of what is in doubt now.
+    #[inline(always)]
+    fn trust(&self, culled: Word<W>, before: Word<W>) {
+        let (math, doubt) = (self.math, self.reals.doubt);
+        let settled = math.greater(culled, math.splat(0));
+        doubt.set(math.select(doubt.get(), before, settled));
+    }
+
     /// Notes the reason where it does not hold.
     #[inline(always)]
     fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
@@ -132,65 +165,52 @@ impl<W: Wide> Stages<'_, W> {
         self.cull(culled, reason, math.greater(math.splat(1), kept));
     }
 
-    /// W times a vector of integers, entries rounded as the kernel rounds them.
+    /// W times a vector of integers.
     #[inline(always)]
     fn rotate(&self, row: usize, vector: &[Word<W>; 3]) -> Word<W> {
         let math = self.math;
         let mut sum = math.splat(0);
-        for (entry, part) in self.view.rotation[row].iter().zip(vector) {
-            let entry = math.splat(round_entry(*entry, self.widths.view.into()));
-            sum = math.add(sum, math.mul(entry, *part));
+        for (entry, part) in self.rotation[row].iter().zip(vector) {
+            sum = math.add(sum, math.mul(math.splat(*entry), *part));
         }
         sum
     }
 
-    /// A coordinate in camera space, rounded to the view's mantissa.
-    #[inline(always)]
-    fn coordinate(&self, mantissa: Word<W>, exponent: Word<W>) -> Number<W> {
-        self.math
-            .normalise(Number { mantissa, exponent }, self.widths.view.into())
-    }
-
-    /// Culls where a magnitude has more than so many bits.
-    #[inline(always)]
-    fn beyond(&self, value: Word<W>, bits: i64, culled: &mut Word<W>) {
-        let math = self.math;
-        let above = math.shr(math.magnitude(value), bits);
-        self.cull(culled, Cull::Range, math.greater(above, math.splat(0)));
-    }
-
     #[inline(always)]
     pub fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
-        let (math, bits) = (self.math, u32::from(self.widths.view));
+        let (math, reals, bits) = (self.math, self.reals, u32::from(self.widths.view));
+        let inputs = reals.doubt.get();
         let CameraPoint { value, exponent } =
             math.to_camera(self.view, &self.widths, &splats.centre);
-        let x = self.coordinate(value[0], exponent);
-        let y = self.coordinate(value[1], exponent);
-        let z = self.coordinate(value[2], exponent);
         let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
         self.cull_unless(culled, Cull::Near, behind_near);
         self.cull_unless(culled, Cull::Far, before_far);
         let key = math.depth_key(value[2], exponent);
-        let inverse = math.reciprocal(z, bits);
+        let unit = reals.power(exponent);
+        let x = reals.of_wide(value[0], unit, bits);
+        let y = reals.of_wide(value[1], unit, bits);
+        let z = reals.of_wide(value[2], unit, bits);
+        let inverse = reals.reciprocal(z, bits);
         let on_plane = [
-            math.multiply(x, inverse, bits),
-            math.multiply(y, inverse, bits),
+            reals.multiply(x, inverse, bits),
+            reals.multiply(y, inverse, bits),
         ];
         let [across, down] = self.view.focal;
-        let focal = [math.number(across), math.number(down)];
+        let focal = [reals.number(across), reals.number(down)];
         let mut centre = [math.splat(0); 2];
+        self.doubt_ranges(z, &on_plane);
         for axis in 0..2 {
-            let offset = math.to_fixed(math.times(focal[axis], on_plane[axis]), 32);
+            // Never out of the kernel's range: what does not fit 51 bits is in doubt, and the principal point has fewer.
+            let offset = reals.times_to_fixed(focal[axis], on_plane[axis], power(32));
             let principal = math.splat(self.view.principal[axis].to_bits());
             let position = math.add(principal, offset);
-            // What overflows is out of range as well, and was so before the principal point was added.
-            self.beyond(offset, 60, culled);
-            self.beyond(position, 58, culled);
             centre[axis] = math.round(position, 32 - u32::from(self.widths.subpixel));
         }
+        // Whatever was computed of splats before or behind the view, that they are there is not in doubt.
+        self.trust(*culled, inputs);
         let gain = [
-            math.multiply(focal[0], inverse, self.bits()),
-            math.multiply(focal[1], inverse, self.bits()),
+            reals.multiply(focal[0], inverse, self.bits()),
+            reals.multiply(focal[1], inverse, self.bits()),
         ];
         let ratio = [self.ratio(0, on_plane[0]), self.ratio(1, on_plane[1])];
         Projected {
@@ -205,28 +225,89 @@ impl<W: Wide> Stages<'_, W> {
         }
     }
 
+    /// 1 where an integer lies outside a range.
+    #[inline(always)]
+    fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
+        let math = self.math;
+        let below = math.greater(math.splat(least), word);
+        let above = math.greater(word, math.splat(most));
+        let below = math.select(math.splat(0), math.splat(1), below);
+        math.select(below, math.splat(1), above)
+    }
+
+    /// 1 where a number is greater than another.
+    #[inline(always)]
+    fn beyond(&self, a: Word<W>, b: Word<W>) -> Word<W> {
+        let math = self.math;
+        let greater = math.lanes.double_greater(a, b);
+        math.select(math.splat(0), math.splat(1), greater)
+    }
+
+    /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
+    /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
+    #[inline(always)]
+    pub fn doubt_inputs(&self, splats: &Splats<W>) {
+        let (math, reals) = (self.math, self.reals);
+        let zero = math.splat(0);
+        for coordinate in splats.centre {
+            let leading = math.shr(
+                math.magnitude(coordinate.mantissa),
+                i64::from(COORDINATE) - 1,
+            );
+            let whole = math.lanes.wide_xor(leading, math.splat(1));
+            let doubt = math
+                .lanes
+                .wide_or(whole, self.outside(coordinate.exponent, COORDINATES));
+            let nothing = math.lanes.wide_equal(coordinate.mantissa, zero);
+            reals.doubt_where(math.select(doubt, zero, nothing));
+        }
+        for (axis, exponent) in splats.axes.iter().zip(splats.exponents) {
+            reals.doubt_where(self.outside(exponent, AXES));
+            for part in axis {
+                let least = math.lanes.wide_equal(*part, math.splat(i32::MIN.into()));
+                reals.doubt_where(math.select(zero, math.splat(1), least));
+            }
+        }
+        let weight = math
+            .lanes
+            .double_greater(reals.magnitude(splats.weight).0, reals.constant(-1.0));
+        reals.doubt_where(math.select(math.splat(1), zero, weight));
+    }
+
+    /// Puts splats in doubt that lie so far out that products of what follows might leave the range of doubles.
+    #[inline(always)]
+    fn doubt_ranges(&self, z: Real<W>, on_plane: &[Real<W>; 2]) {
+        let (math, reals) = (self.math, self.reals);
+        reals.doubt_where(self.beyond(reals.constant(DEPTHS[0]), z.0));
+        reals.doubt_where(self.beyond(z.0, reals.constant(DEPTHS[1])));
+        for ratio in on_plane {
+            let magnitude = reals.magnitude(*ratio).0;
+            reals.doubt_where(self.beyond(magnitude, reals.constant(RATIOS[0])));
+            let small = self.beyond(reals.constant(RATIOS[1]), magnitude);
+            reals.doubt_where(math.select(small, math.splat(0), reals.is_zero(*ratio)));
+        }
+    }
+
     /// x/z or y/z as the Jacobian takes it.
     #[inline(always)]
-    fn ratio(&self, axis: usize, on_plane: Number<W>) -> Number<W> {
-        let math = self.math;
+    fn ratio(&self, axis: usize, on_plane: Real<W>) -> Real<W> {
+        let (math, reals) = (self.math, self.reals);
         if !self.rules.clamp_jacobian {
-            return math.normalise(on_plane, self.bits());
+            return reals.narrow(on_plane, self.bits());
         }
-        let fixed = math.to_fixed(on_plane, 32);
+        let fixed = reals.to_short_word(reals.to_fixed(on_plane, power(32)));
         let low = math.splat(self.view.limits.low[axis].to_bits());
         let high = math.splat(self.view.limits.high[axis].to_bits());
         let clamped = math.max(math.min(fixed, high), low);
         let inside = math.lanes.wide_equal(clamped, fixed);
-        let number = Number {
-            mantissa: math.select(clamped, on_plane.mantissa, inside),
-            exponent: math.select(math.splat(-32), on_plane.exponent, inside),
-        };
-        math.normalise(number, self.bits())
+        let clamped = reals.scaled(reals.of_short(clamped), 1.0 / power(32));
+        let number = math.select(clamped.0, on_plane.0, inside);
+        reals.narrow(Real(number), self.bits())
     }
 
     /// Axis `k` on the screen.
     #[inline(always)]
-    fn column(&self, splats: &Splats<W>, k: usize, projected: &Projected<W>) -> [Number<W>; 2] {
+    fn column(&self, splats: &Splats<W>, k: usize, projected: &Projected<W>) -> [Real<W>; 2] {
         self.column_and_depth(splats, k, projected).0
     }
 
@@ -237,11 +318,11 @@ impl<W: Wide> Stages<'_, W> {
         splats: &Splats<W>,
         k: usize,
         projected: &Projected<W>,
-    ) -> ([Number<W>; 2], Number<W>) {
-        let exponent = self.axis_exponent(splats, k);
-        let x = self.turned(splats, k, 0, exponent);
-        let y = self.turned(splats, k, 1, exponent);
-        let z = self.turned(splats, k, 2, exponent);
+    ) -> ([Real<W>; 2], Real<W>) {
+        let unit = self.axis_unit(splats, k);
+        let x = self.turned(splats, k, 0, unit);
+        let y = self.turned(splats, k, 1, unit);
+        let z = self.turned(splats, k, 2, unit);
         let column = [
             self.shear(projected, 0, x, z),
             self.shear(projected, 1, y, z),
@@ -249,124 +330,137 @@ impl<W: Wide> Stages<'_, W> {
         (column, z)
     }
 
-    /// Exponent of axis `k` times W.
+    /// Unit of axis `k` times W.
     #[inline(always)]
-    pub fn axis_exponent(&self, splats: &Splats<W>, k: usize) -> Word<W> {
-        let (math, exponent) = (self.math, splats.exponents[k]);
-        let exponent = math.max(math.min(exponent, math.splat(511)), math.splat(-512));
-        math.plus(exponent, -30)
+    pub fn axis_unit(&self, splats: &Splats<W>, k: usize) -> Real<W> {
+        self.reals.power(self.math.plus(splats.exponents[k], -30))
     }
 
     /// One row of W a.
     #[inline(always)]
-    pub fn turned(&self, splats: &Splats<W>, k: usize, row: usize, exponent: Word<W>) -> Number<W> {
+    pub fn turned(&self, splats: &Splats<W>, k: usize, row: usize, unit: Real<W>) -> Real<W> {
         let mantissa = self.rotate(row, &splats.axes[k]);
-        self.math
-            .normalise(Number { mantissa, exponent }, self.bits())
+        self.reals.of_wide(mantissa, unit, self.bits())
     }
 
     /// A component seen along the viewing ray, times the gain.
     #[inline(always)]
-    fn shear(
-        &self,
-        projected: &Projected<W>,
-        axis: usize,
-        across: Number<W>,
-        z: Number<W>,
-    ) -> Number<W> {
-        let (math, bits) = (self.math, self.bits());
-        let along = math.opposite(math.times(projected.ratio[axis], z));
-        math.multiply(math.sum([across, along], bits), projected.gain[axis], bits)
+    fn shear(&self, projected: &Projected<W>, axis: usize, across: Real<W>, z: Real<W>) -> Real<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let along = reals.opposite(reals.times(projected.ratio[axis], z));
+        reals.multiply(reals.sum([across, along], bits), projected.gain[axis], bits)
     }
 
     #[inline(always)]
-    fn variance(&self, columns: &[[Number<W>; 2]; 3]) -> Variance<W> {
-        let (math, bits) = (self.math, self.bits());
-        let h = math.number(self.rules.low_pass);
+    fn variance(&self, columns: &[[Real<W>; 2]; 3]) -> Variance<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let h = reals.number(self.rules.low_pass);
         let [a, b, c] = columns;
-        let xx = math.sum(
+        let xx = reals.sum(
             [
-                math.times(a[0], a[0]),
-                math.times(b[0], b[0]),
-                math.times(c[0], c[0]),
+                reals.times(a[0], a[0]),
+                reals.times(b[0], b[0]),
+                reals.times(c[0], c[0]),
                 h,
             ],
             bits,
         );
-        let yy_sharp = math.sum(
+        let yy_sharp = reals.sum(
             [
-                math.times(a[1], a[1]),
-                math.times(b[1], b[1]),
-                math.times(c[1], c[1]),
+                reals.times(a[1], a[1]),
+                reals.times(b[1], b[1]),
+                reals.times(c[1], c[1]),
             ],
             bits,
         );
-        let xy = math.sum(
+        let xy = reals.sum(
             [
-                math.times(a[0], a[1]),
-                math.times(b[0], b[1]),
-                math.times(c[0], c[1]),
+                reals.times(a[0], a[1]),
+                reals.times(b[0], b[1]),
+                reals.times(c[0], c[1]),
             ],
             bits,
         );
-        let yy = math.sum([yy_sharp, h], bits);
-        let trace = math.sum([xx, yy_sharp], bits);
+        let yy = reals.sum_of_two(yy_sharp, h, bits);
+        let trace = reals.sum_of_two(xx, yy_sharp, bits);
         let terms = [
             self.minor_squared(a, b),
             self.minor_squared(a, c),
             self.minor_squared(b, c),
-            math.times(h, trace),
+            reals.times(h, trace),
         ];
+        let determinant = reals.sum(terms, bits);
+        self.doubt_unless_large([xx, yy, determinant]);
         Variance {
             xx,
             xy,
             yy,
-            determinant: math.sum(terms, bits),
+            determinant,
+        }
+    }
+
+    /// Puts splats in doubt whose variances come near the end of the range of doubles, 0 included.
+    #[inline(always)]
+    pub fn doubt_unless_large(&self, variances: [Real<W>; 3]) {
+        for variance in variances {
+            self.reals.doubt_unless_greater(variance.0, LEAST_VARIANCE);
         }
     }
 
     /// A 2x2 minor.
     #[inline(always)]
-    pub fn minor(&self, j: &[Number<W>; 2], k: &[Number<W>; 2]) -> Number<W> {
-        let math = self.math;
-        let crossed = math.opposite(math.times(j[1], k[0]));
-        math.sum([math.times(j[0], k[1]), crossed], self.bits())
+    pub fn minor(&self, j: &[Real<W>; 2], k: &[Real<W>; 2]) -> Real<W> {
+        let reals = self.reals;
+        let crossed = reals.opposite(reals.times(j[1], k[0]));
+        reals.sum([reals.times(j[0], k[1]), crossed], self.bits())
     }
 
     /// The square of a 2x2 minor.
     #[inline(always)]
-    fn minor_squared(&self, j: &[Number<W>; 2], k: &[Number<W>; 2]) -> Number<W> {
+    fn minor_squared(&self, j: &[Real<W>; 2], k: &[Real<W>; 2]) -> Real<W> {
         let minor = self.minor(j, k);
-        self.math.times(minor, minor)
+        self.reals.times(minor, minor)
     }
 
-    /// The factors of the LDL form, in the order of `Ldl`.
+    /// The factors of the LDL form, in the order of `Ldl`. A variance of 0 is in doubt, so that no reciprocal lacks.
     #[inline(always)]
     pub fn ldl(
         &self,
         variance: &Variance<W>,
-        inverse: Number<W>,
+        inverse: Real<W>,
         culled: &mut Word<W>,
-    ) -> [Number<W>; 4] {
-        let (math, bits) = (self.math, self.bits());
-        let zero = math.splat(0);
-        for value in [variance.yy, variance.determinant] {
-            let nothing = math.lanes.wide_equal(value.mantissa, zero);
-            self.cull(culled, Cull::Degenerate, nothing);
+    ) -> [Real<W>; 4] {
+        let (reals, bits) = (self.reals, self.bits());
+        let vertical = reals.reciprocal(variance.yy, bits);
+        let horizontal = reals.multiply(variance.yy, inverse, bits);
+        let squared_width = reals.multiply(variance.determinant, vertical, bits);
+        let shear = reals.multiply(variance.xy, vertical, bits);
+        for number in [horizontal, squared_width, vertical] {
+            self.unpackable(reals.exponent(number, bits), culled);
         }
-        let vertical = math.reciprocal(variance.yy, bits);
-        let horizontal = math.multiply(variance.yy, inverse, bits);
-        let squared_width = math.multiply(variance.determinant, vertical, bits);
-        let shear = math.multiply(variance.xy, vertical, bits);
+        [horizontal, squared_width, shear, vertical]
+    }
+
+    /// The factors as mantissas and exponents.
+    #[inline(always)]
+    pub fn packed(
+        &self,
+        [horizontal, squared_width, shear, vertical]: [Real<W>; 4],
+    ) -> [Number<W>; 4] {
+        let (math, reals, bits) = (self.math, self.reals, self.bits());
+        let zero = math.splat(0);
+        let shear = reals.parts(shear, bits);
         let tiny = math.greater(math.splat(-512), shear.exponent);
         let shear = Number {
             mantissa: math.select(shear.mantissa, zero, tiny),
             exponent: math.select(shear.exponent, zero, tiny),
         };
-        for number in [horizontal, squared_width, vertical] {
-            self.unpackable(number.exponent, culled);
-        }
-        [horizontal, squared_width, shear, vertical]
+        [
+            reals.parts(horizontal, bits),
+            reals.parts(squared_width, bits),
+            shear,
+            reals.parts(vertical, bits),
+        ]
     }
 
     /// Culls where an exponent has no place in the packet.
@@ -383,73 +477,62 @@ impl<W: Wide> Stages<'_, W> {
     pub fn conic(
         &self,
         variance: &Variance<W>,
-        curvature: Number<W>,
-        inverse: Number<W>,
+        curvature: Real<W>,
+        inverse: Real<W>,
         culled: &mut Word<W>,
     ) -> ([Word<W>; 3], Word<W>) {
-        const NONE: i64 = i32::MIN as i64;
-        let (math, bits) = (self.math, self.bits());
+        let (math, reals, bits) = (self.math, self.reals, self.bits());
         let coefficients = [
             curvature,
-            math.opposite(math.multiply(variance.xy, inverse, bits)),
-            math.multiply(variance.xx, inverse, bits),
+            reals.opposite(reals.multiply(variance.xy, inverse, bits)),
+            reals.multiply(variance.xx, inverse, bits),
         ];
-        let mut leading = math.splat(NONE);
+        let mut largest = math.splat(0);
         for coefficient in coefficients {
-            let nothing = math.lanes.wide_equal(coefficient.mantissa, math.splat(0));
-            let own = math.select(math.leading(coefficient), math.splat(NONE), nothing);
-            leading = math.max(leading, own);
+            let magnitude = reals.magnitude(coefficient).0;
+            largest = math.lanes.double_max(largest, magnitude);
         }
-        let exponent = math.plus(leading, 1 - i64::from(bits));
+        let exponent = reals.exponent(Real(largest), bits);
+        let unit = reals.power(math.negate(exponent));
         let mut mantissa = [math.splat(0); 3];
         for (mantissa, coefficient) in mantissa.iter_mut().zip(coefficients) {
-            let aligned = Number {
-                exponent: math.sub(coefficient.exponent, exponent),
-                ..coefficient
-            };
-            *mantissa = math.to_fixed(aligned, 0);
+            let aligned = reals.times(coefficient, unit);
+            *mantissa = reals.to_short_word(reals.to_fixed(aligned, 1.0));
         }
         self.unpackable(exponent, culled);
         (mantissa, exponent)
     }
 
     #[inline(always)]
-    fn peak(&self, weight: Number<W>, projected: &Projected<W>, inverse: Number<W>) -> Number<W> {
-        let (math, bits) = (self.math, self.bits());
+    fn peak(&self, weight: Real<W>, projected: &Projected<W>, inverse: Real<W>) -> Real<W> {
+        let (reals, bits) = (self.reals, self.bits());
         let mut peak = weight;
         if self.rules.normalised {
-            // A variance without an inverse has been culled.
+            // A variance without an inverse is in doubt.
             let [x, y] = projected.ratio;
-            let one = math.number(SoftFloat {
-                mantissa: 1,
-                exponent: 0,
-            });
-            let slant = math.sum([one, math.times(x, x), math.times(y, y)], bits);
-            let density = math.square_root(math.multiply(slant, inverse, bits), bits);
-            let area = math.multiply(projected.gain[0], projected.gain[1], bits);
-            peak = math.multiply(weight, area, bits);
-            peak = math.multiply(peak, density, bits);
-            let integral = math.number(self.rules.kernel.inverse_integral());
-            peak = math.multiply(peak, integral, bits);
+            let one = Real(reals.constant(1.0));
+            let slant = reals.sum([one, reals.times(x, x), reals.times(y, y)], bits);
+            let density = reals.square_root(reals.multiply(slant, inverse, bits), bits);
+            let area = reals.multiply(projected.gain[0], projected.gain[1], bits);
+            peak = reals.multiply(weight, area, bits);
+            peak = reals.multiply(peak, density, bits);
+            let integral = reals.number(self.rules.kernel.inverse_integral());
+            peak = reals.multiply(peak, integral, bits);
         }
-        self.where_positive(weight.mantissa, peak)
+        self.where_positive(weight, peak)
     }
 
-    /// The number where the word is positive, else 0.
+    /// The number where the other is positive, else 0.
     #[inline(always)]
-    pub fn where_positive(&self, word: Word<W>, number: Number<W>) -> Number<W> {
+    pub fn where_positive(&self, other: Real<W>, number: Real<W>) -> Real<W> {
         let math = self.math;
         let zero = math.splat(0);
-        let positive = math.greater(word, zero);
-        let none = math.splat(SoftFloat::ZERO.exponent.into());
-        Number {
-            mantissa: math.select(zero, number.mantissa, positive),
-            exponent: math.select(none, number.exponent, positive),
-        }
+        let positive = math.lanes.double_greater(other.0, zero);
+        Real(math.select(zero, number.0, positive))
     }
 
     #[inline(always)]
-    pub fn cutoff(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
+    pub fn cutoff(&self, peak: Real<W>, culled: &mut Word<W>) -> Word<W> {
         // As in the kernel's `cutoff`.
         const END: i64 = 15 << 28;
         let (math, end) = (self.math, self.rules.kernel.end());
@@ -459,9 +542,9 @@ impl<W: Wide> Stages<'_, W> {
         let least = (self.rules.alpha_min >> 1) as i64;
         let smallest = SoftFloat::from_wide(least, 1 - THRESHOLD as i32, 31);
         let below = ln(smallest).unwrap_or(i64::MAX >> 1);
-        let dark = math.greater(math.splat(1), peak.mantissa);
-        self.cull(culled, Cull::Transparent, dark);
-        let cutoff = math.round(math.plus(math.ln(peak), -below), 3);
+        let bright = math.lanes.double_greater(peak.0, math.splat(0));
+        self.cull_unless(culled, Cull::Transparent, bright);
+        let cutoff = math.round(math.plus(self.reals.ln(peak), -below), 3);
         let nowhere = math.greater(math.splat(1), cutoff);
         self.cull(culled, Cull::Transparent, nowhere);
         math.max(math.min(cutoff, math.splat(END)), math.splat(0))
@@ -473,23 +556,16 @@ impl<W: Wide> Stages<'_, W> {
         &self,
         axis: usize,
         centre: Word<W>,
-        spread: Number<W>,
+        spread: Real<W>,
         cutoff: Word<W>,
         culled: &mut Word<W>,
     ) -> (Word<W>, Word<W>) {
-        let math = self.math;
-        let number = Number {
-            mantissa: cutoff,
-            exponent: math.splat(-28),
-        };
-        let cutoff = math.normalise(number, 16);
-        let squared = math.multiply(cutoff, spread, 16);
-        let extent = math.to_fixed(math.square_root(squared, 16), 32);
-        let wider = math.add(extent, math.sar(extent, 10));
-        for value in [extent, wider] {
-            let beyond = math.greater(math.shr(value, 60), math.splat(0));
-            self.cull(culled, Cull::Range, beyond);
-        }
+        let (math, reals) = (self.math, self.reals);
+        let cutoff = reals.scaled(reals.of_short(cutoff), 1.0 / power(28));
+        let squared = reals.multiply(reals.narrow(cutoff, 16), spread, 16);
+        let extent = reals.to_fixed(reals.square_root(squared, 16), power(32));
+        let extent = reals.to_word(extent);
+        let wider = math.add(extent, math.shr(extent, 10));
         let sample = math.shl(centre, 32 - i64::from(self.widths.subpixel));
         let sample = math.plus(sample, -(1 << 31));
         let low = math.sar(math.plus(math.sub(sample, wider), (1 << 32) - 1), 32);
@@ -503,19 +579,14 @@ impl<W: Wide> Stages<'_, W> {
     }
 
     #[inline(always)]
-    pub fn peak_fixed(&self, peak: Number<W>, culled: &mut Word<W>) -> Word<W> {
-        let (math, fraction) = (self.math, u32::from(self.widths.peak));
-        let fixed = math.to_fixed(peak, fraction);
-        // An odd result of a half was rounded up: halves go to even.
-        let dropped = math.negate(math.plus(peak.exponent, fraction.into()));
-        let above = math
-            .lanes
-            .wide_shl(peak.mantissa, math.sub(math.splat(64), dropped));
-        let half = math.lanes.wide_equal(above, math.splat(i64::MIN));
-        let odd = math.and(fixed, 1);
-        let fixed = math.sub(fixed, math.select(math.splat(0), odd, half));
-        let largest = math.splat((16 << fraction.min(28)) - 1);
-        let fixed = math.max(math.min(fixed, largest), math.splat(0));
+    pub fn peak_fixed(&self, peak: Real<W>, culled: &mut Word<W>) -> Word<W> {
+        let (math, reals) = (self.math, self.reals);
+        let fraction = u32::from(self.widths.peak);
+        let largest = reals.constant(((16i64 << fraction.min(28)) - 1) as f64);
+        let scaled = reals.scaled(peak, power(fraction)).0;
+        // The conversion rounds halves to even, as the kernel does here; what the limit cuts off is cut off after rounding as well.
+        let fixed = reals.to_short_word(math.lanes.double_min(scaled, largest));
+        let fixed = math.max(fixed, math.splat(0));
         let dark = math.greater(math.splat(1), fixed);
         self.cull(culled, Cull::Transparent, dark);
         fixed

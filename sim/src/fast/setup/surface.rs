@@ -3,9 +3,10 @@
 //! The stages of volume splats with two axes instead of three, the normal in the third one's place; and what surfaces add: the
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
-use super::stages::{Footprints, Projected, Splats, Stages, Variance};
-use super::{Batched, Floats, Lists, Number, Parts, list};
-use crate::fast::lanes::{Lanes, Wide};
+use super::real::Real;
+use super::stages::{Footprints, Projected, Splats, Stages, Variance, power};
+use super::{Batched, Floats, Lists, Parts, list};
+use crate::fast::lanes::{Doubles, Lanes, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
@@ -15,6 +16,9 @@ use splatline::rules::Rules;
 use splatline::setup::{Cull, setup_surface};
 use splatline::splat::surface::SurfaceSplat;
 use splatline::view::View;
+
+/// The depth lane's units in one.
+const DEPTH_UNIT: f64 = (1u64 << DEPTH_FRACTION) as f64;
 
 /// What setup makes of a surface splat.
 pub type SurfaceOutcome = Result<SurfaceFootprint, Cull>;
@@ -43,6 +47,11 @@ impl Batched for SurfaceSplat {
     }
 
     #[inline(always)]
+    fn is_in_doubt(lists: &SurfaceLists, k: usize) -> bool {
+        lists.footprints.doubt[k] != 0
+    }
+
+    #[inline(always)]
     fn outcome(&self, lists: &SurfaceLists, k: usize, widths: &Widths) -> SurfaceOutcome {
         lists.outcome(k, self, widths)
     }
@@ -59,18 +68,19 @@ struct SurfaceWords<W: Wide> {
     back: W::Word,
 }
 
-impl<W: Wide> Stages<'_, W> {
+impl<W: Doubles> Stages<'_, W> {
     /// `splatline::setup::setup_surface`.
     #[inline(always)]
     fn surface(&self, splats: &Splats<W>) -> SurfaceWords<W> {
-        let math = self.math;
+        let (math, reals) = (self.math, self.reals);
         let mut culled = math.splat(0);
+        self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
         let (first, z1) = self.column_and_depth(splats, 0, &projected);
         let (second, z2) = self.column_and_depth(splats, 1, &projected);
         let area = self.minor(&first, &second);
         let variance = self.flat_variance(&first, &second, area);
-        let inverse = math.reciprocal(variance.determinant, self.bits());
+        let inverse = reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
         let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
         let peak = self.surface_peak(splats.weight, area, &variance);
@@ -79,6 +89,7 @@ impl<W: Wide> Stages<'_, W> {
         let [u, v] = projected.centre;
         let (left, right) = self.bounds(0, u, variance.xx, cutoff, &mut culled);
         let (top, bottom) = self.bounds(1, v, variance.yy, cutoff, &mut culled);
+        // The kernel knows no more reasons.
         let gradient = [
             self.slope(
                 area,
@@ -101,103 +112,96 @@ impl<W: Wide> Stages<'_, W> {
             self.rise(top, v, gradient[1]),
         ];
         let (normal, back) = self.facing_normal(splats, &projected);
+        let step = [
+            reals.to_fixed(gradient[0], DEPTH_UNIT),
+            reals.to_fixed(gradient[1], DEPTH_UNIT),
+        ];
         SurfaceWords {
+            origin,
+            step: [reals.to_word(step[0]), reals.to_word(step[1])],
+            normal,
+            back,
             footprints: Footprints {
                 culled,
+                doubt: reals.doubt.get(),
                 depth: projected.key,
                 centre: projected.centre,
                 first: [left, top],
                 last: [right, bottom],
-                ldl,
+                ldl: self.packed(ldl),
                 conic,
                 conic_exponent,
                 cutoff,
                 peak,
             },
-            origin,
-            step: [
-                math.to_fixed(gradient[0], DEPTH_FRACTION),
-                math.to_fixed(gradient[1], DEPTH_FRACTION),
-            ],
-            normal,
-            back,
         }
     }
 
     /// `variance` of columns of which the third is 0.
     #[inline(always)]
-    fn flat_variance(
-        &self,
-        a: &[Number<W>; 2],
-        b: &[Number<W>; 2],
-        area: Number<W>,
-    ) -> Variance<W> {
-        let (math, bits) = (self.math, self.bits());
-        let h = math.number(self.rules.low_pass);
-        let xx = math.sum([math.times(a[0], a[0]), math.times(b[0], b[0]), h], bits);
-        let yy_sharp = math.sum([math.times(a[1], a[1]), math.times(b[1], b[1])], bits);
-        let xy = math.sum([math.times(a[0], a[1]), math.times(b[0], b[1])], bits);
-        let trace = math.sum([xx, yy_sharp], bits);
-        let terms = [math.times(area, area), math.times(h, trace)];
+    fn flat_variance(&self, a: &[Real<W>; 2], b: &[Real<W>; 2], area: Real<W>) -> Variance<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let h = reals.number(self.rules.low_pass);
+        let xx = reals.sum([reals.times(a[0], a[0]), reals.times(b[0], b[0]), h], bits);
+        let yy_sharp = reals.sum([reals.times(a[1], a[1]), reals.times(b[1], b[1])], bits);
+        let xy = reals.sum([reals.times(a[0], a[1]), reals.times(b[0], b[1])], bits);
+        let yy = reals.sum_of_two(yy_sharp, h, bits);
+        let trace = reals.sum_of_two(xx, yy_sharp, bits);
+        let terms = [reals.times(area, area), reals.times(h, trace)];
+        let determinant = reals.sum(terms, bits);
+        self.doubt_unless_large([xx, yy, determinant]);
         Variance {
             xx,
             xy,
-            yy: math.sum([yy_sharp, h], bits),
-            determinant: math.sum(terms, bits),
+            yy,
+            determinant,
         }
     }
 
     /// `surface_peak`.
     #[inline(always)]
-    fn surface_peak(
-        &self,
-        weight: Number<W>,
-        area: Number<W>,
-        variance: &Variance<W>,
-    ) -> Number<W> {
-        let (math, bits) = (self.math, self.bits());
-        let root = math.square_root(variance.determinant, bits);
-        let inverse = math.reciprocal(root, bits);
-        let magnitude = Number {
-            mantissa: math.magnitude(area.mantissa),
-            ..area
-        };
-        let peak = math.multiply(math.multiply(weight, magnitude, bits), inverse, bits);
-        self.where_positive(weight.mantissa, peak)
+    fn surface_peak(&self, weight: Real<W>, area: Real<W>, variance: &Variance<W>) -> Real<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let root = reals.square_root(variance.determinant, bits);
+        let inverse = reals.reciprocal(root, bits);
+        let magnitude = reals.magnitude(area);
+        let peak = reals.multiply(reals.multiply(weight, magnitude, bits), inverse, bits);
+        self.where_positive(weight, peak)
     }
 
     /// One component of `depth_gradient`: area (s0 z0 - s1 z1) + h (f0 z0 + f1 z1) over the determinant.
     #[inline(always)]
     fn slope(
         &self,
-        area: Number<W>,
-        inverse: Number<W>,
-        sharp: [Number<W>; 2],
-        filtered: [Number<W>; 2],
-        z: [Number<W>; 2],
-    ) -> Number<W> {
-        let (math, bits) = (self.math, self.bits());
-        let crossed = math.opposite(math.times(sharp[1], z[1]));
-        let sharp_sum = math.sum([math.times(sharp[0], z[0]), crossed], bits);
-        let terms = [math.times(filtered[0], z[0]), math.times(filtered[1], z[1])];
-        let filtered_sum = math.sum(terms, bits);
-        let h = math.number(self.rules.low_pass);
-        let both = [math.times(area, sharp_sum), math.times(h, filtered_sum)];
-        math.multiply(math.sum(both, bits), inverse, bits)
+        area: Real<W>,
+        inverse: Real<W>,
+        sharp: [Real<W>; 2],
+        filtered: [Real<W>; 2],
+        z: [Real<W>; 2],
+    ) -> Real<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let crossed = reals.opposite(reals.times(sharp[1], z[1]));
+        let sharp_sum = reals.sum([reals.times(sharp[0], z[0]), crossed], bits);
+        let terms = [
+            reals.times(filtered[0], z[0]),
+            reals.times(filtered[1], z[1]),
+        ];
+        let filtered_sum = reals.sum(terms, bits);
+        let h = reals.number(self.rules.low_pass);
+        let both = [reals.times(area, sharp_sum), reals.times(h, filtered_sum)];
+        reals.multiply(reals.sum(both, bits), inverse, bits)
     }
 
     /// What the plane rises from the centre to the sample point of a pixel.
     #[inline(always)]
-    fn rise(&self, pixel: W::Word, centre: W::Word, slope: Number<W>) -> W::Word {
-        let math = self.math;
+    fn rise(&self, pixel: W::Word, centre: W::Word, slope: Real<W>) -> W::Word {
+        let (math, reals) = (self.math, self.reals);
         let subpixel = i64::from(self.widths.subpixel);
         let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
-        let distance = Number {
-            mantissa: math.sub(sample, centre),
-            exponent: math.splat(-subpixel),
-        };
-        let distance = math.normalise(distance, self.bits());
-        math.to_fixed(math.times(slope, distance), DEPTH_FRACTION)
+        let distance = reals.of_short(math.sub(sample, centre));
+        let distance = reals.narrow(distance, self.bits());
+        let distance = reals.scaled(distance, 1.0 / power(subpixel as u32));
+        reals.times_to_fixed(slope, distance, DEPTH_UNIT)
     }
 
     /// `facing_normal`: the third axis turned towards the eye, and 1 where that turned it around.
@@ -207,27 +211,29 @@ impl<W: Wide> Stages<'_, W> {
         splats: &Splats<W>,
         projected: &Projected<W>,
     ) -> ([W::Word; 3], W::Word) {
-        let math = self.math;
-        let exponent = self.axis_exponent(splats, 2);
+        let (math, reals) = (self.math, self.reals);
+        let unit = self.axis_unit(splats, 2);
         let normal = [
-            self.turned(splats, 2, 0, exponent),
-            self.turned(splats, 2, 1, exponent),
-            self.turned(splats, 2, 2, exponent),
+            self.turned(splats, 2, 0, unit),
+            self.turned(splats, 2, 1, unit),
+            self.turned(splats, 2, 2, unit),
         ];
         let [ratio_x, ratio_y] = projected.ratio;
         let terms = [
-            math.times(normal[0], ratio_x),
-            math.times(normal[1], ratio_y),
+            reals.times(normal[0], ratio_x),
+            reals.times(normal[1], ratio_y),
             normal[2],
         ];
-        let along = math.sum(terms, self.bits()).mantissa;
-        let away = math.greater(along, math.splat(0));
-        let fraction = attribute_fraction(&self.widths);
-        let limit = math.splat(1 << fraction);
+        let away = reals.sum_is_positive(terms);
+        let one = power(attribute_fraction(&self.widths).into());
+        let [limit, least] = [reals.constant(one), reals.constant(-one)];
         let mut facing = [math.splat(0); 3];
         for (facing, component) in facing.iter_mut().zip(normal) {
-            let fixed = math.to_fixed(component, fraction.into());
-            let fixed = math.max(math.min(fixed, limit), math.negate(limit));
+            let fixed = reals.to_fixed(component, one);
+            let fixed = math
+                .lanes
+                .double_max(math.lanes.double_min(fixed, limit), least);
+            let fixed = reals.to_short_word(fixed);
             *facing = math.select(fixed, math.negate(fixed), away);
         }
         (facing, math.select(math.splat(0), math.splat(1), away))

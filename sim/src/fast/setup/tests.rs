@@ -1,6 +1,7 @@
 //! Setup on vectors against the kernel's, whole footprints and reasons, on ordinary splats and on arbitrary bits.
 
 use super::*;
+use crate::fast::lanes::Portable;
 use crate::fixed::{QuantisedScene, kernel_rules};
 use crate::rules;
 use crate::scene::synthetic;
@@ -63,6 +64,77 @@ fn check<D: Design>(design: D, splats: &[VolumeSplat], rules: &Rules) {
             assert_eq!(outcome, expected, "{choice:?} {splat:?}");
         }
     }
+}
+
+/// Arrays are what processors without vectors of their own would use; here the kernel is faster.
+#[test]
+fn arrays_set_up_as_well() {
+    let scene = synthetic::random_gaussians(2_000, 6, 3.0);
+    let camera = synthetic::camera(320, 200);
+    for stated in [rules::Rules::EWA, rules::Rules::GAUSSIAN_3D] {
+        let QuantisedScene { view, splats, .. } = QuantisedScene::new(&scene, &camera, &stated);
+        let rules = kernel_rules(&stated);
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        let batch = SetupBatch {
+            design: RuntimeWidths::new(Deep32.widths()).unwrap(),
+            view: &view,
+            rules: &rules,
+            splats: &splats,
+            outcomes: &mut outcomes,
+        };
+        batch.run(Portable);
+        for (splat, outcome) in splats.iter().zip(outcomes) {
+            assert_eq!(outcome, setup(Deep32, &view, &rules, splat), "{splat:?}");
+        }
+    }
+}
+
+proptest! {
+    /// The oracle is the kernel's arithmetic. Sums that are in doubt are left out, and must be few.
+    #[test]
+    fn reals_are_soft_floats(numbers in prop::collection::vec((normal(), normal(), normal(), normal()), 32..=32), bits in 16u32..=31) {
+        let math = Arithmetic { lanes: Portable };
+        let mut doubts = 0;
+        for (a, b, c, d) in numbers {
+            let doubt = Cell::new(math.splat(0));
+            let reals = Reals { words: math, doubt: &doubt };
+            let [x, y, z, w] = [a, b, c, d].map(|number| reals.number(number));
+            let same = |got: Real<Portable>, expected: SoftFloat| {
+                let expected = reals.number(expected);
+                prop_assert_eq!(got.0[0] << 1, expected.0[0] << 1);
+                prop_assert!(got.0[0] == expected.0[0] || got.0[0] << 1 == 0);
+                Ok(())
+            };
+            same(reals.multiply(x, y, bits), a.multiply(b, bits))?;
+            let positive = |number: SoftFloat| SoftFloat { mantissa: number.mantissa.abs(), ..number };
+            let [p, q] = [positive(a), positive(b)];
+            let [px, py] = [reals.magnitude(x), reals.magnitude(y)];
+            same(reals.reciprocal(px, bits), splatline::math::reciprocal(p, bits).unwrap())?;
+            let one = SoftFloat { mantissa: 1 << 30, exponent: -30 };
+            let products = |a: SoftFloat, b: SoftFloat| splatline::math::sum_of_products([a.times(one), b.times(one)], bits);
+            same(reals.sum_of_two(px, py, bits), products(p, q))?;
+            prop_assert!(doubt.get() == [0; 8]);
+            let sum = reals.sum([reals.times(x, y), reals.times(z, w)], bits);
+            match doubt.get()[0] {
+                0 => same(sum, splatline::math::sum_of_products([a.times(b), c.times(d)], bits))?,
+                _ => doubts += 1,
+            }
+        }
+        prop_assert!(doubts < 16, "{doubts} of 32 in doubt");
+    }
+}
+
+/// Normalised numbers, many of few bits, of similar size.
+fn normal() -> impl Strategy<Value = SoftFloat> {
+    (1i32 << 30..=i32::MAX, 0u32..31, any::<bool>(), -34i32..-26).prop_map(
+        |(mantissa, zeros, minus, exponent)| {
+            let short = (mantissa >> zeros << zeros).max(1 << 30);
+            SoftFloat {
+                mantissa: if minus { -short } else { short },
+                exponent,
+            }
+        },
+    )
 }
 
 proptest! {

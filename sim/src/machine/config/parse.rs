@@ -524,7 +524,7 @@ mod tests {
                 assert!(told.ends_with(&field.allowed()), "{told}");
                 let mut config = Config::default();
                 let word = format!("{}={}", field.key, value.trim_matches('"'));
-                if config.set_words(&[word.clone()]).is_ok() {
+                if config.set_words(std::slice::from_ref(&word)).is_ok() {
                     panic!("--set {word} was taken");
                 }
             }

@@ -8,6 +8,7 @@ mod body;
 mod compressed;
 mod header;
 pub(super) mod points;
+pub(super) mod stream;
 #[cfg(test)]
 mod tests;
 
@@ -64,6 +65,7 @@ fn vertex_element(elements: &[Element]) -> Result<&Element, Problem> {
 }
 
 /// Where a record holds each field.
+#[derive(Debug)]
 struct GaussianColumns {
     centre: [usize; 3],
     scales: [usize; 3],

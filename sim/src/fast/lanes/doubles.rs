@@ -1,0 +1,284 @@
+//! Vectors of double-precision numbers in the bits of 64-bit words: what setup computes with.
+
+#![allow(unsafe_code)]
+
+use super::{Portable, Wide};
+
+/// Double-precision operations on the bits of [`Wide::Word`], each rounded once to nearest, halves to even.
+pub trait Doubles: Wide {
+    /// a + b.
+    fn double_add(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a - b.
+    fn double_sub(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b.
+    fn double_mul(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a b + c, rounded once.
+    fn double_mul_add(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// a b - c, rounded once.
+    fn double_mul_sub(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
+    /// The smaller one; `b` if one of them is no number.
+    fn double_min(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// The larger one; `b` if one of them is no number.
+    fn double_max(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// The largest integer that is not larger.
+    fn double_floor(self, a: Self::Word) -> Self::Word;
+    /// a > b.
+    fn double_greater(self, a: Self::Word, b: Self::Word) -> Self::Truth;
+    /// a | b, of words.
+    fn wide_or(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// a ^ b, of words.
+    fn wide_xor(self, a: Self::Word, b: Self::Word) -> Self::Word;
+    /// Is any bit of the word set?
+    fn wide_any(self, a: Self::Word) -> bool;
+}
+
+type Words = [i64; 8];
+
+#[inline(always)]
+fn double(bits: i64) -> f64 {
+    f64::from_bits(bits as u64)
+}
+
+#[inline(always)]
+fn zip(a: Words, b: Words, operation: impl Fn(f64, f64) -> f64) -> Words {
+    std::array::from_fn(|k| operation(double(a[k]), double(b[k])).to_bits() as i64)
+}
+
+impl Doubles for Portable {
+    #[inline(always)]
+    fn double_add(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn double_sub(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn double_mul(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn double_mul_add(self, a: Words, b: Words, c: Words) -> Words {
+        std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), double(c[k])).to_bits() as i64)
+    }
+    #[inline(always)]
+    fn double_mul_sub(self, a: Words, b: Words, c: Words) -> Words {
+        std::array::from_fn(|k| double(a[k]).mul_add(double(b[k]), -double(c[k])).to_bits() as i64)
+    }
+    #[inline(always)]
+    fn double_min(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| if a < b { a } else { b })
+    }
+    #[inline(always)]
+    fn double_max(self, a: Words, b: Words) -> Words {
+        zip(a, b, |a, b| if a > b { a } else { b })
+    }
+    #[inline(always)]
+    fn double_floor(self, a: Words) -> Words {
+        a.map(|a| double(a).floor().to_bits() as i64)
+    }
+    #[inline(always)]
+    fn double_greater(self, a: Words, b: Words) -> [bool; 8] {
+        std::array::from_fn(|k| double(a[k]) > double(b[k]))
+    }
+    #[inline(always)]
+    fn wide_or(self, a: Words, b: Words) -> Words {
+        std::array::from_fn(|k| a[k] | b[k])
+    }
+    #[inline(always)]
+    fn wide_xor(self, a: Words, b: Words) -> Words {
+        std::array::from_fn(|k| a[k] ^ b[k])
+    }
+    #[inline(always)]
+    fn wide_any(self, a: Words) -> bool {
+        a.iter().any(|a| *a != 0)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    //! SAFETY of all intrinsics: they work on registers, and `self` proves that the processor has the instruction.
+
+    use super::super::avx2::Avx2;
+    use super::super::avx512::Avx512;
+    use super::Doubles;
+    use std::arch::x86_64::*;
+
+    macro_rules! op {
+        ($call:expr) => {
+            // SAFETY: see the module.
+            unsafe { $call }
+        };
+    }
+
+    /// An operation on two vectors of numbers, of three, by the names of their casts.
+    macro_rules! two {
+        ($name:ident, $word:ty, $to:ident, $from:ident, $op:ident) => {
+            #[inline(always)]
+            fn $name(self, a: $word, b: $word) -> $word {
+                op!($from($op($to(a), $to(b))))
+            }
+        };
+    }
+    macro_rules! three {
+        ($name:ident, $word:ty, $to:ident, $from:ident, $op:ident) => {
+            #[inline(always)]
+            fn $name(self, a: $word, b: $word, c: $word) -> $word {
+                op!($from($op($to(a), $to(b), $to(c))))
+            }
+        };
+    }
+
+    impl Doubles for Avx2 {
+        two!(
+            double_add,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_add_pd
+        );
+        two!(
+            double_sub,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_sub_pd
+        );
+        two!(
+            double_mul,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_mul_pd
+        );
+        two!(
+            double_min,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_min_pd
+        );
+        two!(
+            double_max,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_max_pd
+        );
+        three!(
+            double_mul_add,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_fmadd_pd
+        );
+        three!(
+            double_mul_sub,
+            __m256i,
+            _mm256_castsi256_pd,
+            _mm256_castpd_si256,
+            _mm256_fmsub_pd
+        );
+        #[inline(always)]
+        fn double_floor(self, a: __m256i) -> __m256i {
+            op!(_mm256_castpd_si256(_mm256_floor_pd(_mm256_castsi256_pd(a))))
+        }
+        #[inline(always)]
+        fn double_greater(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_castpd_si256(_mm256_cmp_pd::<_CMP_GT_OQ>(
+                _mm256_castsi256_pd(a),
+                _mm256_castsi256_pd(b)
+            )))
+        }
+        #[inline(always)]
+        fn wide_or(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_or_si256(a, b))
+        }
+        #[inline(always)]
+        fn wide_xor(self, a: __m256i, b: __m256i) -> __m256i {
+            op!(_mm256_xor_si256(a, b))
+        }
+        #[inline(always)]
+        fn wide_any(self, a: __m256i) -> bool {
+            op!(_mm256_testz_si256(a, a)) == 0
+        }
+    }
+
+    impl Doubles for Avx512 {
+        two!(
+            double_add,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_add_pd
+        );
+        two!(
+            double_sub,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_sub_pd
+        );
+        two!(
+            double_mul,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_mul_pd
+        );
+        two!(
+            double_min,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_min_pd
+        );
+        two!(
+            double_max,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_max_pd
+        );
+        three!(
+            double_mul_add,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_fmadd_pd
+        );
+        three!(
+            double_mul_sub,
+            __m512i,
+            _mm512_castsi512_pd,
+            _mm512_castpd_si512,
+            _mm512_fmsub_pd
+        );
+        #[inline(always)]
+        fn double_floor(self, a: __m512i) -> __m512i {
+            // Without an exception, towards negative infinity, no fraction bits.
+            op!(_mm512_castpd_si512(_mm512_roundscale_pd::<9>(
+                _mm512_castsi512_pd(a)
+            )))
+        }
+        #[inline(always)]
+        fn double_greater(self, a: __m512i, b: __m512i) -> __mmask8 {
+            op!(_mm512_cmp_pd_mask::<_CMP_GT_OQ>(
+                _mm512_castsi512_pd(a),
+                _mm512_castsi512_pd(b)
+            ))
+        }
+        #[inline(always)]
+        fn wide_or(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_or_si512(a, b))
+        }
+        #[inline(always)]
+        fn wide_xor(self, a: __m512i, b: __m512i) -> __m512i {
+            op!(_mm512_xor_si512(a, b))
+        }
+        #[inline(always)]
+        fn wide_any(self, a: __m512i) -> bool {
+            op!(_mm512_test_epi64_mask(a, a)) != 0
+        }
+    }
+}

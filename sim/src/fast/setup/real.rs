@@ -1,0 +1,374 @@
+//! The kernel's normalised numbers ([`SoftFloat`], `Product`) as doubles: one splat per word.
+//!
+//! A number of at most 31 bits and a power of two is a double, a sum's leading-zero count is its exponent field, and rounding to the design's
+//! bits is an addition and a mask. What makes this the kernel's arithmetic to the last bit:
+//!
+//! - *Products.* p = fl(a b) has 53 of at most 62 bits, and fma(a, b, -p) is exactly what it lost. Only the sign of that matters: numbers
+//!   rounded down to 53 bits lie on the same side of every half of fewer bits as the exact ones ([`Reals::rounded`]).
+//! - *Sums* of two numbers the same way, by the exact error of an addition. Sums of products are known within `2^-49` of their terms'
+//!   magnitudes, which covers the roundings here and those of the kernel's alignment, at `2^-60`: if both ends of this interval round to the
+//!   same number, that is the kernel's. Otherwise the splat is *in doubt*, and the kernel sets it up: some one in ten thousand.
+//! - *Tables* (reciprocal, root, logarithm) are the kernel's, on its integers, which are the bits of the doubles.
+//!
+//! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
+
+use super::number::{Arithmetic, Number};
+use crate::fast::lanes::{Doubles, Wide};
+use splatline::math::{RECIPROCALS, ROOTS, SoftFloat};
+use std::cell::Cell;
+
+type Word<W> = <W as Wide>::Word;
+
+/// A double per splat.
+#[derive(Clone, Copy)]
+pub struct Real<W: Wide>(pub Word<W>);
+
+/// Integers below this magnitude are converted by an addition.
+const SHORT: f64 = (1u64 << 51) as f64;
+
+/// 2^52 + 2^51: what lies around it has its units in the last place.
+const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
+
+/// A sum of products is known within this share of its terms' magnitudes.
+const SUM_ERROR: f64 = 1.0 / (1u64 << 49) as f64;
+
+/// The bits of a double above those of its fraction.
+const EXPONENT: i64 = 52;
+
+/// 1.0's exponent field.
+const BIAS: i64 = 1023;
+
+/// Arithmetic on [`Real`]s.
+#[derive(Clone, Copy)]
+pub struct Reals<'a, W: Wide> {
+    pub words: Arithmetic<W>,
+    /// Not 0 where a result may not be the kernel's.
+    pub doubt: &'a Cell<Word<W>>,
+}
+
+impl<W: Doubles> Reals<'_, W> {
+    /// The same number in every word.
+    #[inline(always)]
+    pub fn constant(self, value: f64) -> Word<W> {
+        self.words.splat(value.to_bits() as i64)
+    }
+
+    /// A number of the kernel in every word.
+    #[inline(always)]
+    pub fn number(self, value: SoftFloat) -> Real<W> {
+        let field = BIAS + i64::from(value.exponent.clamp(-900, 900));
+        let power = f64::from_bits((field << EXPONENT) as u64);
+        Real(self.constant(f64::from(value.mantissa) * power))
+    }
+
+    /// Puts splats in doubt where the word is not 0.
+    #[inline(always)]
+    pub fn doubt_where(self, word: Word<W>) {
+        self.doubt
+            .set(self.words.lanes.wide_or(self.doubt.get(), word));
+    }
+
+    /// Puts splats in doubt unless the number is greater than `least`.
+    #[inline(always)]
+    pub fn doubt_unless_greater(self, number: Word<W>, least: f64) {
+        let math = self.words;
+        let greater = math.lanes.double_greater(number, self.constant(least));
+        self.doubt_where(math.select(math.splat(1), math.splat(0), greater));
+    }
+
+    /// |a|.
+    #[inline(always)]
+    pub fn magnitude(self, a: Real<W>) -> Real<W> {
+        Real(self.words.and(a.0, i64::MAX))
+    }
+
+    /// -a.
+    #[inline(always)]
+    pub fn opposite(self, a: Real<W>) -> Real<W> {
+        let sign = self.words.splat(i64::MIN);
+        Real(self.words.lanes.wide_xor(a.0, sign))
+    }
+
+    /// Is it 0?
+    #[inline(always)]
+    pub fn is_zero(self, a: Real<W>) -> W::Truth {
+        let math = self.words;
+        math.lanes.wide_equal(self.magnitude(a).0, math.splat(0))
+    }
+
+    /// Not 0 where the sign is that of negative numbers.
+    #[inline(always)]
+    pub fn sign(self, a: Word<W>) -> Word<W> {
+        self.words.shr(a, 63)
+    }
+
+    /// `value` to `bits` bits, to nearest, halves towards positive infinity, where the truth lies beside `value` in the direction `error`.
+    #[inline(always)]
+    fn rounded(self, value: Word<W>, error: Word<W>, bits: u32) -> Real<W> {
+        let math = self.words;
+        let half = 1i64 << (EXPONENT - i64::from(bits));
+        // Magnitudes grow at a half unless that lies below 0, or the truth lies below the half.
+        let towards_zero = self.sign(math.lanes.wide_xor(value, error));
+        let sum = math.add(value, math.sub(math.splat(half), towards_zero));
+        Real(math.and(sum, -2 * half))
+    }
+
+    /// The ends of an interval round to the nearest, whatever the direction of halves.
+    #[inline(always)]
+    fn nearest(self, value: Word<W>, bits: u32) -> Word<W> {
+        let half = 1i64 << (EXPONENT - i64::from(bits));
+        self.words.and(self.words.plus(value, half), -2 * half)
+    }
+
+    /// `Product::normalise` of an exact number.
+    #[inline(always)]
+    pub fn narrow(self, a: Real<W>, bits: u32) -> Real<W> {
+        self.rounded(a.0, self.words.splat(0), bits)
+    }
+
+    /// A product as a term of a sum.
+    #[inline(always)]
+    pub fn times(self, a: Real<W>, b: Real<W>) -> Real<W> {
+        Real(self.words.lanes.double_mul(a.0, b.0))
+    }
+
+    /// A product with a power of two.
+    #[inline(always)]
+    pub fn scaled(self, a: Real<W>, power: f64) -> Real<W> {
+        self.times(a, Real(self.constant(power)))
+    }
+
+    /// `SoftFloat::multiply`.
+    #[inline(always)]
+    pub fn multiply(self, a: Real<W>, b: Real<W>, bits: u32) -> Real<W> {
+        let lanes = self.words.lanes;
+        let product = lanes.double_mul(a.0, b.0);
+        let error = lanes.double_mul_sub(a.0, b.0, product);
+        self.rounded(product, error, bits)
+    }
+
+    /// `sum_of_products`.
+    #[inline(always)]
+    pub fn sum<const N: usize>(self, terms: [Real<W>; N], bits: u32) -> Real<W> {
+        let [low, high] = self.sum_between(terms);
+        let [low, high] = [self.nearest(low, bits), self.nearest(high, bits)];
+        self.doubt_where(self.words.lanes.wide_xor(low, high));
+        Real(low)
+    }
+
+    /// Not 0 where `sum_of_products` is positive.
+    #[inline(always)]
+    pub fn sum_is_positive<const N: usize>(self, terms: [Real<W>; N]) -> W::Truth {
+        let math = self.words;
+        let [low, high] = self.sum_between(terms);
+        self.doubt_where(self.sign(math.lanes.wide_xor(low, high)));
+        math.lanes.double_greater(low, math.splat(0))
+    }
+
+    /// What a sum lies between; 0 of zeros.
+    #[inline(always)]
+    fn sum_between<const N: usize>(self, terms: [Real<W>; N]) -> [Word<W>; 2] {
+        let lanes = self.words.lanes;
+        let mut sum = self.words.splat(0);
+        let mut magnitude = sum;
+        for term in terms {
+            sum = lanes.double_add(sum, term.0);
+            magnitude = lanes.double_add(magnitude, self.magnitude(term).0);
+        }
+        let error = lanes.double_mul(magnitude, self.constant(SUM_ERROR));
+        [lanes.double_sub(sum, error), lanes.double_add(sum, error)]
+    }
+
+    /// `sum_of_products` of two numbers that are not negative and not products.
+    #[inline(always)]
+    pub fn sum_of_two(self, a: Real<W>, b: Real<W>, bits: u32) -> Real<W> {
+        let lanes = self.words.lanes;
+        let sum = lanes.double_add(a.0, b.0);
+        let of_b = lanes.double_sub(sum, a.0);
+        let of_a = lanes.double_sub(sum, of_b);
+        let error = lanes.double_add(lanes.double_sub(a.0, of_a), lanes.double_sub(b.0, of_b));
+        self.rounded(sum, error, bits)
+    }
+
+    /// 2^exponent.
+    #[inline(always)]
+    pub fn power(self, exponent: Word<W>) -> Real<W> {
+        Real(self.words.shl(self.words.plus(exponent, BIAS), EXPONENT))
+    }
+
+    /// Exponent field of a number.
+    #[inline(always)]
+    fn field(self, a: Real<W>) -> Word<W> {
+        self.words.shr(self.words.shl(a.0, 1), EXPONENT + 1)
+    }
+
+    /// `SoftFloat::from_wide` of integers in words, times `power`.
+    #[inline(always)]
+    pub fn of_wide(self, value: Word<W>, power: Real<W>, bits: u32) -> Real<W> {
+        // Upper and lower half as fractions of 2^84 and 2^52.
+        const UPPER: f64 = (1u128 << 84) as f64;
+        const LOWER: f64 = (1u64 << 52) as f64;
+        const TURNED: f64 = (1u64 << 63) as f64;
+        let (math, lanes) = (self.words, self.words.lanes);
+        let unsigned = lanes.wide_xor(value, math.splat(i64::MIN));
+        let upper = lanes.wide_or(math.shr(unsigned, 32), self.constant(UPPER));
+        let upper = lanes.double_sub(upper, self.constant(UPPER + TURNED));
+        let lower = lanes.wide_or(math.and(value, 0xffff_ffff), self.constant(LOWER));
+        let lower = lanes.double_sub(lower, self.constant(LOWER));
+        let sum = lanes.double_add(upper, lower);
+        let error = lanes.double_sub(lower, lanes.double_sub(sum, upper));
+        self.times(self.rounded(sum, error, bits), power)
+    }
+
+    /// Integers of at most 51 bits.
+    #[inline(always)]
+    pub fn of_short(self, value: Word<W>) -> Real<W> {
+        let magic = self.constant(MAGIC);
+        let lanes = self.words.lanes;
+        Real(lanes.double_sub(self.words.add(value, magic), magic))
+    }
+
+    /// Whole numbers of at most 51 bits; others are in doubt.
+    #[inline(always)]
+    pub fn to_word(self, whole: Word<W>) -> Word<W> {
+        let lanes = self.words.lanes;
+        let magnitude = self.magnitude(Real(whole)).0;
+        let short = lanes.double_greater(self.constant(SHORT), magnitude);
+        let [yes, no] = [0, 1].map(|word| self.words.splat(word));
+        self.doubt_where(self.words.select(no, yes, short));
+        self.to_short_word(whole)
+    }
+
+    /// Whole numbers of at most 51 bits.
+    #[inline(always)]
+    pub fn to_short_word(self, whole: Word<W>) -> Word<W> {
+        let magic = self.constant(MAGIC);
+        let sum = self.words.lanes.double_add(whole, magic);
+        self.words.sub(sum, magic)
+    }
+
+    /// `SoftFloat::to_fixed` with the unit `1 / scale`, a power of two, as a whole number.
+    #[inline(always)]
+    pub fn to_fixed(self, a: Real<W>, scale: f64) -> Word<W> {
+        let half = self.constant(0.5);
+        let lanes = self.words.lanes;
+        lanes.double_floor(lanes.double_mul_add(a.0, self.constant(scale), half))
+    }
+
+    /// `Product::to_fixed` with the unit `1 / scale`, a power of two, as a whole number below 2^51; others are in doubt.
+    #[inline(always)]
+    pub fn times_to_fixed(self, a: Real<W>, b: Real<W>, scale: f64) -> Word<W> {
+        let (math, lanes) = (self.words, self.words.lanes);
+        let product = lanes.double_mul(a.0, b.0);
+        let error = lanes.double_mul_sub(a.0, b.0, product);
+        let scaled = lanes.double_mul(product, self.constant(scale));
+        let raised = lanes.double_add(scaled, self.constant(0.5));
+        let whole = lanes.double_floor(raised);
+        // Whole only because the product, or the sum, was rounded up?
+        let half = lanes.double_sub(whole, self.constant(0.5));
+        let rounded = lanes.wide_or(error, lanes.double_sub(scaled, half));
+        let exact = lanes.wide_equal(whole, raised);
+        let below = math.select(math.splat(0), self.sign(rounded), exact);
+        math.sub(self.to_word(whole), below)
+    }
+
+    /// Mantissa of so many bits and exponent of numbers other than 0.
+    #[inline(always)]
+    pub fn parts(self, a: Real<W>, bits: u32) -> Number<W> {
+        let math = self.words;
+        let fraction = math.and(a.0, (1 << EXPONENT) - 1);
+        let whole = math.lanes.wide_or(fraction, math.splat(1 << EXPONENT));
+        let magnitude = math.shr(whole, EXPONENT + 1 - i64::from(bits));
+        let negative = math.negate(self.sign(a.0));
+        let mantissa = math.sub(math.lanes.wide_xor(magnitude, negative), negative);
+        Number {
+            mantissa,
+            exponent: self.exponent(a, bits),
+        }
+    }
+
+    /// Exponent of a mantissa of so many bits.
+    #[inline(always)]
+    pub fn exponent(self, a: Real<W>, bits: u32) -> Word<W> {
+        let above = BIAS + i64::from(bits) - 1;
+        self.words.plus(self.field(a), -above)
+    }
+
+    /// `shift_round` of at most 62 bits: with the sign, which AVX2 cannot shift, moved out of the way.
+    #[inline(always)]
+    fn shift_round(self, value: Word<W>, shift: u32) -> Word<W> {
+        const ABOVE: i64 = 1 << 62;
+        let math = self.words;
+        let raised = math.plus(value, ABOVE + (1 << (shift - 1)));
+        math.plus(math.shr(raised, shift.into()), -(ABOVE >> shift))
+    }
+
+    /// The leading 32 bits of positive numbers, which have no more.
+    #[inline(always)]
+    fn top(self, a: Real<W>) -> Word<W> {
+        let math = self.words;
+        let fraction = math.and(math.shr(a.0, EXPONENT - 31), (1 << 31) - 1);
+        math.lanes.wide_or(fraction, math.splat(1 << 31))
+    }
+
+    /// `reciprocal` of positive numbers.
+    #[inline(always)]
+    pub fn reciprocal(self, value: Real<W>, bits: u32) -> Real<W> {
+        let (math, lanes) = (self.words, self.words.lanes);
+        let x = self.top(value);
+        let [low, high] = lanes.wide_gather(&RECIPROCALS, math.and(math.shr(x, 23), 0xff));
+        let rest = math.and(x, 0x7f_ffff);
+        let step = math.mul(math.sub(high, low), rest);
+        let seed = math.add(low, self.shift_round(step, 23));
+        let coarse = math.shl(seed, 30);
+        let result = if bits > 16 {
+            let product = lanes.wide_mul_unsigned(x, seed);
+            let defect = self.shift_round(math.sub(math.splat(1 << 61), product), 14);
+            math.add(coarse, self.shift_round(math.mul(seed, defect), 17))
+        } else {
+            coarse
+        };
+        // 1/x lies in (1/2, 1], so that its leading bit is known.
+        let drop = 60 - i64::from(bits);
+        let mantissa = math.shr(math.plus(result, 1 << (drop - 1)), drop);
+        let power = math.sub(math.splat(2 * BIAS - i64::from(bits)), self.field(value));
+        let power = Real(math.shl(power, EXPONENT));
+        self.times(self.of_short(mantissa), power)
+    }
+
+    /// `square_root`; 0 of numbers that are not positive.
+    #[inline(always)]
+    pub fn square_root(self, value: Real<W>, bits: u32) -> Real<W> {
+        let (math, lanes) = (self.words, self.words.lanes);
+        let field = self.field(value);
+        let fraction = math.and(value.0, (1 << EXPONENT) - 1);
+        let whole = lanes.wide_or(fraction, math.splat(1 << EXPONENT));
+        // Of 53 bits, in [1/4, 1): the leading bit is the first or the second one.
+        let normal = lanes.wide_shr(whole, math.and(field, 1));
+        let index = math.plus(math.shr(normal, 45), -64);
+        let [low, high] = lanes.wide_gather(&ROOTS, index);
+        let rest = math.and(math.shr(normal, 29), 0xffff);
+        let step = math.plus(math.mul(math.sub(high, low), rest), 1 << 15);
+        let root = math.add(low, math.shr(step, 16));
+        // Half of the exponent, and the root's 24 bits.
+        let half = math.plus(math.shr(math.plus(field, 1), 1), BIAS - 511 - 24);
+        let power = Real(math.shl(half, EXPONENT));
+        let seed = self.times(self.of_short(root), power);
+        let result = if bits <= 16 {
+            self.narrow(seed, bits)
+        } else {
+            let inverse = self.reciprocal(seed, 31);
+            let quotient = self.times(value, inverse);
+            self.sum([self.scaled(seed, 0.5), self.scaled(quotient, 0.5)], bits)
+        };
+        let positive = lanes.double_greater(value.0, math.splat(0));
+        Real(math.select(math.splat(0), result.0, positive))
+    }
+
+    /// `ln` of positive numbers.
+    #[inline(always)]
+    pub fn ln(self, value: Real<W>) -> Word<W> {
+        let leading = self.words.plus(self.field(value), -BIAS);
+        self.words.ln(self.words.shr(self.top(value), 1), leading)
+    }
+}
