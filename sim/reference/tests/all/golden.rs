@@ -128,7 +128,7 @@ impl Projected for FadedTail {
         self.0.bounds
     }
 
-    fn place(&self) -> f64 {
+    fn sort_place(&self) -> f64 {
         self.0.place
     }
 
