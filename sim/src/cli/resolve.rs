@@ -3,6 +3,10 @@
 //! Names are resolved, files of settings read and what contradicts itself is refused; then the scene is loaded, and what the options leave
 //! open follows from it: camera, rules, thresholds.
 
+mod chunked;
+
+pub use chunked::Chunked;
+
 use super::drawing_args::{DrawingOptions, WorkOptions};
 use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
 use super::output::read_settings;
@@ -25,10 +29,10 @@ use crate::plan::path::{self, CameraPath};
 use crate::plan::{AnyScene, Engine, Entry, Look, Plan, Prepared, Source, Taken};
 use crate::progress::Progress;
 use crate::rules::{Antialias, Compositing, Kernel, Rules};
+use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
 use crate::scene::points::height_field::is_height_field;
 use crate::scene::points::orientation::Orientation;
-use crate::scene::{GaussianFile, Scene};
 use crate::surface::{Buffer, Style, USUAL_EDGE};
 use anyhow::anyhow;
 use splatline::format::Traversal;
@@ -58,15 +62,6 @@ pub struct Asked<'a> {
     phase_bits: u8,
     machine: Option<&'a MachineOptions>,
     keeps_order: bool,
-}
-
-/// What is drawn of a file that is not read as a whole.
-pub struct Chunked {
-    pub camera: Camera,
-    pub warnings: Vec<String>,
-    pub rules: Rules,
-    pub entry: Entry,
-    pub compositing: Compositing,
 }
 
 /// One picture of several, with what it is called.
@@ -203,43 +198,6 @@ impl<'a> Asked<'a> {
         }
         self.check_order(&prepared.plan.machine)?;
         Ok(prepared)
-    }
-
-    /// What is drawn of a file that is not read as a whole: its camera, its rules and by what.
-    pub fn in_chunks(&self, file: &GaussianFile) -> Result<Chunked, Failure> {
-        let (view, path) = (self.view, scene_of(self.view)?);
-        if view.camera.is_none() && view.eye.is_none() {
-            let message = "--chunks needs --camera, or --eye and --target: to be shown whole a scene has to be in memory";
-            return Err(Failure::Usage(message.to_owned()));
-        }
-        let unseen = || unreachable!("a camera has been given");
-        let (camera, warnings) = camera(view, file.up(), path, unseen)?;
-        let rules = view.rules.unwrap_or(file.natural_rules());
-        let rules = rules.with_kernel(view.kernel);
-        let rules = match view.antialias {
-            None | Some(AntialiasChoice::Ewa) => rules,
-            Some(AntialiasChoice::None) => rules.with_antialias(Antialias::None),
-            Some(AntialiasChoice::Swan) => {
-                let message = "--antialias swan has no meaning with --chunks: the samples' spacing is the whole scene's";
-                return Err(Failure::Usage(message.to_owned()));
-            }
-        };
-        if self.engine != Engine::Fixed {
-            let message = "--chunks draws by the engine fixed only";
-            return Err(Failure::Usage(message.to_owned()));
-        }
-        if self.traversal == Some(TraversalChoice::Stamp) {
-            let message = "--traversal stamp has no meaning with --chunks";
-            return Err(Failure::Usage(message.to_owned()));
-        }
-        let design = DesignChoice::load(&self.design.0)?;
-        Ok(Chunked {
-            camera,
-            warnings,
-            rules,
-            entry: Entry::new(design, self.traversal.map(Traversal::from)),
-            compositing: self.compositing,
-        })
     }
 
     fn read_options(&self, scene: &Path, path: Option<&CameraPath>) -> Result<Prepared, Failure> {

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. In double
-//! precision they are an addition and a mask ([`real`]), for four or eight splats without a branch. What vectors do not cover is left to the
+//! precision they are an addition and a mask (`real.rs`), for four or eight splats without a branch. What vectors do not cover is left to the
 //! kernel: parallel projection, distance scaling, splats far from unit size, and those of which the last bit is in doubt.
 
 pub(crate) mod number;

@@ -204,7 +204,7 @@ impl<W: Doubles> Reals<'_, W> {
 
     /// `SoftFloat::from_wide` of integers in words, times `power`.
     #[inline(always)]
-    pub fn of_wide(self, value: Word<W>, power: Real<W>, bits: u32) -> Real<W> {
+    pub fn wide(self, value: Word<W>, power: Real<W>, bits: u32) -> Real<W> {
         // Upper and lower half as fractions of 2^84 and 2^52.
         const UPPER: f64 = (1u128 << 84) as f64;
         const LOWER: f64 = (1u64 << 52) as f64;
@@ -222,7 +222,7 @@ impl<W: Doubles> Reals<'_, W> {
 
     /// Integers of at most 51 bits.
     #[inline(always)]
-    pub fn of_short(self, value: Word<W>) -> Real<W> {
+    pub fn short(self, value: Word<W>) -> Real<W> {
         let magic = self.constant(MAGIC);
         let lanes = self.words.lanes;
         Real(lanes.double_sub(self.words.add(value, magic), magic))
@@ -333,7 +333,7 @@ impl<W: Doubles> Reals<'_, W> {
         let mantissa = math.shr(math.plus(result, 1 << (drop - 1)), drop);
         let power = math.sub(math.splat(2 * BIAS - i64::from(bits)), self.field(value));
         let power = Real(math.shl(power, EXPONENT));
-        self.times(self.of_short(mantissa), power)
+        self.times(self.short(mantissa), power)
     }
 
     /// `square_root`; 0 of numbers that are not positive.
@@ -353,7 +353,7 @@ impl<W: Doubles> Reals<'_, W> {
         // Half of the exponent, and the root's 24 bits.
         let half = math.plus(math.shr(math.plus(field, 1), 1), BIAS - 511 - 24);
         let power = Real(math.shl(half, EXPONENT));
-        let seed = self.times(self.of_short(root), power);
+        let seed = self.times(self.short(root), power);
         let result = if bits <= 16 {
             self.narrow(seed, bits)
         } else {

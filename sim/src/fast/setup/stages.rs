@@ -187,9 +187,9 @@ impl<W: Doubles> Stages<'_, W> {
         self.cull_unless(culled, Cull::Far, before_far);
         let key = math.depth_key(value[2], exponent);
         let unit = reals.power(exponent);
-        let x = reals.of_wide(value[0], unit, bits);
-        let y = reals.of_wide(value[1], unit, bits);
-        let z = reals.of_wide(value[2], unit, bits);
+        let x = reals.wide(value[0], unit, bits);
+        let y = reals.wide(value[1], unit, bits);
+        let z = reals.wide(value[2], unit, bits);
         let inverse = reals.reciprocal(z, bits);
         let on_plane = [
             reals.multiply(x, inverse, bits),
@@ -300,7 +300,7 @@ impl<W: Doubles> Stages<'_, W> {
         let high = math.splat(self.view.limits.high[axis].to_bits());
         let clamped = math.max(math.min(fixed, high), low);
         let inside = math.lanes.wide_equal(clamped, fixed);
-        let clamped = reals.scaled(reals.of_short(clamped), 1.0 / power(32));
+        let clamped = reals.scaled(reals.short(clamped), 1.0 / power(32));
         let number = math.select(clamped.0, on_plane.0, inside);
         reals.narrow(Real(number), self.bits())
     }
@@ -340,7 +340,7 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn turned(&self, splats: &Splats<W>, k: usize, row: usize, unit: Real<W>) -> Real<W> {
         let mantissa = self.rotate(row, &splats.axes[k]);
-        self.reals.of_wide(mantissa, unit, self.bits())
+        self.reals.wide(mantissa, unit, self.bits())
     }
 
     /// A component seen along the viewing ray, times the gain.
@@ -561,7 +561,7 @@ impl<W: Doubles> Stages<'_, W> {
         culled: &mut Word<W>,
     ) -> (Word<W>, Word<W>) {
         let (math, reals) = (self.math, self.reals);
-        let cutoff = reals.scaled(reals.of_short(cutoff), 1.0 / power(28));
+        let cutoff = reals.scaled(reals.short(cutoff), 1.0 / power(28));
         let squared = reals.multiply(reals.narrow(cutoff, 16), spread, 16);
         let extent = reals.to_fixed(reals.square_root(squared, 16), power(32));
         let extent = reals.to_word(extent);

@@ -198,7 +198,7 @@ impl<W: Doubles> Stages<'_, W> {
         let (math, reals) = (self.math, self.reals);
         let subpixel = i64::from(self.widths.subpixel);
         let sample = math.shl(math.plus(math.shl(pixel, 1), 1), subpixel - 1);
-        let distance = reals.of_short(math.sub(sample, centre));
+        let distance = reals.short(math.sub(sample, centre));
         let distance = reals.narrow(distance, self.bits());
         let distance = reals.scaled(distance, 1.0 / power(subpixel as u32));
         reals.times_to_fixed(slope, distance, DEPTH_UNIT)
