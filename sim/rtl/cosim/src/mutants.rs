@@ -142,13 +142,13 @@ pub const MUTANTS: [Mutant; 39] = [
     ),
     mutant(
         "rows that end before they begin",
-        "row_generator.sv",
+        "row_window.sv",
         "order19 && fits19",
         "fits19",
     ),
     mutant(
         "rows that end left of the window",
-        "row_generator.sv",
+        "row_window.sv",
         "order19 && fits19",
         "order19",
     ),
