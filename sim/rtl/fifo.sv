@@ -3,9 +3,13 @@
 //
 // An entry comes out three cycles after it went in at the earliest: written, read, registered. A place is taken by `claim`, when something
 // enters the pipeline before the queue, and given back when the entry leaves the queue.
+//
+// With RESTS, entries leave in every other cycle at most. Then no memory has to know within a cycle whether its entry is taken, which for the queue of
+// splats reached the enables of some twenty block RAMs and was the circuit's longest path.
 module fifo #(
     parameter BITS = 8,
-    parameter PLACES = 32
+    parameter PLACES = 32,
+    parameter RESTS = 0
 ) (
     input logic clk,
     input logic rst,
@@ -26,7 +30,7 @@ module fifo #(
   logic [BITS-1:0] word;
   logic word_valid, word_moves, out_moves;
 
-  assign out_moves = !out_valid || out_ready;
+  assign out_moves = !out_valid || (out_ready && RESTS == 0);
   assign word_moves = !word_valid || out_moves;
   assign claimed_next = claimed + {{INDEX{1'b0}}, claim} - {{INDEX{1'b0}}, out_valid && out_ready};
   assign none = claimed == 0;
@@ -49,6 +53,7 @@ module fifo #(
         if (head != tail) head <= head + 1'b1;
       end
       if (out_moves) out_valid <= word_valid;
+      else if (out_ready) out_valid <= 0;
       claimed <= claimed_next;
       free <= claimed_next != PLACES[INDEX:0];
     end

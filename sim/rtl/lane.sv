@@ -88,4 +88,8 @@ module lane #(
   assign address = {at.row, at.column};
   assign peak = at.paint.peak;
   assign colour = {at.paint.blue, at.paint.green, at.paint.red};
+
+`ifdef FORMAL
+`include "formal/lane_properties.svh"
+`endif
 endmodule

@@ -22,7 +22,6 @@ module row_generator (
 );
   localparam M = splatline_pkg::MANTISSA;
   localparam RADIAL = splatline_pkg::RADIAL;
-  localparam BLOCK_BITS = splatline_pkg::BLOCK_BITS;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam STAGES = 32;
@@ -55,14 +54,14 @@ module row_generator (
   // Slots, and those of them that have a run as far as is known.
   logic [STAGES:1] slot;
   logic [STAGES:1] open;
-  logic positive1, order19, fits19;
+  logic positive1, holds19;
   always_ff @(posedge clk) begin
     if (rst) begin
       slot <= 0;
       open <= 0;
     end else begin
       slot <= {slot[STAGES-1:1], issue};
-      open <= {open[STAGES-1:20], open[19] && order19 && fits19, open[18:2], open[1] && positive1, issue && at.rows != 0};
+      open <= {open[STAGES-1:20], open[19] && holds19, open[18:2], open[1] && positive1, issue && at.rows != 0};
     end
   end
 
@@ -161,38 +160,13 @@ module row_generator (
     high16 <= $signed({high15[63], high15[63:32]}) + 33'sd1;
   end
 
-  // Stage 17: within the box. Stage 18: within the block and the window. Stage 20: its length, and the part left of the window.
-  function automatic logic [15:0] clamp(input logic signed [32:0] value, input logic [15:0] first, input logic [15:0] beyond);
-    if (value < $signed({17'd0, first})) clamp = first;
-    else if (value > $signed({17'd0, beyond})) clamp = beyond;
-    else clamp = value[15:0];
-  endfunction
-  logic [15:0] box_first16, box_last16, first_column16, last_column16, first_column17, last_column17, first_column18;
-  logic [15:0] low17, high17, block17, x18, end18, length19, head19;
-  logic [COLUMN_BITS-1:0] x19, x32;
+  // Stages 17 to 20: the span within the window.
+  logic [15:0] box_first16, box_last16, first_column16, last_column16, x18;
+  logic [COLUMN_BITS-1:0] column20, x32;
   logic [4:0] head20, head28;
-  logic [COLUMN_BITS:0] count20;
+  logic [COLUMN_BITS:0] count20, count32;
   delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_last1, first_column1, last_column1}), .out({box_first16, box_last16, first_column16, last_column16}));
-  assign block17 = {first_column17[15:BLOCK_BITS], BLOCK_BITS'(0)};
-  assign fits19 = head19 < length19;
-  always_ff @(posedge clk) begin
-    low17 <= clamp(low16, box_first16, box_last16);
-    high17 <= clamp(high16, box_first16, box_last16);
-    first_column17 <= first_column16;
-    last_column17 <= last_column16;
-    x18 <= low17 > block17 ? low17 : block17;
-    end18 <= high17 < last_column17 ? high17 : last_column17;
-    first_column18 <= first_column17;
-    order19 <= x18 < end18;
-    length19 <= end18 - x18;
-    head19 <= x18 < first_column18 ? first_column18 - x18 : 16'd0;
-    x19 <= x18[COLUMN_BITS-1:0];
-    head20 <= head19[4:0];
-    count20 <= length19[COLUMN_BITS:0] - head19[COLUMN_BITS:0];
-  end
-  logic [COLUMN_BITS-1:0] column20;
-  logic [COLUMN_BITS:0] count32;
-  always_ff @(posedge clk) column20 <= x19 + head19[COLUMN_BITS-1:0];
+  row_window cut (.clk, .low(low16), .high(high16), .box_first(box_first16), .box_last(box_last16), .first_column(first_column16), .last_column(last_column16), .x18, .holds19, .head20, .column20, .count20);
   delay #(.BITS(2 * COLUMN_BITS + 1), .STAGES(12)) hold_column (.clk, .rst, .advance(1'b1), .in({column20, count20}), .out({x32, count32}));
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 

@@ -340,7 +340,8 @@ module splat_setup #(
   
   fifo #(
       .BITS($bits(start) + $bits(shape)),
-      .PLACES(PLACES)
+      .PLACES(PLACES),
+      .RESTS(1)
   ) splats (
       .clk,
       .rst,

@@ -6,14 +6,14 @@
 //!
 //! Stages of setup take turns at some units, so that packets are taken in every [`SETUP_INTERVAL`]th cycle since the reset alone. A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is
 //! only taken, and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free in the
-//! cycle after its entry left. A lane holds a run back while a pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one
+//! cycle after its entry left. The queue of splats rests for a cycle after each. A lane holds a run back while a pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one
 //! did. With t(s) the cycle in which packet s is taken, b(s) the one in which its rows are begun, q(i) the one in which
 //! slot i is issued, e(i) the one in which it leaves for its lane, m(i) the one in which its run comes to the front of that lane's queue and p(i)
 //! the one in which it is popped, packets never running out, this is
 //!
 //! ```text
 //! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of the interval
-//! b(s) = max(t(s) + 27, q(last slot of s-1))
+//! b(s) = max(t(s) + 27, b(s-1) + 2, q(last slot of s-1))
 //! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
 //! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: the run `queue` places before in the same lane, if slot i has a run
 //! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
@@ -49,6 +49,9 @@ const SPLATS: usize = 32;
 
 /// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well, if a machine says so (`splat_cycles`).
 pub const SETUP_INTERVAL: u32 = 4;
+
+/// Cycles between two splats that leave their queue, at least; `RESTS` of fifo.sv.
+const BEGINS: u64 = 2;
 
 /// Slots between issue and the lanes' queues; `PLACES` of row_generator.sv.
 const SLOTS: usize = 64;
@@ -268,6 +271,7 @@ impl PrimitiveClock {
         let taken = self.turns.take(offered.max(self.splats.free()));
         let begun = self.begun.max(taken + SETUP);
         self.splats.leave(begun);
+        self.begun = begun + BEGINS;
         self.issued = self.issued.max(begun + 1);
         PacketStamp { taken, begun }
     }
@@ -277,7 +281,7 @@ impl PrimitiveClock {
     pub fn slot(&mut self, run: Option<LaneRun>) -> SlotStamp {
         let issued = self.issued.max(self.slots.free());
         self.issued = issued + 1;
-        self.begun = issued;
+        self.begun = self.begun.max(issued);
         let ready = self.left.max(issued + ROW);
         let Some(run) = run else {
             return self.leave(ready, ready, ready, None, 0);

@@ -31,8 +31,8 @@ const USAGE: &str = "usage: rtl COMMAND
   estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
-  formal        the queues' promises by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   mutants PART  those whose name contains PART
+  formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   setup         the setup unit's packets and culls against the kernel's, a million splats for each design
   setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
   setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md

@@ -1,107 +1,257 @@
-//! The queues, proven: `sim/rtl/formal` says what they promise, and a solver that it holds in every cycle of every run.
+//! The units that keep the primitive's promises, proven: `sim/rtl/formal` says what they promise, and a solver that it holds in every cycle of every run.
 //!
-//! The proof is by induction: it holds for some cycles from reset on, and if it holds for two cycles, then for the next. Each property is also seen to
-//! fail where the unit has a mistake, since a property that cannot fail says nothing.
+//! Safety is proven by induction: it holds for some cycles from reset on, and if it holds for a few cycles, then for the next. Liveness of several units
+//! together is not inductive without a full account of their states; it is shown for every run of so many cycles from reset on. Each property is also seen
+//! to fail where a unit has a mistake, since a property that cannot fail says nothing.
 
-use crate::mutants::run;
+use crate::mutants::{Mutant, mutant, run};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A unit, the parameters that it is proven for (all of them are small, and the argument does not depend on them), and mistakes in it.
+/// A module, the parameters that it is proven for (all of them are small, and the argument does not depend on them), and mistakes in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Proof {
     /// The module.
     pub unit: &'static str,
+    /// The units that it is made of; those whose properties lie beside them stand alone.
+    files: &'static [&'static str],
     parameters: &'static str,
-    /// Cycles from reset on in which a mistake must show.
+    /// Cycles from reset on in which it is shown, and in which a mistake must show.
     cycles: &'static str,
-    /// What goes wrong, text of the unit, and the mistake.
-    pub mistakes: &'static [[&'static str; 3]],
+    /// Cycles that induction goes by, if it does.
+    induction: Option<&'static str>,
+    /// Mistakes that have to be noticed.
+    pub mistakes: &'static [Mutant],
 }
 
 /// What is proven.
-pub const PROOFS: [Proof; 2] = [
+pub const PROOFS: [Proof; 6] = [
     Proof {
         unit: "fifo",
+        files: &["fifo.sv"],
         parameters: "-set BITS 4 -set PLACES 4",
         cycles: "7",
-        mistakes: &[
-            [
-                "a place too many",
-                "free <= claimed_next != PLACES[INDEX:0]",
-                "free <= 1'b1",
-            ],
-            [
-                "places come back too early",
-                "{{INDEX{1'b0}}, out_valid && out_ready};\n  assign none",
-                "{{INDEX{1'b0}}, out_valid};\n  assign none",
-            ],
-            [
-                "an entry that waits is overwritten",
-                "assign word_moves = !word_valid || out_moves",
-                "assign word_moves = 1'b1",
-            ],
-            [
-                "an entry is read twice",
-                "if (head != tail) head <= head + 1'b1",
-                "if (head != tail && out_moves) head <= head + 1'b1",
-            ],
-            [
-                "an entry is lost",
-                "if (in_valid) tail",
-                "if (in_valid && !out_valid) tail",
-            ],
-        ],
+        induction: Some("2"),
+        mistakes: &QUEUE_MISTAKES,
+    },
+    Proof {
+        unit: "fifo",
+        files: &["fifo.sv"],
+        parameters: "-set BITS 4 -set PLACES 4 -set RESTS 1",
+        cycles: "7",
+        induction: Some("2"),
+        mistakes: &RESTING_MISTAKES,
     },
     Proof {
         unit: "run_queue",
+        files: &["run_queue.sv"],
         parameters: "-set DEPTH 2",
         cycles: "6",
-        mistakes: &[
-            [
-                "taken when full",
-                "assign put = in_valid && in_ready",
-                "assign put = in_valid",
-            ],
-            [
-                "a run that waits is overwritten",
-                "count != 0 && (!out_valid || out_ready)",
-                "count != 0",
-            ],
-            [
-                "the last run stays",
-                "moves || (out_valid && !out_ready)",
-                "moves || out_valid",
-            ],
-            [
-                "a run comes twice",
-                "if (moves) head <= head + 1'b1",
-                "if (moves && put) head <= head + 1'b1",
-            ],
-        ],
+        induction: Some("2"),
+        mistakes: &RUN_QUEUE_MISTAKES,
     },
+    Proof {
+        unit: "row_window",
+        files: &["row_window.sv"],
+        parameters: "",
+        cycles: "6",
+        induction: Some("6"),
+        mistakes: &WINDOW_MISTAKES,
+    },
+    Proof {
+        unit: "lane",
+        files: &["lane.sv"],
+        parameters: "",
+        cycles: "10",
+        induction: Some("7"),
+        mistakes: &LANE_MISTAKES,
+    },
+    Proof {
+        unit: "chain",
+        files: &["fifo.sv", "run_queue.sv", "lane.sv", "formal/chain.sv"],
+        parameters: "",
+        cycles: "40",
+        induction: None,
+        mistakes: &LIVENESS_MISTAKES,
+    },
+];
+
+const QUEUE_MISTAKES: [Mutant; 5] = [
+    mutant(
+        "a place too many",
+        "fifo.sv",
+        "free <= claimed_next != PLACES[INDEX:0]",
+        "free <= 1'b1",
+    ),
+    mutant(
+        "places come back too early",
+        "fifo.sv",
+        "{{INDEX{1'b0}}, out_valid && out_ready};\n  assign none",
+        "{{INDEX{1'b0}}, out_valid};\n  assign none",
+    ),
+    mutant(
+        "an entry that waits is overwritten",
+        "fifo.sv",
+        "assign word_moves = !word_valid || out_moves",
+        "assign word_moves = 1'b1",
+    ),
+    mutant(
+        "an entry is read twice",
+        "fifo.sv",
+        "if (head != tail) head <= head + 1'b1",
+        "if (head != tail && out_moves) head <= head + 1'b1",
+    ),
+    mutant(
+        "an entry is lost",
+        "fifo.sv",
+        "if (in_valid) tail",
+        "if (in_valid && !out_valid) tail",
+    ),
+];
+
+const RESTING_MISTAKES: [Mutant; 2] = [
+    mutant(
+        "an entry comes twice",
+        "fifo.sv",
+        "else if (out_ready) out_valid <= 0",
+        "else if (out_ready) out_valid <= 1",
+    ),
+    mutant(
+        "an entry is overwritten while the queue rests",
+        "fifo.sv",
+        "assign word_moves = !word_valid || out_moves",
+        "assign word_moves = !word_valid || out_moves || out_ready",
+    ),
+];
+
+const RUN_QUEUE_MISTAKES: [Mutant; 4] = [
+    mutant(
+        "taken when full",
+        "run_queue.sv",
+        "assign put = in_valid && in_ready",
+        "assign put = in_valid",
+    ),
+    mutant(
+        "a run that waits is overwritten",
+        "run_queue.sv",
+        "count != 0 && (!out_valid || out_ready)",
+        "count != 0",
+    ),
+    mutant(
+        "the last run stays",
+        "run_queue.sv",
+        "moves || (out_valid && !out_ready)",
+        "moves || out_valid",
+    ),
+    mutant(
+        "a run comes twice",
+        "run_queue.sv",
+        "if (moves) head <= head + 1'b1",
+        "if (moves && put) head <= head + 1'b1",
+    ),
+];
+
+/// Pixels outside the window's columns, and runs without pixels.
+const WINDOW_MISTAKES: [Mutant; 4] = [
+    mutant(
+        "the window's end is not cut off",
+        "row_window.sv",
+        "end18 <= high17 < last_column17 ? high17 : last_column17",
+        "end18 <= high17",
+    ),
+    mutant(
+        "the window's beginning is not cut off",
+        "row_window.sv",
+        "head20 <= head19[4:0];\n    count20 <= length19[COLUMN_BITS:0] - head19[COLUMN_BITS:0];\n    column20 <= x19 + head19[COLUMN_BITS-1:0]",
+        "head20 <= head19[4:0];\n    count20 <= length19[COLUMN_BITS:0];\n    column20 <= x19",
+    ),
+    mutant(
+        "what is cut off counts",
+        "row_window.sv",
+        "count20 <= length19[COLUMN_BITS:0] - head19[COLUMN_BITS:0]",
+        "count20 <= length19[COLUMN_BITS:0]",
+    ),
+    mutant(
+        "rows without a pixel hold one",
+        "row_window.sv",
+        "assign fits19 = head19 < length19",
+        "assign fits19 = head19 <= length19",
+    ),
+];
+
+/// Pixels outside the run, and pixels that come again too early.
+const LANE_MISTAKES: [Mutant; 4] = [
+    mutant(
+        "a pixel beyond the run",
+        "lane.sv",
+        "final_pixel <= at.count == (COLUMN_BITS + 1)'(2)",
+        "final_pixel <= at.count == (COLUMN_BITS + 1)'(1)",
+    ),
+    mutant(
+        "a run of one pixel has two",
+        "lane.sv",
+        "final_pixel <= run.count == (COLUMN_BITS + 1)'(1)",
+        "final_pixel <= run.count == 0",
+    ),
+    mutant(
+        "a pixel comes again a cycle too early",
+        "lane.sv",
+        "(COLUMN_BITS + 1)'(INTERVAL - 1 - i)",
+        "(COLUMN_BITS + 1)'(INTERVAL - 2 - i)",
+    ),
+    mutant(
+        "the pixel that leaves next is forgotten",
+        "lane.sv",
+        "{left_valid, active, active && !final_pixel}",
+        "{left_valid, active, 1'b0}",
+    ),
+];
+
+/// What would make runs wait for ever.
+const LIVENESS_MISTAKES: [Mutant; 3] = [
+    mutant(
+        "places do not come back",
+        "fifo.sv",
+        "{{INDEX{1'b0}}, out_valid && out_ready};\n  assign none",
+        "(INDEX + 1)'(0);\n  assign none",
+    ),
+    mutant(
+        "the last run never comes to the front",
+        "run_queue.sv",
+        "assign moves = count != 0 &&",
+        "assign moves = count > 1 &&",
+    ),
+    mutant(
+        "places are never left",
+        "lane.sv",
+        "left_valid <= been_valid[LEFT:1]",
+        "left_valid <= left_valid | been_valid[LEFT:1]",
+    ),
 ];
 
 /// Proves everything and every mistake's counterexample; prints a table.
 pub fn report() -> Result<()> {
-    println!("| unit | with | from reset on | by induction |\n|---|---|---|---|");
+    println!(
+        "| unit | with | from reset on, cycles | holds | by induction |\n|---|---|---|---|---|"
+    );
     for proof in &PROOFS {
-        let text = fs::read_to_string(rtl().join(format!("{}.sv", proof.unit)))?;
-        let [base, step] = verdict(proof, &text)?;
-        println!("| {} | no mistake | {base} | {step} |", proof.unit);
-        ensure!(base && step, "{} does not keep its promises", proof.unit);
-        for [name, from, to] in proof.mistakes {
-            let places = text.matches(from).count();
-            ensure!(
-                places == 1,
-                "{}: '{from}' occurs {places} times, not once; adapt the mistake",
-                proof.unit
-            );
-            let [base, _] = verdict(proof, &text.replace(from, to))?;
-            println!("| {} | {name} | {base} | |", proof.unit);
-            ensure!(!base, "{}: '{name}' is not noticed", proof.unit);
+        let Proof { cycles, .. } = proof;
+        let unit = format!("{} {}", proof.unit, proof.parameters.replace("-set ", ""));
+        let unit = unit.trim_end();
+        let (base, step) = verdict(proof, None)?;
+        let by_induction = step.map_or("not tried".to_owned(), |step| step.to_string());
+        println!("| {unit} | no mistake | {cycles} | {base} | {by_induction} |");
+        ensure!(
+            base && step != Some(false),
+            "{unit} does not keep its promises"
+        );
+        for mistake in proof.mistakes {
+            let (base, _) = verdict(proof, Some(mistake))?;
+            let name = mistake.name;
+            println!("| {unit} | {name} | {cycles} | {base} | |");
+            ensure!(!base, "{unit}: '{name}' is not noticed");
         }
     }
     Ok(())
@@ -111,40 +261,112 @@ fn rtl() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+/// A unit's text, with the mistake if it is in this one.
+fn source(file: &str, mistake: Option<&Mutant>) -> Result<String> {
+    let text = fs::read_to_string(rtl().join(file))?;
+    let Some(mistake) = mistake.filter(|mistake| mistake.file == file) else {
+        return Ok(text);
+    };
+    let places = text.matches(mistake.from).count();
+    ensure!(
+        places == 1,
+        "{file}: '{}' occurs {places} times, not once; adapt the mistake",
+        mistake.from
+    );
+    Ok(text.replace(mistake.from, mistake.to))
+}
+
 /// Do the properties hold for some cycles from reset on, and does induction close?
-fn verdict(proof: &Proof, text: &str) -> Result<[bool; 2]> {
+fn verdict(proof: &Proof, mistake: Option<&Mutant>) -> Result<(bool, Option<bool>)> {
     let folder = tempfile::tempdir()?;
-    let unit = folder.path().join(format!("{}.sv", proof.unit));
-    fs::write(&unit, text)?;
+    let mut paths = Vec::new();
+    for (number, file) in proof.files.iter().enumerate() {
+        let path = folder.path().join(format!("{number}.sv"));
+        fs::write(&path, source(file, mistake)?)?;
+        paths.push(path.display().to_string());
+    }
+    let Some(induction) = proof.induction else {
+        return Ok((within(proof, &paths)?, None));
+    };
     let problem = folder.path().join("problem.smt2");
     let Proof {
-        unit: name,
-        parameters,
-        ..
+        unit, parameters, ..
     } = proof;
+    let parameters = match *parameters {
+        "" => String::new(),
+        parameters => format!("chparam {parameters} {unit}; "),
+    };
     let script = format!(
-        "read_verilog -sv -formal lean18/splatline_pkg.sv splatline_math.sv {}; chparam {parameters} {name}; hierarchy -top {name}; proc; opt_clean; \
+        "read_verilog -sv -formal lean18/splatline_pkg.sv splatline_math.sv {}; {parameters}hierarchy -top {unit}; proc; opt_clean; \
          memory -nomap -nordff; dffunmap; write_smt2 -wires {}",
-        unit.display(),
+        paths.join(" "),
         problem.display()
     );
     run(Command::new("yosys")
         .args(["-q", "-p", &script])
         .current_dir(rtl()))?;
     let holds = |options: &[&str]| -> Result<bool> {
-        let output = Command::new("yosys-smtbmc")
-            .args(["-s", "z3"])
-            .args(options)
-            .arg(&problem)
-            .output()
-            .context("cannot run yosys-smtbmc: is Yosys installed, and z3?")?;
-        let said = String::from_utf8_lossy(&output.stdout).into_owned();
+        let mut solver = Command::new("yosys-smtbmc");
+        solver.args(["-s", "z3"]).args(options).arg(&problem);
+        let said = said(&mut solver)?;
         ensure!(
             said.contains("Status: "),
-            "yosys-smtbmc came to no verdict:\n{said}{}",
-            String::from_utf8_lossy(&output.stderr)
+            "yosys-smtbmc came to no verdict:\n{said}"
         );
         Ok(said.contains("Status: PASSED"))
     };
-    Ok([holds(&["-t", proof.cycles])?, holds(&["-i", "-t", "2"])?])
+    let base = holds(&["-t", proof.cycles])?;
+    // A mistake has shown: induction would say nothing more.
+    let step = base.then(|| holds(&["-i", "-t", induction])).transpose()?;
+    Ok((base, step))
+}
+
+/// The same for several units together and from reset on only: Yosys' own solver on their gates, which is far quicker here.
+fn within(proof: &Proof, paths: &[String]) -> Result<bool> {
+    let Proof { unit, cycles, .. } = proof;
+    // The units' own properties lie beside them; only the last file's are asked for here.
+    let (last, units) = paths.split_last().context("a proof of no file")?;
+    let script = format!(
+        "read_verilog -sv splatline_tables.sv lean18/splatline_pkg.sv splatline_math.sv {}; read_verilog -sv -formal {last}; hierarchy -top {unit}; \
+         proc; flatten; opt_clean; memory; opt -full; techmap; opt -full; dffunmap; opt_clean; \
+         sat -tempinduct-baseonly -maxsteps {cycles} -prove-asserts -set-assumes {unit}",
+        units.join(" ")
+    );
+    let said = said(
+        Command::new("yosys")
+            .args(["-p", &script])
+            .current_dir(rtl()),
+    )?;
+    let fails = said.contains("model found for base case");
+    ensure!(
+        fails || said.contains(&format!("proved base case for {cycles} steps")),
+        "Yosys came to no verdict:\n{said}"
+    );
+    Ok(!fails)
+}
+
+/// What a program prints, whatever its exit code.
+fn said(program: &mut Command) -> Result<String> {
+    let name = program.get_program().to_string_lossy().into_owned();
+    let output = program
+        .output()
+        .with_context(|| format!("cannot run {name}: are Yosys and z3 installed?"))?;
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned()
+        + &String::from_utf8_lossy(&output.stderr))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mistakes_are_made_in_the_units_that_there_are() {
+        for proof in &PROOFS {
+            for mistake in proof.mistakes {
+                assert!(proof.files.contains(&mistake.file), "{}", mistake.name);
+                let text = source(mistake.file, Some(mistake)).unwrap();
+                assert!(text.contains(mistake.to), "{}", mistake.name);
+            }
+        }
+    }
 }

@@ -37,7 +37,7 @@ pub const fn mutant(
 
 /// The mistakes. The truncated root changes no pixel, since the spans' slack hides it: only the row unit's own roots show it; and what no legal
 /// packet asks of the alignments only their own words do ([`crate::units`]).
-pub const MUTANTS: [Mutant; 38] = [
+pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "share of the transmittance truncated",
         "blend.sv",
@@ -142,13 +142,13 @@ pub const MUTANTS: [Mutant; 38] = [
     ),
     mutant(
         "rows that end before they begin",
-        "row_generator.sv",
+        "row_window.sv",
         "order19 && fits19",
         "fits19",
     ),
     mutant(
         "rows that end left of the window",
-        "row_generator.sv",
+        "row_window.sv",
         "order19 && fits19",
         "order19",
     ),
@@ -259,6 +259,12 @@ pub const MUTANTS: [Mutant; 38] = [
         "splat_primitive.sv",
         "&& !packet_valid && !reading",
         "&& !packet_valid",
+    ),
+    mutant(
+        "queue of splats does not rest",
+        "fifo.sv",
+        "(out_ready && RESTS == 0)",
+        "out_ready",
     ),
     mutant(
         "rows issued without a place",

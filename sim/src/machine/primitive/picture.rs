@@ -13,8 +13,8 @@
 
 use super::spans::Spans;
 use super::{
-    FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SETUP_INTERVAL, SLOTS, SPLATS, TILE,
-    Turns,
+    BEGINS, FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SETUP_INTERVAL, SLOTS, SPLATS,
+    TILE, Turns,
 };
 use crate::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
 use rayon::prelude::*;
@@ -281,6 +281,7 @@ impl<const LANES: usize> Unit<LANES> {
         let taken = self.turns.take(self.splats.free());
         let begun = self.begun.max(taken + SETUP);
         self.splats.leave(begun);
+        self.begun = begun + BEGINS;
         self.issued = self.issued.max(begun + 1);
         let rows = (row..).zip(columns.iter().zip(lengths));
         for (row, (column, length)) in rows.take(count) {
@@ -294,7 +295,7 @@ impl<const LANES: usize> Unit<LANES> {
     fn slot(&mut self, row: u16, column: u16, length: u16) {
         let issued = self.issued.max(self.slots.free());
         self.issued = issued + 1;
-        self.begun = issued;
+        self.begun = self.begun.max(issued);
         let mut left = self.left.max(issued + ROW);
         self.last = self.last.max(left);
         if length > 0 {

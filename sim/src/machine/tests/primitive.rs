@@ -20,8 +20,9 @@ struct Handshakes {
     idle_at: u64,
 }
 
-/// A queue behind a pipeline: memory, the word read, the register, and the places that are taken.
+/// A queue behind a pipeline: memory, the word read, the register, and the places that are taken. Some rest for a cycle after an entry has left.
 struct Buffer<T> {
+    rests: bool,
     memory: VecDeque<T>,
     word: Option<T>,
     out: Option<T>,
@@ -29,20 +30,24 @@ struct Buffer<T> {
 }
 
 impl<T> Buffer<T> {
-    const NEW: Self = Buffer {
-        memory: VecDeque::new(),
-        word: None,
-        out: None,
-        taken: 0,
-    };
+    fn new(rests: bool) -> Self {
+        Buffer {
+            rests,
+            memory: VecDeque::new(),
+            word: None,
+            out: None,
+            taken: 0,
+        }
+    }
 
     /// The clock's edge: a place is claimed, an entry comes in, the one at the end leaves.
     fn edge(&mut self, claim: bool, entry: Option<T>, leaves: bool) {
         self.taken = self.taken + usize::from(claim) - usize::from(leaves);
+        let rests_now = leaves && self.rests;
         if leaves {
             self.out = None;
         }
-        if self.out.is_none() {
+        if self.out.is_none() && !rests_now {
             self.out = self.word.take();
         }
         if self.word.is_none() {
@@ -105,10 +110,10 @@ impl Lane {
 
 fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Handshakes {
     let mut setup: [Option<usize>; 24] = [None; 24];
-    let mut splats = Buffer::NEW;
+    let mut splats = Buffer::new(true);
     let mut issued: Option<(usize, usize)> = None;
     let mut rows: [Option<Option<LaneRun>>; 32] = [None; 32];
-    let mut slots = Buffer::NEW;
+    let mut slots = Buffer::new(false);
     let lane = || Lane {
         queue: VecDeque::new(),
         front: None,
