@@ -169,7 +169,7 @@ fn sweep() -> String {
     let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]
         .map(|(point, lanes)| {
-            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,\n")
+            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,\n")
         })
         .concat();
     format!("{}{}\n{rows}", identity.to_text(), heading(&space))
