@@ -7,7 +7,7 @@
 use super::COMMAND;
 use super::hardware::{HardwareScene, guitar, lion};
 use crate::command::options::DrawOnceOptions;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use splatline_lab::baseline::scene::BoxExtent;
 use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
 use splatline_sim::cli::{Failure, print_result};
@@ -398,7 +398,7 @@ fn details(vectors: &str, table: &HostTimes) -> String {
 /// Instructions of the raster loop by callgrind, of one thread.
 fn instructions() -> String {
     let mut text = String::from(
-        "\nInstructions of the raster loop (tiles opened, painted and written out) on one thread by `valgrind --tool=callgrind`, AVX2.\n\n| scene | design | million instructions | per covered pixel |\n|---|---|--:|--:|\n",
+        "\nInstructions of the raster loop (tiles opened, painted and written out) on one thread by `valgrind --tool=callgrind`, AVX2, where the program has symbols (`--profile profiling` in place of `--release`).\n\n| scene | design | million instructions | per covered pixel |\n|---|---|--:|--:|\n",
     );
     for scene in COUNTED {
         for design in ["lean18", "standard24", "deep32"] {
@@ -456,8 +456,12 @@ fn count(splats: &str, design: &str) -> Result<(u64, u64)> {
     let collected = log
         .lines()
         .find_map(|line| line.split_once("Collected : "))
-        .context("valgrind found no raster loop: it needs the symbols of --profile profiling")?;
-    let instructions = collected.1.trim().parse()?;
+        .context("valgrind counted nothing")?;
+    let instructions: u64 = collected.1.trim().parse()?;
+    ensure!(
+        instructions > 0,
+        "valgrind found no raster loop: it needs the symbols of --profile profiling"
+    );
     let covered = String::from_utf8_lossy(&output.stdout).trim().parse()?;
     Ok((instructions, covered))
 }
