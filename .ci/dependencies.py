@@ -39,9 +39,14 @@ def code(program):
     return sizes
 
 
-def brought(name):
-    lines = output("cargo", "tree", "--locked", "-e", "normal", "--prefix", "none", "-p", name).splitlines()
-    return {line.split()[0] for line in lines if line}
+def tree(package, *options):
+    """Names and versions of what a package brings, itself included."""
+    lines = output("cargo", "tree", "--locked", "-e", "normal", "--prefix", "none", "-p", package, *options).splitlines()
+    return {line.split()[0]: line.split()[1].lstrip("v") for line in lines if line}
+
+
+def brought(name, version):
+    return set(tree(f"{name}@{version}"))
 
 
 def direct():
@@ -60,8 +65,9 @@ def main():
         subprocess.run(command.split(), check=True, env=environment)
         times, sizes = seconds(target), code(f"{target}/release/splatline")
     print("| crate | seconds, alone | with what it brings | code, KB |\n|---|--:|--:|--:|")
-    for name in sorted(set(direct())):
-        all_of_them = brought(name)
+    versions = {name: version for package in PACKAGES for name, version in tree(package, "--depth", "1").items()}
+    for name in sorted(set(direct()) & set(versions)):
+        all_of_them = brought(name, versions[name])
         total = sum(times[each] for each in all_of_them)
         own_code = sum(sizes[each.replace("-", "_")] for each in all_of_them) / 1000
         print(f"| `{name}` | {times[name]:.1f} | {total:.1f} | {own_code:.0f} |")
