@@ -5,10 +5,13 @@
 
 #[path = "../../build_tools.rs"]
 mod build_tools;
+#[path = "src/verilator.rs"]
+mod verilator;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
+use verilator::OPTIONS;
 
 const DESIGNS: [&str; 2] = ["lean18", "standard24"];
 const LANES: [u32; 2] = [1, 4];
@@ -22,6 +25,7 @@ fn main() {
     let rtl = here.parent().expect("the crate lies in sim/rtl").to_owned();
     for file in [
         "build.rs",
+        "src/verilator.rs",
         "model.h",
         "shim.cpp",
         "runtime.cpp",
@@ -92,16 +96,8 @@ fn build_model(verilator: &str, include: &Path, here: &Path, rtl: &Path, design:
     let folder = out.join(&name);
     let _ = fs::remove_dir_all(&folder);
     let output = Command::new(verilator)
-        .args([
-            "--cc",
-            "-O3",
-            "--x-assign",
-            "unique",
-            "--x-initial",
-            "unique",
-            "-Wall",
-            "-Wno-UNUSED",
-        ])
+        .args(OPTIONS)
+        .args(["-Wall", "-Wno-UNUSED"])
         .args([
             "--prefix",
             &format!("V{name}"),

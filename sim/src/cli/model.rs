@@ -214,7 +214,9 @@ fn several(frames: &[Frame], priced: &Priced, options: &ModelOptions) -> Result<
         let pace = priced.pace(&timing, &plan.entry, &plan.machine);
         told.push(json!({ "name": frame.name, "visible": workload.visible(), "cycles": timing, "pace": pace, "kept": of_kept }));
         kept.extend(of_kept);
-        order.keep(workload);
+        if plan.machine.sort_every > 1 {
+            order.keep(workload);
+        }
         paces.push(pace);
         progress.advance();
     }

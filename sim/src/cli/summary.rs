@@ -3,8 +3,7 @@
 use crate::picture::Picture;
 use crate::report::facts::Counts;
 use crate::report::formats::formats_text;
-use crate::report::table::pace_text;
-use crate::report::table::{decibels, scientific, signed};
+use crate::report::table::{decibels, pace_text, scientific, signed};
 use crate::report::{ChannelFacts, Report};
 use std::path::Path;
 

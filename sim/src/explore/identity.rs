@@ -12,7 +12,7 @@ use crate::difference::{Difference, differences};
 use crate::digest::Digest;
 use crate::machine::area::synthesis;
 use crate::machine::config;
-use crate::scene::{Harmonics, Scene, SortOrder, Weight};
+use crate::scene::{Harmonics, Scene, Weight};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
@@ -164,10 +164,7 @@ fn of_scene(scene: &Scene) -> String {
         Weight::Opacity => b"o",
         Weight::Mass => b"m",
     });
-    // The usual order adds nothing, so that sweeps of before know their scenes again.
-    if *order != SortOrder::Depth {
-        digest.add(order.name().as_bytes());
-    }
+    digest.add(order.name().as_bytes());
     for number in [splats.len(), skipped.non_finite, skipped.zero_rotation] {
         digest.add(&(number as u64).to_le_bytes());
     }

@@ -21,7 +21,7 @@ use crate::plan::Splats;
 use anyhow::{Context, Result, anyhow};
 use rayon::prelude::*;
 use splatline::format::Traversal;
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
 use toml::Value;
 
 /// What is swept over: everything that the points have in common.
@@ -69,15 +69,13 @@ impl SweepError {
         let count = all.len().max(1) as f64;
         let mean = |of: &dyn Fn(&ChannelError) -> f64| all.iter().map(of).sum::<f64>() / count;
         let rms = mean(&|error| error.rms() * error.rms()).sqrt();
+        let (psnr_db, rms) = match all {
+            [one] => (one.psnr_db, one.rms()),
+            _ => (-20.0 * rms.log10(), rms),
+        };
         SweepError {
-            psnr_db: match all {
-                [one] => one.psnr_db,
-                _ => -20.0 * rms.log10(),
-            },
-            rms: match all {
-                [one] => one.rms(),
-                _ => rms,
-            },
+            psnr_db,
+            rms,
             max_abs: all.iter().map(|error| error.max_abs).fold(0.0, f64::max),
             bias: mean(&|error| error.bias),
             ssim: mean(&|error| error.ssim),
@@ -290,11 +288,8 @@ impl Run<'_> {
         let config = machine_of(self.subject, self.space, point)?;
         let checked = config.check_together();
         if checked.is_ok() {
-            let place = self.tiles.partition_point(|(other, _)| *other < number);
-            let mut frames = self.earlier[place]
-                .lock()
-                .unwrap_or_else(|p| p.into_inner());
-            frames.push(self.on_frame(work, &config));
+            let frame = self.on_frame(work, &config);
+            self.frames_of(number).push(frame);
         }
         if !self.is_last {
             return Ok(());
@@ -328,14 +323,16 @@ impl Run<'_> {
         }
     }
 
+    /// What the point of this number took on the frames before.
+    fn frames_of(&self, number: usize) -> MutexGuard<'_, Vec<OnFrame>> {
+        let place = self.tiles.partition_point(|(other, _)| *other < number);
+        let frames = self.earlier[place].lock();
+        frames.unwrap_or_else(|poisoned| poisoned.into_inner())
+    }
+
     /// A point's columns over all frames.
     fn results(&self, number: usize, config: &Config) -> Vec<String> {
-        let place = self.tiles.partition_point(|(other, _)| *other < number);
-        let frames = std::mem::take(
-            &mut *self.earlier[place]
-                .lock()
-                .unwrap_or_else(|p| p.into_inner()),
-        );
+        let frames = std::mem::take(&mut *self.frames_of(number));
         let (widths, prices) = (&self.options.design.widths, &self.subject.calibration);
         let area = estimate(widths, self.options.traversal, config, prices);
         results(self.error, &frames, &area)

@@ -3,6 +3,7 @@
 use super::TILE;
 use super::cells::{FusedPainter, NarrowPainter};
 use super::lanes::VectorLevel;
+use super::lanes::fused::FusedLanes;
 use super::paint::{Scratch, TilePainter};
 use super::words::WordPainter;
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
@@ -226,13 +227,13 @@ fn agree(
             assert_eq!(coverage, expected, "{choice:?}");
         }
     }
-    for portable in [false, true] {
-        let Some(painter) = FusedPainter::on(Narrow(widths), rules, portable) else {
+    for lanes in FusedLanes::all() {
+        let Some(painter) = FusedPainter::on(Narrow(widths), rules, lanes) else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
-        assert_same(&got, &pixels, &format!("fused, portable: {portable}"));
-        assert_eq!(coverage, expected, "fused, portable: {portable}");
+        assert_same(&got, &pixels, &format!("fused: {lanes:?}"));
+        assert_eq!(coverage, expected, "fused: {lanes:?}");
     }
     let narrow = draw_narrow(widths, rules, footprints, window);
     for (got, coverage) in narrow.into_iter().flatten() {
@@ -248,10 +249,12 @@ fn draw_narrow(
     rules: &Rules,
     footprints: &[Result<Footprint, Cull>],
     window: Window,
-) -> Option<[(Vec<Pixel>, Coverage); 2]> {
-    let painter = |portable| NarrowPainter::on(Narrow(widths), rules, portable);
-    let [vectors, arrays] = [painter(false)?, painter(true)?];
-    Some([&vectors, &arrays].map(|painter| painted(painter, window, footprints)))
+) -> Option<Vec<(Vec<Pixel>, Coverage)>> {
+    let drawn = |lanes| {
+        let painter = NarrowPainter::on(Narrow(widths), rules, lanes)?;
+        Some(painted(&painter, window, footprints))
+    };
+    FusedLanes::all().map(drawn).collect()
 }
 
 fn rules_of(normalised: bool) -> Rules {

@@ -27,7 +27,6 @@ use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::format::Design;
 use splatline::raster::Window;
-use splatline::rules as kernel;
 use splatline::setup::Cull;
 use splatline::target::Target;
 
@@ -116,6 +115,12 @@ impl DesignJob for ChunkJob<'_> {
             painted: 0,
             chunks: 0,
         };
+        let rules = super::kernel_rules(self.options.rules);
+        let widths = design.widths();
+        let memory = table_entries(&widths, &rules);
+        let table = table(&memory, &widths, &rules);
+        let order = kernel_compositing(self.options.compositing);
+        let painter = Painter::new(design, &rules, table, order, self.options.traversal);
         let mut last = None;
         loop {
             (self.doing)(drawing.chunks + 1);
@@ -126,8 +131,7 @@ impl DesignJob for ChunkJob<'_> {
                 break;
             };
             last = Some(farthest.place);
-            let rules = super::kernel_rules(self.options.rules);
-            self.paint(design, &rules, &chunk.nearest, tiles);
+            paint(&painter, &chunk.nearest, tiles);
             drawing.painted += chunk.nearest.len();
             drawing.chunks += 1;
             if !chunk.more || tiles.are_finished() {
@@ -215,47 +219,36 @@ impl ChunkJob<'_> {
             clamped,
         })
     }
+}
 
-    /// Paints a chunk over what the tiles hold.
-    fn paint<D: Design + Send + Sync>(
-        &self,
-        design: D,
-        rules: &kernel::Rules,
-        chunk: &[Placed],
-        tiles: &mut Tiles,
-    ) {
-        let widths = design.widths();
-        let memory = table_entries(&widths, rules);
-        let table = table(&memory, &widths, rules);
-        let order = kernel_compositing(self.options.compositing);
-        let painter = Painter::new(design, rules, table, order, self.options.traversal);
-        let grid = tiles.grid;
-        let mut lists = vec![Vec::new(); grid.len()];
-        for (number, placed) in (0u32..).zip(chunk) {
-            let bounds = Window::of(&placed.footprint);
-            grid.touched(&bounds, |tile| lists[tile].push(number));
-        }
-        let work = tiles.tiles.par_iter_mut().zip(&lists).enumerate();
-        work.for_each(|(number, (tile, list))| {
-            if tile.is_finished {
-                return;
-            }
-            let window = grid.window(number);
-            let columns = usize::from(window.end[0] - window.first[0]);
-            let Ok(mut target) = Target::new(&mut tile.pixels, window, columns) else {
-                unreachable!("the tile's memory has been made for its window")
-            };
-            for part in list.chunks(CHECK_INTERVAL) {
-                for number in part {
-                    painter.draw(&chunk[*number as usize].footprint, &mut target);
-                }
-                tile.is_finished = target.is_finished();
-                if tile.is_finished {
-                    break;
-                }
-            }
-        });
+/// Paints a chunk over what the tiles hold.
+fn paint<D: Design + Send + Sync>(painter: &Painter<D>, chunk: &[Placed], tiles: &mut Tiles) {
+    let grid = tiles.grid;
+    let mut lists = vec![Vec::new(); grid.len()];
+    for (number, placed) in (0u32..).zip(chunk) {
+        let bounds = Window::of(&placed.footprint);
+        grid.touched(&bounds, |tile| lists[tile].push(number));
     }
+    let work = tiles.tiles.par_iter_mut().zip(&lists).enumerate();
+    work.for_each(|(number, (tile, list))| {
+        if tile.is_finished {
+            return;
+        }
+        let window = grid.window(number);
+        let columns = usize::from(window.end[0] - window.first[0]);
+        let Ok(mut target) = Target::new(&mut tile.pixels, window, columns) else {
+            unreachable!("the tile's memory has been made for its window")
+        };
+        for part in list.chunks(CHECK_INTERVAL) {
+            for number in part {
+                painter.draw(&chunk[*number as usize].footprint, &mut target);
+            }
+            tile.is_finished = target.is_finished();
+            if tile.is_finished {
+                break;
+            }
+        }
+    });
 }
 
 /// The least of what is offered, in bounded memory.
@@ -455,21 +448,17 @@ mod tests {
         std::fs::remove_file(path).unwrap();
     }
 
+    /// What `--help` says of a footprint's memory.
+    #[test]
+    fn a_footprint_of_a_chunk_takes_about_350_bytes() {
+        assert!((340..360).contains(&BYTES), "{BYTES}");
+    }
+
     /// Equal depths are told apart by number; what was drawn before is not taken again.
     #[test]
     fn a_selection_keeps_the_least_beyond_the_last() {
         let mut selection = Selection::new(2, Some((3, 7)));
-        let scene = crate::scene::synthetic::random_gaussians(10, 1, 1.0);
-        let camera = crate::scene::synthetic::camera(64, 64);
-        let design = DesignChoice::named("standard24").unwrap();
-        let options = Options {
-            rules: &Rules::GAUSSIAN_3D,
-            compositing: Compositing::FrontToBack,
-            design: &design,
-            traversal: Traversal::Spans,
-        };
-        let outcomes = crate::fixed::footprints(&scene, &camera, &options);
-        let footprint = *outcomes.iter().flatten().next().unwrap();
+        let footprint = Footprint::EMPTY;
         for place in [
             (3, 6),
             (9, 1),

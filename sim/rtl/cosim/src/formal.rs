@@ -267,13 +267,7 @@ fn source(file: &str, mistake: Option<&Mutant>) -> Result<String> {
     let Some(mistake) = mistake.filter(|mistake| mistake.file == file) else {
         return Ok(text);
     };
-    let places = text.matches(mistake.from).count();
-    ensure!(
-        places == 1,
-        "{file}: '{}' occurs {places} times, not once; adapt the mistake",
-        mistake.from
-    );
-    Ok(text.replace(mistake.from, mistake.to))
+    mistake.applied(&text)
 }
 
 /// Do the properties hold for some cycles from reset on, and does induction close?

@@ -29,4 +29,5 @@ pub mod suite;
 pub mod tables;
 pub mod units;
 pub mod verilate;
+mod verilator;
 pub mod workload;

@@ -20,6 +20,19 @@ pub struct Mutant {
     pub to: &'static str,
 }
 
+impl Mutant {
+    /// The unit's text with the mistake, whose place must be there once.
+    pub fn applied(&self, text: &str) -> Result<String> {
+        let Mutant { file, from, to, .. } = self;
+        let places = text.matches(from).count();
+        ensure!(
+            places == 1,
+            "{file}: '{from}' occurs {places} times, not once; adapt the mutant"
+        );
+        Ok(text.replace(from, to))
+    }
+}
+
 /// A mistake, for a list of them.
 pub const fn mutant(
     name: &'static str,

@@ -2,7 +2,8 @@
 
 use crate::area::rtl;
 use crate::mutants::{Mutant, run};
-use anyhow::{Result, ensure};
+use crate::verilator::OPTIONS;
+use anyhow::Result;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -41,13 +42,7 @@ pub fn write(
     let mut paths = Vec::new();
     for (name, mut text) in files {
         if let Some(mistake) = mistake.filter(|mistake| mistake.file == name) {
-            let places = text.matches(mistake.from).count();
-            ensure!(
-                places == 1,
-                "{name}: '{}' occurs {places} times, not once; adapt the mutant",
-                mistake.from
-            );
-            text = text.replace(mistake.from, mistake.to);
+            text = mistake.applied(&text)?;
         }
         let path = folder.join(name);
         fs::write(&path, text)?;
@@ -63,14 +58,7 @@ pub fn library(folder: &Path, sources: &[PathBuf], target: &Target) -> Result<Pa
     let include = Path::new(root.trim()).join("include");
     let model = folder.join("model");
     run(Command::new(&verilator)
-        .args([
-            "--cc",
-            "-O3",
-            "--x-assign",
-            "unique",
-            "--x-initial",
-            "unique",
-        ])
+        .args(OPTIONS)
         .args(["--prefix", target.prefix, "--top-module", target.top])
         .args(target.parameters.iter().map(|given| format!("-G{given}")))
         .args([OsStr::new("--Mdir"), model.as_os_str()])

@@ -14,7 +14,7 @@ mod products;
 mod scale;
 mod tile;
 
-use super::lanes::fused::{FusedTask, dispatch_fused, has_fused};
+use super::lanes::fused::{FusedLanes, FusedTask};
 use super::lanes::narrow::Narrow;
 use super::lanes::{VectorLevel, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
@@ -104,18 +104,18 @@ pub struct CellPainter<D, P> {
     design: D,
     rules: Rules,
     scheme: P,
-    portable: bool,
+    lanes: FusedLanes,
 }
 
 impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     /// A painter for a design and rules; `None` under widths or on a processor that the scheme cannot do.
     pub fn new(design: D, rules: &Rules, choice: VectorLevel) -> Option<Self> {
-        (choice == VectorLevel::Best && has_fused()).then_some(())?;
-        Self::on(design, rules, false)
+        (choice == VectorLevel::Best).then_some(())?;
+        Self::on(design, rules, FusedLanes::detect()?)
     }
 
-    /// The same, on arrays if asked for.
-    pub fn on(design: D, rules: &Rules, portable: bool) -> Option<Self> {
+    /// The same on these lanes.
+    pub fn on(design: D, rules: &Rules, lanes: FusedLanes) -> Option<Self> {
         let table = TableMemory::new(&design.widths(), rules);
         let scheme = P::new(&design.widths(), rules, &table.table(), D::Lane::BITS)?;
         Some(CellPainter {
@@ -123,7 +123,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
             design,
             rules: *rules,
             scheme,
-            portable,
+            lanes,
         })
     }
 }
@@ -139,20 +139,17 @@ impl<D: Design + Send + Sync, P: PixelScheme> TilePainter for CellPainter<D, P> 
     ) -> Coverage {
         let format = self.scheme.format();
         let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| Tile::new(format));
-        dispatch_fused(
-            self.portable,
-            CellPainting {
-                scheme: &self.scheme,
-                rules: &self.rules,
-                prepare: &|list| self.prepare(footprints, list, &window),
-                scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
-                tile,
-                window,
-                clear: Pixel::clear(&self.design.widths()),
-                list,
-                pixels,
-            },
-        )
+        self.lanes.run(CellPainting {
+            scheme: &self.scheme,
+            rules: &self.rules,
+            prepare: &|list| self.prepare(footprints, list, &window),
+            scalar: &|index, tile| self.paint_scalar(&footprints[index as usize], tile),
+            tile,
+            window,
+            clear: Pixel::clear(&self.design.widths()),
+            list,
+            pixels,
+        })
     }
 }
 

@@ -58,14 +58,6 @@ static FIRST: [u32; 16] = {
     words
 };
 
-/// An intrinsic on registers. SAFETY of every use: `self` proves that the processor has the instruction.
-macro_rules! op {
-    ($call:expr) => {
-        // SAFETY: see above.
-        unsafe { $call }
-    };
-}
-
 impl Lanes for Avx2 {
     const WIDTH: usize = 8;
     type Words = __m256i;

@@ -48,14 +48,6 @@ impl Avx512 {
     }
 }
 
-/// An intrinsic on registers. SAFETY of every use: `self` proves that the processor has the instruction.
-macro_rules! op {
-    ($call:expr) => {
-        // SAFETY: see above.
-        unsafe { $call }
-    };
-}
-
 impl Lanes for Avx512 {
     const WIDTH: usize = 16;
     type Words = __m512i;

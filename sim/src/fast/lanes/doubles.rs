@@ -104,80 +104,26 @@ mod x86 {
     use super::Doubles;
     use std::arch::x86_64::*;
 
-    macro_rules! op {
-        ($call:expr) => {
-            // SAFETY: see the module.
-            unsafe { $call }
-        };
-    }
-
-    /// An operation on two vectors of numbers, of three, by the names of their casts.
-    macro_rules! two {
-        ($name:ident, $word:ty, $to:ident, $from:ident, $op:ident) => {
-            #[inline(always)]
-            fn $name(self, a: $word, b: $word) -> $word {
-                op!($from($op($to(a), $to(b))))
-            }
-        };
-    }
-    macro_rules! three {
-        ($name:ident, $word:ty, $to:ident, $from:ident, $op:ident) => {
-            #[inline(always)]
-            fn $name(self, a: $word, b: $word, c: $word) -> $word {
-                op!($from($op($to(a), $to(b), $to(c))))
-            }
+    /// The operations that have the same shape at every level: the word, its casts to numbers and back, and an instruction for each.
+    macro_rules! arithmetic {
+        ($word:ty, $to:ident, $from:ident, two: $($two:ident = $op2:ident),+; three: $($three:ident = $op3:ident),+) => {
+            $(#[inline(always)]
+            fn $two(self, a: $word, b: $word) -> $word {
+                op!($from($op2($to(a), $to(b))))
+            })+
+            $(#[inline(always)]
+            fn $three(self, a: $word, b: $word, c: $word) -> $word {
+                op!($from($op3($to(a), $to(b), $to(c))))
+            })+
         };
     }
 
     impl Doubles for Avx2 {
-        two!(
-            double_add,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_add_pd
-        );
-        two!(
-            double_sub,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_sub_pd
-        );
-        two!(
-            double_mul,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_mul_pd
-        );
-        two!(
-            double_min,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_min_pd
-        );
-        two!(
-            double_max,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_max_pd
-        );
-        three!(
-            double_mul_add,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_fmadd_pd
-        );
-        three!(
-            double_mul_sub,
-            __m256i,
-            _mm256_castsi256_pd,
-            _mm256_castpd_si256,
-            _mm256_fmsub_pd
+        arithmetic!(
+            __m256i, _mm256_castsi256_pd, _mm256_castpd_si256,
+            two: double_add = _mm256_add_pd, double_sub = _mm256_sub_pd, double_mul = _mm256_mul_pd,
+                double_min = _mm256_min_pd, double_max = _mm256_max_pd;
+            three: double_mul_add = _mm256_fmadd_pd, double_mul_sub = _mm256_fmsub_pd
         );
         #[inline(always)]
         fn double_floor(self, a: __m256i) -> __m256i {
@@ -205,54 +151,11 @@ mod x86 {
     }
 
     impl Doubles for Avx512 {
-        two!(
-            double_add,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_add_pd
-        );
-        two!(
-            double_sub,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_sub_pd
-        );
-        two!(
-            double_mul,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_mul_pd
-        );
-        two!(
-            double_min,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_min_pd
-        );
-        two!(
-            double_max,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_max_pd
-        );
-        three!(
-            double_mul_add,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_fmadd_pd
-        );
-        three!(
-            double_mul_sub,
-            __m512i,
-            _mm512_castsi512_pd,
-            _mm512_castpd_si512,
-            _mm512_fmsub_pd
+        arithmetic!(
+            __m512i, _mm512_castsi512_pd, _mm512_castpd_si512,
+            two: double_add = _mm512_add_pd, double_sub = _mm512_sub_pd, double_mul = _mm512_mul_pd,
+                double_min = _mm512_min_pd, double_max = _mm512_max_pd;
+            three: double_mul_add = _mm512_fmadd_pd, double_mul_sub = _mm512_fmsub_pd
         );
         #[inline(always)]
         fn double_floor(self, a: __m512i) -> __m512i {

@@ -80,23 +80,44 @@ pub trait FusedTask {
     fn run<L: Narrow>(self, lanes: L) -> Self::Output;
 }
 
-/// Runs the task on the processor's fused products, or on arrays if it has none or `portable` asks for it.
-#[inline]
-pub fn dispatch_fused<T: FusedTask>(portable: bool, task: T) -> T::Output {
+/// What a processor has for fused products. Whoever has nothing draws by words; arrays stand in for the instructions in tests alone.
+#[derive(Clone, Copy, Debug)]
+pub enum FusedLanes {
+    /// AVX-512.
     #[cfg(target_arch = "x86_64")]
-    if !portable && let Some(lanes) = super::avx512::Avx512::detect() {
-        return lanes.run_fused(task);
-    }
-    let _ = portable;
-    task.run(Portable)
+    Avx512(super::avx512::Avx512),
+    /// Arrays.
+    #[cfg(test)]
+    Portable,
 }
 
-/// Has the processor fused products?
-pub fn has_fused() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return super::avx512::Avx512::detect().is_some();
-    #[cfg(not(target_arch = "x86_64"))]
-    false
+impl FusedLanes {
+    /// This processor's.
+    pub fn detect() -> Option<FusedLanes> {
+        #[cfg(target_arch = "x86_64")]
+        return super::avx512::Avx512::detect().map(FusedLanes::Avx512);
+        #[cfg(not(target_arch = "x86_64"))]
+        None
+    }
+
+    /// This processor's and arrays.
+    #[cfg(test)]
+    pub fn all() -> impl Iterator<Item = FusedLanes> {
+        FusedLanes::detect()
+            .into_iter()
+            .chain([FusedLanes::Portable])
+    }
+
+    /// Runs the task on them.
+    #[inline]
+    pub fn run<T: FusedTask>(self, task: T) -> T::Output {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            FusedLanes::Avx512(lanes) => lanes.run_fused(task),
+            #[cfg(test)]
+            FusedLanes::Portable => task.run(Portable),
+        }
+    }
 }
 
 type Words = [i64; 8];
@@ -192,13 +213,6 @@ mod x86 {
     use super::super::factors::TO_INTEGER;
     use super::{Factors, Fused, Pairs};
     use std::arch::x86_64::*;
-
-    macro_rules! op {
-        ($call:expr) => {
-            // SAFETY: see the module.
-            unsafe { $call }
-        };
-    }
 
     impl Fused for Avx512 {
         #[inline(always)]

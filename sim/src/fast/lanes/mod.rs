@@ -11,6 +11,15 @@
 //! methods safe to call. [`dispatch`] runs a [`VectorTask`] on the widest of them, compiled for it. Every method is one or two instructions;
 //! the portable implementation is their definition, and tests compare the others with it word for word.
 
+/// An intrinsic on registers, never one that touches memory. SAFETY of every use: `self` proves that the processor has the instruction.
+#[cfg(target_arch = "x86_64")]
+macro_rules! op {
+    ($call:expr) => {
+        // SAFETY: see above.
+        unsafe { $call }
+    };
+}
+
 #[cfg(target_arch = "x86_64")]
 pub mod avx2;
 #[cfg(target_arch = "x86_64")]
@@ -184,20 +193,37 @@ impl FromStr for VectorLevel {
 #[inline]
 pub fn dispatch<T: VectorTask>(choice: VectorLevel, task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
+    return match dispatch_vectors(choice, task) {
+        Ok(output) => output,
+        Err(task) => Portable.run(task),
+    };
+    #[cfg(not(target_arch = "x86_64"))]
+    Portable.run(task)
+}
+
+/// The same, but for processors without these vectors, which get the task back: on arrays some work is slower than the kernel's. Arrays count as
+/// vectors where the compiler knows the processor's own.
+#[inline]
+pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T::Output, T> {
+    #[cfg(target_arch = "x86_64")]
     {
         if choice == VectorLevel::Best
             && let Some(lanes) = avx512::Avx512::detect()
         {
-            return lanes.run(task);
+            return Ok(lanes.run(task));
         }
         if choice != VectorLevel::Portable
             && let Some(lanes) = avx2::Avx2::detect()
         {
-            return lanes.run(task);
+            return Ok(lanes.run(task));
         }
+        Err(task)
     }
-    let _ = choice;
-    Portable.run(task)
+    #[cfg(not(target_arch = "x86_64"))]
+    match choice {
+        VectorLevel::Portable => Err(task),
+        _ => Ok(Portable.run(task)),
+    }
 }
 
 /// Are vectors faster than the kernel's painter here? On x86-64 without AVX2 they are not: its baseline has neither gathers nor products of

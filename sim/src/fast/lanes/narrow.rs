@@ -173,13 +173,6 @@ mod x86 {
     use super::Narrow;
     use std::arch::x86_64::*;
 
-    macro_rules! op {
-        ($call:expr) => {
-            // SAFETY: see the module.
-            unsafe { $call }
-        };
-    }
-
     /// The intrinsic as an instruction that the compiler does not look into: knowing half of the words to be 0, it would widen them all,
     /// multiply, and narrow them again, eight instructions instead of one.
     #[target_feature(enable = "avx512f,avx512bw")]

@@ -1,7 +1,7 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
 use super::factors::{Factors, NarrowFactors};
-use super::fused::{FusedTask, Pairs, dispatch_fused};
+use super::fused::{FusedLanes, FusedTask, Pairs};
 use super::narrow::Narrow;
 use super::*;
 use proptest::prelude::*;
@@ -282,7 +282,10 @@ proptest! {
     )]
     fn every_short_operation_is_the_portable_one(a: [u32; 16], b: [u32; 16], c: [u32; 16], alike: bool) {
         let all = AllNarrow { a, b: if alike { a } else { b }, c, factors: narrow_gaussian() };
-        prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
+        let expected = FusedLanes::Portable.run(&all);
+        for lanes in FusedLanes::all() {
+            prop_assert_eq!(&lanes.run(&all), &expected, "{:?}", lanes);
+        }
     }
 
     #[test]
@@ -305,7 +308,10 @@ proptest! {
         let small = |words: [u64; 8]| words.map(|word| word >> less);
         let b = if alike { a } else { small(b) };
         let all = AllFused { a, b, c: small(c), bits, pairs: Pairs::new(pairs), factors: gaussian(), table };
-        prop_assert_eq!(dispatch_fused(false, &all), dispatch_fused(true, &all));
+        let expected = FusedLanes::Portable.run(&all);
+        for lanes in FusedLanes::all() {
+            prop_assert_eq!(&lanes.run(&all), &expected, "{:?}", lanes);
+        }
     }
 
     /// Within the table, beyond it, in an empty one and where the mask does not hold, against the contract itself.

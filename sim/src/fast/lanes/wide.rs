@@ -157,13 +157,6 @@ mod x86 {
     use super::Wide;
     use std::arch::x86_64::*;
 
-    macro_rules! op {
-        ($call:expr) => {
-            // SAFETY: see the module.
-            unsafe { $call }
-        };
-    }
-
     impl Wide for Avx512 {
         const WIDE: usize = 8;
         type Word = __m512i;
@@ -175,11 +168,13 @@ mod x86 {
         }
         #[inline(always)]
         fn wide_load(self, from: &[i64; 8]) -> __m512i {
-            op!(_mm512_loadu_epi64(from.as_ptr()))
+            // SAFETY: a vector of the array's words is read.
+            unsafe { _mm512_loadu_epi64(from.as_ptr()) }
         }
         #[inline(always)]
         fn wide_store(self, to: &mut [i64; 8], value: __m512i) {
-            op!(_mm512_storeu_epi64(to.as_mut_ptr(), value))
+            // SAFETY: a vector of the array's words is written.
+            unsafe { _mm512_storeu_epi64(to.as_mut_ptr(), value) }
         }
         #[inline(always)]
         fn wide_add(self, a: __m512i, b: __m512i) -> __m512i {
@@ -259,11 +254,13 @@ mod x86 {
         }
         #[inline(always)]
         fn wide_load(self, from: &[i64; 8]) -> __m256i {
-            op!(_mm256_loadu_si256(from.as_ptr().cast()))
+            // SAFETY: a vector of the array's words is read.
+            unsafe { _mm256_loadu_si256(from.as_ptr().cast()) }
         }
         #[inline(always)]
         fn wide_store(self, to: &mut [i64; 8], value: __m256i) {
-            op!(_mm256_storeu_si256(to.as_mut_ptr().cast(), value))
+            // SAFETY: a vector of the array's words is written.
+            unsafe { _mm256_storeu_si256(to.as_mut_ptr().cast(), value) }
         }
         #[inline(always)]
         fn wide_add(self, a: __m256i, b: __m256i) -> __m256i {

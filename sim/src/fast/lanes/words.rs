@@ -155,12 +155,6 @@ mod x86 {
     use super::{Falls, PixelWords};
     use std::arch::x86_64::*;
 
-    macro_rules! op {
-        ($call:expr) => {
-            unsafe { $call }
-        };
-    }
-
     /// Words of which an unaligned part starts with so many true ones.
     static FIRST: [i64; 8] = [-1, -1, -1, -1, 0, 0, 0, 0];
 
@@ -168,7 +162,8 @@ mod x86 {
         #[inline(always)]
         fn read(self, from: &[u64], at: usize) -> __m256i {
             match from.get(at..).and_then(|rest| rest.first_chunk::<4>()) {
-                Some(words) => op!(_mm256_loadu_si256(words.as_ptr().cast())),
+                // SAFETY: an array of four words is read.
+                Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
                 None => self.wide_splat(0),
             }
         }
@@ -178,7 +173,8 @@ mod x86 {
                 .get_mut(at..)
                 .and_then(|rest| rest.first_chunk_mut::<4>())
             {
-                op!(_mm256_storeu_si256(words.as_mut_ptr().cast(), value))
+                // SAFETY: an array of four words is written.
+                unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), value) }
             }
         }
         #[inline(always)]
@@ -189,7 +185,8 @@ mod x86 {
         fn first(self, count: usize) -> __m256i {
             let start = 4 - count.min(4);
             match FIRST[start..].first_chunk::<4>() {
-                Some(words) => op!(_mm256_loadu_si256(words.as_ptr().cast())),
+                // SAFETY: an array of four words is read.
+                Some(words) => unsafe { _mm256_loadu_si256(words.as_ptr().cast()) },
                 None => self.wide_splat(0),
             }
         }

@@ -16,7 +16,7 @@ mod surface;
 
 pub use surface::SurfaceOutcome;
 
-use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch};
+use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch_vectors};
 use number::{Arithmetic, Number};
 use real::{Real, Reals};
 use splatline::footprint::{Conic, Footprint, Ldl};
@@ -65,8 +65,8 @@ pub fn set_up<D: Design, S: Batched>(
     choice: VectorLevel,
 ) {
     // Widths as values: constants would gain little here, and one compiled copy serves all designs.
-    match RuntimeWidths::new(design.widths()) {
-        Ok(widths) if choice != VectorLevel::Portable && covers(view, rules) => {
+    let left = match RuntimeWidths::new(design.widths()) {
+        Ok(widths) if covers(view, rules) => {
             let batch = SetupBatch {
                 design: widths,
                 view,
@@ -74,13 +74,13 @@ pub fn set_up<D: Design, S: Batched>(
                 splats,
                 outcomes,
             };
-            dispatch(choice, batch);
+            let done = dispatch_vectors(choice, batch);
+            done.err().map(|batch| batch.outcomes)
         }
-        _ => {
-            for (splat, outcome) in splats.iter().zip(outcomes) {
-                *outcome = splat.set_up_alone(design, view, rules);
-            }
-        }
+        _ => Some(outcomes),
+    };
+    for (splat, outcome) in splats.iter().zip(left.into_iter().flatten()) {
+        *outcome = splat.set_up_alone(design, view, rules);
     }
 }
 

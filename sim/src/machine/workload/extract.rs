@@ -330,6 +330,15 @@ mod tests {
     use crate::rules::Rules;
     use crate::scene::synthetic;
 
+    fn spans(design: &DesignChoice) -> Options<'_> {
+        Options {
+            rules: &Rules::GAUSSIAN_3D,
+            compositing: Compositing::FrontToBack,
+            design,
+            traversal: Traversal::Spans,
+        }
+    }
+
     #[test]
     fn sums_are_the_painters_own() {
         let scene = synthetic::random_gaussians(2_000, 3, 2.0);
@@ -373,12 +382,7 @@ mod tests {
         let scene = synthetic::random_gaussians(3_000, 3, 2.0);
         let camera = synthetic::camera(70, 52);
         let design = DesignChoice::named("standard24").unwrap();
-        let options = Options {
-            rules: &Rules::GAUSSIAN_3D,
-            compositing: Compositing::FrontToBack,
-            design: &design,
-            traversal: Traversal::Spans,
-        };
+        let options = spans(&design);
         let draw = |camera: &Camera, before| {
             extract_in_order(&scene, camera, &options, [16, 16], before, true).unwrap()
         };
@@ -425,12 +429,7 @@ mod tests {
         let scene = synthetic::random_gaussians(3_000, 5, 8.0);
         let camera = synthetic::camera(64, 48);
         let design = DesignChoice::named("standard24").unwrap();
-        let options = Options {
-            rules: &Rules::GAUSSIAN_3D,
-            compositing: Compositing::FrontToBack,
-            design: &design,
-            traversal: Traversal::Spans,
-        };
+        let options = spans(&design);
         let [small, large] =
             [[8, 8], [64, 64]].map(|tile| extract(&scene, &camera, &options, tile));
         assert_eq!(small.totals().live, large.totals().live);
