@@ -125,13 +125,14 @@ pub(crate) fn table<'a>(
 /// Every tile on some core: `paint` is given a thread's scratch memory, the tile's window, its list and its rows of the frame. The tiles'
 /// answers are in the order of the tiles.
 ///
-/// Not inlined, so that a profiler can tell it from the rest.
+/// Not inlined, so that a profiler can tell it from the rest, and given functions behind references: fifty drawings share one compiled copy of what
+/// spreads the work, at the price of a call for each tile.
 #[inline(never)]
 pub(super) fn paint_frame<P: Clone + Send, S, Answer: Send>(
     clear: P,
     tiles: &TileLists,
-    scratch: impl Fn() -> S + Send + Sync,
-    paint: impl Fn(&mut S, Window, &[u32], &mut [&mut [P]]) -> Answer + Sync,
+    scratch: &(dyn Fn() -> S + Sync),
+    paint: &(dyn Fn(&mut S, Window, &[u32], &mut [&mut [P]]) -> Answer + Sync),
 ) -> (Vec<P>, Vec<Answer>) {
     let [width, height] = tiles.grid.viewport().map(usize::from);
     let mut frame = vec![clear; width * height];
@@ -154,20 +155,15 @@ pub(super) fn paint_apart<P: Clone + Send + Sync, Answer: Send>(
     tiles: &TileLists,
     paint: impl Fn(Window, &[u32], &mut [P]) -> Answer + Sync,
 ) -> (Vec<P>, Vec<Answer>) {
-    paint_frame(
-        clear.clone(),
-        tiles,
-        || (),
-        |(), window, list, rows| {
-            let columns = usize::from(window.end[0] - window.first[0]);
-            let mut pixels = vec![clear.clone(); columns * rows.len()];
-            let answer = paint(window, list, &mut pixels);
-            for (row, painted) in rows.iter_mut().zip(pixels.chunks_exact(columns)) {
-                row.clone_from_slice(painted);
-            }
-            answer
-        },
-    )
+    paint_frame(clear.clone(), tiles, &|| (), &|(), window, list, rows| {
+        let columns = usize::from(window.end[0] - window.first[0]);
+        let mut pixels = vec![clear.clone(); columns * rows.len()];
+        let answer = paint(window, list, &mut pixels);
+        for (row, painted) in rows.iter_mut().zip(pixels.chunks_exact(columns)) {
+            row.clone_from_slice(painted);
+        }
+        answer
+    })
 }
 
 /// Paints every tile by `paint`, which is given the tile's footprints in drawing order, and joins the tiles.
