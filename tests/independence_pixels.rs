@@ -48,7 +48,7 @@ fn shifts_of_the_pixel_path_at_every_seam() {
 }
 
 /// The same pixel in wide integers.
-struct Wide {
+struct WideWord {
     widths: Widths,
     /// UQ1.60.
     alpha_min: u128,
@@ -57,11 +57,11 @@ struct Wide {
     omit_finishing: bool,
 }
 
-impl Wide {
-    fn new(widths: Widths, rules: &Rules) -> Wide {
+impl WideWord {
+    fn new(widths: Widths, rules: &Rules) -> WideWord {
         let unit =
             |value: u32, bits: u8| shifted(value.into(), 31 - i32::from(bits), Rounding::Nearest);
-        Wide {
+        WideWord {
             widths,
             // Under rules whose cut-off decides by opacity nothing is left to skip but 0.
             alpha_min: match rules.cutoff {
@@ -187,7 +187,7 @@ proptest! {
             omit_finishing: source.byte() < 128,
             ..Rules::EWA
         };
-        let (blend, wide) = (Blend::new(&widths, &rules), Wide::new(widths, &rules));
+        let (blend, wide) = (Blend::new(&widths, &rules), WideWord::new(widths, &rules));
         let mut pixels = [Pixel::clear(&widths); 6];
         for _ in 0..8 {
             let peak = value(&mut source, 4, widths.peak);

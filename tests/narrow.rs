@@ -65,9 +65,9 @@ const LONG: Widths = Widths {
 
 /// A design that exists for this test.
 #[derive(Clone, Copy, Debug)]
-struct Narrow(Widths);
+struct NarrowWidths(Widths);
 
-impl Design for Narrow {
+impl Design for NarrowWidths {
     type Lane = i32;
     fn widths(&self) -> Widths {
         self.0
@@ -119,7 +119,7 @@ fn check<const N: usize>(
     splats: &[VolumeSplat],
 ) -> Result<(), TestCaseError> {
     let camera = view(0.2, -0.1, Projection::Perspective);
-    let design = Narrow(widths);
+    let design = NarrowWidths(widths);
     let list: Vec<_> = splats
         .iter()
         .filter_map(|splat| setup(design, &camera, rules, splat).ok())
@@ -157,7 +157,7 @@ proptest! {
     fn any_footprint_is_drawn(bytes in prop::collection::vec(any::<u8>(), 0..2000)) {
         let mut source = Source::new(&bytes);
         let (_, packed) = table::<128>(&FIRMWARE);
-        let design = Narrow(FIRMWARE);
+        let design = NarrowWidths(FIRMWARE);
         let painter = Painter32::new(design, &Rules::GAUSSIAN_3D, &packed).unwrap();
         in_strips(&FIRMWARE, |target| painter.draw(&source.footprint(), target));
     }
@@ -221,13 +221,13 @@ fn what_is_not_narrow_is_refused() {
         ..FIRMWARE
     };
     assert_eq!(refused(short, RANGE), PackedError::Room);
-    let wide = Narrow(Widths {
+    let wide = NarrowWidths(Widths {
         peak: 24,
         ..FIRMWARE
     });
     let error = Painter32::new(wide, &Rules::GAUSSIAN_3D, &packed).unwrap_err();
     assert_eq!(error, NarrowError::Products);
-    let other = Narrow(Widths {
+    let other = NarrowWidths(Widths {
         interpolation: 16,
         ..FIRMWARE
     });

@@ -14,7 +14,7 @@ use splatline::view::{Pose, Projection, View};
 use std::cell::Cell;
 
 /// The bounds of docs/error-analysis.md for one splat and one design, in its letters: u, w, e, G and K.
-struct Bounds {
+struct InputBounds {
     u: f64,
     w: f64,
     /// The difference to the eye and its rotation, relative to the depth.
@@ -29,8 +29,8 @@ fn unit(bits: u8) -> f64 {
     f64::from(-i32::from(bits)).exp2()
 }
 
-impl Bounds {
-    fn new(widths: &Widths, view: &View, splat: &VolumeSplat, exact: &Oracle) -> Bounds {
+impl InputBounds {
+    fn new(widths: &Widths, view: &View, splat: &VolumeSplat, exact: &Oracle) -> InputBounds {
         let u = unit(widths.mantissa);
         let w = if widths.mantissa > 16 {
             unit(29)
@@ -60,7 +60,7 @@ impl Bounds {
         });
         let lost =
             [0, 1].map(|i| length(&columns.map(|column| column[i])) / exact.variance[2 * i].sqrt());
-        Bounds {
+        InputBounds {
             u,
             w,
             near,
@@ -107,7 +107,7 @@ fn check<D: Design>(
     let Ok(projected) = project(&widths, view, rules, &splat.centre) else {
         return Ok(false);
     };
-    let bounds = Bounds::new(&widths, view, splat, &exact);
+    let bounds = InputBounds::new(&widths, view, splat, &exact);
     let pixel = f64::from(widths.subpixel).exp2();
     for i in 0..2 {
         let got = projected.centre[i] as f64 / pixel;
@@ -166,7 +166,7 @@ fn check_shape<D: Design>(
     let Ok(footprint) = setup(design, view, rules, splat) else {
         return Ok(false);
     };
-    let bounds = Bounds::new(&widths, view, splat, &exact);
+    let bounds = InputBounds::new(&widths, view, splat, &exact);
     let exponent = f64::from(footprint.conic.exponent).exp2();
     let conic = footprint.conic.mantissa.map(|m| f64::from(m) * exponent);
     let error = relative(&conic, &exact.conic);

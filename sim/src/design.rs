@@ -32,11 +32,11 @@ pub struct DesignChoice {
     pub widths: Widths,
     /// Its own traversal, used unless the command line asks for another.
     pub traversal: Traversal,
-    named: Option<Named>,
+    named: Option<NamedDesign>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Named {
+enum NamedDesign {
     Classic8,
     Lean18,
     Standard24,
@@ -106,10 +106,14 @@ impl DesignChoice {
     /// A design of [`NAMES`].
     pub fn named(name: &str) -> Option<Self> {
         let (named, widths, traversal) = match name {
-            "classic8" => (Named::Classic8, Classic8::WIDTHS, Traversal::Box),
-            "lean18" => (Named::Lean18, Lean18::WIDTHS, Traversal::Spans),
-            "standard24" => (Named::Standard24, Standard24::WIDTHS, Traversal::Spans),
-            "deep32" => (Named::Deep32, Deep32::WIDTHS, Traversal::Spans),
+            "classic8" => (NamedDesign::Classic8, Classic8::WIDTHS, Traversal::Box),
+            "lean18" => (NamedDesign::Lean18, Lean18::WIDTHS, Traversal::Spans),
+            "standard24" => (
+                NamedDesign::Standard24,
+                Standard24::WIDTHS,
+                Traversal::Spans,
+            ),
+            "deep32" => (NamedDesign::Deep32, Deep32::WIDTHS, Traversal::Spans),
             _ => return None,
         };
         Some(DesignChoice {
@@ -136,10 +140,10 @@ impl DesignChoice {
     /// Does the job with the design's own type: constants for named designs, fields for others.
     pub fn dispatch<J: DesignJob>(&self, job: J) -> J::Output {
         match self.named {
-            Some(Named::Classic8) => job.run(Classic8),
-            Some(Named::Lean18) => job.run(Lean18),
-            Some(Named::Standard24) => job.run(Standard24),
-            Some(Named::Deep32) => job.run(Deep32),
+            Some(NamedDesign::Classic8) => job.run(Classic8),
+            Some(NamedDesign::Lean18) => job.run(Lean18),
+            Some(NamedDesign::Standard24) => job.run(Standard24),
+            Some(NamedDesign::Deep32) => job.run(Deep32),
             None => job.run(
                 RuntimeWidths::new(self.widths).expect("widths are checked when a choice is made"),
             ),

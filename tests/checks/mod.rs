@@ -204,7 +204,7 @@ pub fn draw(source: &mut Source) {
     };
     let custom = source.design();
     for traversal in [Traversal::Spans, Traversal::Box] {
-        let job = Job {
+        let job = ExactJob {
             footprint: &footprint,
             window,
             rules: &rules,
@@ -234,7 +234,7 @@ pub fn splat_to_pixels(source: &mut Source) -> u64 {
     let compositing = source.compositing();
     let mut covered = 0;
     for traversal in [Traversal::Spans, Traversal::Box] {
-        let job = Job {
+        let job = ExactJob {
             footprint: &footprint,
             window,
             rules: &rules,
@@ -246,7 +246,7 @@ pub fn splat_to_pixels(source: &mut Source) -> u64 {
     covered
 }
 
-struct Job<'a> {
+struct ExactJob<'a> {
     footprint: &'a Footprint,
     window: Window,
     rules: &'a Rules,
@@ -262,7 +262,7 @@ const FOREIGN: Pixel = Pixel {
     transmittance: 0x7ead_beef,
 };
 
-impl Job<'_> {
+impl ExactJob<'_> {
     /// Draws into lent memory between guards; checks the guards, the gaps between rows and the bound of the work.
     fn run<D: Design>(&self, design: D, start: Pixel) -> Coverage {
         let Window { first, end: last } = self.window;

@@ -38,14 +38,14 @@ pub fn check(name: &str, frame: &Frame, background: [u8; 3]) {
 }
 
 /// How two pictures differ.
-struct Difference {
+struct PixelDifference {
     pixels: usize,
     largest: u8,
     picture: RgbImage,
 }
 
 /// `None` if they are equal; a picture of another size differs everywhere.
-fn difference(expected: &RgbImage, got: &RgbImage) -> Option<Difference> {
+fn difference(expected: &RgbImage, got: &RgbImage) -> Option<PixelDifference> {
     if expected == got {
         return None;
     }
@@ -62,7 +62,7 @@ fn difference(expected: &RgbImage, got: &RgbImage) -> Option<Difference> {
     let places = got.enumerate_pixels().map(|(x, y, _)| apart(x, y));
     let largest = places.clone().flatten().max().unwrap_or(0);
     let scale = |d: u8| (u32::from(d) * 255 / u32::from(largest.max(1))) as u8;
-    Some(Difference {
+    Some(PixelDifference {
         pixels: places.filter(|d| *d != [0; 3]).count(),
         largest,
         picture: RgbImage::from_fn(

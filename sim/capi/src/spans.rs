@@ -46,13 +46,13 @@ pub struct SplatlineSpan {
     pub length: u16,
 }
 
-type Ellipse = EllipseSpans<<RuntimeWidths as Design>::Lane>;
+type SpanEllipse = EllipseSpans<<RuntimeWidths as Design>::Lane>;
 
 /// Both states consist of integers alone and fit the memory, so that any content of it is a valid state.
 const _: () = assert!(
-    size_of::<Ellipse>() <= 8 * SPLATLINE_ROWS_STATE
+    size_of::<SpanEllipse>() <= 8 * SPLATLINE_ROWS_STATE
         && size_of::<BoxSpans>() <= 8 * SPLATLINE_ROWS_STATE
-        && align_of::<Ellipse>() <= align_of::<u64>()
+        && align_of::<SpanEllipse>() <= align_of::<u64>()
         && align_of::<BoxSpans>() <= align_of::<u64>()
 );
 
@@ -83,7 +83,7 @@ pub unsafe extern "C" fn splatline_spans_begin(
             // SAFETY: the state has the size and alignment of either kind of rows (asserted above).
             Traversal::Spans => unsafe {
                 state
-                    .cast::<Ellipse>()
+                    .cast::<SpanEllipse>()
                     .write(EllipseSpans::new(design, &footprint, &window));
             },
             // SAFETY: as above.
@@ -117,7 +117,7 @@ pub unsafe extern "C" fn splatline_spans_next(
         let state = rows.state.as_mut_ptr();
         // SAFETY: written by splatline_spans_begin for the same traversal.
         let found = match traversal(rows.traversal)? {
-            Traversal::Spans => next_of(unsafe { &mut *state.cast::<Ellipse>() }),
+            Traversal::Spans => next_of(unsafe { &mut *state.cast::<SpanEllipse>() }),
             Traversal::Box => next_of(unsafe { &mut *state.cast::<BoxSpans>() }),
         };
         match found {

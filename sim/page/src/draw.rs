@@ -89,7 +89,7 @@ impl FixedPicture {
         let stated = loaded.rules;
         let quantised = loaded.quantised(camera);
         let rules = quantised.rules(&stated);
-        let view = Asked {
+        let view = PageRequest {
             quantised,
             rules: &rules,
             camera,
@@ -128,7 +128,7 @@ impl FixedPicture {
 }
 
 /// What is drawn, whatever the widths.
-struct Asked<'a> {
+struct PageRequest<'a> {
     quantised: &'a QuantisedScene,
     rules: &'a splatline::rules::Rules,
     camera: &'a Camera,
@@ -143,7 +143,7 @@ struct PaintedTiles {
     coverage: Coverage,
 }
 
-impl Asked<'_> {
+impl PageRequest<'_> {
     fn draw<D: Design>(&self, design: D) -> PaintedTiles {
         let (rules, camera) = (self.rules, self.camera);
         let (quantised, widths) = (self.quantised, design.widths());

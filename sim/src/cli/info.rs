@@ -46,7 +46,7 @@ struct Info {
     up: Vector,
     front: Vector,
     /// Smallest, median and largest of each.
-    ranges: Vec<Range>,
+    ranges: Vec<ShownRange>,
     harmonics_degree: u8,
     rules: &'static str,
     /// What its splats are sorted by.
@@ -64,7 +64,7 @@ struct BallInfo {
 }
 
 #[derive(Serialize)]
-struct Range {
+struct ShownRange {
     of: &'static str,
     least: f64,
     median: f64,
@@ -112,10 +112,10 @@ impl Info {
             Weight::Mass => "mass (extinction times volume)",
         };
         let ranges = [
-            Range::new("longest axis", splats().map(|splat| longest(&splat.axes))),
-            Range::new("shortest axis", splats().map(|splat| shortest(&splat.axes))),
-            Range::new(weight, splats().map(|splat| splat.weight)),
-            Range::new(
+            ShownRange::new("longest axis", splats().map(|splat| longest(&splat.axes))),
+            ShownRange::new("shortest axis", splats().map(|splat| shortest(&splat.axes))),
+            ShownRange::new(weight, splats().map(|splat| splat.weight)),
+            ShownRange::new(
                 "colour without harmonics",
                 splats().flat_map(|splat| splat.colour),
             ),
@@ -148,12 +148,12 @@ impl Info {
         let frame = Frame::of_surface(cloud, is_height_field, None);
         let points = || cloud.points.iter();
         let ranges = [
-            Range::new(
+            ShownRange::new(
                 "radius",
                 points().map(|point| vector::length(point.frame[0])),
             ),
-            Range::new("opacity", points().map(|point| point.opacity)),
-            Range::new("colour", points().flat_map(|point| point.colour)),
+            ShownRange::new("opacity", points().map(|point| point.opacity)),
+            ShownRange::new("colour", points().flat_map(|point| point.colour)),
         ];
         Info {
             kind: match is_height_field {
@@ -231,7 +231,7 @@ impl Info {
         );
         let _ = writeln!(text, "rules      {}, sorted by {}", self.rules, self.order);
         let _ = writeln!(text, "harmonics  degree {}", self.harmonics_degree);
-        for Range {
+        for ShownRange {
             of,
             least,
             median,
@@ -250,13 +250,13 @@ impl Info {
     }
 }
 
-impl Range {
-    fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<Range> {
+impl ShownRange {
+    fn new(of: &'static str, values: impl Iterator<Item = f64>) -> Option<ShownRange> {
         let mut values: Vec<f64> = values.collect();
         let median = median(&mut values)?;
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        Some(Range {
+        Some(ShownRange {
             of,
             least,
             median,

@@ -24,14 +24,14 @@ draws them. Engines are explained in `sim/src/stability/scenes/mod.rs`,\nthe sce
 
 /// Everything measured, as JSON.
 #[derive(serde::Serialize)]
-struct Measured {
+struct MeasuredLine {
     cases: Vec<Line>,
     scenes: Vec<SceneLine>,
 }
 
 pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
-    let mut measured = Measured {
+    let mut measured = MeasuredLine {
         cases: Vec::new(),
         scenes: Vec::new(),
     };

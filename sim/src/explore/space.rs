@@ -72,12 +72,12 @@ pub struct Space {
     pub points: Vec<Vec<usize>>,
 }
 
-struct Source<'a> {
+struct TableSource<'a> {
     file: &'a str,
     text: &'a str,
 }
 
-impl Source<'_> {
+impl TableSource<'_> {
     fn wrong(&self, section: &str, key: &str, problem: impl Into<String>) -> SpaceError {
         let line = line_of(self.text, section, key);
         SpaceError {
@@ -93,7 +93,7 @@ impl Space {
     /// Reads a space from the text of its file.
     pub fn from_toml(file: &str, text: &str) -> Result<Space, SpaceError> {
         let (axes, table) = Space::read(file, text)?;
-        let points = points(&Source { file, text }, &table, &axes)?;
+        let points = points(&TableSource { file, text }, &table, &axes)?;
         Ok(Space { axes, points })
     }
 
@@ -105,7 +105,7 @@ impl Space {
     }
 
     fn read(file: &str, text: &str) -> Result<(Vec<Axis>, toml::Table), SpaceError> {
-        let source = Source { file, text };
+        let source = TableSource { file, text };
         let table: toml::Table = text
             .parse()
             .map_err(|error: toml::de::Error| source.wrong("", "TOML", error.to_string()))?;
@@ -153,7 +153,12 @@ impl Space {
     }
 }
 
-fn axis(source: &Source, section: &str, key: &str, values: &Value) -> Result<Axis, SpaceError> {
+fn axis(
+    source: &TableSource,
+    section: &str,
+    key: &str,
+    values: &Value,
+) -> Result<Axis, SpaceError> {
     let values = match values {
         Value::Array(list) if !list.is_empty() => list.clone(),
         Value::Array(_) => return Err(source.wrong(section, key, "the list is empty")),
@@ -273,7 +278,7 @@ fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
 }
 
 fn points(
-    source: &Source,
+    source: &TableSource,
     table: &toml::Table,
     axes: &[Axis],
 ) -> Result<Vec<Vec<usize>>, SpaceError> {

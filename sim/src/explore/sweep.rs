@@ -107,7 +107,7 @@ impl Shard {
 }
 
 /// A point's number and its place in the space.
-type Point<'a> = (usize, &'a [usize]);
+type SweepPoint<'a> = (usize, &'a [usize]);
 
 /// Runs all points of the shard that `done` does not hold yet. `progress` is told of every finished point.
 pub fn run(
@@ -119,7 +119,7 @@ pub fn run(
     progress: &(dyn Fn() + Sync),
 ) -> Result<()> {
     let (all, frames) = (space.points.len(), subject.frames());
-    let open: Vec<Point> = (0..)
+    let open: Vec<SweepPoint> = (0..)
         .zip(&space.points)
         .filter(|(number, _)| shard.holds(*number, all) && !done.lines.contains_key(number))
         .map(|(number, point)| (number, point.as_slice()))
@@ -147,7 +147,7 @@ pub fn run(
                     out,
                     progress,
                 };
-                let shapes: Vec<&[Point]> = tiles
+                let shapes: Vec<&[SweepPoint]> = tiles
                     .chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes))
                     .collect();
                 shapes
@@ -263,7 +263,7 @@ struct Run<'a> {
     error: Option<&'a SweepError>,
     workload: &'a Workload,
     /// All points of the tile, and what each took on the frames before.
-    tiles: &'a [Point<'a>],
+    tiles: &'a [SweepPoint<'a>],
     earlier: &'a [Mutex<Vec<OnFrame>>],
     is_last: bool,
     out: &'a Appender,
@@ -272,7 +272,7 @@ struct Run<'a> {
 
 impl Run<'_> {
     /// Points with the same lane shape.
-    fn points(&self, points: &[Point]) -> Result<()> {
+    fn points(&self, points: &[SweepPoint]) -> Result<()> {
         let first = machine_of(self.subject, self.space, points[0].1)?;
         // A shape that makes no machine is not even grouped; its points say why.
         let work = match first.check_together() {
@@ -284,7 +284,7 @@ impl Run<'_> {
             .try_for_each(|point| self.point(&work, *point))
     }
 
-    fn point(&self, work: &LaneWork, (number, point): Point) -> Result<()> {
+    fn point(&self, work: &LaneWork, (number, point): SweepPoint) -> Result<()> {
         let config = machine_of(self.subject, self.space, point)?;
         let checked = config.check_together();
         if checked.is_ok() {

@@ -35,17 +35,17 @@ const PART: usize = 1 << 16;
 
 /// Bytes of memory for each footprint of a chunk: two footprints that are kept, and its entries in the lists of tiles, for a footprint that
 /// lies in ten tiles.
-pub const BYTES: u64 = 2 * size_of::<Placed>() as u64 + 40;
+pub const BYTES: u64 = 2 * size_of::<PlacedFootprint>() as u64 + 40;
 
 /// A footprint and its place in the order of drawing.
 #[derive(Clone, Copy)]
-struct Placed {
-    place: Place,
+struct PlacedFootprint {
+    place: DrawingPlace,
     footprint: Footprint,
 }
 
 /// Sort key, then number in the scene; turned around where the farthest is drawn first.
-type Place = (u64, u32);
+type DrawingPlace = (u64, u32);
 
 /// What a drawing by chunks gives.
 #[derive(Clone, Debug)]
@@ -104,7 +104,7 @@ impl DesignJob for ChunkJob<'_> {
     fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
         let facts = self.look()?;
         let view = super::quantise::view(self.camera, 0);
-        let tiles = &mut Tiles::new(view.viewport, Pixel::clear(&design.widths()));
+        let tiles = &mut ChunkTiles::new(view.viewport, Pixel::clear(&design.widths()));
         let mut drawing = ChunkDrawing {
             picture: Picture::new(self.camera.width, self.camera.height),
             pixels: Vec::new(),
@@ -157,7 +157,7 @@ struct FileFacts {
 
 /// The footprints of a chunk in the order of drawing.
 struct Chunk {
-    nearest: Vec<Placed>,
+    nearest: Vec<PlacedFootprint>,
     /// Are there footprints beyond?
     more: bool,
     culled: [usize; Cull::ALL.len()],
@@ -187,7 +187,7 @@ impl ChunkJob<'_> {
     fn select<D: Design + Send + Sync>(
         &self,
         design: D,
-        last: Option<Place>,
+        last: Option<DrawingPlace>,
         facts: &FileFacts,
     ) -> Result<Chunk, LoadError> {
         let backwards = self.options.compositing == Compositing::BackToFront;
@@ -222,7 +222,11 @@ impl ChunkJob<'_> {
 }
 
 /// Paints a chunk over what the tiles hold.
-fn paint<D: Design + Send + Sync>(painter: &Painter<D>, chunk: &[Placed], tiles: &mut Tiles) {
+fn paint<D: Design + Send + Sync>(
+    painter: &Painter<D>,
+    chunk: &[PlacedFootprint],
+    tiles: &mut ChunkTiles,
+) {
     let grid = tiles.grid;
     let mut lists = vec![Vec::new(); grid.len()];
     for (number, placed) in (0u32..).zip(chunk) {
@@ -255,15 +259,15 @@ fn paint<D: Design + Send + Sync>(painter: &Painter<D>, chunk: &[Placed], tiles:
 struct Selection {
     size: usize,
     /// Nothing up to this one is taken.
-    last: Option<Place>,
+    last: Option<DrawingPlace>,
     /// Nothing beyond this one is taken.
-    farthest: Option<Place>,
-    kept: Vec<Placed>,
+    farthest: Option<DrawingPlace>,
+    kept: Vec<PlacedFootprint>,
     more: bool,
 }
 
 impl Selection {
-    fn new(size: usize, last: Option<Place>) -> Self {
+    fn new(size: usize, last: Option<DrawingPlace>) -> Self {
         Selection {
             size,
             last,
@@ -273,7 +277,7 @@ impl Selection {
         }
     }
 
-    fn offer(&mut self, place: Place, footprint: Footprint) {
+    fn offer(&mut self, place: DrawingPlace, footprint: Footprint) {
         if self.last.is_some_and(|last| place <= last) {
             return;
         }
@@ -281,7 +285,7 @@ impl Selection {
             self.more = true;
             return;
         }
-        self.kept.push(Placed { place, footprint });
+        self.kept.push(PlacedFootprint { place, footprint });
         if self.kept.len() >= 2 * self.size {
             self.drop_farther();
         }
@@ -301,7 +305,7 @@ impl Selection {
     }
 
     /// The least ones in order, and whether there are others.
-    fn finish(mut self) -> (Vec<Placed>, bool) {
+    fn finish(mut self) -> (Vec<PlacedFootprint>, bool) {
         self.drop_farther();
         self.kept.sort_unstable_by_key(|placed| placed.place);
         (self.kept, self.more)
@@ -309,28 +313,28 @@ impl Selection {
 }
 
 /// The picture between two chunks.
-struct Tiles {
+struct ChunkTiles {
     grid: Grid,
-    tiles: Vec<Tile>,
+    tiles: Vec<ChunkTile>,
 }
 
-struct Tile {
+struct ChunkTile {
     pixels: Vec<Pixel>,
     is_finished: bool,
 }
 
-impl Tiles {
+impl ChunkTiles {
     fn new(viewport: [u16; 2], clear: Pixel) -> Self {
         let grid = Grid::new(viewport, TILE);
         let area = |window: Window| {
             let [columns, rows] = [0, 1].map(|axis| window.end[axis] - window.first[axis]);
             usize::from(columns) * usize::from(rows)
         };
-        let tile = |number| Tile {
+        let tile = |number| ChunkTile {
             pixels: vec![clear; area(grid.window(number))],
             is_finished: false,
         };
-        Tiles {
+        ChunkTiles {
             grid,
             tiles: (0..grid.len()).map(tile).collect(),
         }
@@ -473,7 +477,7 @@ mod tests {
             selection.offer(place, footprint);
         }
         let (kept, more) = selection.finish();
-        let places: Vec<Place> = kept.iter().map(|placed| placed.place).collect();
+        let places: Vec<DrawingPlace> = kept.iter().map(|placed| placed.place).collect();
         assert_eq!((places, more), (vec![(3, 8), (4, 4)], true));
     }
 

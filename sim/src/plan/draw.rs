@@ -299,7 +299,7 @@ fn draw_format(engine: Engine, splats: &Splats) -> Result<reference::Drawing> {
         bail!("engine '{name}' knows no scaling by distance: leave --antialias out, or use float");
     }
     let format = engine.format().unwrap_or(formats::FP32);
-    let stages = formats::Stages::pixels(format);
+    let stages = formats::RoundedStages::pixels(format);
     Ok(formats::draw(
         splats.scene,
         splats.camera,

@@ -40,12 +40,12 @@ pub enum CameraPath {
 #[serde(deny_unknown_fields)]
 pub struct KeyFrames {
     frames: usize,
-    key: Vec<Key>,
+    key: Vec<CameraKey>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Key {
+struct CameraKey {
     eye: Vector,
     target: Vector,
     up: Option<Vector>,
@@ -137,8 +137,8 @@ impl KeyFrames {
         let part = at - from as f64;
         // The ends have no neighbour beyond them: they are their own.
         let key = |offset: usize| self.key[(from + offset).saturating_sub(1).min(last)];
-        let four: [Key; 4] = std::array::from_fn(key);
-        let spline = |of: fn(&Key) -> Vector| -> Vector {
+        let four: [CameraKey; 4] = std::array::from_fn(key);
+        let spline = |of: fn(&CameraKey) -> Vector| -> Vector {
             std::array::from_fn(|axis| catmull_rom(four.map(|key| of(&key)[axis]), part))
         };
         let ups = four.map(|key| key.up.unwrap_or(up));

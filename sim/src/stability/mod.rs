@@ -263,7 +263,7 @@ fn worsen_radial(
         first: [0, 0],
         end: [case.camera.width as u16, case.camera.height as u16],
     };
-    let lanes = design.dispatch(Lanes {
+    let lanes = design.dispatch(LaneSum {
         footprint,
         window,
         traversal: design.traversal,
@@ -283,13 +283,13 @@ fn worsen_radial(
 }
 
 /// The radial index in the lanes, for every pixel of the window; none where the traversal does not go.
-struct Lanes<'a> {
+struct LaneSum<'a> {
     footprint: &'a Footprint,
     window: Window,
     traversal: Traversal,
 }
 
-impl DesignJob for Lanes<'_> {
+impl DesignJob for LaneSum<'_> {
     type Output = Vec<Option<f64>>;
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
@@ -302,7 +302,7 @@ impl DesignJob for Lanes<'_> {
     }
 }
 
-impl Lanes<'_> {
+impl LaneSum<'_> {
     fn collect(&self, mut rows: impl Spans) -> Vec<Option<f64>> {
         use splatline::format::Lane;
         let [columns, lines] = self.window.end.map(usize::from);

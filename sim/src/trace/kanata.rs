@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 /// One pair: unit, tile, splat.
-type Pair = (u32, u32, u32);
+type TracedPair = (u32, u32, u32);
 
 /// First and one past the last cycle of every stage of a pair.
-type Stages = BTreeMap<Stage, (u64, u64)>;
+type TracedStages = BTreeMap<Stage, (u64, u64)>;
 
 /// The log of some events.
 pub fn log(events: &[Event]) -> String {
-    let mut pairs: BTreeMap<Pair, Stages> = BTreeMap::new();
+    let mut pairs: BTreeMap<TracedPair, TracedStages> = BTreeMap::new();
     for event in events
         .iter()
         .filter(|event| event.stage != Stage::WriteBack)
@@ -30,8 +30,8 @@ pub fn log(events: &[Event]) -> String {
             .or_insert((event.start, event.end));
         (*start, *end) = ((*start).min(event.start), (*end).max(event.end));
     }
-    let mut order: Vec<(Pair, Stages)> = pairs.into_iter().collect();
-    let begin = |stages: &Stages| stages.values().map(|(start, _)| *start).min().unwrap_or(0);
+    let mut order: Vec<(TracedPair, TracedStages)> = pairs.into_iter().collect();
+    let begin = |stages: &TracedStages| stages.values().map(|(start, _)| *start).min().unwrap_or(0);
     order.sort_by_key(|(pair, stages)| (begin(stages), *pair));
 
     // Lines by cycle; within a cycle ends come before starts, and a pair's head before its stages.

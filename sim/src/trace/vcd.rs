@@ -6,15 +6,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 /// Unit, stage and lane.
-type Place = (u32, Stage, u32);
+type VcdPlace = (u32, Stage, u32);
 
 /// The dump of some events.
 pub fn dump(events: &[Event]) -> String {
-    let places: BTreeSet<Place> = events
+    let places: BTreeSet<VcdPlace> = events
         .iter()
         .map(|event| (event.unit, event.stage, event.lane))
         .collect();
-    let numbers: BTreeMap<Place, usize> = places
+    let numbers: BTreeMap<VcdPlace, usize> = places
         .iter()
         .zip(0..)
         .map(|(place, number)| (*place, number))
@@ -63,7 +63,7 @@ pub fn dump(events: &[Event]) -> String {
     text
 }
 
-fn header(numbers: &BTreeMap<Place, usize>) -> String {
+fn header(numbers: &BTreeMap<VcdPlace, usize>) -> String {
     let mut text = String::from(
         "$comment one cycle is 1 ns; a write-back's splat is 4294967295 $end\n$timescale 1 ns $end\n",
     );

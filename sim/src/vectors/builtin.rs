@@ -6,9 +6,9 @@ use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Eye, Projection, RatioLimits, View};
 
 /// A linear congruential generator, so that anyone can make the same splats.
-struct Random(u32);
+struct BuiltinRandom(u32);
 
-impl Random {
+impl BuiltinRandom {
     fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.0
@@ -18,12 +18,12 @@ impl Random {
 /// `count` splats before a camera of `size` pixels: in turn ordinary, needle, disc, huge, tiny, at the eye, beside the picture,
 /// saturated and almost transparent.
 pub fn hard_cases(count: usize, size: [u16; 2], seed: u32) -> (View, Vec<VolumeSplat>) {
-    let mut random = Random(seed);
+    let mut random = BuiltinRandom(seed);
     let splats = (0..count).map(|index| splat(&mut random, index)).collect();
     (view(size), splats)
 }
 
-fn splat(random: &mut Random, index: usize) -> VolumeSplat {
+fn splat(random: &mut BuiltinRandom, index: usize) -> VolumeSplat {
     let mut centre = [(); 3].map(|()| ((random.bits() >> 8) as i32 - (1 << 23)) * 4);
     // Powers of two by which the axes are smaller than about a third of a unit, and the colour and opacity's sizes.
     let (mut thin, mut opacity, mut bright) = ([0, 0, 0], -30, 0);

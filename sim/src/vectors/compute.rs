@@ -76,18 +76,18 @@ fn compute_with<D: Design>(design: D, subject: &Subject) -> Vec<Stage> {
     ]
 }
 
-type Spec = (String, usize, bool, usize);
+type StageSpec = (String, usize, bool, usize);
 
-fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> Spec {
+fn field(name: &str, bits: usize, signed: bool, fraction: u8) -> StageSpec {
     (name.to_owned(), bits, signed, fraction.into())
 }
 
 /// Mantissa and exponent.
-fn number(name: &str) -> [Spec; 2] {
+fn number(name: &str) -> [StageSpec; 2] {
     ["mantissa", "exponent"].map(|part| field(&format!("{name}_{part}"), 32, true, 0))
 }
 
-fn numbers<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = Spec> {
+fn numbers<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterator<Item = StageSpec> {
     names.into_iter().flat_map(number)
 }
 

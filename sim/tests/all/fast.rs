@@ -257,7 +257,7 @@ fn every_engine_sorts_as_the_scene_asks() {
         let float = &floats[floats.len() - 2];
         let front = Compositing::FrontToBack;
         let exact = reference::exact::draw(&scene, &camera, &rules, front).picture;
-        let stages = reference::formats::Stages::pixels(reference::formats::FP32);
+        let stages = reference::formats::RoundedStages::pixels(reference::formats::FP32);
         let single = reference::formats::draw(&scene, &camera, &rules, &stages).picture;
         assert!(psnr(&single, float) > 60.0, "{order:?}");
         floats.push(exact);

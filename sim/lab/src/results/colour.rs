@@ -15,10 +15,10 @@ use std::path::Path;
 const SIZE: usize = 512;
 
 /// Eye, target, vertical field of view in degrees.
-type Place = ([f64; 3], [f64; 3], f64);
+type ColourPlace = ([f64; 3], [f64; 3], f64);
 
 /// A captured scene with harmonics, and where it is seen from; -y is up.
-const CAPTURED: [(&str, &str, Place); 1] = [(
+const CAPTURED: [(&str, &str, ColourPlace); 1] = [(
     "playbot_lod4",
     "gaussians/playbot_lod4.ply",
     ([2.2, -1.4, 2.2], [0.0, -0.45, 0.0], 45.0),

@@ -14,7 +14,7 @@ use splatline_sim::machine::area::{Calibration, estimate, synthesis};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
-use splatline_sim::reference::formats::{self, BFLOAT16, FP16, FP32, Format, Stages};
+use splatline_sim::reference::formats::{self, BFLOAT16, FP16, FP32, Format, RoundedStages};
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 
@@ -113,29 +113,29 @@ fn fixed_table(view: &View, reference: &Picture) -> Result<String> {
 
 fn formats_table(view: &View, reference: &Picture) -> Result<String> {
     let rules = view.scene.natural_rules;
-    let single = Stages::all(FP32);
+    let single = RoundedStages::all(FP32);
     let mut rows = Vec::new();
     for (name, format) in [("fp32", FP32), ("fp16", FP16), ("bfloat16", BFLOAT16)] {
         let stages = |format: Format| {
             [
-                Stages {
+                RoundedStages {
                     setup: format,
                     ..single
                 },
-                Stages {
+                RoundedStages {
                     raster: format,
                     ..single
                 },
-                Stages {
+                RoundedStages {
                     kernel: format,
                     ..single
                 },
-                Stages {
+                RoundedStages {
                     blend: format,
                     ..single
                 },
-                Stages::pixels(format),
-                Stages::all(format),
+                RoundedStages::pixels(format),
+                RoundedStages::all(format),
             ]
         };
         let mut row = vec![name.to_owned()];

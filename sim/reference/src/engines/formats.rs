@@ -85,8 +85,8 @@ impl Format {
         1 + exponents.ilog2() + self.fraction_bits as u32
     }
 
-    fn number(self, value: f64) -> Number {
-        Number {
+    fn number(self, value: f64) -> Rounded {
+        Rounded {
             value: self.round(value),
             format: self,
         }
@@ -100,30 +100,30 @@ fn power(exponent: i32) -> f64 {
 
 /// A value of a format. Operations round to the format of their left operand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Number {
+struct Rounded {
     value: f64,
     format: Format,
 }
 
-impl Number {
-    fn to(self, format: Format) -> Number {
+impl Rounded {
+    fn to(self, format: Format) -> Rounded {
         format.number(self.value)
     }
 
-    fn of(self, value: f64) -> Number {
+    fn of(self, value: f64) -> Rounded {
         self.format.number(value)
     }
 
-    fn sqrt(self) -> Number {
+    fn sqrt(self) -> Rounded {
         self.of(self.value.sqrt())
     }
 
     /// Of the exponential only the double's value is rounded: it is within a billionth of the true one's neighbourhood.
-    fn exp(self) -> Number {
+    fn exp(self) -> Rounded {
         self.of(libm::exp(self.value))
     }
 
-    fn min(self, other: Number) -> Number {
+    fn min(self, other: Rounded) -> Rounded {
         if other.value < self.value {
             other
         } else {
@@ -131,7 +131,7 @@ impl Number {
         }
     }
 
-    fn max(self, other: Number) -> Number {
+    fn max(self, other: Rounded) -> Rounded {
         if other.value > self.value {
             other
         } else {
@@ -140,38 +140,38 @@ impl Number {
     }
 }
 
-impl Add for Number {
-    type Output = Number;
-    fn add(self, other: Number) -> Number {
+impl Add for Rounded {
+    type Output = Rounded;
+    fn add(self, other: Rounded) -> Rounded {
         self.of(self.value + other.value)
     }
 }
 
-impl Sub for Number {
-    type Output = Number;
-    fn sub(self, other: Number) -> Number {
+impl Sub for Rounded {
+    type Output = Rounded;
+    fn sub(self, other: Rounded) -> Rounded {
         self.of(self.value - other.value)
     }
 }
 
-impl Mul for Number {
-    type Output = Number;
-    fn mul(self, other: Number) -> Number {
+impl Mul for Rounded {
+    type Output = Rounded;
+    fn mul(self, other: Rounded) -> Rounded {
         self.of(self.value * other.value)
     }
 }
 
-impl Div for Number {
-    type Output = Number;
-    fn div(self, other: Number) -> Number {
+impl Div for Rounded {
+    type Output = Rounded;
+    fn div(self, other: Rounded) -> Rounded {
         self.of(self.value / other.value)
     }
 }
 
-impl Neg for Number {
-    type Output = Number;
-    fn neg(self) -> Number {
-        Number {
+impl Neg for Rounded {
+    type Output = Rounded;
+    fn neg(self) -> Rounded {
+        Rounded {
             value: -self.value,
             ..self
         }
@@ -180,7 +180,7 @@ impl Neg for Number {
 
 /// The formats of a datapath's stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Stages {
+pub struct RoundedStages {
     /// From the splat to centre, conic and opacity.
     pub setup: Format,
     /// Offset of a pixel and radial index.
@@ -191,10 +191,10 @@ pub struct Stages {
     pub blend: Format,
 }
 
-impl Stages {
+impl RoundedStages {
     /// One format after a setup in single precision, as the machines of the literature have it.
-    pub fn pixels(format: Format) -> Stages {
-        Stages {
+    pub fn pixels(format: Format) -> RoundedStages {
+        RoundedStages {
             setup: FP32,
             raster: format,
             kernel: format,
@@ -203,29 +203,29 @@ impl Stages {
     }
 
     /// One format throughout.
-    pub fn all(format: Format) -> Stages {
-        Stages {
+    pub fn all(format: Format) -> RoundedStages {
+        RoundedStages {
             setup: format,
-            ..Stages::pixels(format)
+            ..RoundedStages::pixels(format)
         }
     }
 }
 
 /// A footprint in the format of setup.
 #[derive(Clone, Copy, Debug)]
-struct Footprint {
-    centre: [Number; 2],
-    depth: Number,
+struct RoundedFootprint {
+    centre: [Rounded; 2],
+    depth: Rounded,
     /// What it is sorted by: the depth, or the distance from the eye.
-    place: Number,
+    place: Rounded,
     /// Vxx and Vyy.
-    variance: [Number; 2],
-    conic: [Number; 3],
-    peak: Number,
+    variance: [Rounded; 2],
+    conic: [Rounded; 3],
+    peak: Rounded,
     colour: [f64; 3],
 }
 
-impl Footprint {
+impl RoundedFootprint {
     fn bounds(&self, camera: &Camera, rules: &Rules) -> PixelBox {
         let [a, c] = self.variance.map(|v| v.value as f32);
         let widest = SingleFootprint {
@@ -240,7 +240,7 @@ impl Footprint {
 }
 
 /// Draws front to back. Kernels other than the Gaussian are drawn as one: callers ask for `3dgs` or `ewa`.
-pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &Stages) -> Drawing {
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStages) -> Drawing {
     let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
     let setup = Setup {
@@ -249,14 +249,14 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &Stages) -> D
         order: scene.order,
         format: stages.setup,
     };
-    let projected: Vec<Result<Footprint, Culled>> = splats
+    let projected: Vec<Result<RoundedFootprint, Culled>> = splats
         .map(|((splat, weight), colour)| setup.project(splat, weight, colour))
         .collect();
     let mut counts = Counts::of_projected(&projected);
-    let mut drawn: Vec<Footprint> = projected.into_iter().flatten().collect();
+    let mut drawn: Vec<RoundedFootprint> = projected.into_iter().flatten().collect();
     // Stable: equal places stay in the order of their numbers.
     drawn.sort_by(|a, b| a.place.value.total_cmp(&b.place.value));
-    let boxed: Vec<(Footprint, PixelBox)> = drawn
+    let boxed: Vec<(RoundedFootprint, PixelBox)> = drawn
         .into_iter()
         .map(|footprint| (footprint, footprint.bounds(camera, rules)))
         .filter(|(_, bounds)| !bounds.is_empty())
@@ -264,7 +264,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &Stages) -> D
     let mut picture = Picture::new(camera.width, camera.height);
     let bands = picture.pixels.par_chunks_mut((camera.width * TILE).max(1));
     let covered = bands.enumerate().map(|(band, pixels)| {
-        let mut tiles = Band::new(band * TILE, camera.width, pixels.len(), rules, stages);
+        let mut tiles = RowBand::new(band * TILE, camera.width, pixels.len(), rules, stages);
         boxed
             .iter()
             .for_each(|(footprint, bounds)| tiles.splat(footprint, bounds));
@@ -276,26 +276,26 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &Stages) -> D
 }
 
 /// A row of tiles.
-struct Band<'a> {
+struct RowBand<'a> {
     rows: PixelBox,
     rules: &'a Rules,
-    stages: &'a Stages,
+    stages: &'a RoundedStages,
     /// Premultiplied colour and the light that is left.
-    gathered: Vec<[Number; 4]>,
+    gathered: Vec<[Rounded; 4]>,
     finished: Vec<bool>,
     covered: u64,
 }
 
-impl<'a> Band<'a> {
+impl<'a> RowBand<'a> {
     fn new(
         first: usize,
         width: usize,
         pixels: usize,
         rules: &'a Rules,
-        stages: &'a Stages,
+        stages: &'a RoundedStages,
     ) -> Self {
         let [nothing, all] = [0.0, 1.0].map(|value| stages.blend.number(value));
-        Band {
+        RowBand {
             rows: PixelBox {
                 x0: 0,
                 y0: first,
@@ -310,7 +310,7 @@ impl<'a> Band<'a> {
         }
     }
 
-    fn splat(&mut self, footprint: &Footprint, bounds: &PixelBox) {
+    fn splat(&mut self, footprint: &RoundedFootprint, bounds: &PixelBox) {
         let inside = bounds.intersection(&self.rows);
         if inside.is_empty() {
             return;
@@ -326,10 +326,10 @@ impl<'a> Band<'a> {
         }
     }
 
-    fn tile(&mut self, footprint: &Footprint, corner: [usize; 2], part: &PixelBox) {
+    fn tile(&mut self, footprint: &RoundedFootprint, corner: [usize; 2], part: &PixelBox) {
         let raster = self.stages.raster;
         // Relative to the tile while still in the format of setup, then handed over.
-        let centre: [Number; 2] = [0, 1].map(|axis| {
+        let centre: [Rounded; 2] = [0, 1].map(|axis| {
             let at = footprint.centre[axis];
             (at - at.of(corner[axis] as f64)).to(raster)
         });
@@ -355,7 +355,7 @@ impl<'a> Band<'a> {
         }
     }
 
-    fn blend(&mut self, index: usize, alpha: Number, colour: [Number; 3]) {
+    fn blend(&mut self, index: usize, alpha: Rounded, colour: [Rounded; 3]) {
         let pixel = &mut self.gathered[index];
         let clear = pixel[3];
         let rest = clear * (clear.of(1.0) - alpha);
@@ -379,12 +379,12 @@ impl<'a> Band<'a> {
 }
 
 /// r = a dx^2 + 2 b dx dy + c dy^2 in the order of [`SingleFootprint::radial`].
-fn radial([a, b, c]: [Number; 3], dx: Number, dy: Number) -> Number {
+fn radial([a, b, c]: [Rounded; 3], dx: Rounded, dy: Rounded) -> Rounded {
     a * dx * dx + a.of(2.0) * b * dx * dy + c * dy * dy
 }
 
 /// Opacity at a radial index, clamped and cut off by the rules.
-fn opacity(r: Number, peak: Number, rules: &Rules) -> Option<Number> {
+fn opacity(r: Rounded, peak: Rounded, rules: &Rules) -> Option<Rounded> {
     if !(0.0..rules.cutoff).contains(&r.value) {
         return None;
     }
@@ -403,7 +403,12 @@ struct Setup<'a> {
 
 impl Setup<'_> {
     /// Projects one splat, step by step as [`single::project`](super::single::project) does.
-    fn project(&self, splat: &Splat, weight: f64, colour: [f64; 3]) -> Result<Footprint, Culled> {
+    fn project(
+        &self,
+        splat: &Splat,
+        weight: f64,
+        colour: [f64; 3],
+    ) -> Result<RoundedFootprint, Culled> {
         let Setup {
             camera,
             rules,
@@ -413,7 +418,7 @@ impl Setup<'_> {
         let n = |value: f64| format.number(value);
         let rotation = camera.rotation.map(|row| row.map(n));
         let centre = splat.centre.map(n);
-        let t: [Number; 3] =
+        let t: [Rounded; 3] =
             std::array::from_fn(|row| dot(rotation[row], centre) + n(camera.translation[row]));
         let z = t[2];
         if !z.value.is_finite() || z.value <= n(camera.near).value {
@@ -426,7 +431,7 @@ impl Setup<'_> {
         let distance = if camera.orthographic { n(1.0) } else { z };
         let slope = slopes(t, camera, rules);
         let gain = focal.map(|f| f / distance);
-        let rows: [[Number; 3]; 2] = [0, 1].map(|i| {
+        let rows: [[Rounded; 3]; 2] = [0, 1].map(|i| {
             std::array::from_fn(|k| gain[i] * rotation[i][k] - gain[i] * slope[i] * rotation[2][k])
         });
         let variance = covariance(splat, format);
@@ -452,7 +457,7 @@ impl Setup<'_> {
         if !(peak.value > 0.0 && peak.value >= rules.alpha_min) {
             return Err(Culled::Transparent);
         }
-        Ok(Footprint {
+        Ok(RoundedFootprint {
             centre: [
                 focal[0] * t[0] / distance + n(camera.cx),
                 focal[1] * t[1] / distance + n(camera.cy),
@@ -470,7 +475,7 @@ impl Setup<'_> {
     }
 }
 
-fn slopes(t: [Number; 3], camera: &Camera, rules: &Rules) -> [Number; 2] {
+fn slopes(t: [Rounded; 3], camera: &Camera, rules: &Rules) -> [Rounded; 2] {
     let frustum = [
         (camera.width, camera.cx, camera.fx),
         (camera.height, camera.cy, camera.fy),
@@ -493,13 +498,13 @@ fn slopes(t: [Number; 3], camera: &Camera, rules: &Rules) -> [Number; 2] {
     })
 }
 
-fn covariance(splat: &Splat, format: Format) -> [[Number; 3]; 3] {
+fn covariance(splat: &Splat, format: Format) -> [[Rounded; 3]; 3] {
     let axes = splat.axes.map(|axis| axis.map(|x| format.number(x)));
     let [p, q, s] = axes;
     std::array::from_fn(|i| std::array::from_fn(|j| p[i] * p[j] + q[i] * q[j] + s[i] * s[j]))
 }
 
-fn dot(a: [Number; 3], b: [Number; 3]) -> Number {
+fn dot(a: [Rounded; 3], b: [Rounded; 3]) -> Rounded {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

@@ -131,7 +131,7 @@ proptest! {
         let (a, b) = (f32::from_bits(a), f32::from_bits(b));
         prop_assume!(a.is_finite() && b.is_finite());
         let (x, y) = (FP32.number(a.into()), FP32.number(b.into()));
-        let same = |found: Number, wanted: f32| found.value == f64::from(wanted) || (found.value.is_nan() && wanted.is_nan());
+        let same = |found: Rounded, wanted: f32| found.value == f64::from(wanted) || (found.value.is_nan() && wanted.is_nan());
         prop_assert!(same(x + y, a + b) && same(x - y, a - b) && same(x * y, a * b) && same(x / y, a / b));
         prop_assert!(same(x.sqrt(), a.sqrt()));
         prop_assert_eq!(FP32.round(f64::from(a) * 1.000_000_1), f64::from((f64::from(a) * 1.000_000_1) as f32));
@@ -182,7 +182,7 @@ fn fewer_bits_give_larger_errors() {
     let camera = synthetic::camera(96, 64);
     let rules = scene.natural_rules;
     let truth = super::super::float::draw(&scene, &camera, &rules, Compositing::FrontToBack);
-    let psnr = |stages: Stages| {
+    let psnr = |stages: RoundedStages| {
         let drawing = draw(&scene, &camera, &rules, &stages);
         assert!(drawing.counts.covered_pixels > 1000);
         compare(&drawing.picture, &truth.picture)
@@ -190,25 +190,26 @@ fn fewer_bits_give_larger_errors() {
             .colour
             .psnr_db
     };
-    let [single, half, brain] = [FP32, FP16, BFLOAT16].map(|format| psnr(Stages::pixels(format)));
+    let [single, half, brain] =
+        [FP32, FP16, BFLOAT16].map(|format| psnr(RoundedStages::pixels(format)));
     assert!(
         single > 90.0 && half < single - 20.0 && brain < half - 8.0,
         "{single} {half} {brain}"
     );
-    assert!(psnr(Stages::all(FP16)) < half);
+    assert!(psnr(RoundedStages::all(FP16)) < half);
     // A stage alone is never worse than all of them together, give or take luck.
     for stages in [
-        Stages {
+        RoundedStages {
             raster: FP16,
-            ..Stages::pixels(FP32)
+            ..RoundedStages::pixels(FP32)
         },
-        Stages {
+        RoundedStages {
             kernel: FP16,
-            ..Stages::pixels(FP32)
+            ..RoundedStages::pixels(FP32)
         },
-        Stages {
+        RoundedStages {
             blend: FP16,
-            ..Stages::pixels(FP32)
+            ..RoundedStages::pixels(FP32)
         },
     ] {
         assert!(psnr(stages) > half - 1.0);

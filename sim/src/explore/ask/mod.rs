@@ -197,8 +197,8 @@ pub fn ask(question: &Question, space: &Space, progress: &(dyn Fn(&str) + Sync))
             .collect();
         match answered(question, &evaluator, &found, &others, progress)? {
             // The search believed that this frame was lighter.
-            Outcome::MissedBy(frame) => searched.push(frame),
-            Outcome::Answered(mut answer) => {
+            Attempt::MissedBy(frame) => searched.push(frame),
+            Attempt::Met(mut answer) => {
                 answer.frames = [searched.len(), all.len()];
                 return Ok(*answer);
             }
@@ -298,9 +298,9 @@ fn search(evaluator: &mut Evaluator) -> Result<Searched> {
 }
 
 /// What evaluating on all frames says.
-enum Outcome {
+enum Attempt {
     /// The answer holds for them.
-    Answered(Box<Answer>),
+    Met(Box<Answer>),
     /// Of the frames that were not searched, one at which the first point misses a limit.
     MissedBy(usize),
 }
@@ -312,7 +312,7 @@ fn answered(
     searched: &Searched,
     others: &[usize],
     progress: &(dyn Fn(&str) + Sync),
-) -> Result<Outcome> {
+) -> Result<Attempt> {
     let known = |point: &[usize]| evaluator.known.get(point).and_then(Option::as_ref);
     let first =
         known(&searched.point).context("the search ends at a point that makes no machine")?;
@@ -336,7 +336,7 @@ fn answered(
             let one = on_frame(question, evaluator.space, point, *frame, progress)?;
             let one = one.context("a machine for some frames is one for all")?;
             if holds && found.is_empty() && question.missed(&one) > 0.0 {
-                return Ok(Outcome::MissedBy(*frame));
+                return Ok(Attempt::MissedBy(*frame));
             }
             all.push(one);
         }
@@ -378,7 +378,7 @@ fn answered(
         frames: [0, 0],
         searched_designs: !evaluator.split_axes().0.is_empty(),
     };
-    Ok(Outcome::Answered(Box::new(answer)))
+    Ok(Attempt::Met(Box::new(answer)))
 }
 
 /// What is reached over parts of the frames, of which the first holds `first` frames and each other part one.

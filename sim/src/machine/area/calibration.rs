@@ -89,7 +89,7 @@ pub struct Calibration {
 }
 
 /// What data sheets say: everything that is not fitted.
-struct Sheet {
+struct SynthesisSheet {
     multiplier: [u64; 2],
     shapes: &'static [[u64; 2]],
     block_kbit: u64,
@@ -125,10 +125,10 @@ impl Family {
         Family::ALL.into_iter().find(|family| family.name() == name)
     }
 
-    fn sheet(self) -> Sheet {
+    fn sheet(self) -> SynthesisSheet {
         match self {
             // XC7A100T (DS180); RAM32M of four LUTs holds 32 words of 6 bits (UG474).
-            Family::Xilinx7 => Sheet {
+            Family::Xilinx7 => SynthesisSheet {
                 multiplier: [25, 18],
                 shapes: &SHAPES_18K,
                 block_kbit: 18,
@@ -140,7 +140,7 @@ impl Family {
                 device: [63_400.0, 240.0, 4_860.0],
             },
             // LFE5U-85F (FPGA-DS-02012); TRELLIS_DPR16X4 takes four LUTs.
-            Family::Ecp5 => Sheet {
+            Family::Ecp5 => SynthesisSheet {
                 multiplier: [18, 18],
                 shapes: &SHAPES_18K,
                 block_kbit: 18,
@@ -152,7 +152,7 @@ impl Family {
                 device: [83_640.0, 156.0, 3_744.0],
             },
             // iCE40UP5K (FPGA-DS-02008).
-            Family::Ice40 => Sheet {
+            Family::Ice40 => SynthesisSheet {
                 multiplier: [17, 17],
                 shapes: &SHAPES_4K,
                 block_kbit: 4,

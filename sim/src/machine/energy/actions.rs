@@ -139,7 +139,7 @@ pub fn of<'a>(
     timing: &Timing,
     table: &'a EnergyTable,
 ) -> Vec<Unit<'a>> {
-    let picture = Picture {
+    let picture = CountedPicture {
         bits: Bits::new(widths),
         packet: packet::Layout::new(widths).bits() as u64,
         traversal,
@@ -170,7 +170,7 @@ pub fn of<'a>(
 }
 
 /// What all units need.
-struct Picture<'a, 't> {
+struct CountedPicture<'a, 't> {
     bits: Bits,
     /// Bits of a packet.
     packet: u64,
@@ -180,7 +180,7 @@ struct Picture<'a, 't> {
     table: &'t EnergyTable,
 }
 
-impl<'t> Picture<'_, 't> {
+impl<'t> CountedPicture<'_, 't> {
     fn unit(&self, name: &'static str) -> Unit<'t> {
         Unit::new(name, self.table)
     }

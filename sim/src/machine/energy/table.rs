@@ -23,18 +23,18 @@ pub struct EnergyTable {
     /// Process and voltage.
     pub node: String,
     scale: f64,
-    adder: Curve,
-    multiplier: Curve,
-    float_adder: Curve,
-    float_multiplier: Curve,
-    memory: Curve,
+    adder: PriceCurve,
+    multiplier: PriceCurve,
+    float_adder: PriceCurve,
+    float_multiplier: PriceCurve,
+    memory: PriceCurve,
     dram_bit: f64,
     shipped: bool,
 }
 
 /// Picojoules over a width, by increasing width; at least one point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Curve {
+struct PriceCurve {
     points: Vec<[f64; 2]>,
     /// Slope in logarithms where there is one point only.
     alone: f64,
@@ -42,20 +42,20 @@ struct Curve {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct EnergyFile {
     node: String,
     scale: Option<Spanned<f64>>,
-    adder: Vec<Entry>,
-    multiplier: Vec<Entry>,
+    adder: Vec<EnergyEntry>,
+    multiplier: Vec<EnergyEntry>,
     memory: Vec<MemoryEntry>,
-    float_adder: Vec<Entry>,
-    float_multiplier: Vec<Entry>,
-    dram: Entry,
+    float_adder: Vec<EnergyEntry>,
+    float_multiplier: Vec<EnergyEntry>,
+    dram: EnergyEntry,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Entry {
+struct EnergyEntry {
     bits: Spanned<i64>,
     pj: Spanned<f64>,
     source: Spanned<String>,
@@ -80,14 +80,15 @@ impl Default for EnergyTable {
 impl EnergyTable {
     /// Reads a table; `file` is its name for messages, which name line, key and what is allowed.
     pub fn from_toml(file: &str, text: &str) -> Result<EnergyTable, String> {
-        let parsed: File = toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
-        let check = Check { file, text };
+        let parsed: EnergyFile =
+            toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+        let check = EnergyCheck { file, text };
         let scale = match &parsed.scale {
             None => 1.0,
             Some(scale) => check.positive("scale", scale, MOST_SCALE)?,
         };
-        let widths = |kind, entries: &[Entry], alone| {
-            let point = |entry: &Entry| {
+        let widths = |kind, entries: &[EnergyEntry], alone| {
+            let point = |entry: &EnergyEntry| {
                 check.source(kind, &entry.source)?;
                 let bits = check.whole(&format!("{kind}.bits"), &entry.bits, 1, 4096)?;
                 let pj = check.positive(&format!("{kind}.pj"), &entry.pj, MOST_PJ)?;
@@ -105,7 +106,7 @@ impl EnergyTable {
         check.source("dram", &parsed.dram.source)?;
         let dram_bits = check.whole("dram.bits", &parsed.dram.bits, 1, 4096)?;
         let dram_pj = check.positive("dram.pj", &parsed.dram.pj, MOST_PJ)?;
-        let squared = |curve: Curve| Curve {
+        let squared = |curve: PriceCurve| PriceCurve {
             points: curve
                 .points
                 .iter()
@@ -175,7 +176,7 @@ fn whole(pj: f64) -> u64 {
     (pj * ATTO).round() as u64
 }
 
-impl Curve {
+impl PriceCurve {
     /// The value at a width: on the power that goes through the two points around it, or nearest to it.
     fn at(&self, x: f64) -> f64 {
         let x = x.max(1.0);
@@ -194,12 +195,12 @@ impl Curve {
 }
 
 /// Checks values and names file and line of those that are refused.
-struct Check<'a> {
+struct EnergyCheck<'a> {
     file: &'a str,
     text: &'a str,
 }
 
-impl Check<'_> {
+impl EnergyCheck<'_> {
     fn line(&self, at: usize) -> usize {
         let before = self.text.get(..at).unwrap_or(self.text);
         before.matches('\n').count() + 1
@@ -248,8 +249,8 @@ impl Check<'_> {
         kind: &str,
         points: impl Iterator<Item = Result<([f64; 2], usize), String>>,
         alone: f64,
-    ) -> Result<Curve, String> {
-        let mut curve = Curve {
+    ) -> Result<PriceCurve, String> {
+        let mut curve = PriceCurve {
             points: Vec::new(),
             alone,
         };

@@ -49,7 +49,7 @@ impl Map {
 
 /// One raster unit's reads.
 #[derive(Clone, Copy, Debug, Default)]
-struct Reader {
+struct SharedReader {
     /// One past the cycle in which it asked last.
     next: u64,
     list: Stream,
@@ -69,7 +69,7 @@ pub struct Shared {
     packets: Stream,
     lists: Stream,
     entries: u64,
-    readers: Vec<Reader>,
+    readers: Vec<SharedReader>,
     /// Phases that are over: their cycles, what was counted, and their accesses.
     before: u64,
     counts: super::DramCounts,
@@ -100,7 +100,7 @@ impl Shared {
             packets: Stream::default(),
             lists: Stream::default(),
             entries: 0,
-            readers: vec![Reader::default(); config.raster_units as usize],
+            readers: vec![SharedReader::default(); config.raster_units as usize],
             before: 0,
             counts: super::DramCounts::default(),
             traced: traced.then(Vec::new),

@@ -18,7 +18,7 @@ fn ns(part: &Part, clocks: u64) -> f64 {
 
 /// Figures of the data sheets in nanoseconds, written here and nowhere else: column access to an open row, to a closed one, to another one, all to
 /// the first data; row cycle; bytes a second; share of refresh.
-struct Sheet {
+struct TestSheet {
     part: &'static str,
     hit: f64,
     miss: f64,
@@ -28,9 +28,9 @@ struct Sheet {
     refresh: f64,
 }
 
-const SHEETS: [Sheet; 3] = [
+const SHEETS: [TestSheet; 3] = [
     // CL 3 at 6 ns, tRCD 18 ns, tRP 18 ns, tRC 60 ns, 16 bits at 166 MHz, 60 ns of every 7.8125 us.
-    Sheet {
+    TestSheet {
         part: "sdr-166-x16",
         hit: 18.0,
         miss: 36.0,
@@ -40,7 +40,7 @@ const SHEETS: [Sheet; 3] = [
         refresh: 0.00768,
     },
     // 13.75 ns each, tRAS 35 ns, 1600 million transfers of two bytes, 260 ns of every 7.8 us.
-    Sheet {
+    TestSheet {
         part: "ddr3-1600-x16",
         hit: 13.75,
         miss: 27.5,
@@ -50,7 +50,7 @@ const SHEETS: [Sheet; 3] = [
         refresh: 0.0333,
     },
     // RL 28 at 0.625 ns, tRCD 18 ns, tRPpb 18 ns, tRAS 42 ns, 3200 million transfers of four bytes, 280 ns of every 3.904 us.
-    Sheet {
+    TestSheet {
         part: "lpddr4-3200-x32",
         hit: 17.5,
         miss: 35.5,

@@ -89,7 +89,7 @@ fn one_tile<'a, D: Design, const LANES: usize>(
 ) -> u64 {
     let mut units = [Unit::<LANES>::new()];
     let units_of_tile = &mut units;
-    let band = Band {
+    let band = PictureBand {
         design,
         footprints,
         window,
@@ -123,7 +123,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
             .filter(|footprint| touches(footprint, &window));
         dispatch(
             choice,
-            Band {
+            PictureBand {
                 design,
                 footprints,
                 window,
@@ -141,7 +141,7 @@ fn touches(footprint: &Footprint, window: &Window) -> bool {
 }
 
 /// Tiles that lie within a window, to be fed with footprints in order.
-struct Band<'u, D, I, O, const LANES: usize> {
+struct PictureBand<'u, D, I, O, const LANES: usize> {
     design: D,
     footprints: I,
     window: Window,
@@ -149,7 +149,7 @@ struct Band<'u, D, I, O, const LANES: usize> {
     observe: O,
 }
 
-impl<'a, D, I, O, const LANES: usize> VectorTask for Band<'_, D, I, O, LANES>
+impl<'a, D, I, O, const LANES: usize> VectorTask for PictureBand<'_, D, I, O, LANES>
 where
     D: Design,
     I: Iterator<Item = &'a Footprint>,
@@ -159,7 +159,7 @@ where
 
     #[inline(always)]
     fn run<L: Floats>(self, lanes: L) {
-        let Band {
+        let PictureBand {
             design,
             footprints,
             window,

@@ -77,7 +77,7 @@ const LARGEST_WORK: u64 = 1 << 25;
 const ROUNDED: f64 = 1.0 / 128.0;
 
 /// One footprint of the table.
-struct TableEntry {
+struct WorkTableEntry {
     splat: u32,
     centre: [f64; 2],
     depth: f64,
@@ -141,7 +141,7 @@ struct Work {
 impl Work {
     fn add(
         &mut self,
-        entry: &TableEntry,
+        entry: &WorkTableEntry,
         options: &TableOptions,
         line: usize,
     ) -> Result<(), TableError> {
@@ -206,7 +206,11 @@ impl TableReader<'_> {
             })
     }
 
-    fn entry(&self, splat: u32, options: &TableOptions) -> Result<Option<TableEntry>, TableError> {
+    fn entry(
+        &self,
+        splat: u32,
+        options: &TableOptions,
+    ) -> Result<Option<WorkTableEntry>, TableError> {
         if self.places.iter().all(|place| self.text(*place).is_empty()) {
             return Ok(None);
         }
@@ -219,7 +223,7 @@ impl TableReader<'_> {
                 *end = limit.min(*end);
             }
         }
-        let entry = TableEntry {
+        let entry = WorkTableEntry {
             splat,
             centre: [self.number(0)?, self.number(1)?],
             depth: self.number(2)?,
@@ -274,7 +278,7 @@ impl TableReader<'_> {
     }
 }
 
-fn workload(entries: &[TableEntry], splats: usize, options: &TableOptions) -> Workload {
+fn workload(entries: &[WorkTableEntry], splats: usize, options: &TableOptions) -> Workload {
     let mut viewport = options.viewport;
     for (axis, size) in viewport.iter_mut().enumerate() {
         if *size == 0 {
@@ -291,7 +295,7 @@ fn workload(entries: &[TableEntry], splats: usize, options: &TableOptions) -> Wo
     let bins = Bins::new(boxes, viewport, options.tile);
     let parts = (0..bins.lists.len()).map(|tile| {
         let window = bins.window(tile, viewport, options.tile);
-        let listed = |entry: &&TableEntry| {
+        let listed = |entry: &&WorkTableEntry| {
             entry
                 .tiles
                 .as_ref()
@@ -317,7 +321,7 @@ fn workload(entries: &[TableEntry], splats: usize, options: &TableOptions) -> Wo
 }
 
 fn tile_part<'a>(
-    list: impl Iterator<Item = &'a TableEntry>,
+    list: impl Iterator<Item = &'a WorkTableEntry>,
     (first, last): ([u16; 2], [u16; 2]),
     traversal: Traversal,
 ) -> TilePart {
@@ -338,7 +342,7 @@ fn tile_part<'a>(
     part
 }
 
-impl TableEntry {
+impl WorkTableEntry {
     fn row(&self, y: u16, [from, to]: [u16; 2], origin: u16, traversal: Traversal) -> Row {
         let [a, b, c] = self.conic;
         let dy = f64::from(y) + 0.5 - self.centre[1];

@@ -83,7 +83,7 @@ pub fn measure(size: Size, seed: u64) -> Vec<SceneLine> {
 /// Every engine's line in one class.
 pub fn measure_class(class: &Class) -> Vec<SceneLine> {
     let Class { scene, camera, .. } = class;
-    let truth = Truth::new(scene, camera);
+    let truth = DecisionTruth::new(scene, camera);
     let designs: Vec<DesignChoice> = DESIGNS
         .into_iter()
         .filter_map(DesignChoice::named)
@@ -101,7 +101,7 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         })
         .collect();
     let other = in_camera_space(scene, camera);
-    let other = Truth::new(&other.0, &other.1);
+    let other = DecisionTruth::new(&other.0, &other.1);
     let mut singles = vec![(SINGLE, SingleDrawing::new(scene, camera, &truth.order))];
     if let Some(offset) = class.offset {
         let (scene, camera) = moved(scene, camera, offset);
@@ -211,15 +211,15 @@ fn relative_to(scene: &Scene, origin: [f64; 3]) -> Scene {
 }
 
 /// What double precision makes of a scene.
-struct Truth {
+struct DecisionTruth {
     projected: Vec<Result<Footprint, Culled>>,
     drawing: Drawing,
     /// Splats nearest first, culled ones too.
     order: Vec<usize>,
 }
 
-impl Truth {
-    fn new(scene: &Scene, camera: &Camera) -> Truth {
+impl DecisionTruth {
+    fn new(scene: &Scene, camera: &Camera) -> DecisionTruth {
         let projected = float::footprints(scene, camera, &RULES);
         let drawing = compositor::draw(
             &projected,
@@ -235,7 +235,7 @@ impl Truth {
             .collect();
         let mut order: Vec<usize> = (0..depths.len()).collect();
         order.sort_by(|a, b| depths[*a].total_cmp(&depths[*b]));
-        Truth {
+        DecisionTruth {
             projected,
             drawing,
             order,
@@ -243,7 +243,7 @@ impl Truth {
     }
 
     /// The line of this form of the reference against the reference.
-    fn line(&self, class: &Class, truth: &Truth) -> SceneLine {
+    fn line(&self, class: &Class, truth: &DecisionTruth) -> SceneLine {
         let counts = &self.drawing.counts;
         SceneLine {
             engine: FROM_ORIGIN.to_owned(),
@@ -332,7 +332,7 @@ impl SingleDrawing {
         SingleDrawing { projected, picture }
     }
 
-    fn line(&self, name: &str, class: &Class, truth: &Truth) -> SceneLine {
+    fn line(&self, name: &str, class: &Class, truth: &DecisionTruth) -> SceneLine {
         let conics = self
             .projected
             .iter()

@@ -67,7 +67,7 @@ struct RunLengths {
 }
 
 /// A scene's table.
-struct HostTimes {
+struct PhaseTimes {
     name: &'static str,
     /// Least ratios of standard24 and of lean18 to (a).
     bars: [f64; 2],
@@ -246,7 +246,7 @@ fn count_pixels(
     Ok([coverage.covered, coverage.finished])
 }
 
-fn measure(subject: &HardwareScene, choice: VectorLevel) -> Result<HostTimes> {
+fn measure(subject: &HardwareScene, choice: VectorLevel) -> Result<PhaseTimes> {
     let HardwareScene {
         name,
         scene,
@@ -285,7 +285,7 @@ fn measure(subject: &HardwareScene, choice: VectorLevel) -> Result<HostTimes> {
         })??;
     }
     let [covered, finished] = count_pixels(subject, choice, &mut pixels)?;
-    Ok(HostTimes {
+    Ok(PhaseTimes {
         name,
         // A tenth of the splats leaves half of the frame to what does not depend on them.
         bars: if *name == "random 10k" {
@@ -327,7 +327,7 @@ fn raster_ratio(one: &[HostFrame], other: &[HostFrame]) -> f64 {
 }
 
 /// Bars against what was measured.
-fn summary(vectors: &str, tables: &[HostTimes]) -> String {
+fn summary(vectors: &str, tables: &[PhaseTimes]) -> String {
     let mut text = format!(
         "\n## {vectors}\n\n| scene | standard24 to (a) | bar | lean18 to (a) | bar | standard24 to (b) | rest | bar | standard24, two threads | bar | deep32's raster to standard24's | bar |\n\
          |---|--:|---|--:|---|--:|--:|---|--:|---|--:|---|\n"
@@ -358,7 +358,7 @@ fn summary(vectors: &str, tables: &[HostTimes]) -> String {
 }
 
 /// Milliseconds and errors of one scene.
-fn details(vectors: &str, table: &HostTimes) -> String {
+fn details(vectors: &str, table: &PhaseTimes) -> String {
     let mut text = format!(
         "\n## {}, {vectors}\n\n{} splats; {:.2} million covered pixels, of them {:.2} million already finished.\n\n\
          | engine | setup ms | sort ms | raster ms | frame ms | ns per covered pixel | to (a) | to (b) | two threads | PSNR dB | largest error | bias |\n\

@@ -32,7 +32,7 @@ const FRAMES: usize = 3;
 
 /// What a process measured.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Measurement {
+struct ScaleRow {
     splats: usize,
     size: [usize; 2],
     threads: usize,
@@ -73,7 +73,7 @@ fn in_a_process(
     [width, height]: [usize; 2],
     threads: usize,
     choice: VectorLevel,
-) -> Result<Measurement> {
+) -> Result<ScaleRow> {
     let program = std::env::current_exe()?;
     let words = [splats, width, height, threads].map(|number| number.to_string());
     let output = Command::new(program)
@@ -105,7 +105,7 @@ pub fn draw_scaled(options: &DrawScaledOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-fn measure(options: &DrawScaledOptions) -> Result<Measurement> {
+fn measure(options: &DrawScaledOptions) -> Result<ScaleRow> {
     let DrawScaledOptions {
         splats,
         width,
@@ -139,7 +139,7 @@ fn measure(options: &DrawScaledOptions) -> Result<Measurement> {
     frames.remove(0);
     frames.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (frame, times) = frames[FRAMES / 2];
-    Ok(Measurement {
+    Ok(ScaleRow {
         splats,
         size: [width, height],
         threads,
@@ -154,7 +154,7 @@ fn measure(options: &DrawScaledOptions) -> Result<Measurement> {
 }
 
 /// Seconds a splat and a covered pixel that fit the rows of one thread best, each row weighted by its own time.
-fn fit(rows: &[Measurement]) -> [f64; 2] {
+fn fit(rows: &[ScaleRow]) -> [f64; 2] {
     let mut sums = [[0.0; 3]; 2];
     for row in rows.iter().filter(|row| row.threads == 1) {
         let terms = [
@@ -175,7 +175,7 @@ fn fit(rows: &[Measurement]) -> [f64; 2] {
     ]
 }
 
-fn text(measured: &[Measurement], choice: VectorLevel) -> String {
+fn text(measured: &[ScaleRow], choice: VectorLevel) -> String {
     let [per_splat, per_pixel] = fit(measured);
     let (one, two): (Vec<_>, Vec<_>) = measured.iter().partition(|row| row.threads == 1);
     let rows = one.iter().zip(two).map(|(row, two)| {
@@ -226,7 +226,7 @@ fn text(measured: &[Measurement], choice: VectorLevel) -> String {
 }
 
 /// Frame time and peak memory against splats, all axes logarithmic to base 10.
-fn svg(measured: &[Measurement]) -> Result<String, Box<dyn std::error::Error>> {
+fn svg(measured: &[ScaleRow]) -> Result<String, Box<dyn std::error::Error>> {
     let mut text = String::new();
     {
         let canvas = SVGBackend::with_string(&mut text, (1040, 420)).into_drawing_area();
@@ -241,7 +241,7 @@ fn svg(measured: &[Measurement]) -> Result<String, Box<dyn std::error::Error>> {
             (["one thread", "two threads"][threads - 1], points.collect())
         });
         panel(&left, "ms a frame, 512x512", 1.0..1e5, &times)?;
-        let bytes = |bytes: fn(&Measurement) -> f64| {
+        let bytes = |bytes: fn(&ScaleRow) -> f64| {
             let points = of_splats(1).map(|row| (row.splats as f64, bytes(row) / 1e6));
             points.collect()
         };
@@ -255,13 +255,13 @@ fn svg(measured: &[Measurement]) -> Result<String, Box<dyn std::error::Error>> {
     Ok(text)
 }
 
-type Curve = (&'static str, Vec<(f64, f64)>);
+type ScaleCurve = (&'static str, Vec<(f64, f64)>);
 
 fn panel(
     canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
     title: &str,
     range: std::ops::Range<f64>,
-    curves: &[Curve],
+    curves: &[ScaleCurve],
 ) -> Result<(), Box<dyn std::error::Error>> {
     let ink = colour(INK);
     let label = ("sans-serif", 13).into_font().color(&ink);
@@ -308,7 +308,7 @@ mod tests {
     /// Rows that lie on a plane give its slopes back, whatever their sizes.
     #[test]
     fn the_fit_finds_the_slopes() {
-        let row = |splats: usize, covered: u64| Measurement {
+        let row = |splats: usize, covered: u64| ScaleRow {
             splats,
             size: SIZES[0],
             threads: 1,

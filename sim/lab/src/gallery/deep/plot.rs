@@ -21,7 +21,7 @@ const ERRORS: (f64, f64) = (-32.0, 0.0);
 type AlphaCanvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 /// A curve: its channel and its points.
-struct Curve {
+struct PlottedCurve {
     representation: Representation,
     rounding: ChannelRounding,
     points: Vec<(f64, f64)>,
@@ -59,9 +59,9 @@ pub fn svg(stacks: &[Stack]) -> Result<String, String> {
     Ok(text)
 }
 
-fn against_width(stacks: &[Stack]) -> Vec<Curve> {
+fn against_width(stacks: &[Stack]) -> Vec<PlottedCurve> {
     let chosen = stacks.iter().filter(|s| s.log2_alpha == LEFT_LOG2_ALPHA);
-    let mut curves: Vec<Curve> = Vec::new();
+    let mut curves: Vec<PlottedCurve> = Vec::new();
     for stack in chosen {
         let point = (f64::from(stack.channel.width()), exponent(stack.worst));
         let (representation, rounding) = (stack.channel.representation(), stack.channel.rounding());
@@ -69,7 +69,7 @@ fn against_width(stacks: &[Stack]) -> Vec<Curve> {
             Some(curve) if (curve.representation, curve.rounding) == (representation, rounding) => {
                 curve.points.push(point);
             }
-            _ => curves.push(Curve {
+            _ => curves.push(PlottedCurve {
                 representation,
                 rounding,
                 points: vec![point],
@@ -79,14 +79,14 @@ fn against_width(stacks: &[Stack]) -> Vec<Curve> {
     curves
 }
 
-fn against_layers(stacks: &[Stack]) -> Vec<Curve> {
+fn against_layers(stacks: &[Stack]) -> Vec<PlottedCurve> {
     let chosen = stacks.iter().filter(|stack| {
         stack.log2_alpha == RIGHT_LOG2_ALPHA && stack.channel.width() == RIGHT_WIDTH
     });
     let curve = |stack: &Stack| {
         let layers = LAYERS.iter().map(|layers| f64::from(*layers).log10());
         let errors = stack.at.iter().map(|moment| exponent(moment.rms));
-        Curve {
+        PlottedCurve {
             representation: stack.channel.representation(),
             rounding: stack.channel.rounding(),
             points: layers.zip(errors).collect(),
@@ -107,7 +107,7 @@ fn panel(
     title: &str,
     across: &str,
     (from, to): (f64, f64),
-    curves: &[Curve],
+    curves: &[PlottedCurve],
     legend: SeriesLabelPosition,
 ) -> Result<(), DrawingError> {
     let ink = colour(INK);
@@ -146,7 +146,7 @@ type Chart<'a, 'b> = ChartContext<
     Cartesian2d<plotters::coord::types::RangedCoordf64, plotters::coord::types::RangedCoordf64>,
 >;
 
-fn draw(chart: &mut Chart, curve: &Curve) -> Result<(), DrawingError> {
+fn draw(chart: &mut Chart, curve: &PlottedCurve) -> Result<(), DrawingError> {
     let (index, line) = match curve.representation {
         Representation::Opacity => (0, 4),
         Representation::Transmittance => (3, 2),

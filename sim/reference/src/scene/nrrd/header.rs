@@ -49,7 +49,7 @@ struct HeaderField {
 
 /// The fields that matter, as found.
 #[derive(Default)]
-struct Fields {
+struct NrrdFields {
     kind: Option<HeaderField>,
     dimension: Option<HeaderField>,
     sizes: Option<HeaderField>,
@@ -63,7 +63,7 @@ struct Fields {
 
 /// The header, and what follows its blank line if there is one.
 pub(super) fn parse(bytes: &[u8]) -> Result<(NrrdHeader, Option<&[u8]>), Problem> {
-    let mut fields = Fields::default();
+    let mut fields = NrrdFields::default();
     let mut rest = bytes;
     while !rest.is_empty() {
         let (line, after, finished) = next_line(rest);
@@ -117,7 +117,7 @@ fn check_magic(text: &str) -> Result<(), Problem> {
     }
 }
 
-impl Fields {
+impl NrrdFields {
     fn read_line(&mut self, text: &str, line: usize) -> Result<(), Problem> {
         // Comments and key/value pairs describe; they do not change the data.
         if text.starts_with('#') || text.contains(":=") {
@@ -161,8 +161,8 @@ impl Fields {
     }
 }
 
-fn interpret(fields: Fields) -> Result<NrrdHeader, Problem> {
-    let Fields {
+fn interpret(fields: NrrdFields) -> Result<NrrdHeader, Problem> {
+    let NrrdFields {
         kind,
         dimension,
         sizes,

@@ -29,11 +29,11 @@ pub(super) fn walk(
     visit: &mut dyn FnMut(&Element, &[f64]),
 ) -> Result<(), Problem> {
     let mut source = match header.format {
-        PlyEncoding::Ascii => Source::Ascii {
+        PlyEncoding::Ascii => PlySource::Ascii {
             rest: body,
             line: header.lines,
         },
-        PlyEncoding::Binary(endian) => Source::Binary {
+        PlyEncoding::Binary(endian) => PlySource::Binary {
             reader: Reader::new(body),
             endian,
         },
@@ -55,12 +55,12 @@ pub(super) fn walk(
 }
 
 /// Where the next record comes from.
-enum Source<'a> {
+enum PlySource<'a> {
     Ascii { rest: &'a [u8], line: usize },
     Binary { reader: Reader<'a>, endian: Endian },
 }
 
-impl Source<'_> {
+impl PlySource<'_> {
     /// The records must fit what is left of the file before any of them is read.
     fn refuse_absurd_count(&self, element: &Element) -> Result<(), Problem> {
         let field = format!(
@@ -70,8 +70,8 @@ impl Source<'_> {
         );
         let (least, left) = match self {
             // A digit and a separator per property.
-            Source::Ascii { rest, .. } => (2 * element.properties.len() as u64, rest.len()),
-            Source::Binary { reader, .. } => (element.least_bytes(), reader.remaining()),
+            PlySource::Ascii { rest, .. } => (2 * element.properties.len() as u64, rest.len()),
+            PlySource::Binary { reader, .. } => (element.least_bytes(), reader.remaining()),
         };
         let needed = checked_bytes(element.count, least, &field)?;
         if needed > left as u64 {
@@ -87,8 +87,8 @@ impl Source<'_> {
         values: &mut Vec<f64>,
     ) -> Result<(), Problem> {
         match self {
-            Source::Ascii { rest, line } => read_ascii(rest, line, element, values),
-            Source::Binary { reader, endian } => {
+            PlySource::Ascii { rest, line } => read_ascii(rest, line, element, values),
+            PlySource::Binary { reader, endian } => {
                 for property in &element.properties {
                     values.push(read_binary(reader, *endian, property, element, index)?);
                 }
@@ -99,8 +99,8 @@ impl Source<'_> {
 
     fn finish(self) -> Result<(), Problem> {
         let left = match self {
-            Source::Ascii { rest, .. } => rest.trim_ascii().len(),
-            Source::Binary { reader, .. } => reader.remaining(),
+            PlySource::Ascii { rest, .. } => rest.trim_ascii().len(),
+            PlySource::Binary { reader, .. } => reader.remaining(),
         };
         match left {
             0 => Ok(()),

@@ -47,7 +47,7 @@ impl Transfer {
     pub fn from_toml(text: &str) -> Result<Transfer, Problem> {
         let file: TransferFile =
             toml::from_str(text).map_err(|error| syntax_error(text, &error))?;
-        let check = Check { text };
+        let check = TransferCheck { text };
         if file.value.is_empty() {
             return Err(Problem::malformed(
                 "transfer, key 'value'",
@@ -74,11 +74,11 @@ impl Transfer {
 }
 
 /// Checks of meaning that know the text, so that errors can name lines.
-struct Check<'a> {
+struct TransferCheck<'a> {
     text: &'a str,
 }
 
-impl Check<'_> {
+impl TransferCheck<'_> {
     fn value_point(&self, point: &FileValue) -> Result<ValuePoint, Problem> {
         let colour = *point.colour.get_ref();
         if !colour.iter().all(|channel| (0.0..=1.0).contains(channel)) {

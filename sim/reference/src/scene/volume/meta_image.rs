@@ -59,19 +59,19 @@ const TURNS: [&str; 3] = ["orientation", "rotation", "transformmatrix"];
 const LAST: &str = "elementdatafile";
 
 /// A value and the line on which it stands.
-struct Field {
+struct MetaImageField {
     line: usize,
     value: String,
 }
 
-struct Fields {
-    found: BTreeMap<String, Field>,
+struct MetaImageFields {
+    found: BTreeMap<String, MetaImageField>,
     lines: usize,
 }
 
 /// Loads a volume; `folder` is where a data file is looked for.
 pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Noted, Problem> {
-    let (fields, rest) = Fields::read(bytes)?;
+    let (fields, rest) = MetaImageFields::read(bytes)?;
     let grid = fields.grid()?;
     let needed = grid.bytes("DimSize")?;
     let packed = fields.flag("compresseddata")?.unwrap_or(false);
@@ -103,10 +103,10 @@ fn malformed(line: usize, field: &str, found: impl Into<String>, fix: &str) -> P
     Problem::malformed(format!("MetaImage header line {line}, {field}"), found, fix)
 }
 
-impl Fields {
+impl MetaImageFields {
     /// The header's fields, and what follows it.
-    fn read(bytes: &[u8]) -> Result<(Fields, &[u8]), Problem> {
-        let mut fields = Fields {
+    fn read(bytes: &[u8]) -> Result<(MetaImageFields, &[u8]), Problem> {
+        let mut fields = MetaImageFields {
             found: BTreeMap::new(),
             lines: 0,
         };
@@ -170,7 +170,7 @@ impl Fields {
                 fix,
             ));
         }
-        let field = Field {
+        let field = MetaImageField {
             line: self.lines,
             value: value.to_owned(),
         };
@@ -186,7 +186,7 @@ impl Fields {
         }
     }
 
-    fn required(&self, name: &str) -> Result<&Field, Problem> {
+    fn required(&self, name: &str) -> Result<&MetaImageField, Problem> {
         self.found.get(name).ok_or_else(|| {
             let fix = "add it before the data";
             malformed(self.lines, name, "the header lacks it", fix)

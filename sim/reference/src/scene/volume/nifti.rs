@@ -24,7 +24,7 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 const MAX_OFFSET: f64 = 1e9;
 
 /// Where a version keeps its fields.
-struct Layout {
+struct NiftiLayout {
     dim: (usize, usize, Stored),
     datatype: usize,
     pixdim: (usize, usize, Stored),
@@ -42,7 +42,7 @@ enum Stored {
     I64,
 }
 
-const FIRST: Layout = Layout {
+const FIRST: NiftiLayout = NiftiLayout {
     dim: (40, 2, Stored::Of(Scalar::I16)),
     datatype: 70,
     pixdim: (76, 4, Stored::Of(Scalar::F32)),
@@ -52,7 +52,7 @@ const FIRST: Layout = Layout {
     magic: 344,
     single: b"n+1\0",
 };
-const SECOND: Layout = Layout {
+const SECOND: NiftiLayout = NiftiLayout {
     dim: (16, 8, Stored::I64),
     datatype: 12,
     pixdim: (104, 8, Stored::Of(Scalar::F64)),
@@ -89,7 +89,7 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
 
 struct Header<'a> {
     bytes: &'a [u8],
-    layout: &'static Layout,
+    layout: &'static NiftiLayout,
     grid: Grid,
     offset: usize,
 }

@@ -36,7 +36,7 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
             "fetch it again",
         )
     })?;
-    let file = File::read(document.root_element(), appended)?;
+    let file = VtiFile::read(document.root_element(), appended)?;
     file.volume()
 }
 
@@ -76,7 +76,7 @@ fn rfind(bytes: &[u8], what: &[u8]) -> Option<usize> {
 }
 
 /// What the elements say.
-struct File<'a> {
+struct VtiFile<'a> {
     grid: Grid,
     array: Node<'a, 'a>,
     appended: Option<(&'a [u8], bool)>,
@@ -112,8 +112,8 @@ fn one_of<'a>(node: Node<'a, 'a>, name: &str, values: &[&'a str]) -> Result<&'a 
     }
 }
 
-impl<'a> File<'a> {
-    fn read(root: Node<'a, 'a>, appended: Option<&'a [u8]>) -> Result<File<'a>, Problem> {
+impl<'a> VtiFile<'a> {
+    fn read(root: Node<'a, 'a>, appended: Option<&'a [u8]>) -> Result<VtiFile<'a>, Problem> {
         if !root.has_tag_name("VTKFile") || root.attribute("type") != Some("ImageData") {
             let found = "it is no VTKFile of type ImageData";
             return Err(malformed("VTKFile", found, "write a regular grid as .vti"));
@@ -150,7 +150,7 @@ impl<'a> File<'a> {
             kind: kind(array)?,
             endian,
         };
-        Ok(File {
+        Ok(VtiFile {
             grid,
             array,
             appended,

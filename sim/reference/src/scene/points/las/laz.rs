@@ -22,7 +22,7 @@ const TABLE_OFFSET: usize = 8;
 /// A chunk size that says: look into the table.
 const VARIABLE: u32 = u32::MAX;
 
-type Bytes<'a> = Cursor<&'a [u8]>;
+type LazBytes<'a> = Cursor<&'a [u8]>;
 
 /// Calls `point` with every record.
 pub(super) fn unpack(
@@ -65,11 +65,11 @@ pub(super) fn unpack(
 /// Unpacks so many points; what follows them.
 fn unpack_chunk<'a>(
     vlr: &LazVlr,
-    source: Bytes<'a>,
+    source: LazBytes<'a>,
     count: u64,
     record: &mut [u8],
     point: &mut dyn FnMut(&[u8]),
-) -> Result<Bytes<'a>, Problem> {
+) -> Result<LazBytes<'a>, Problem> {
     let mut chunk = decompressor(vlr, source)?;
     for _ in 0..count {
         chunk
@@ -176,7 +176,7 @@ fn layers(item: LazItemType) -> u64 {
 }
 
 /// Points of the chunk that begins here. A layered one says it itself, and its layers must be there.
-fn chunk_size(vlr: &LazVlr, source: &Bytes) -> Result<u64, Problem> {
+fn chunk_size(vlr: &LazVlr, source: &LazBytes) -> Result<u64, Problem> {
     if vlr.items()[0].version() < 3 {
         return Ok(vlr.chunk_size().into());
     }
@@ -202,9 +202,9 @@ fn chunk_size(vlr: &LazVlr, source: &Bytes) -> Result<u64, Problem> {
 
 fn decompressor<'a>(
     vlr: &LazVlr,
-    source: Bytes<'a>,
-) -> Result<Box<dyn RecordDecompressor<Bytes<'a>> + 'a>, Problem> {
-    let mut chunk: Box<dyn RecordDecompressor<Bytes<'a>> + 'a> = match vlr.items()[0].version() {
+    source: LazBytes<'a>,
+) -> Result<Box<dyn RecordDecompressor<LazBytes<'a>> + 'a>, Problem> {
+    let mut chunk: Box<dyn RecordDecompressor<LazBytes<'a>> + 'a> = match vlr.items()[0].version() {
         ..3 => Box::new(SequentialPointRecordDecompressor::new(source)),
         _ => Box::new(LayeredPointRecordDecompressor::new(source)),
     };

@@ -55,7 +55,7 @@ fn malformed(field: &str, found: impl Into<String>, fix: &str) -> Problem {
 /// Every point that is not withheld as a record.
 pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
     let header = LasHeader::read(bytes)?;
-    let mut points = Points::new(&header);
+    let mut points = LasPoints::new(&header);
     match header.packed {
         false => {
             let mut reader = Reader::new(bytes);
@@ -154,15 +154,15 @@ fn count(bytes: &[u8], minor: u8, older: u32) -> Result<u64, Problem> {
 }
 
 /// Records as they come.
-struct Points<'a> {
+struct LasPoints<'a> {
     header: &'a LasHeader,
     records: Vec<Record>,
     withheld: usize,
 }
 
-impl<'a> Points<'a> {
-    fn new(header: &'a LasHeader) -> Points<'a> {
-        Points {
+impl<'a> LasPoints<'a> {
+    fn new(header: &'a LasHeader) -> LasPoints<'a> {
+        LasPoints {
             header,
             records: Vec::new(),
             withheld: 0,
