@@ -109,7 +109,7 @@ pub enum Use<'a> {
 
 /// Whether a system is exercised, and why.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Verdict {
+pub struct SystemVerdict {
     /// 1 to 18.
     pub number: u8,
     /// What it is.
@@ -121,13 +121,13 @@ pub struct Verdict {
 }
 
 /// One verdict per system.
-pub fn exercised(asked: &Use) -> Vec<Verdict> {
+pub fn exercised(asked: &Use) -> Vec<SystemVerdict> {
     let verdict = |system: &System| {
         let (used, reason) = match asked {
             Use::Volume { .. } => of_volume(system.number, asked),
             Use::Surface { style, textured } => of_surface(system.number, style, *textured),
         };
-        Verdict {
+        SystemVerdict {
             number: system.number,
             name: system.name.to_owned(),
             used,

@@ -4,7 +4,7 @@
 
 use splatline_lab::results::accuracy::{BARS, measure};
 use splatline_lab::results::golden::{fixed_conics, tiny};
-use splatline_lab::results::views::{DEEP_STACK, View};
+use splatline_lab::results::views::{CapturedView, DEEP_STACK};
 use splatline_sim::reference::golden::{GoldenA, archive};
 use splatline_sim::scene::{Scene, demo, synthetic};
 use std::path::Path;
@@ -13,7 +13,7 @@ const GOLDEN: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data/
 
 fn check(name: &'static str, scene: Scene) {
     let camera = scene.default_camera(160, 160);
-    let view = View {
+    let view = CapturedView {
         name,
         scene,
         camera,

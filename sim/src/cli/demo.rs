@@ -2,7 +2,7 @@
 
 use super::output::create_folder;
 use super::say::{Failure, print_result, warn};
-use super::values::Size;
+use super::values::PictureSize;
 use crate::design::DesignChoice;
 use crate::picture::{Backdrop, Depth};
 use crate::plan::{Effort, Prepared, Source, all_entries, compare_all};
@@ -11,7 +11,7 @@ use crate::scene;
 use anyhow::Context;
 use std::path::Path;
 
-const SIZE: Size = Size {
+const SIZE: PictureSize = PictureSize {
     width: 512,
     height: 512,
 };
@@ -24,7 +24,7 @@ pub fn run() -> Result<(), Failure> {
 }
 
 /// The demo with another folder, size and number of runs, for tests.
-pub fn run_into(folder: &Path, size: Size, repeat: usize) -> Result<(), Failure> {
+pub fn run_into(folder: &Path, size: PictureSize, repeat: usize) -> Result<(), Failure> {
     create_folder(folder)?;
     let scene = scene::demo()?;
     let camera = scene.default_camera(size.width, size.height);

@@ -7,11 +7,11 @@ use super::resolve::{Asked, COMPARED, Frame, KEPT, calibration, energy_table, ro
 use super::say::{Failure, print_result, warn};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
-use crate::explore::identity::{Identity, Settings};
+use crate::explore::identity::{Identity, SettingsText};
 use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
 use crate::explore::sweep::{self, Shard, Subject};
-use crate::explore::table::{Table, heading};
+use crate::explore::table::{ResultTable, heading};
 use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::plan::Engine;
@@ -151,7 +151,7 @@ pub fn merge(options: &MergeOptions) -> Result<(), Failure> {
 }
 
 /// Front, plot and a line for each of the front's points.
-fn finish(name: &str, note: &str, table: &Table, folder: &Path) -> Result<(), Failure> {
+fn finish(name: &str, note: &str, table: &ResultTable, folder: &Path) -> Result<(), Failure> {
     let all = candidates(table);
     let kept = front(&all);
     write(
@@ -194,7 +194,7 @@ fn table_name(shard: Shard) -> String {
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
-fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<Settings>, Failure> {
+fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();
     let files = [
@@ -212,16 +212,16 @@ fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<Settings>, Fa
         .filter_map(|(role, path)| Some((role, path?)));
     let read = |(role, path): (&'static str, PathBuf)| {
         let text = read_settings(&path)?;
-        Ok(Settings { role, text })
+        Ok(SettingsText { role, text })
     };
-    let mut all: Vec<Settings> = named.map(read).collect::<Result<_, Failure>>()?;
+    let mut all: Vec<SettingsText> = named.map(read).collect::<Result<_, Failure>>()?;
     let mut bases = String::new();
     for file in base_files(space) {
         bases += &read_settings(&file)?;
     }
     if !bases.is_empty() {
         let (role, text) = ("bases", bases);
-        all.push(Settings { role, text });
+        all.push(SettingsText { role, text });
     }
     Ok(all)
 }

@@ -1,7 +1,7 @@
 //! Options of the commands about the machine: model, explore, merge, fit, needs, trace.
 
 use super::drawing_args::WorkOptions;
-use super::values::{FAMILIES, METRICS, Size, one_of, positive, shard};
+use super::values::{FAMILIES, METRICS, PictureSize, one_of, positive, shard};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::explore::fit::Metric;
 use crate::explore::sweep::Shard;
@@ -85,7 +85,7 @@ pub struct ModelOptions {
     pub footprints: Option<PathBuf>,
     /// With --footprints: size of the screen [default: up to the largest x1 and y1]
     #[arg(long, value_name = "WxH", requires = "footprints")]
-    pub screen: Option<Size>,
+    pub screen: Option<PictureSize>,
     /// With --footprints: radial index at which footprints end that have no cut-off in the table
     #[arg(long, value_name = "r", requires = "footprints", value_parser = positive)]
     pub cutoff: Option<f64>,

@@ -10,7 +10,7 @@ use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
 use crate::plan::{Prepared, Subject};
 use crate::progress::Progress;
-use crate::systems::Verdict;
+use crate::systems::SystemVerdict;
 use serde_json::{Map, json};
 use std::fmt::Write;
 
@@ -97,8 +97,8 @@ fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
     Ok(needs(&workload, &footprints, peak_bits, &plan.machine))
 }
 
-fn systems_text(systems: &[Verdict]) -> String {
-    let line = |verdict: &Verdict| {
+fn systems_text(systems: &[SystemVerdict]) -> String {
+    let line = |verdict: &SystemVerdict| {
         let used = if verdict.used { "used" } else { "not needed" };
         format!(
             "  {:>2} {:<48} {used}: {}\n",

@@ -12,11 +12,11 @@ use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
 use super::output::read_settings;
 use super::say::{Failure, print_error, print_result};
 use super::values::{
-    AntialiasChoice, Backfaces, DesignName, OrbitChoice, Size, TraversalChoice, Vector,
+    AntialiasChoice, Backfaces, DesignName, OrbitChoice, PictureSize, TraversalChoice, Vector,
 };
 use super::view_args::{MoreScenes, PathOptions, SurfaceOptions, ViewOptions};
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
-use crate::cameras::{self, Pose};
+use crate::cameras::{self, CameraPose};
 use crate::design::DesignChoice;
 use crate::framing::{Ball, Frame as SceneFrame, USUAL_FOV, orbited};
 use crate::hybrid::{Hybrid, Points, spacing};
@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Where neither a camera file nor `--size` says otherwise.
-const USUAL_SIZE: Size = Size {
+const USUAL_SIZE: PictureSize = PictureSize {
     width: 512,
     height: 512,
 };
@@ -185,7 +185,7 @@ impl<'a> Asked<'a> {
 
     /// Of pictures whose cameras have no size of their own.
     fn path_size(&self) -> [usize; 2] {
-        let Size { width, height } = self.view.size.unwrap_or(USUAL_SIZE);
+        let PictureSize { width, height } = self.view.size.unwrap_or(USUAL_SIZE);
         [width, height]
     }
 
@@ -497,7 +497,7 @@ fn camera_from_file(path: &Path, options: &ViewOptions) -> Result<(Camera, Vec<S
 }
 
 /// What to say about a rotation that was corrected.
-fn correction(path: &Path, pose: &Pose) -> Vec<String> {
+fn correction(path: &Path, pose: &CameraPose) -> Vec<String> {
     let (change, field) = (pose.correction, pose.rotation_field);
     if change <= NOTABLE_CORRECTION {
         return Vec::new();
@@ -514,7 +514,7 @@ fn camera_from_eye(
     up: [f64; 3],
     options: &ViewOptions,
 ) -> Result<Camera, Failure> {
-    let Size { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
     let up = options.up.map_or(up, |Vector(up)| up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let eye = match options.orbit {
@@ -561,7 +561,7 @@ pub const COMPARED: u64 = 192;
 
 /// The whole scene, and a line that tells by which rule.
 fn framed(frame: &SceneFrame, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
-    let Size { width, height } = options.size.unwrap_or(USUAL_SIZE);
+    let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
     let scene = scene.display().to_string();

@@ -7,7 +7,7 @@ use crate::design::DesignChoice;
 use crate::progress::Progress;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
-use crate::stability::{Extent, Line, measure, steps, table};
+use crate::stability::{Extent, StabilityLine, measure, steps, table};
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`.\n\n";
@@ -25,7 +25,7 @@ draws them. Engines are explained in `sim/src/stability/scenes/mod.rs`,\nthe sce
 /// Everything measured, as JSON.
 #[derive(serde::Serialize)]
 struct MeasuredLine {
-    cases: Vec<Line>,
+    cases: Vec<StabilityLine>,
     scenes: Vec<SceneLine>,
 }
 

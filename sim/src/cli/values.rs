@@ -271,21 +271,21 @@ impl FromStr for OrbitChoice {
 
 /// Columns and rows, 1 to [`LARGEST_SIDE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Size {
+pub struct PictureSize {
     /// Columns.
     pub width: usize,
     /// Rows.
     pub height: usize,
 }
 
-impl FromStr for Size {
+impl FromStr for PictureSize {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let (width, height) = text
             .split_once(['x', 'X'])
             .ok_or("expected WxH, for example 640x480")?;
-        Ok(Size {
+        Ok(PictureSize {
             width: side(width)?,
             height: side(height)?,
         })

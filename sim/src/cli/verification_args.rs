@@ -1,6 +1,6 @@
 //! The options of the commands that study the kernel: `stability`, `vectors`.
 
-use super::values::{COMPOSITINGS, DesignName, Size, TraversalChoice, one_of};
+use super::values::{COMPOSITINGS, DesignName, PictureSize, TraversalChoice, one_of};
 use crate::rules::{Compositing, Rules};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub struct VectorsExportOptions {
     pub seed: u32,
     /// Size of the picture
     #[arg(long, value_name = "WxH", default_value = "96x64")]
-    pub size: Size,
+    pub size: PictureSize,
     /// Rules of blending: ewa or 3dgs [default: the scene's, 3dgs for the built-in splats]
     #[arg(long, value_name = "ewa|3dgs", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,

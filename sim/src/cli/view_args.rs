@@ -2,8 +2,8 @@
 
 use super::output;
 use super::values::{
-    AntialiasChoice, Backfaces, KERNELS, OrbitChoice, SceneKind, Size, Vector, field_of_view,
-    layers, one_of, positive,
+    AntialiasChoice, Backfaces, KERNELS, OrbitChoice, PictureSize, SceneKind, Vector,
+    field_of_view, layers, one_of, positive,
 };
 use crate::rules::{Kernel, Rules};
 use crate::texture::coefficients::Method;
@@ -74,7 +74,7 @@ pub struct ViewOptions {
     pub zoom: Option<f64>,
     /// Size of the picture [default: the camera file's, or 512x512]
     #[arg(long, value_name = "WxH", help_heading = "Camera")]
-    pub size: Option<Size>,
+    pub size: Option<PictureSize>,
     /// Rules of blending: ewa or 3dgs [default: what the kind of scene is meant for]
     #[arg(long, value_name = "ewa|3dgs", help_heading = "Splats", value_parser = Rules::from_str)]
     pub rules: Option<Rules>,

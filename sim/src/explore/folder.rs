@@ -5,7 +5,7 @@
 //! told so: waiting would mean to compute the same points again.
 
 use super::identity::Identity;
-use super::table::Table;
+use super::table::ResultTable;
 use crate::{atomic, input};
 use anyhow::{Context, Result, anyhow, bail};
 use std::fs::{File, OpenOptions, TryLockError};
@@ -91,15 +91,15 @@ pub fn tables(folder: &Path) -> Result<Vec<PathBuf>> {
 }
 
 /// Reads a table and checks it against its sweep.
-pub fn table(path: &Path, identity: &Identity) -> Result<Table> {
+pub fn table(path: &Path, identity: &Identity) -> Result<ResultTable> {
     let shown = path.display();
     let text = input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
     checked(&text, identity).map_err(|problem| anyhow!("{shown}: {problem}"))
 }
 
-fn checked(text: &str, identity: &Identity) -> Result<Table> {
+fn checked(text: &str, identity: &Identity) -> Result<ResultTable> {
     let space = identity.space()?;
-    let table = Table::from_csv(text).map_err(anyhow::Error::msg)?;
+    let table = ResultTable::from_csv(text).map_err(anyhow::Error::msg)?;
     table
         .check(&space, identity.has_errors())
         .map_err(anyhow::Error::msg)?;
@@ -107,8 +107,8 @@ fn checked(text: &str, identity: &Identity) -> Result<Table> {
 }
 
 /// All tables of some folders of one sweep as one; folders of different sweeps are refused.
-pub fn merge(folders: &[PathBuf]) -> Result<(Table, Identity)> {
-    let mut merged: Option<(Table, Identity)> = None;
+pub fn merge(folders: &[PathBuf]) -> Result<(ResultTable, Identity)> {
+    let mut merged: Option<(ResultTable, Identity)> = None;
     for folder in folders {
         let identity = identity(folder)?;
         if let Some((_, known)) = &merged
@@ -117,7 +117,7 @@ pub fn merge(folders: &[PathBuf]) -> Result<(Table, Identity)> {
             let (folder, text) = (folder.display(), identity.difference_text(known));
             bail!("'{folder}' holds another sweep than the folders before it: it differs in{text}");
         }
-        let (all, identity) = merged.get_or_insert((Table::default(), identity));
+        let (all, identity) = merged.get_or_insert((ResultTable::default(), identity));
         for path in tables(folder)? {
             all.merge(table(&path, identity)?)
                 .map_err(|problem| anyhow!("{}: {problem}", path.display()))?;
@@ -130,7 +130,7 @@ pub fn merge(folders: &[PathBuf]) -> Result<(Table, Identity)> {
 }
 
 /// Writes a merged table; refused while a sweep is writing to the file of that name.
-pub fn replace(path: &Path, table: &Table) -> Result<()> {
+pub fn replace(path: &Path, table: &ResultTable) -> Result<()> {
     let shown = path.display();
     let _lock = match path.exists() {
         true => Some(locked(path).with_context(|| format!("cannot write '{shown}'"))?),
@@ -180,7 +180,11 @@ impl Appender {
     }
 
     /// Opens a sweep's table, and reads what is done already.
-    pub fn resume(path: &Path, heading: &str, identity: &Identity) -> Result<(Appender, Table)> {
+    pub fn resume(
+        path: &Path,
+        heading: &str,
+        identity: &Identity,
+    ) -> Result<(Appender, ResultTable)> {
         let shown = path.display();
         let (appender, text) =
             Appender::open(path, heading).with_context(|| format!("cannot write '{shown}'"))?;
@@ -208,7 +212,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
         std::fs::write(&path, "point,a\n0,5\n1,").unwrap();
-        let table = Table::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
         assert_eq!(table.lines.keys().collect::<Vec<_>>(), [&0]);
         Appender::open(&path, "point,a")
             .unwrap()
@@ -230,7 +234,7 @@ mod tests {
         let whole = format!("{heading}\n{}\n", lines.join("\n"));
         for length in 0..=whole.len() {
             std::fs::write(&path, &whole[..length]).unwrap();
-            let done = Table::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+            let done = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
             let (out, _) = Appender::open(&path, heading).unwrap();
             for (point, line) in lines.iter().enumerate() {
                 match done.lines.get(&point) {
@@ -257,7 +261,7 @@ mod tests {
         let first = Appender::open(&path, "point,a").unwrap();
         let refused = Appender::open(&path, "point,a").err().unwrap().to_string();
         assert!(refused.contains("another process"), "{refused}");
-        let replaced = replace(&path, &Table::default()).unwrap_err();
+        let replaced = replace(&path, &ResultTable::default()).unwrap_err();
         assert!(format!("{replaced:#}").contains("another process"));
         drop(first);
         Appender::open(&path, "point,a").unwrap();

@@ -1,6 +1,6 @@
 //! The Pareto front of a sweep: points that no other point beats in error, cycles, area and energy at once.
 
-use super::table::Table;
+use super::table::ResultTable;
 
 /// A finished point as far as the front and the plot need it.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Candidate {
 }
 
 /// The table's points that have results.
-pub fn candidates(table: &Table) -> Vec<Candidate> {
+pub fn candidates(table: &ResultTable) -> Vec<Candidate> {
     let names: Vec<&str> = table.heading.split(',').collect();
     let place = |name: &str| names.iter().position(|column| *column == name);
     let places = ["rms", "cycles", "area", "energy_mj"].map(place);
@@ -75,11 +75,11 @@ pub fn front(candidates: &[Candidate]) -> Vec<&Candidate> {
 }
 
 /// The table's lines of the front.
-pub fn front_table(table: &Table, front: &[&Candidate]) -> Table {
+pub fn front_table(table: &ResultTable, front: &[&Candidate]) -> ResultTable {
     let lines = front.iter().filter_map(|candidate| {
         Some((candidate.point, table.lines.get(&candidate.point)?.clone()))
     });
-    Table {
+    ResultTable {
         heading: table.heading.clone(),
         lines: lines.collect(),
     }

@@ -26,7 +26,7 @@ const FEW: usize = 6;
 pub struct Identity(Value);
 
 /// A settings file that took part: what it was for, and its text.
-pub struct Settings {
+pub struct SettingsText {
     /// `transfer`, `design`, `machine`, `calibration`, `camera`.
     pub role: &'static str,
     /// Its text.
@@ -35,7 +35,7 @@ pub struct Settings {
 
 impl Identity {
     /// Of a sweep over the space of this text.
-    pub fn new(subject: &Subject, space: &str, settings: &[Settings]) -> Result<Identity> {
+    pub fn new(subject: &Subject, space: &str, settings: &[SettingsText]) -> Result<Identity> {
         let files: serde_json::Map<String, Value> = settings
             .iter()
             .map(|file| (file.role.to_owned(), of_bytes(file.text.as_bytes()).into()))

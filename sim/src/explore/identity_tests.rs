@@ -78,10 +78,10 @@ impl Facts {
             reference: self.errors.then_some(&picture),
             more: Vec::new(),
         };
-        let settings: Vec<Settings> = self
+        let settings: Vec<SettingsText> = self
             .settings
             .iter()
-            .map(|(role, text)| Settings {
+            .map(|(role, text)| SettingsText {
                 role,
                 text: text.clone(),
             })

@@ -5,7 +5,7 @@
 //! the report: faster is left and better is up, so that less error and less area are up.
 
 use super::front::{Candidate, front};
-use super::table::{RESULTS, Table};
+use super::table::{RESULTS, ResultTable};
 use crate::report::html::escape;
 use crate::report::plot::multiples;
 use std::fmt::Write;
@@ -93,7 +93,7 @@ pub struct Sweep<'a> {
     /// What the area is an estimate of.
     pub note: &'a str,
     /// All points.
-    pub table: &'a Table,
+    pub table: &'a ResultTable,
     /// Those with results.
     pub candidates: &'a [Candidate],
 }
@@ -259,7 +259,7 @@ mod tests {
     use super::*;
 
     fn shown(title: &str, note: &str, candidates: &[Candidate]) -> String {
-        let table = Table::default();
+        let table = ResultTable::default();
         page(&Sweep {
             title,
             note,

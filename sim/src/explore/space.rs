@@ -41,7 +41,7 @@ pub struct SpaceError {
 
 /// What an axis changes. The order is that of cost: points are sorted so that dear work is shared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
+pub enum SpacePart {
     /// A key of the design file: another picture.
     Design,
     /// The machine's tile: another workload.
@@ -54,9 +54,9 @@ pub enum Part {
 
 /// One field and its values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub struct SpaceAxis {
     /// What it changes.
-    pub part: Part,
+    pub part: SpacePart,
     /// The field's key.
     pub key: String,
     /// Its values.
@@ -67,7 +67,7 @@ pub struct Axis {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Space {
     /// The axes, dearest first.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<SpaceAxis>,
     /// The points in their order.
     pub points: Vec<Vec<usize>>,
 }
@@ -104,7 +104,7 @@ impl Space {
         Ok(Space { axes, points })
     }
 
-    fn read(file: &str, text: &str) -> Result<(Vec<Axis>, toml::Table), SpaceError> {
+    fn read(file: &str, text: &str) -> Result<(Vec<SpaceAxis>, toml::Table), SpaceError> {
         let source = TableSource { file, text };
         let table: toml::Table = text
             .parse()
@@ -132,7 +132,11 @@ impl Space {
     }
 
     /// A point's keys and values on the axes of some parts.
-    pub fn settings(&self, point: &[usize], parts: impl Fn(Part) -> bool) -> Vec<(&str, &Value)> {
+    pub fn settings(
+        &self,
+        point: &[usize],
+        parts: impl Fn(SpacePart) -> bool,
+    ) -> Vec<(&str, &Value)> {
         let chosen = self
             .axes
             .iter()
@@ -158,7 +162,7 @@ fn axis(
     section: &str,
     key: &str,
     values: &Value,
-) -> Result<Axis, SpaceError> {
+) -> Result<SpaceAxis, SpaceError> {
     let values = match values {
         Value::Array(list) if !list.is_empty() => list.clone(),
         Value::Array(_) => return Err(source.wrong(section, key, "the list is empty")),
@@ -169,7 +173,7 @@ fn axis(
     };
     let part = if section == "design" {
         check_design(key, &values).map_err(|problem| source.wrong(section, key, problem))?;
-        Part::Design
+        SpacePart::Design
     } else {
         let Some(field) = field(key) else {
             let problem = format!("no such field of a machine: {}", known(""));
@@ -187,12 +191,12 @@ fn axis(
             ));
         }
         match field.key {
-            "tile_width" | "tile_height" => Part::Tile,
-            "lanes" | "layout" | "pixel_termination" | "binning" => Part::Lanes,
-            _ => Part::Machine,
+            "tile_width" | "tile_height" => SpacePart::Tile,
+            "lanes" | "layout" | "pixel_termination" | "binning" => SpacePart::Lanes,
+            _ => SpacePart::Machine,
         }
     };
-    Ok(Axis {
+    Ok(SpaceAxis {
         part,
         key: key.to_owned(),
         values,
@@ -280,7 +284,7 @@ fn numbers(range: &toml::Table) -> Result<Vec<Value>, String> {
 fn points(
     source: &TableSource,
     table: &toml::Table,
-    axes: &[Axis],
+    axes: &[SpaceAxis],
 ) -> Result<Vec<Vec<usize>>, SpaceError> {
     let integer = |key: &str, usual: i64| match table.get(key) {
         None => Ok(usual),
@@ -316,9 +320,9 @@ fn points(
     Ok(points)
 }
 
-fn grid(axes: &[Axis], all: usize) -> Vec<Vec<usize>> {
+fn grid(axes: &[SpaceAxis], all: usize) -> Vec<Vec<usize>> {
     let point = |mut number: usize| {
-        let digit = |axis: &Axis| {
+        let digit = |axis: &SpaceAxis| {
             let digit = number % axis.values.len();
             number /= axis.values.len();
             digit
@@ -329,7 +333,7 @@ fn grid(axes: &[Axis], all: usize) -> Vec<Vec<usize>> {
 }
 
 /// Every axis is cut into `count` strata, each of which one point falls into.
-fn latin(axes: &[Axis], count: usize, seed: u64) -> Vec<Vec<usize>> {
+fn latin(axes: &[SpaceAxis], count: usize, seed: u64) -> Vec<Vec<usize>> {
     let mut state = seed;
     let mut points = vec![Vec::with_capacity(axes.len()); count];
     for axis in axes {

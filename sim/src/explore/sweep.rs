@@ -3,8 +3,8 @@
 //! frame, and the spread of its time over all.
 
 use super::folder::Appender;
-use super::space::{Part, Space};
-use super::table::Table;
+use super::space::{Space, SpacePart};
+use super::table::ResultTable;
 use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
@@ -114,7 +114,7 @@ pub fn run(
     subject: &Subject,
     space: &Space,
     shard: Shard,
-    done: &Table,
+    done: &ResultTable,
     out: &Appender,
     progress: &(dyn Fn() + Sync),
 ) -> Result<()> {
@@ -124,11 +124,11 @@ pub fn run(
         .filter(|(number, _)| shard.holds(*number, all) && !done.lines.contains_key(number))
         .map(|(number, point)| (number, point.as_slice()))
         .collect();
-    for group in open.chunk_by(|a, b| same(space, a.1, b.1, Part::Design)) {
+    for group in open.chunk_by(|a, b| same(space, a.1, b.1, SpacePart::Design)) {
         let design = design_of(subject, space, group[0].1)?;
         let traversal = traversal_of(subject, space, group[0].1, &design);
         let error = errors(&frames, &design, traversal)?;
-        for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, Part::Tile)) {
+        for tiles in group.chunk_by(|a, b| same(space, a.1, b.1, SpacePart::Tile)) {
             let tile = tile_of(subject, space, tiles[0].1)?;
             let earlier: Vec<Mutex<Vec<OnFrame>>> =
                 tiles.iter().map(|_| Mutex::default()).collect();
@@ -148,7 +148,7 @@ pub fn run(
                     progress,
                 };
                 let shapes: Vec<&[SweepPoint]> = tiles
-                    .chunk_by(|a, b| same(space, a.1, b.1, Part::Lanes))
+                    .chunk_by(|a, b| same(space, a.1, b.1, SpacePart::Lanes))
                     .collect();
                 shapes
                     .into_par_iter()
@@ -182,7 +182,7 @@ fn errors(
 }
 
 /// Do two points agree on all axes up to this part?
-fn same(space: &Space, a: &[usize], b: &[usize], part: Part) -> bool {
+fn same(space: &Space, a: &[usize], b: &[usize], part: SpacePart) -> bool {
     space
         .axes
         .iter()
@@ -191,7 +191,7 @@ fn same(space: &Space, a: &[usize], b: &[usize], part: Part) -> bool {
 }
 
 fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
-    let settings = space.settings(point, |part| part == Part::Design);
+    let settings = space.settings(point, |part| part == SpacePart::Design);
     changed(&subject.design, &settings)
 }
 
@@ -222,7 +222,7 @@ fn traversal_of(
     design: &DesignChoice,
 ) -> Traversal {
     let swept = !space
-        .settings(point, |part| part == Part::Design)
+        .settings(point, |part| part == SpacePart::Design)
         .iter()
         .all(|(key, _)| *key != "traversal");
     if swept {
@@ -244,7 +244,7 @@ fn options<'a>(splats: &Splats<'a>, design: &'a DesignChoice, traversal: Travers
 
 fn machine_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Config> {
     let mut config = subject.machine;
-    for (key, value) in space.settings(point, |part| part != Part::Design) {
+    for (key, value) in space.settings(point, |part| part != SpacePart::Design) {
         config.set("space", key, value)?;
     }
     Ok(config)
@@ -418,7 +418,7 @@ mod tests {
     const SPACE: &str = "[design]\nbase = [\"lean18\", \"standard24\"]\n[machine]\ntile_width = [8, 16]\nlanes = [1, 4]\n\
                          layout = [\"run\", \"quad\"]\nrow_cycles = [1, 3]\n";
 
-    fn sweep(shard: Shard, done: &Table, path: &std::path::Path) {
+    fn sweep(shard: Shard, done: &ResultTable, path: &std::path::Path) {
         let scene = synthetic::random_gaussians(300, 1, 2.0);
         let camera = synthetic::camera(48, 32);
         let space = Space::from_toml("s.toml", SPACE).unwrap();
@@ -453,10 +453,11 @@ mod tests {
     fn shards_and_resumed_sweeps_give_the_whole_sweep() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
-        let read =
-            |name: &str| Table::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap();
+        let read = |name: &str| {
+            ResultTable::from_csv(&std::fs::read_to_string(path(name)).unwrap()).unwrap()
+        };
         let whole = Shard { index: 1, count: 1 };
-        sweep(whole, &Table::default(), &path("whole.csv"));
+        sweep(whole, &ResultTable::default(), &path("whole.csv"));
         let complete = read("whole.csv");
         assert_eq!(complete.lines.len(), 32);
         let left_out = complete
@@ -466,13 +467,17 @@ mod tests {
             .count();
         assert_eq!(left_out, 8, "quads of one lane");
 
-        let mut merged = Table {
+        let mut merged = ResultTable {
             heading: complete.heading.clone(),
-            ..Table::default()
+            ..ResultTable::default()
         };
         for index in 1..=3 {
             let name = format!("{index}.csv");
-            sweep(Shard { index, count: 3 }, &Table::default(), &path(&name));
+            sweep(
+                Shard { index, count: 3 },
+                &ResultTable::default(),
+                &path(&name),
+            );
             merged.merge(read(&name)).unwrap();
         }
         assert_eq!(merged, complete);

@@ -57,19 +57,19 @@ pub fn heading(space: &Space) -> String {
 
 /// Lines by the number of their point.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Table {
+pub struct ResultTable {
     /// The heading.
     pub heading: String,
     /// Whole lines, each beginning with its point's number.
     pub lines: BTreeMap<usize, String>,
 }
 
-impl Table {
+impl ResultTable {
     /// Reads the text of a table; a last line without its end is dropped. Without a whole line it is the table of a sweep that was
     /// interrupted before it began, which has no heading and no points.
-    pub fn from_csv(text: &str) -> Result<Table, String> {
+    pub fn from_csv(text: &str) -> Result<ResultTable, String> {
         let Some(whole) = text.rfind('\n').map(|end| &text[..end]) else {
-            return Ok(Table::default());
+            return Ok(ResultTable::default());
         };
         let mut lines = whole.lines();
         let heading = lines.next().unwrap_or("").to_owned();
@@ -79,7 +79,7 @@ impl Table {
             );
         }
         let columns = heading.split(',').count();
-        let mut table = Table {
+        let mut table = ResultTable {
             heading,
             lines: BTreeMap::new(),
         };
@@ -157,7 +157,7 @@ impl Table {
     }
 
     /// Adds the lines of another shard. The same point may come twice only with the same result.
-    pub fn merge(&mut self, other: Table) -> Result<(), String> {
+    pub fn merge(&mut self, other: ResultTable) -> Result<(), String> {
         if other.heading.is_empty() {
             return Ok(());
         }
@@ -254,21 +254,25 @@ mod tests {
 
     #[test]
     fn shards_merge_and_foreign_tables_do_not() {
-        let mut first = Table::from_csv("point,a\n2,x\n0,y\n").unwrap();
+        let mut first = ResultTable::from_csv("point,a\n2,x\n0,y\n").unwrap();
         first
-            .merge(Table::from_csv("point,a\n1,z\n2,x\n").unwrap())
+            .merge(ResultTable::from_csv("point,a\n1,z\n2,x\n").unwrap())
             .unwrap();
         assert_eq!(first.to_csv(), "point,a\n0,y\n1,z\n2,x\n");
-        assert!(first.merge(Table::from_csv("point,b\n").unwrap()).is_err());
         assert!(
             first
-                .merge(Table::from_csv("point,a\n1,q\n").unwrap())
+                .merge(ResultTable::from_csv("point,b\n").unwrap())
+                .is_err()
+        );
+        assert!(
+            first
+                .merge(ResultTable::from_csv("point,a\n1,q\n").unwrap())
                 .unwrap_err()
                 .contains("point 1")
         );
         assert!(
-            Table::from_csv("a,b\n1,2\n").is_err()
-                && Table::from_csv("point,a\n1\n")
+            ResultTable::from_csv("a,b\n1,2\n").is_err()
+                && ResultTable::from_csv("point,a\n1\n")
                     .unwrap_err()
                     .contains("line 2")
         );
@@ -276,12 +280,15 @@ mod tests {
 
     #[test]
     fn a_point_twice_is_refused_and_no_heading_is_no_points() {
-        let message = Table::from_csv("point,a\n1,x\n1,x\n").unwrap_err();
+        let message = ResultTable::from_csv("point,a\n1,x\n1,x\n").unwrap_err();
         assert!(
             message.contains("line 3: point 1 a second time"),
             "{message}"
         );
-        assert_eq!(Table::from_csv("poi").unwrap(), Table::default());
+        assert_eq!(
+            ResultTable::from_csv("poi").unwrap(),
+            ResultTable::default()
+        );
     }
 
     const SPACE: &str = "[machine]\nlanes = [1, 2]\nlayout = [\"run\", \"rows\"]\n";
@@ -289,7 +296,7 @@ mod tests {
 
     fn checked(line: &str, errors: bool) -> Result<(), String> {
         let space = Space::from_toml("s.toml", SPACE).unwrap();
-        Table::from_csv(&format!("{}\n{line}\n", heading(&space)))?.check(&space, errors)
+        ResultTable::from_csv(&format!("{}\n{line}\n", heading(&space)))?.check(&space, errors)
     }
 
     /// Whatever result is replaced by what no sweep writes, the point and the column are named.

@@ -62,7 +62,7 @@ pub struct Shown<'a> {
 
 /// Why a page could not be made.
 #[derive(Debug, thiserror::Error)]
-pub enum PageError {
+pub enum LivePageError {
     /// Too many splats.
     #[error(
         "the scene has {0} splats, and a live page takes at most {MOST_SPLATS}: thin the scene out, or use `splatline compare`"
@@ -77,13 +77,13 @@ pub enum PageError {
 }
 
 /// The whole file.
-pub fn html(shown: &Shown) -> Result<String, PageError> {
+pub fn html(shown: &Shown) -> Result<String, LivePageError> {
     let splats = shown.scene.splats.len();
     if splats > MOST_SPLATS {
-        return Err(PageError::TooLarge(splats));
+        return Err(LivePageError::TooLarge(splats));
     }
     let bytes = bytes::encode(shown.scene, shown.rules);
-    let checksum = host_checksum(shown, &bytes).ok_or(PageError::Scene)?;
+    let checksum = host_checksum(shown, &bytes).ok_or(LivePageError::Scene)?;
     let settings = settings(shown, checksum).to_string();
     let facts = format!(
         "{} splats at {} × {}, rules {}.",

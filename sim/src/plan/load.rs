@@ -57,7 +57,7 @@ pub enum AnyScene {
 }
 
 /// What came of a source.
-pub struct Loaded {
+pub struct LoadedSubject {
     /// The scene.
     pub scene: AnyScene,
     /// What its file says that is drawn otherwise here, or what had to be made up.
@@ -88,7 +88,7 @@ impl Source {
     }
 
     /// Reads the scene; `doing` is told of what takes long.
-    pub fn load(&self, doing: &dyn Fn(String)) -> Result<Loaded> {
+    pub fn load(&self, doing: &dyn Fn(String)) -> Result<LoadedSubject> {
         let started = Instant::now();
         let (scene, notes) = match &self.taken {
             Taken::Splats { transfer, light } => {
@@ -112,7 +112,7 @@ impl Source {
                 )
             }
         };
-        Ok(Loaded {
+        Ok(LoadedSubject {
             scene,
             notes,
             seconds: started.elapsed().as_secs_f64(),
@@ -149,8 +149,8 @@ fn load_heights(path: &Path, spacing: Option<f64>) -> Result<(HeightField, Strin
 }
 
 /// A height field by its name, else splats, else points of a surface; the message of the splats' reader if it is neither.
-pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<Loaded> {
-    let surface = |scene: SurfaceScene, is_height_field| Loaded {
+pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<LoadedSubject> {
+    let surface = |scene: SurfaceScene, is_height_field| LoadedSubject {
         notes: scene.notes.clone(),
         scene: AnyScene::Surface {
             scene,

@@ -16,7 +16,7 @@ pub mod path;
 pub mod record;
 
 pub use draw::{Drawing, FootprintLine};
-pub use load::{AnyScene, Loaded, Source, Taken};
+pub use load::{AnyScene, LoadedSubject, Source, Taken};
 pub use measure::{Comparison, Effort, Measured, all_entries, compare_all};
 
 use crate::camera::Camera;

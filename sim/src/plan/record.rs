@@ -11,7 +11,7 @@ use crate::rules::{Kernel, Rules};
 use crate::scene::Weight;
 use crate::scene::points::SurfaceScene;
 use crate::surface::{Buffer, Style};
-use crate::systems::{Use, Verdict, exercised};
+use crate::systems::{SystemVerdict, Use, exercised};
 use anyhow::{Context, Result, bail};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -52,7 +52,7 @@ impl Prepared {
     }
 
     /// Which systems of the papers drawing it exercises.
-    pub fn systems(&self) -> Vec<Verdict> {
+    pub fn systems(&self) -> Vec<SystemVerdict> {
         match (&self.plan.look, self.subject()) {
             (_, Ok(Subject::Splats(splats))) => exercised(&Use::Volume {
                 rules: splats.rules,

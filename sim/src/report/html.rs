@@ -14,14 +14,14 @@ use super::viewer;
 use super::{ChannelFacts, ErrorFacts, Report, Row};
 use crate::picture::Picture;
 use crate::scene::SortOrder;
-use crate::systems::Verdict;
+use crate::systems::SystemVerdict;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::ImageError;
 
 /// Why a page could not be made.
 #[derive(Debug, thiserror::Error)]
-pub enum PageError {
+pub enum ReportError {
     /// A picture could not be encoded.
     #[error("cannot encode a picture of the report: {0}")]
     Picture(#[from] ImageError),
@@ -48,7 +48,7 @@ pub fn page(
     fixed: &Picture,
     float: &Picture,
     map: &ErrorMap,
-) -> Result<String, PageError> {
+) -> Result<String, ReportError> {
     let sections = [
         header(report),
         pictures(report, fixed, float, map)?,
@@ -175,7 +175,7 @@ fn pictures(
     fixed: &Picture,
     float: &Picture,
     map: &ErrorMap,
-) -> Result<String, PageError> {
+) -> Result<String, ReportError> {
     let reference = reference_name(report);
     let fixed_note = format!(
         "<b>{}</b> {}",
@@ -278,7 +278,7 @@ fn figure(
     picture: &Rgb,
     alternative: &str,
     below: &str,
-) -> Result<String, PageError> {
+) -> Result<String, ReportError> {
     let class = if picture.width <= SMALL_PICTURE {
         " class=\"small\""
     } else {
@@ -317,7 +317,7 @@ fn scale_bar(map: &ErrorMap) -> String {
     )
 }
 
-fn sweep(report: &Report) -> Result<String, PageError> {
+fn sweep(report: &Report) -> Result<String, ReportError> {
     let errors = report.error.as_ref().map(error_table).unwrap_or_default();
     if report.table.is_empty() {
         return Ok(errors);
@@ -337,7 +337,7 @@ fn sweep(report: &Report) -> Result<String, PageError> {
 }
 
 /// Time and cycles against error; nothing of a single row, whose dot would say no more than the row.
-fn plots(report: &Report) -> Result<String, PageError> {
+fn plots(report: &Report) -> Result<String, ReportError> {
     if report.table.len() < 2 {
         return Ok(String::new());
     }
@@ -357,7 +357,7 @@ fn plots(report: &Report) -> Result<String, PageError> {
 }
 
 /// The same designs against cycles of the hardware model, if it was run.
-fn cycles_plot(report: &Report) -> Result<String, PageError> {
+fn cycles_plot(report: &Report) -> Result<String, ReportError> {
     if report.table.iter().all(|row| row.cycles.is_none()) {
         return Ok(String::new());
     }
@@ -429,7 +429,7 @@ fn systems(report: &Report) -> String {
         return String::new();
     }
     let error = report.error.as_ref();
-    let line = |verdict: &Verdict| {
+    let line = |verdict: &SystemVerdict| {
         let measured = error.filter(|_| verdict.used).map_or(
             "<td></td><td></td><td></td>".to_owned(),
             |error| {
@@ -533,7 +533,7 @@ fn inline_svg(svg: &str) -> String {
     )
 }
 
-fn details(report: &Report) -> Result<String, PageError> {
+fn details(report: &Report) -> Result<String, ReportError> {
     let left_out = serde_json::to_string_pretty(&serde_json::json!({
         "skipped when loading": report.scene.skipped,
         "culled by this camera": report.scene.culled,

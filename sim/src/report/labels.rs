@@ -18,7 +18,7 @@ pub struct Rectangle {
 
 /// Where a label goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Placement {
+pub struct LabelPlacement {
     /// The label's box.
     pub area: Rectangle,
     /// The label stands away from its marker and needs a line to it.
@@ -56,7 +56,7 @@ pub fn place(
     sizes: &[(f64, f64)],
     drawn: &[Rectangle],
     frame: &Rectangle,
-) -> Vec<Placement> {
+) -> Vec<LabelPlacement> {
     let mut taken: Vec<Rectangle> = drawn.to_vec();
     let mut placements = Vec::with_capacity(anchors.len());
     for (&anchor, &size) in anchors.iter().zip(sizes) {
@@ -73,8 +73,8 @@ fn best_place(
     size: (f64, f64),
     taken: &[Rectangle],
     frame: &Rectangle,
-) -> Placement {
-    let cost = |placement: &Placement| {
+) -> LabelPlacement {
+    let cost = |placement: &LabelPlacement| {
         let covered: f64 = taken
             .iter()
             .map(|other| placement.area.overlap(other))
@@ -117,7 +117,7 @@ const GAP: f64 = 10.0;
 const RING: f64 = 16.0;
 
 /// The label's box on one side of its anchor.
-fn beside(anchor: (f64, f64), size: (f64, f64), side: (f64, f64), ring: usize) -> Placement {
+fn beside(anchor: (f64, f64), size: (f64, f64), side: (f64, f64), ring: usize) -> LabelPlacement {
     let distance = GAP + RING * ring as f64;
     let centre_x = anchor.0 + side.0 * (distance + size.0 / 2.0);
     let centre_y = anchor.1 + side.1 * (distance + size.1 / 2.0);
@@ -127,7 +127,7 @@ fn beside(anchor: (f64, f64), size: (f64, f64), side: (f64, f64), ring: usize) -
         width: size.0,
         height: size.1,
     };
-    Placement {
+    LabelPlacement {
         area,
         leader: ring > 0,
     }

@@ -19,7 +19,7 @@ pub(crate) mod viewer;
 
 use crate::atomic;
 use crate::metrics::{ChannelError, Errors};
-use crate::systems::Verdict;
+use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
 use facts::{CameraFacts, RulesFacts, SceneFacts};
 use serde::{Deserialize, Serialize};
@@ -57,7 +57,7 @@ pub struct Report {
     pub error: Option<ErrorFacts>,
     /// Which systems of the papers the picture exercises; `error` is that of all of them together.
     #[serde(default)]
-    pub systems: Vec<Verdict>,
+    pub systems: Vec<SystemVerdict>,
     /// How the colours of error.png are to be read; null if nothing was compared.
     pub error_map: Option<ScaleFacts>,
     /// Cycles of the hardware model (total, phases, accounts per unit); null if it was not run, and for a float engine.

@@ -4,7 +4,7 @@
 //! upper half of a single-precision number, which keeps two digits of it at any size. Each half is a plane of bytes, which packs well.
 
 use super::error_map::{ErrorMap, colour};
-use super::html::PageError;
+use super::html::ReportError;
 use super::scale::{PERCENTILE, Scale};
 use crate::metrics::stored;
 use crate::picture::Picture;
@@ -30,7 +30,7 @@ pub fn script(
     float: &Picture,
     engine: &str,
     reference: &str,
-) -> Result<String, PageError> {
+) -> Result<String, ReportError> {
     let differences = ErrorMap::new(fixed, float).differences;
     let shade = |index: usize| colour(2.0 * index as f64 / (SHADES - 1) as f64 - 1.0);
     let settings = json!({

@@ -42,7 +42,7 @@ use splatline::raster::{BoxSpans, EllipseSpans, Spans, Window};
 
 /// One line of the table: an engine in a case.
 #[derive(Clone, Debug, serde::Serialize)]
-pub struct Line {
+pub struct StabilityLine {
     /// The case.
     pub case: String,
     /// A design's name, or `f32`.
@@ -80,8 +80,8 @@ impl Extent {
 }
 
 /// Measures all cases: `f32`, then the designs, each by its own traversal; the worst of all samples.
-pub fn measure(designs: &[DesignChoice], extent: Extent) -> Vec<Line> {
-    let samples: Vec<Vec<Line>> = (0..extent.samples)
+pub fn measure(designs: &[DesignChoice], extent: Extent) -> Vec<StabilityLine> {
+    let samples: Vec<Vec<StabilityLine>> = (0..extent.samples)
         .into_par_iter()
         .map(|sample| {
             let cases = cases::all(!extent.deep || sample > 0, sample);
@@ -99,11 +99,11 @@ pub fn measure(designs: &[DesignChoice], extent: Extent) -> Vec<Line> {
     lines
 }
 
-fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<Line> {
+fn measure_case(case: &Case, designs: &[DesignChoice]) -> Vec<StabilityLine> {
     let weights = case.scene.weights_for(&case.rules);
     let truth = project_all(case, &weights, exact::project);
     let picture = pictures::exact(case, &truth);
-    let line = |engine: &str, errors| Line {
+    let line = |engine: &str, errors| StabilityLine {
         case: case.name.clone(),
         engine: engine.to_owned(),
         needle: case.needle,

@@ -4,7 +4,7 @@
 //! measured by the number of cases that are worse than single precision, stage by stage, and priced.
 
 use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
-use super::{Extent, Line, measure};
+use super::{Extent, StabilityLine, measure};
 use crate::design::DesignChoice;
 use crate::machine::area::{Family, raster_unit, synthesis};
 use crate::machine::config::Config;
@@ -94,7 +94,7 @@ fn design_of_today() -> DesignChoice {
     DesignChoice::named(JUDGED).expect("the judged design has a name")
 }
 
-fn table(designs: &[DesignChoice], lines: &[Line]) -> String {
+fn table(designs: &[DesignChoice], lines: &[StabilityLine]) -> String {
     let stages: Vec<&str> = STAGES.iter().map(|(name, _)| *name).collect();
     let mut text = format!(
         "| widths | {} | wrong decisions | needle 10:1, times better | table, kbit | LUT | FF | DSP | memory, kbit |\n|---|{}\n",
@@ -107,10 +107,12 @@ fn table(designs: &[DesignChoice], lines: &[Line]) -> String {
     text
 }
 
-fn row(design: &DesignChoice, lines: &[Line]) -> String {
+fn row(design: &DesignChoice, lines: &[StabilityLine]) -> String {
     let pairs = || engine_pairs(lines, &design.name);
     let worse = |of: fn(&super::StageErrors) -> f64| {
-        let fell_short = |(single, fixed): &(&Line, &Line)| of(&fixed.errors) > of(&single.errors);
+        let fell_short = |(single, fixed): &(&StabilityLine, &StabilityLine)| {
+            of(&fixed.errors) > of(&single.errors)
+        };
         pairs().filter(fell_short).count()
     };
     let counts: Vec<String> = STAGES

@@ -1,6 +1,6 @@
 //! The suite as text: one line per engine and case, a verdict per case, and the summary of the bars.
 
-use super::{BOUNDED, Line, StageErrors};
+use super::{BOUNDED, StabilityLine, StageErrors};
 use std::fmt::Write;
 
 /// The named design that the bars are about.
@@ -24,7 +24,7 @@ pub const STAGES: [Stage; 8] = [
 ];
 
 /// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
-pub fn markdown(lines: &[Line]) -> String {
+pub fn markdown(lines: &[StabilityLine]) -> String {
     let mut text = String::from(
         "| case | engine | centre px | depth rel | peak rel | variance rel | determinant rel | form rel | r abs | picture | bias | PSNR dB | decisions | wrong culls | worse than f32 in |\n\
          |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
@@ -79,7 +79,7 @@ fn worse_stages(fixed: &StageErrors, single: &StageErrors) -> String {
 }
 
 /// The bars, each with the number of cases that meet it.
-pub fn summary(lines: &[Line]) -> String {
+pub fn summary(lines: &[StabilityLine]) -> String {
     let mut text = format!("Bars of {JUDGED}, {} cases:\n\n", pairs(lines).count());
     for (name, of) in STAGES {
         let worse: Vec<String> = pairs(lines)
@@ -122,7 +122,7 @@ pub fn summary(lines: &[Line]) -> String {
 }
 
 /// The steps' bounds beside what is used of them: the largest share over all splats and pixels, and the largest error.
-pub fn bounds(lines: &[Line]) -> String {
+pub fn bounds(lines: &[StabilityLine]) -> String {
     let designs = ["lean18", JUDGED, "deep32"];
     let mut text = format!(
         "Each step's bound (`docs/error-analysis.md`): the largest part of it that a splat or a pixel uses, and in which case; 1 is the bound.\n\n\
@@ -133,7 +133,7 @@ pub fn bounds(lines: &[Line]) -> String {
     for (step, name) in BOUNDED.iter().enumerate() {
         let cells = designs.map(|design| {
             let of_design = lines.iter().filter(|line| line.engine == design);
-            let share = |line: &&Line| line.errors.shares[step];
+            let share = |line: &&StabilityLine| line.errors.shares[step];
             of_design
                 .max_by(|a, b| share(a).total_cmp(&share(b)))
                 .map_or_else(String::new, |line| {
@@ -151,15 +151,15 @@ pub fn needle_gain(single: &StageErrors, fixed: &StageErrors) -> f64 {
 }
 
 /// For each case the line of single precision and the judged design's.
-pub fn pairs(lines: &[Line]) -> impl Iterator<Item = (&Line, &Line)> {
+pub fn pairs(lines: &[StabilityLine]) -> impl Iterator<Item = (&StabilityLine, &StabilityLine)> {
     engine_pairs(lines, JUDGED)
 }
 
 /// For each case the line of single precision and another engine's.
 pub fn engine_pairs<'a>(
-    lines: &'a [Line],
+    lines: &'a [StabilityLine],
     engine: &str,
-) -> impl Iterator<Item = (&'a Line, &'a Line)> {
+) -> impl Iterator<Item = (&'a StabilityLine, &'a StabilityLine)> {
     let of = |engine: &str| {
         let engine = engine.to_owned();
         lines.iter().filter(move |line| line.engine == engine)

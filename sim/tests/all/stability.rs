@@ -3,11 +3,11 @@
 use splatline_sim::design::DesignChoice;
 use splatline_sim::stability::scenes::classes::{self, Size};
 use splatline_sim::stability::scenes::{self, SceneLine};
-use splatline_sim::stability::{BOUNDED, Extent, Line, measure, table};
+use splatline_sim::stability::{BOUNDED, Extent, StabilityLine, measure, table};
 use std::sync::OnceLock;
 
-fn lines() -> &'static [Line] {
-    static LINES: OnceLock<Vec<Line>> = OnceLock::new();
+fn lines() -> &'static [StabilityLine] {
+    static LINES: OnceLock<Vec<StabilityLine>> = OnceLock::new();
     LINES.get_or_init(|| measure(&DesignChoice::all(), Extent::QUICK))
 }
 

@@ -1,6 +1,6 @@
 //! Fixed point against float on real scenes: every design by both traversals, held against the bars.
 
-use super::views::{DEEP_STACK, View};
+use super::views::{CapturedView, DEEP_STACK};
 use super::{Page, opening, table, verdict};
 use anyhow::Result;
 use splatline::format::Traversal;
@@ -106,7 +106,7 @@ impl Measurement {
 }
 
 /// Measures all designs by both traversals on one view.
-pub fn measure(view: &View) -> Result<Vec<Measurement>> {
+pub fn measure(view: &CapturedView) -> Result<Vec<Measurement>> {
     let rules = view.scene.natural_rules;
     let exact = float::draw(&view.scene, &view.camera, &rules, Compositing::FrontToBack).picture;
     let mut measurements = Vec::new();

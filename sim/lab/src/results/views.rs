@@ -7,7 +7,7 @@ use std::path::Path;
 
 /// A scene, its camera and its name in tables.
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct CapturedView {
     /// Name in tables.
     pub name: &'static str,
     /// The scene.
@@ -55,14 +55,14 @@ const ENTRIES: [ViewEntry; 5] = [
 pub const DEEP_STACK: &str = "deep stack";
 
 /// Loads every view whose scene lies under `data`, `size` pixels square.
-pub fn load_all(data: &Path, size: usize) -> Result<Vec<View>> {
+pub fn load_all(data: &Path, size: usize) -> Result<Vec<CapturedView>> {
     ENTRIES
         .iter()
         .map(|entry| load_view(entry, data, size))
         .collect()
 }
 
-fn load_view(entry: &ViewEntry, data: &Path, size: usize) -> Result<View> {
+fn load_view(entry: &ViewEntry, data: &Path, size: usize) -> Result<CapturedView> {
     let path = if entry.name == DEEP_STACK {
         entry.file.into()
     } else {
@@ -76,7 +76,7 @@ fn load_view(entry: &ViewEntry, data: &Path, size: usize) -> Result<View> {
                 .with_context(|| format!("the camera of {}", entry.name))?
         }
     };
-    Ok(View {
+    Ok(CapturedView {
         name: entry.name,
         scene,
         camera,

@@ -3,7 +3,7 @@
 //! One stage at a time is as narrow as the row says while all others keep deep32's widths (or single precision), so that a column tells what its
 //! stage alone costs; the last column has all of them narrow at once.
 
-use super::views::{DEEP_STACK, View};
+use super::views::{CapturedView, DEEP_STACK};
 use super::{Page, opening, table};
 use anyhow::Result;
 use splatline::format::{Traversal, WIDTH_RANGES};
@@ -56,7 +56,7 @@ fn psnr(picture: &Picture, reference: &Picture) -> Result<String> {
     ))
 }
 
-fn of_design(view: &View, design: &DesignChoice, reference: &Picture) -> Result<String> {
+fn of_design(view: &CapturedView, design: &DesignChoice, reference: &Picture) -> Result<String> {
     let rules = view.scene.natural_rules;
     let options = Options {
         rules: &rules,
@@ -82,7 +82,7 @@ fn area(design: &DesignChoice) -> [String; 2] {
     [area.raster.luts, area.raster.dsps].map(|count| count.to_string())
 }
 
-fn fixed_table(view: &View, reference: &Picture) -> Result<String> {
+fn fixed_table(view: &CapturedView, reference: &Picture) -> Result<String> {
     let all: Vec<&str> = STAGES
         .iter()
         .flat_map(|(_, keys)| keys.iter().copied())
@@ -111,7 +111,7 @@ fn fixed_table(view: &View, reference: &Picture) -> Result<String> {
     Ok(table(&headings, &rows))
 }
 
-fn formats_table(view: &View, reference: &Picture) -> Result<String> {
+fn formats_table(view: &CapturedView, reference: &Picture) -> Result<String> {
     let rules = view.scene.natural_rules;
     let single = RoundedStages::all(FP32);
     let mut rows = Vec::new();
@@ -158,7 +158,7 @@ fn formats_table(view: &View, reference: &Picture) -> Result<String> {
 }
 
 /// The page over the views that are measured.
-pub fn page(views: &[View]) -> Result<Page> {
+pub fn page(views: &[CapturedView]) -> Result<Page> {
     let mut text = opening("Error against width");
     let _ = writeln!(
         text,

@@ -2,7 +2,7 @@
 //! camera; axes are right, down, forward as ours. The points of a model are not read.
 
 use super::lens::Distortion;
-use super::{Photograph, Pose, Read};
+use super::{CameraPose, Photograph, Read};
 use crate::input;
 use crate::scene::rotation_matrix;
 use std::collections::BTreeMap;
@@ -306,7 +306,7 @@ fn posed(
     [w, x, y, z, tx, ty, tz]: [f64; 7],
     camera: i64,
     lenses: &Lenses,
-) -> Result<Pose, String> {
+) -> Result<CameraPose, String> {
     let lens = lenses
         .get(&camera)
         .ok_or_else(|| format!("there is no camera {camera} in the file of cameras"))?;
@@ -322,7 +322,7 @@ fn posed(
     };
     let note = lens.distortion.note(lens.size, lens.focal, lens.principal);
     let (camera, correction) = photograph.camera()?;
-    Ok(Pose {
+    Ok(CameraPose {
         camera,
         correction,
         rotation_field: "QW QX QY QZ",

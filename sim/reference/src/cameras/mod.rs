@@ -8,7 +8,7 @@
 //! | the 3D Gaussian trainer | JSON that is a list | `trainer` |
 //!
 //! All but the first come from photographs, whose lenses may bend straight lines. A camera here is a pinhole: distortion is never
-//! left out in silence, but told with the pixels by which it moves the picture's corners ([`Pose::notes`]); fisheyes are refused.
+//! left out in silence, but told with the pixels by which it moves the picture's corners ([`CameraPose::notes`]); fisheyes are refused.
 
 mod colmap;
 mod lens;
@@ -25,7 +25,7 @@ use std::path::Path;
 
 /// A camera and what it is called in its file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pose {
+pub struct CameraPose {
     /// The picture's name.
     pub name: String,
     /// From where.
@@ -39,13 +39,13 @@ pub struct Pose {
 }
 
 /// What a reader gives: problems are plain sentences, [`load`] puts the file before them.
-type Read = Result<Vec<Pose>, String>;
+type Read = Result<Vec<CameraPose>, String>;
 
 /// Names listed where one has to be chosen.
 const LISTED: usize = 5;
 
 /// All cameras of a file or folder. `size` is used where a file has none.
-pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<Pose>, CameraError> {
+pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<CameraPose>, CameraError> {
     let wrong = |problem: String| CameraError {
         file: Some(path.display().to_string()),
         field: None,
@@ -65,10 +65,10 @@ pub fn load(path: &Path, size: Option<[usize; 2]>) -> Result<Vec<Pose>, CameraEr
     }
 }
 
-fn own(path: &Path) -> Result<Pose, CameraError> {
+fn own(path: &Path) -> Result<CameraPose, CameraError> {
     let (camera, correction) = Camera::corrected_from_json_file(path)?;
     let name = path.file_name().unwrap_or_default();
-    Ok(Pose {
+    Ok(CameraPose {
         name: name.to_string_lossy().into_owned(),
         camera,
         correction,
@@ -105,7 +105,7 @@ fn kind(path: &Path) -> CameraFormat {
 }
 
 /// The one pose there is, or the one of that name: the whole name, the file's name without folders, or without its extension.
-pub fn choose(poses: Vec<Pose>, name: Option<&str>) -> Result<Pose, String> {
+pub fn choose(poses: Vec<CameraPose>, name: Option<&str>) -> Result<CameraPose, String> {
     let names: Vec<&str> = poses
         .iter()
         .map(|pose| pose.name.as_str())
@@ -123,7 +123,7 @@ pub fn choose(poses: Vec<Pose>, name: Option<&str>) -> Result<Pose, String> {
             )),
         };
     };
-    let tail = |pose: &Pose| -> [String; 3] {
+    let tail = |pose: &CameraPose| -> [String; 3] {
         let path = Path::new(&pose.name);
         let part = |part: Option<&std::ffi::OsStr>| {
             part.unwrap_or_default().to_string_lossy().into_owned()
@@ -135,7 +135,7 @@ pub fn choose(poses: Vec<Pose>, name: Option<&str>) -> Result<Pose, String> {
         ]
     };
     for level in 0..3 {
-        let matching: Vec<&Pose> = poses
+        let matching: Vec<&CameraPose> = poses
             .iter()
             .filter(|pose| tail(pose)[level] == wanted)
             .collect();

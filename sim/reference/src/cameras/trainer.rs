@@ -1,7 +1,7 @@
 //! `cameras.json` as the 3D Gaussian trainer leaves it beside its scenes: `rotation` and `position` take the camera (right, down,
 //! forward) to the world; the pictures are undistorted and centred.
 
-use super::{Photograph, Pose, Read, inverted, unit_rows};
+use super::{CameraPose, Photograph, Read, inverted, unit_rows};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -27,7 +27,7 @@ pub(super) fn parse(text: &str) -> Read {
     entries.iter().enumerate().map(posed).collect()
 }
 
-fn pose(entry: &TrainerCamera) -> Result<Pose, String> {
+fn pose(entry: &TrainerCamera) -> Result<CameraPose, String> {
     let column = |k: usize| entry.rotation.map(|row| row[k]);
     let (rotation, translation) =
         inverted(unit_rows([column(0), column(1), column(2)]), entry.position);
@@ -44,7 +44,7 @@ fn pose(entry: &TrainerCamera) -> Result<Pose, String> {
         false => entry.img_name.clone(),
     };
     let (camera, correction) = photograph.camera()?;
-    Ok(Pose {
+    Ok(CameraPose {
         name,
         camera,
         correction,

@@ -5,7 +5,7 @@
 //! there has to be exported with its poses.
 
 use super::lens::Distortion;
-use super::{Photograph, Pose, Read, inverted, unit_rows};
+use super::{CameraPose, Photograph, Read, inverted, unit_rows};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -96,7 +96,7 @@ fn pose(
     frame: &TransformsFrame,
     lens: &TransformsLens,
     size: Option<[usize; 2]>,
-) -> Result<Pose, String> {
+) -> Result<CameraPose, String> {
     let [width, height] = match (lens.w, lens.h, size) {
         (Some(w), Some(h), _) if w >= 1.0 && h >= 1.0 => [w as u64, h as u64],
         (None, None, Some(size)) => size.map(|side| side as u64),
@@ -143,7 +143,7 @@ fn pose(
         return Err("k4 belongs to a fisheye: undistort the pictures and export again".to_owned());
     }
     let (camera, correction) = photograph.camera()?;
-    Ok(Pose {
+    Ok(CameraPose {
         name: frame.file_path.trim_start_matches("./").to_owned(),
         camera,
         correction,

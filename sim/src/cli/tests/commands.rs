@@ -405,7 +405,7 @@ fn the_demo_writes_its_report() {
     let folder = tempfile::tempdir().unwrap();
     demo::run_into(
         folder.path(),
-        Size {
+        PictureSize {
             width: 32,
             height: 32,
         },

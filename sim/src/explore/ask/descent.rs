@@ -6,7 +6,7 @@
 
 use super::evaluate::{Evaluator, Reached};
 use crate::explore::fit::LOWERING_ORDER;
-use crate::explore::space::{Axis, Part};
+use crate::explore::space::{SpaceAxis, SpacePart};
 use anyhow::Result;
 use splatline::format::WIDTH_RANGES;
 use std::cmp::Ordering;
@@ -267,7 +267,7 @@ impl Evaluator<'_> {
         let width = |name: &str| {
             let place = axes
                 .iter()
-                .position(|axis| axis.part == Part::Design && axis.key == name);
+                .position(|axis| axis.part == SpacePart::Design && axis.key == name);
             place.filter(|place| is_width(&axes[*place]))
         };
         let widths: Vec<usize> = LOWERING_ORDER
@@ -305,14 +305,14 @@ impl Evaluator<'_> {
 }
 
 /// Is it a width, from narrow to wide?
-fn is_width(axis: &Axis) -> bool {
+fn is_width(axis: &SpaceAxis) -> bool {
     let named = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);
     let bits: Vec<i64> = axis
         .values
         .iter()
         .filter_map(toml::Value::as_integer)
         .collect();
-    axis.part == Part::Design && named && bits.is_sorted()
+    axis.part == SpacePart::Design && named && bits.is_sorted()
 }
 
 /// The point with every other value of a field.

@@ -6,7 +6,7 @@
 use super::limits::{Limit, Quantity};
 use crate::design::DesignChoice;
 use crate::explore::fit::Fitness;
-use crate::explore::space::{Part, Space};
+use crate::explore::space::{Space, SpacePart};
 use crate::explore::sweep::changed;
 use crate::fixed::{self, Options, QuantisedScene, best_engine};
 use crate::machine::area::{Area, Calibration, estimate};
@@ -157,7 +157,7 @@ impl<'a> Evaluator<'a> {
     /// The design and the machine of a point.
     pub fn choice(&self, point: &[usize]) -> Result<Choice> {
         let question = self.question;
-        let settings = self.space.settings(point, |part| part == Part::Design);
+        let settings = self.space.settings(point, |part| part == SpacePart::Design);
         let design = changed(&question.design, &settings)?;
         let swept = settings.iter().any(|(key, _)| *key == "traversal");
         let traversal = match swept {
@@ -165,7 +165,7 @@ impl<'a> Evaluator<'a> {
             false => question.traversal.unwrap_or(design.traversal),
         };
         let mut machine = question.machine;
-        for (key, value) in self.space.settings(point, |part| part != Part::Design) {
+        for (key, value) in self.space.settings(point, |part| part != SpacePart::Design) {
             machine.set("space", key, value)?;
         }
         Ok(Choice {

@@ -16,7 +16,7 @@ mod text;
 
 pub use evaluate::{Choice, Question, Reached};
 
-use super::space::{Axis, Part, Space, SpaceError};
+use super::space::{Space, SpaceAxis, SpaceError, SpacePart};
 use crate::design::{DesignChoice, ResolvedDesign};
 use crate::explore::fit::Fitness;
 use crate::machine::config::{Config, field};
@@ -117,8 +117,8 @@ pub fn usual_space(
 }
 
 /// What a design or a machine has on an axis.
-fn value_of(axis: &Axis, design: &DesignChoice, machine: &Config) -> Option<Value> {
-    if axis.part != Part::Design {
+fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
+    if axis.part != SpacePart::Design {
         let found = field(&axis.key)?;
         let shown = found.show(machine);
         return Some(match shown.parse() {
@@ -133,7 +133,7 @@ fn value_of(axis: &Axis, design: &DesignChoice, machine: &Config) -> Option<Valu
 
 /// Where the search starts: at the design and the machine given, and otherwise at the widest value of a width and the first of all else.
 fn start(question: &Question, space: &Space) -> Vec<usize> {
-    let index = |axis: &Axis| {
+    let index = |axis: &SpaceAxis| {
         let value = value_of(axis, &question.design, &question.machine);
         let place = value.and_then(|value| axis.values.iter().position(|other| *other == value));
         let is_width = WIDTH_RANGES.iter().any(|(name, ..)| *name == axis.key);

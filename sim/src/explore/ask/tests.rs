@@ -5,7 +5,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::explore::folder::Appender;
 use crate::explore::sweep::{self, Shard, Subject};
-use crate::explore::table::{Table, heading};
+use crate::explore::table::{ResultTable, heading};
 use crate::machine::area::Calibration;
 use crate::machine::energy::EnergyTable;
 use crate::picture::Picture;
@@ -76,8 +76,16 @@ impl Subjects {
         };
         let (out, _) = Appender::open(&path, &heading(space)).unwrap();
         let whole = Shard { index: 1, count: 1 };
-        sweep::run(&subject, space, whole, &Table::default(), &out, &|| ()).unwrap();
-        let table = Table::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
+        sweep::run(
+            &subject,
+            space,
+            whole,
+            &ResultTable::default(),
+            &out,
+            &|| (),
+        )
+        .unwrap();
+        let table = ResultTable::from_csv(&std::fs::read_to_string(&path).unwrap()).unwrap();
         let place = |name: &str| table.column(name).unwrap();
         let places = ["max_abs", "cycles", "raster_luts", "around_luts", "area"].map(place);
         let value = |line: &String| {

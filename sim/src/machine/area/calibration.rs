@@ -25,7 +25,7 @@ pub enum Family {
 /// `at_zero + per_bit * bits`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Line {
+pub struct PriceLine {
     /// Without any bits.
     pub at_zero: f64,
     /// And for each of them.
@@ -37,11 +37,11 @@ pub struct Line {
 #[serde(deny_unknown_fields)]
 pub struct Lines {
     /// Splat setup.
-    pub setup: Line,
+    pub setup: PriceLine,
     /// Row generator.
-    pub rows: Line,
+    pub rows: PriceLine,
     /// One lane with its queue of eight runs.
-    pub lane: Line,
+    pub lane: PriceLine,
     /// Packets, scan and state.
     pub rest: f64,
 }
@@ -248,15 +248,15 @@ impl Calibration {
     }
 }
 
-impl Line {
+impl PriceLine {
     /// The line's value.
     pub fn at(&self, bits: u64) -> f64 {
         (self.at_zero + self.per_bit * bits as f64).max(0.0)
     }
 
-    fn through(a: [f64; 2], b: [f64; 2]) -> Line {
+    fn through(a: [f64; 2], b: [f64; 2]) -> PriceLine {
         let per_bit = (b[1] - a[1]) / (b[0] - a[0]);
-        Line {
+        PriceLine {
             at_zero: a[1] - per_bit * a[0],
             per_bit,
         }
@@ -287,9 +287,9 @@ fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
         .map(|i| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1])
         .collect();
     Lines {
-        setup: Line::through(setup[0], setup[1]),
-        rows: Line::through(rows[0], rows[1]),
-        lane: Line::through(lane[0], lane[1]),
+        setup: PriceLine::through(setup[0], setup[1]),
+        rows: PriceLine::through(rows[0], rows[1]),
+        lane: PriceLine::through(lane[0], lane[1]),
         rest: mean(&rest),
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A price of NaN would make every area NaN and every comparison false; a memory of 0 words divides by zero.
 
-use super::calibration::{Calibration, Line, Lines};
+use super::calibration::{Calibration, Lines, PriceLine};
 
 /// Operands of a multiplier: at least a sign and a bit, at most what any device has.
 const MULTIPLIER: (u64, u64) = (2, 128);
@@ -53,7 +53,8 @@ fn check_lines(name: &str, lines: &Lines) -> Result<(), Refused> {
         lane,
         rest,
     } = lines;
-    for (part, Line { at_zero, per_bit }) in [("setup", setup), ("rows", rows), ("lane", lane)] {
+    for (part, PriceLine { at_zero, per_bit }) in [("setup", setup), ("rows", rows), ("lane", lane)]
+    {
         price(&format!("{name}.{part}.at_zero"), *at_zero)?;
         weight(&format!("{name}.{part}.per_bit"), *per_bit)?;
     }

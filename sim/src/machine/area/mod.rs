@@ -11,7 +11,7 @@ mod check;
 pub(super) mod circuit;
 pub mod synthesis;
 
-pub use calibration::{Calibration, Family, Line, Lines, LutMemory};
+pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
 
 use super::config::{Config, Layout, Overlap, Termination};
 use super::primitive::QUEUE;

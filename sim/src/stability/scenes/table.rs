@@ -69,7 +69,7 @@ pub const DEEP_BAR: f64 = 120.0;
 
 /// One class beside its bars.
 #[derive(Clone, Copy, Debug)]
-pub struct Verdict {
+pub struct ClassVerdict {
     /// PSNR of `standard24`.
     pub standard: f64,
     /// The same where nothing flips; 0 if every pixel is decided otherwise.
@@ -83,14 +83,14 @@ pub struct Verdict {
 }
 
 /// A class beside its bars; none if an engine's line is missing.
-pub fn verdict(lines: &[SceneLine], class: &str) -> Option<Verdict> {
+pub fn verdict(lines: &[SceneLine], class: &str) -> Option<ClassVerdict> {
     let of = |engine: &str| {
         let mut lines = lines.iter();
         lines.find(|line| line.class == class && line.engine == engine)
     };
     let single = decibels(of(SINGLE_NEAR).or(of(SINGLE))?.psnr_db);
     let in_class = lines.iter().filter(|line| line.class == class);
-    Some(Verdict {
+    Some(ClassVerdict {
         standard: decibels(of("standard24")?.psnr_db),
         standard_settled: settled(of("standard24")?).unwrap_or(0.0),
         bar: STANDARD_BAR.min(single - BEHIND),

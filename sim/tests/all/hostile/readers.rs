@@ -8,7 +8,7 @@ use splatline_sim::cameras;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
-use splatline_sim::explore::table::Table;
+use splatline_sim::explore::table::ResultTable;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::area::{Calibration, estimate};
 use splatline_sim::machine::config::{self, Config};
@@ -278,7 +278,7 @@ fn sweep_file(path: &Path) -> Result<(), String> {
     let (identity, table) = text.split_once("\n}\n").unwrap_or((&text, ""));
     let identity = Identity::parse(&format!("{identity}\n}}\n")).map_err(told)?;
     let space = identity.space().map_err(told)?;
-    let table = Table::from_csv(table)?;
+    let table = ResultTable::from_csv(table)?;
     table.check(&space, identity.has_errors())
 }
 

@@ -10,7 +10,7 @@ use splatline_sim::explore::front::{Candidate, candidates};
 use splatline_sim::explore::plot::{self, Sweep};
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard};
-use splatline_sim::explore::table::{Table, heading};
+use splatline_sim::explore::table::{ResultTable, heading};
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Calibration, synthesis};
 use splatline_sim::machine::energy::EnergyTable;
@@ -79,7 +79,7 @@ pub fn sweep_of(
     subject: &HardwareScene,
     space: &Space,
     reference: Option<&Picture>,
-) -> Result<Table, Failure> {
+) -> Result<ResultTable, Failure> {
     let folder = std::env::temp_dir().join(format!("splatline-layouts-{}", std::process::id()));
     std::fs::create_dir_all(&folder)
         .with_context(|| format!("cannot create '{}'", folder.display()))?;
@@ -105,7 +105,7 @@ pub fn sweep_of(
         &task,
         space,
         Shard { index: 1, count: 1 },
-        &Table::default(),
+        &ResultTable::default(),
         &out,
         &|| (),
     );
@@ -113,11 +113,11 @@ pub fn sweep_of(
     std::fs::remove_dir_all(&folder)
         .with_context(|| format!("cannot remove '{}'", folder.display()))?;
     done?;
-    Ok(Table::from_csv(&text?).map_err(anyhow::Error::msg)?)
+    Ok(ResultTable::from_csv(&text?).map_err(anyhow::Error::msg)?)
 }
 
 /// The best point of one shape, and the smallest one near it.
-fn line(table: &Table, all: &[Candidate], lanes: &str, layout: &str) -> String {
+fn line(table: &ResultTable, all: &[Candidate], lanes: &str, layout: &str) -> String {
     let field = |candidate: &Candidate, name: &str| {
         let line = table.lines.get(&candidate.point)?;
         line.split(',').nth(table.column(name)?).map(str::to_owned)
