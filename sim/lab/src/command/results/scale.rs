@@ -6,8 +6,9 @@
 use super::COMMAND;
 use crate::command::options::DrawScaledOptions;
 use anyhow::{Context, Result};
-use plotters::prelude::*;
+use plotters::prelude::SeriesLabelPosition;
 use serde::{Deserialize, Serialize};
+use splatline_lab::plot::{self, Curve, Marker, Panel};
 use splatline_lab::results::table;
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::fast::lanes::{self, VectorLevel};
@@ -15,7 +16,7 @@ use splatline_sim::fixed::Engine;
 use splatline_sim::memory;
 use splatline_sim::progress::Progress;
 use splatline_sim::renderer::{Renderer, Settings};
-use splatline_sim::report::plot::{DESIGNS, INK, colour};
+use splatline_sim::report::plot::{DESIGNS, Tone};
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::synthetic;
 use std::process::Command;
@@ -64,7 +65,7 @@ pub fn run(choice: VectorLevel) -> Result<(String, String), Failure> {
         }
     }
     drop(progress);
-    let plot = svg(&measured).map_err(|error| anyhow::anyhow!("{error}"))?;
+    let plot = svg(&measured).map_err(anyhow::Error::msg)?;
     Ok((text(&measured, choice), plot))
 }
 
@@ -226,79 +227,51 @@ fn text(measured: &[ScaleRow], choice: VectorLevel) -> String {
 }
 
 /// Frame time and peak memory against splats, all axes logarithmic to base 10.
-fn svg(measured: &[ScaleRow]) -> Result<String, Box<dyn std::error::Error>> {
-    let mut text = String::new();
-    {
-        let canvas = SVGBackend::with_string(&mut text, (1040, 420)).into_drawing_area();
-        canvas.fill(&WHITE)?;
-        let (left, right) = canvas.split_horizontally(520);
-        let of_splats = |threads: usize| {
-            let rows = measured.iter().filter(move |row| row.size == SIZES[0]);
-            rows.filter(move |row| row.threads == threads)
-        };
-        let times = [1, 2].map(|threads| {
-            let points = of_splats(threads).map(|row| (row.splats as f64, 1e3 * row.frame));
-            (["one thread", "two threads"][threads - 1], points.collect())
-        });
-        panel(&left, "ms a frame, 512x512", 1.0..1e5, &times)?;
-        let bytes = |bytes: fn(&ScaleRow) -> f64| {
-            let points = of_splats(1).map(|row| (row.splats as f64, bytes(row) / 1e6));
-            points.collect()
-        };
-        let memory = [
-            ("renderer", bytes(|row| row.held as f64)),
-            ("process", bytes(|row| row.peak.unwrap_or_default() as f64)),
-        ];
-        panel(&right, "MB of memory", 1.0..1e5, &memory)?;
-        canvas.present()?;
-    }
-    Ok(text)
+fn svg(measured: &[ScaleRow]) -> Result<String, String> {
+    let of_splats = |threads: usize| {
+        let rows = measured.iter().filter(move |row| row.size == SIZES[0]);
+        rows.filter(move |row| row.threads == threads)
+    };
+    let times = [1, 2].map(|threads| {
+        let points = of_splats(threads).map(|row| (row.splats as f64, 1e3 * row.frame));
+        (["one thread", "two threads"][threads - 1], points.collect())
+    });
+    let bytes = |bytes: fn(&ScaleRow) -> f64| {
+        let points = of_splats(1).map(|row| (row.splats as f64, bytes(row) / 1e6));
+        points.collect()
+    };
+    let memory = [
+        ("renderer", bytes(|row| row.held as f64)),
+        ("process", bytes(|row| row.peak.unwrap_or_default() as f64)),
+    ];
+    let panels = [
+        panel("ms a frame, 512x512", times),
+        panel("MB of memory", memory),
+    ];
+    plot::svg((1040, 420), &panels)
 }
 
-type ScaleCurve = (&'static str, Vec<(f64, f64)>);
-
-fn panel(
-    canvas: &DrawingArea<SVGBackend, plotters::coord::Shift>,
-    title: &str,
-    range: std::ops::Range<f64>,
-    curves: &[ScaleCurve],
-) -> Result<(), Box<dyn std::error::Error>> {
-    let ink = colour(INK);
-    let label = ("sans-serif", 13).into_font().color(&ink);
-    let mut chart = ChartBuilder::on(canvas)
-        .margin(12)
-        .caption(title, ("sans-serif", 15).into_font().color(&ink))
-        .x_label_area_size(40)
-        .y_label_area_size(60)
-        .build_cartesian_2d((5e3..2e7).log_scale(), range.log_scale())?;
-    chart
-        .configure_mesh()
-        .light_line_style(TRANSPARENT)
-        .x_desc("splats")
-        .x_label_formatter(&power)
-        .y_label_formatter(&power)
-        .label_style(label.clone())
-        .axis_desc_style(label.clone())
-        .draw()?;
-    for ((name, points), tone) in curves.iter().zip([DESIGNS[0], DESIGNS[2]]) {
-        let tone = colour(tone);
-        let line = LineSeries::new(points.iter().copied(), tone.stroke_width(2)).point_size(4);
-        chart
-            .draw_series(line)?
-            .label(*name)
-            .legend(move |(x, y)| Circle::new((x + 10, y), 4, tone.filled()));
+fn panel(title: &'static str, curves: [(&str, Vec<(f64, f64)>); 2]) -> Panel<'static> {
+    let curve = |((name, points), tone): ((&str, Vec<(f64, f64)>), Tone)| Curve {
+        name: name.to_owned(),
+        tone,
+        beneath: false,
+        marker: Marker::Circle,
+        points: points
+            .into_iter()
+            .map(|(x, y)| (x.log10(), y.log10()))
+            .collect(),
+    };
+    let tones = [DESIGNS[0], DESIGNS[2]];
+    Panel {
+        title,
+        across: "splats",
+        columns: 3.7..7.3,
+        rows: 0.0..5.0,
+        bases: ["10^"; 2],
+        legend: SeriesLabelPosition::UpperLeft,
+        curves: curves.into_iter().zip(tones).map(curve).collect(),
     }
-    chart
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .label_font(label)
-        .draw()?;
-    Ok(())
-}
-
-fn power(value: &f64) -> String {
-    format!("10^{:.0}", value.log10())
 }
 
 #[cfg(test)]
