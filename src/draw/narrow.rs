@@ -1,7 +1,7 @@
 //! "Over" by spans for designs whose pixel path fits 32-bit words: the loop of a processor without 64-bit arithmetic.
 //!
 //! The same arithmetic as [`Painter::draw`](super::Painter::draw) with [`Traversal::Spans`](crate::format::Traversal) and
-//! [`Compositing::FrontToBack`](crate::rules::Compositing), bit for bit (`tests/narrow.rs`): the same rows, the same opacity and compositing.
+//! [`Compositing::FrontToBack`](crate::rules::Compositing), bit for bit (`tests/all/narrow.rs`): the same rows, the same opacity and compositing.
 //! What is left out is what such a loop cannot afford: counters, a choice of operator, and look-ups that could miss the table.
 
 use crate::blend::{Blend, Pixel};

@@ -1,9 +1,9 @@
 //! Any bits into `checks::draw`, the body of the property test of the same name.
 #![no_main]
 
-#[path = "../../../tests/arbitrary/mod.rs"]
+#[path = "../../../tests/all/arbitrary/mod.rs"]
 mod arbitrary;
-#[path = "../../../tests/checks/mod.rs"]
+#[path = "../../../tests/all/checks/mod.rs"]
 mod checks;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| checks::draw(&mut arbitrary::Source::new(bytes)));

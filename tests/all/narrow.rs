@@ -1,10 +1,7 @@
 //! The 32-bit path of small processors against the kernel's own: every pixel word, bit for bit.
 
-mod arbitrary;
-mod common;
-
-use arbitrary::Source;
-use common::{SIZE, splats, view};
+use crate::arbitrary::Source;
+use crate::common::{SIZE, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{NarrowError, Painter, Painter32};

@@ -2,9 +2,7 @@
 //!
 //! They pin the arithmetic: a change of any bit shows here, and must be meant.
 
-mod common;
-
-use common::{scaled, view};
+use crate::common::{scaled, view};
 use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::blend::Pixel;
@@ -222,7 +220,7 @@ proptest! {
     // Culled splats are replaced by others; the test fails if fewer than a quarter are drawn.
     #![proptest_config(ProptestConfig { cases: 1000, max_global_rejects: 3000, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
-    fn packets_lose_nothing(splat in common::splats()) {
+    fn packets_lose_nothing(splat in crate::common::splats()) {
         round_trip(Classic8, &splat)?;
         round_trip(Lean18, &splat)?;
         round_trip(Standard24, &splat)?;

@@ -1,8 +1,6 @@
 //! Widths in constants and widths in fields are the same arithmetic: every packet and every pixel, bit for bit.
 
-mod common;
-
-use common::{SIZE, splats, view};
+use crate::common::{SIZE, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};

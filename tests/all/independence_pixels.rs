@@ -1,11 +1,9 @@
 //! Independence of the pixel path: opacity, transmittance and colour at any widths and in both roundings, against integers of 128 bits
 //! and the definition of rounding. And the walks through whole 24-bit domains, which take minutes without the optimiser.
 //!
-//! `cargo test --release --test independence_pixels -- --ignored` walks them.
+//! `cargo test --release -p splatline --test all independence_pixels -- --ignored` walks them.
 
-mod arbitrary;
-
-use arbitrary::Source;
+use crate::arbitrary::Source;
 use proptest::prelude::*;
 use splatline::blend::{Blend, FINISHED, Pixel};
 use splatline::format::{Rounding, Standard24, WIDTH_RANGES, Widths};

@@ -1,10 +1,6 @@
 //! The front door draws, bit for bit, what the stages draw: the oracle chains them by hand, with a table of its own.
 
-mod common;
-#[path = "common/pictures.rs"]
-mod pictures;
-
-use common::{SIZE, splats, view};
+use crate::common::{SIZE, pictures, splats, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::layers::Layers;

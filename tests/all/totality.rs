@@ -4,10 +4,7 @@
 //! what must hold of any result: nothing is written outside the window of the lent memory, and the work
 //! is bounded by the window's size. The same bodies run under cargo-fuzz (`sim/fuzz`).
 
-mod arbitrary;
-mod checks;
-
-use arbitrary::Source;
+use crate::arbitrary::Source;
 use proptest::prelude::*;
 
 /// More bytes than any input needs, and shorter strings that end in zeros.
@@ -20,42 +17,42 @@ proptest! {
 
     #[test]
     fn arithmetic(bytes in bytes()) {
-        checks::arithmetic(&mut Source::new(&bytes));
+        crate::checks::arithmetic(&mut Source::new(&bytes));
     }
 
     #[test]
     fn setup_and_its_units(bytes in bytes()) {
-        checks::setup(&mut Source::new(&bytes));
+        crate::checks::setup(&mut Source::new(&bytes));
     }
 
     #[test]
     fn packets(bytes in bytes()) {
-        checks::packet(&mut Source::new(&bytes));
+        crate::checks::packet(&mut Source::new(&bytes));
     }
 
     #[test]
     fn tables(bytes in bytes()) {
-        checks::table(&mut Source::new(&bytes));
+        crate::checks::table(&mut Source::new(&bytes));
     }
 
     #[test]
     fn compositing_of_one_pixel(bytes in bytes()) {
-        checks::blend(&mut Source::new(&bytes));
+        crate::checks::blend(&mut Source::new(&bytes));
     }
 
     #[test]
     fn drawing(bytes in bytes()) {
-        checks::draw(&mut Source::new(&bytes));
+        crate::checks::draw(&mut Source::new(&bytes));
     }
 
     #[test]
     fn splats_to_pixels(bytes in bytes()) {
-        checks::splat_to_pixels(&mut Source::new(&bytes));
+        crate::checks::splat_to_pixels(&mut Source::new(&bytes));
     }
 
     #[test]
     fn targets(bytes in bytes()) {
-        checks::target(&mut Source::new(&bytes));
+        crate::checks::target(&mut Source::new(&bytes));
     }
 }
 
@@ -72,7 +69,7 @@ fn inputs_reach_the_pixels() {
                 .wrapping_add(1);
             (state >> 56) as u8
         });
-        drawn += u32::from(checks::splat_to_pixels(&mut Source::new(&bytes)) > 0);
+        drawn += u32::from(crate::checks::splat_to_pixels(&mut Source::new(&bytes)) > 0);
     }
     assert!(drawn >= 200, "only {drawn} of 2000 inputs cover a pixel");
 }

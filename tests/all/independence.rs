@@ -4,9 +4,7 @@
 //! floor((2 n + d) / 2 d), which is "to nearest, halves up" by definition. Operands come from
 //! boundary patterns and at random; domains that are small enough are walked through whole.
 
-mod arbitrary;
-
-use arbitrary::Source;
+use crate::arbitrary::Source;
 use fixed::types::I2F30;
 use num_bigint::{BigInt, Sign};
 use proptest::prelude::*;

@@ -1,8 +1,6 @@
 //! Both traversals against a naive loop over all pixels, and tiles against the whole.
 
-mod common;
-
-use common::{SIZE, double, splats, tolerances, view};
+use crate::common::{SIZE, double, splats, tolerances, view};
 use proptest::prelude::*;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
@@ -77,7 +75,7 @@ fn check<D: Design>(
     let rows = f64::from(footprint.end[1] - footprint.first[1]);
     let thinness =
         1.0 + (double(footprint.ldl.shear) * rows).abs() * double(footprint.ldl.horizontal).sqrt();
-    let bound = tolerances::of(name, &widths).radial * thinness;
+    let bound = tolerances::of(&widths).radial * thinness;
     let cutoff = f64::from(footprint.cutoff) / 28f64.exp2();
     let found = visited(EllipseSpans::new(design, &footprint, &SCREEN), &SCREEN);
     let mut covered = 0;
@@ -172,12 +170,12 @@ fn box_agrees_on_round_splats() {
         let axis = |k: usize| {
             let mut v = [0.01 * f64::from(i % 7); 3];
             v[k] = 0.3 + 0.001 * f64::from(i);
-            splatline::splat::Axis::from_components(v.map(common::scaled))
+            splatline::splat::Axis::from_components(v.map(crate::common::scaled))
         };
         let splat = VolumeSplat {
-            centre: [offset, offset * 0.7, 0.3].map(common::scaled),
+            centre: [offset, offset * 0.7, 0.3].map(crate::common::scaled),
             axes: [axis(0), axis(1), axis(2)],
-            weight: common::scaled(0.3),
+            weight: crate::common::scaled(0.3),
             colour: [U4F28::ONE; 3],
         };
         let footprint = setup(

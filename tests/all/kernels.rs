@@ -1,8 +1,6 @@
 //! Stamps, points, spheres and distance scaling: against slower ways to the same result, and for any input bits.
 
-mod common;
-
-use common::{SIZE, double, scaled, splats, view};
+use crate::common::{SIZE, double, scaled, splats, view};
 use fixed::types::U4F28;
 use proptest::prelude::*;
 use splatline::blend::Pixel;

@@ -2,8 +2,10 @@
 //!
 //! The oracle is the textbook's formulas, written without a look at the kernel: it evaluates the quantised
 //! inputs, so that what differs is the kernel's arithmetic alone.
-#![allow(dead_code, missing_docs)]
+#![allow(missing_docs)]
 
+#[cfg(feature = "float")]
+pub mod pictures;
 pub mod tolerances;
 
 use fixed::types::{I2F30, I32F32, U4F28};

@@ -1,8 +1,6 @@
 //! Setup against double precision, at every stage boundary, for every design.
 
-mod common;
-
-use common::{Oracle, dot, double, oracle, relative, rotation_of, splats, view};
+use crate::common::{Oracle, dot, double, oracle, relative, rotation_of, splats, view};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use splatline::footprint::Footprint;
@@ -283,8 +281,8 @@ proptest! {
         let exact = oracle(&view, &rules, &splat);
         let cutoff = if ewa { 4.0 } else { 2.0 * (255.0 * exact.peak).ln() };
         let result = setup(Standard24, &view, &rules, &splat);
-        for y in 0..common::SIZE {
-            for x in 0..common::SIZE {
+        for y in 0..crate::common::SIZE {
+            for x in 0..crate::common::SIZE {
                 let (dx, dy) = (f64::from(x) + 0.5 - exact.centre[0], f64::from(y) + 0.5 - exact.centre[1]);
                 let [a, b, c] = exact.conic;
                 if a * dx * dx + 2.0 * b * dx * dy + c * dy * dy < cutoff * 0.9999 - 1e-4 {
@@ -306,16 +304,16 @@ fn each_reason_culls() {
     let axis = |i: usize, length: f64| {
         let mut v = [0.0; 3];
         v[i] = length;
-        splatline::splat::Axis::from_components(v.map(common::scaled))
+        splatline::splat::Axis::from_components(v.map(crate::common::scaled))
     };
     let good = VolumeSplat {
         centre: [SoftFloat::ZERO; 3],
         axes: [axis(0, 0.1), axis(1, 0.1), axis(2, 0.1)],
-        weight: common::scaled(0.5),
+        weight: crate::common::scaled(0.5),
         colour: [fixed::types::U4F28::ONE; 3],
     };
     let at = |x: f64, y: f64, z: f64| VolumeSplat {
-        centre: [x, y, z].map(common::scaled),
+        centre: [x, y, z].map(crate::common::scaled),
         ..good
     };
     let sharp = Rules {
@@ -327,11 +325,11 @@ fn each_reason_culls() {
         ..good
     };
     let faint = VolumeSplat {
-        weight: common::scaled(0.0039),
+        weight: crate::common::scaled(0.0039),
         ..good
     };
     let distant = View {
-        far: common::extended(100.0),
+        far: crate::common::extended(100.0),
         ..camera
     };
     let cases: [(&str, Result<Footprint, Cull>, Option<Cull>); 8] = [
@@ -375,7 +373,7 @@ fn each_reason_culls() {
             setup(
                 Standard24,
                 &View {
-                    focal: [common::scaled(1e9); 2],
+                    focal: [crate::common::scaled(1e9); 2],
                     ..camera
                 },
                 &Rules::EWA,

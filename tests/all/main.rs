@@ -1,0 +1,20 @@
+//! The kernel's tests, one program: each module is a check of docs/checks.md.
+
+mod arbitrary;
+mod checks;
+mod common;
+
+#[cfg(feature = "float")]
+mod front;
+mod independence;
+mod independence_pixels;
+mod kernels;
+mod narrow;
+mod setup_against_double;
+mod snapshots;
+mod surface_layers;
+mod surface_setup;
+mod surface_tiles;
+mod totality;
+mod traversals;
+mod widths;
