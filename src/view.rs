@@ -46,11 +46,18 @@ pub struct CameraPoint {
 }
 
 impl CameraPoint {
-    /// One coordinate.
+    /// One coordinate: of axis 0 x, of 1 y, of any other z.
     #[inline(always)]
     pub const fn coordinate(&self, axis: usize) -> Extended {
+        let [x, y, z] = self.value;
+        // An index would be checked, and a build for size keeps the check.
+        let value = match axis {
+            0 => x,
+            1 => y,
+            _ => z,
+        };
         Extended {
-            value: self.value[axis],
+            value,
             exponent: self.exponent,
         }
     }

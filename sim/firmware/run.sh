@@ -75,7 +75,7 @@ symbols() { awk -v p="$2" '$4 ~ p { print $2 }' "$1" | while read -r size; do ec
 # Instructions of the functions with the pixel loop that are executed for most covered pixels, or, where the loop draws two in turn, for
 # most pairs; what runs once per row is executed for an eighth.
 pixel_loop() {
-    awk '$4 ~ /NarrowPainter.*paint|pixel_loop.*paint/ { print $1, $2 }' "$1.symbols" | while read -r first size; do
+    awk '$4 ~ /Painter32.*paint|pixel_loop.*paint/ { print $1, $2 }' "$1.symbols" | while read -r first size; do
         first=$((0x$first & ~1)); last=$((first + 0x$size))
         awk -v a="$(printf %08x $first)" -v b="$(printf %08x $last)" -v n="$2" \
             '"x" $1 >= "x" a && "x" $1 < "x" b && $2 >= n / 4 { s += $2 } END { print s / n }' "$1.addresses"
@@ -95,6 +95,8 @@ for target in $targets; do
         [ "$(value "$work/$target.loops.out" differing),$(value "$work/$target.loops.out" registers_lost)" = 0,0 ] || { echo "run.sh: $target: the loop in assembly differs from its definition" >&2; failed=1; }
     fi
     fixed=$work/$target.fixed; float=$work/$target.float; elf=$CARGO_TARGET_DIR/$target/$profile/fixed
+    loop=$(pixel_loop "$fixed" "$covered")
+    [ "$loop" != 0.0 ] || { echo "run.sh: $target: no function of the image is known as the pixel loop" >&2; failed=1; }
     got=$(grep -E '^(checksum|visible)=' "$fixed.out")
     [ "$(echo $got)" = "$(echo $host | cut -d ' ' -f 1-2)" ] || { echo "run.sh: $target differs from the host:" $got >&2; failed=1; }
     # The image links only without panic paths (board.rs); divisions of 64 bits and float would show as library functions.
@@ -107,7 +109,7 @@ for target in $targets; do
     text=$(section "$elf" .text); constants=$(section "$elf" .rodata); ram=$(section "$elf" .bss)
     awk -v t="$target" -v setup="$(phase "$fixed.count" phase_setup)" -v fsetup="$(phase "$float.count" phase_setup)" \
         -v draw="$(phase "$fixed.count" phase_draw)" -v box="$(phase "$float.count" phase_draw)" -v spans="$(phase "$float.count" phase_draw_again)" \
-        -v n="$covered" -v fn="$(value "$float.out" covered_box)" -v fns="$(value "$float.out" covered_spans)" -v loop="$(pixel_loop "$fixed" "$covered")" \
+        -v n="$covered" -v fn="$(value "$float.out" covered_box)" -v fns="$(value "$float.out" covered_spans)" -v loop="$loop" \
         -v code=$((text - around)) -v tables=$((constants - scene)) -v scene="$scene" -v ram="$ram" -v stack="$(value "$fixed.out" stack)" \
         'BEGIN { printf "| %s | %.0f | %.0f | %.1f | %s | %.0f | %.1f | %.0f | %.1f | %d | %d | %d | %d | %d |\n", t, setup / 40, fsetup / 40, draw / n, loop,
             box / fn, (box / fn) / (draw / n), spans / fns, (spans / fns) / (draw / n), code, tables, scene, ram, stack }'
