@@ -8,7 +8,7 @@
 
 use super::lanes::Wide;
 use super::recurrence::is_zero;
-use super::setup::number::Arithmetic;
+use super::setup::number::{Arithmetic, Drop, turn_of};
 use super::tile::TILE;
 use core::ops::Range;
 use splatline::raster::{BLOCK, RowConstants, VERTICAL_FRACTION};
@@ -98,13 +98,14 @@ impl Spans {
         block: usize,
     ) -> bool {
         let math = Arithmetic { lanes };
+        let words = RowWords::new(math, constants);
         let first_column = i64::from(left) + (block * usize::from(BLOCK)) as i64;
         let columns = [first_column, first_column + i64::from(BLOCK)];
         let mut large = math.splat(0);
         for start in (0..rows.count).step_by(L::WIDE) {
             let centre = lanes.wide_load(window(&rows.centre, start));
             let vertical = lanes.wide_load(window(&rows.vertical, start));
-            let runs = runs(math, constants, [centre, vertical], columns, &mut large);
+            let runs = runs(math, &words, [centre, vertical], columns, &mut large);
             lanes.wide_store(window_mut(&mut self.x, start), runs.x);
             lanes.wide_store(window_mut(&mut self.end, start), runs.end);
             lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
@@ -204,37 +205,93 @@ pub struct Runs<L: Wide> {
     pub first: L::Word,
 }
 
+/// What is the same for all rows of a footprint, on vectors.
+pub struct RowWords<L: Wide> {
+    /// First column that runs may begin at, from the block that the window begins in, and one past the last.
+    columns: [i64; 2],
+    reach: L::Word,
+    spread: Spread<L>,
+    horizontal: L::Word,
+    /// Without what the shifts beside them leave too large.
+    start: L::Word,
+    unit: L::Word,
+    drop_dx: Drop<L>,
+    turn_of_dx: L::Word,
+    drop_along: Drop<L>,
+    drop_radial: Drop<L>,
+    drop_vertical: Drop<L>,
+    drop_first: Drop<L>,
+}
+
+impl<L: Wide> RowWords<L> {
+    /// Of a footprint whose words are [tame](is_tame), or of whatever.
+    #[inline(always)]
+    pub fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+        let RowConstants {
+            bounds: [first, last],
+            visible: [visible, end],
+            ..
+        } = *constants;
+        let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
+        let [drop_radial, drop_first] = [drop_radial, drop_first].map(|drop| drop.max(0) as u32);
+        let drop_vertical = VERTICAL_FRACTION.saturating_sub(constants.fraction);
+        let turns = turn_of(drop_radial).wrapping_add(turn_of(drop_vertical));
+        RowWords {
+            columns: [
+                first.max(visible - visible % BLOCK).into(),
+                last.min(end).into(),
+            ],
+            reach: math.splat(constants.reach),
+            spread: Spread::new(math, constants),
+            horizontal: math.splat(constants.horizontal),
+            start: math.splat(constants.start.wrapping_sub(turns)),
+            unit: math.splat(constants.unit.wrapping_sub(turn_of(drop_first))),
+            drop_dx: math.drop(drop_dx),
+            turn_of_dx: math.splat(turn_of(drop_dx)),
+            drop_along: math.drop(bits),
+            drop_radial: math.drop(drop_radial),
+            drop_vertical: math.drop(drop_vertical),
+            drop_first: math.drop(drop_first),
+        }
+    }
+}
+
 /// The runs between two columns, the first of which begins a block, of rows with these centres and radial indices at the centre. `large`
 /// becomes the largest distance from the centre.
 #[inline(always)]
 pub fn runs<L: Wide>(
     math: Arithmetic<L>,
-    constants: &RowConstants<i64>,
+    rows: &RowWords<L>,
     [centre, vertical]: [L::Word; 2],
     columns: [i64; 2],
     large: &mut L::Word,
 ) -> Runs<L> {
-    let (low, high) = span(math, constants, centre, vertical);
-    let x = math.max(low, math.splat(columns[0]));
-    let end = math.min(high, math.splat(columns[1]));
-    let (drop_dx, bits, drop_radial, drop_first) = constants.drops;
-    let dx = math.sub(math.shl(x, 32), centre);
-    let dx = math.align(dx, math.splat(drop_dx.into()));
+    let zero = math.splat(0);
+    let rest = math.sub(rows.reach, vertical);
+    let half = rows.spread.half_width(math, rest);
+    let (low, high) = ends(math, centre, half);
+    // An open row has its last column in the box beyond its first one: what lies outside makes the run empty.
+    let x = math.max(low, math.splat(columns[0].max(rows.columns[0])));
+    let high = math.min(high, math.splat(columns[1].min(rows.columns[1])));
+    let end = math.select(zero, high, math.greater(rest, zero));
+    let dx = math.dropped(math.sub(math.shl(x, 32), centre), rows.drop_dx);
+    let dx = math.sub(dx, rows.turn_of_dx);
     let open = math.greater(end, x);
-    let far = math.select(math.splat(0), math.magnitude(dx), open);
+    let far = math.select(zero, math.magnitude(dx), open);
     *large = math.max(*large, far);
-    let along = math.mul(math.splat(constants.horizontal), dx);
-    let across = math.mul(math.round(along, bits), dx);
+    let along = math.mul(rows.horizontal, dx);
+    // The product sees the lower 32 bits.
+    let across = math.mul(math.dropped(along, rows.drop_along), dx);
     let radial = math.add(
-        math.align(across, math.splat(drop_radial.into())),
-        math.round(vertical, VERTICAL_FRACTION - constants.fraction),
+        math.dropped(across, rows.drop_radial),
+        math.dropped(vertical, rows.drop_vertical),
     );
-    let first = math.align(along, math.splat(drop_first.into()));
+    let first = math.dropped(along, rows.drop_first);
     Runs {
         x,
         end,
-        radial: math.add(radial, math.splat(constants.start)),
-        first: math.add(first, math.splat(constants.unit)),
+        radial: math.add(radial, rows.start),
+        first: math.add(first, rows.unit),
     }
 }
 
@@ -258,7 +315,7 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
         && constants.fraction < VERTICAL_FRACTION
 }
 
-/// Is 1 / A small enough for [`columns`]?
+/// Is 1 / A small enough for [`Spread`]?
 #[inline(always)]
 pub fn has_short_spread(constants: &RowConstants<i64>) -> bool {
     // Designs of at most 15 bits multiply the root's argument in two halves.
@@ -266,26 +323,43 @@ pub fn has_short_spread(constants: &RowConstants<i64>) -> bool {
     constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }
 
-/// First and one past the last column of the rows' spans within the window; 0 and 0 where the ellipse does not reach.
-#[inline(always)]
-fn span<L: Wide>(
-    math: Arithmetic<L>,
-    constants: &RowConstants<i64>,
-    centre: L::Word,
-    vertical: L::Word,
-) -> (L::Word, L::Word) {
-    let zero = math.splat(0);
-    let rest = math.sub(math.splat(constants.reach), vertical);
-    let (low, high) = columns(math, constants, centre, rest);
-    let [visible, end] = constants.visible;
-    let low = math.max(low, math.splat((visible - visible % BLOCK).into()));
-    let high = math.min(high, math.splat(end.into()));
-    let open = math.greater(rest, zero);
-    (math.select(zero, low, open), math.select(zero, high, open))
+/// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
+struct Spread<L: Wide> {
+    mantissa: L::Word,
+    odd: L::Word,
+    power: L::Word,
 }
 
-/// First and one past the last column of the rows' spans within the footprint's box, for rows that the ellipse reaches: those with a
-/// positive `rest` of the cut-off. The half-width is sqrt(rest / A), by the root table, a multiplication and a shift that rounds.
+impl<L: Wide> Spread<L> {
+    #[inline(always)]
+    fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
+        let (mantissa, odd, power) = constants.squared_width;
+        Spread {
+            mantissa: math.splat(mantissa as i64),
+            odd: math.splat(odd.into()),
+            power: math.splat(power.into()),
+        }
+    }
+
+    /// Q.32 pixels, for rows with a positive `rest` of the cut-off; anything for others.
+    #[inline(always)]
+    fn half_width(&self, math: Arithmetic<L>, rest: L::Word) -> L::Word {
+        let (lanes, zero) = (math.lanes, math.splat(0));
+        let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
+        let squared = lanes.wide_mul_unsigned(self.mantissa, narrow);
+        let squared = lanes.wide_shl(squared, self.odd);
+        let (root, shift) = math.root_seed(squared);
+        let root = math.select(root, zero, lanes.wide_equal(squared, zero));
+        // Roots have no sign: of the shifts to the left and to the right, one is by a negative amount and gives 0.
+        let left = math.add(shift, self.power);
+        let right = math.sub(math.splat(-1), left);
+        let rounded = math.shr(math.plus(lanes.wide_shr(root, right), 1), 1);
+        math.add(rounded, lanes.wide_shl(root, left))
+    }
+}
+
+/// First and one past the last column of the rows' spans within the footprint's box, for rows that the ellipse reaches: those with a positive `rest`
+/// of the cut-off.
 #[inline(always)]
 pub fn columns<L: Wide>(
     math: Arithmetic<L>,
@@ -293,24 +367,19 @@ pub fn columns<L: Wide>(
     centre: L::Word,
     rest: L::Word,
 ) -> (L::Word, L::Word) {
-    let zero = math.splat(0);
-    let (mantissa, odd, power) = constants.squared_width;
-    let narrow = math.shr(rest, i64::from(VERTICAL_FRACTION) - 28);
-    let squared = math
-        .lanes
-        .wide_mul_unsigned(math.splat(mantissa as i64), narrow);
-    let squared = math.shl(squared, odd.into());
-    let (root, shift) = math.root_seed(squared);
-    let none = math.lanes.wide_equal(squared, zero);
-    let root = math.select(root, zero, none);
-    let shift = math.select(shift, zero, none);
-    let half = math.align(root, math.negate(math.plus(shift, power.into())));
-    let low = math.sub(centre, half);
-    let low = math.sar(math.plus(low, (1 << 32) - 1), 32);
-    let high = math.plus(math.sar(math.add(centre, half), 32), 1);
+    let half = Spread::new(math, constants).half_width(math, rest);
+    let (low, high) = ends(math, centre, half);
     let [first, last] = constants.bounds.map(|bound| math.splat(bound.into()));
     let within = |column| math.max(math.min(column, last), first);
     (within(low), within(high))
+}
+
+/// First column and one past the last whose sample points lie within `half` of the centre.
+#[inline(always)]
+fn ends<L: Wide>(math: Arithmetic<L>, centre: L::Word, half: L::Word) -> (L::Word, L::Word) {
+    let low = math.floor(math.sub(centre, half), (1 << 32) - 1, 32);
+    let high = math.floor(math.add(centre, half), 0, 32);
+    (low, math.plus(high, 1))
 }
 
 /// Eight words from `start` on, a row's number.

@@ -7,7 +7,7 @@
 use super::tile::{AREA, CELLS_OF_ROW, COLUMNS};
 use crate::fast::lanes::fused::Fused;
 use crate::fast::recurrence::{RowVectors, stays_near};
-use crate::fast::rows::{Runs, excess, runs};
+use crate::fast::rows::{RowWords, Runs, excess, runs};
 use crate::fast::setup::number::Arithmetic;
 use crate::fast::tile::TILE;
 use splatline::raster::{BLOCK, RowConstants, Window};
@@ -139,6 +139,7 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
             return false;
         }
         let mut rows = RowVectors::new(lanes, constants, ahead);
+        let words = RowWords::new(math, constants);
         let mut large = math.splat(0);
         for start in (0..count + ahead).step_by(L::WIDE) {
             let before = first_bits(usize::from(ahead.saturating_sub(start)));
@@ -147,7 +148,7 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
             for left in (first - first % BLOCK..last).step_by(BLOCK.into()) {
                 let columns = [left.into(), i64::from(left) + i64::from(BLOCK)];
                 let [centre, vertical] = [rows.centre, rows.vertical];
-                let runs = runs(math, constants, [centre, vertical], columns, &mut large);
+                let runs = runs(math, &words, [centre, vertical], columns, &mut large);
                 let seen = [first.max(left) - left, (last - left).min(BLOCK)];
                 let block = Block {
                     left,

@@ -13,6 +13,25 @@ pub struct Number<W: Wide> {
     pub exponent: W::Word,
 }
 
+/// A shift to the right that rounds, by the same amount in every word: two instructions a vector, where a shift with the sign by an amount of each
+/// word's own is a dozen without AVX-512. What it leaves is too large by [`turn_of`], for the sign's sake: that goes into a constant which is added
+/// anyway.
+#[derive(Clone, Copy)]
+pub struct Drop<W: Wide> {
+    /// Half of a unit and the turn.
+    raise: W::Word,
+    by: W::Word,
+}
+
+/// What [`Arithmetic::dropped`] by so much leaves too large.
+#[inline(always)]
+pub fn turn_of(shift: u32) -> i64 {
+    (TURN as u64).checked_shr(shift).unwrap_or(0) as i64
+}
+
+/// The turn that makes signed words unsigned ones in their order, and back.
+const TURN: i64 = i64::MIN;
+
 /// Arithmetic on [`Number`]s. The design's widths come as arguments, constants for named designs.
 #[derive(Clone, Copy)]
 pub struct Arithmetic<W: Wide> {
@@ -106,6 +125,29 @@ impl<W: Wide> Arithmetic<W> {
             return value;
         }
         self.sar(self.plus(value, 1 << (shift - 1)), shift.into())
+    }
+
+    /// A shift to the right by so much.
+    #[inline(always)]
+    pub fn drop(self, shift: u32) -> Drop<W> {
+        let half = (1u64.checked_shl(shift).unwrap_or(0) >> 1) as i64;
+        Drop {
+            raise: self.splat(TURN.wrapping_add(half)),
+            by: self.splat(shift.into()),
+        }
+    }
+
+    /// `shift_round`, and [`turn_of`] the shift more. The turn does not reach the lower 32 bits if the shift is at most 31.
+    #[inline(always)]
+    pub fn dropped(self, value: Word<W>, drop: Drop<W>) -> Word<W> {
+        self.lanes.wide_shr(self.add(value, drop.raise), drop.by)
+    }
+
+    /// (value + more) >> by with the sign, `by` not 0, of words that are far from the end of theirs.
+    #[inline(always)]
+    pub fn floor(self, value: Word<W>, more: i64, by: u32) -> Word<W> {
+        let raised = self.plus(value, TURN.wrapping_add(more));
+        self.plus(self.shr(raised, by.into()), TURN >> by)
     }
 
     /// `shift_signed` where no left shift leaves the word: `value 2^-shift`, rounded.
