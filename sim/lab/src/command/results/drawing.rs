@@ -18,6 +18,7 @@ use splatline_sim::hybrid::{self, Hybrid, Points};
 use splatline_sim::metrics;
 use splatline_sim::plan::draw::on_threads;
 use splatline_sim::plan::{AnyScene, Entry, Look, Prepared};
+use splatline_sim::report::HostTimes;
 use splatline_sim::rules::{Antialias, Compositing, Rules};
 use splatline_sim::scene::points::SurfaceScene;
 use splatline_sim::scene::{self, Scene, synthetic};
@@ -40,8 +41,17 @@ struct Way<'a> {
     /// Numbers of the systems, and what is drawn.
     name: &'static str,
     splats: usize,
-    /// Draws a frame; the pixels that it covered, where they are counted.
-    frame: Box<dyn FnMut() -> Result<Option<u64>> + Send + 'a>,
+    /// Draws a frame.
+    frame: Box<dyn FnMut() -> Result<Frame> + Send + 'a>,
+}
+
+/// What a frame tells of itself.
+#[derive(Clone, Copy, Default)]
+struct Frame {
+    /// Pixels that it covered, where they are counted.
+    covered: Option<u64>,
+    /// Seconds of setup, of lists and their order, and of pixels, where they are told apart.
+    stages: Option<[f64; 3]>,
 }
 
 /// Measures every way on the demo's volume and, if it is at hand, on the scanned lion.
@@ -64,7 +74,7 @@ pub fn run(data: &Path, choice: VectorLevel) -> Result<String, Failure> {
     }
     Ok(format!(
         "# Drawing each system on the host\n\nPrinted by `{COMMAND} --only drawing`; do not edit. {SIZE} x {SIZE} pixels, standard24, vectors of {}; medians of \
-         {FRAMES} frames after one. Volumes are the demo's, surfaces the scanned lion{}. \"whole\": the frame includes bringing the scene into the kernel's formats. \
+         {FRAMES} frames after one; setup, sort and raster of the last one. Volumes are the demo's, surfaces the scanned lion{}. \"whole\": the frame includes bringing the scene into the kernel's formats. \
          Systems 3, 13 and 17 make splats or points before anything is drawn, which are then drawn as 2, 9 or 14.\n\n{}",
         lanes::name(choice),
         if lion.is_some() {
@@ -77,6 +87,9 @@ pub fn run(data: &Path, choice: VectorLevel) -> Result<String, Failure> {
                 "system",
                 "splats",
                 "frame ms",
+                "setup",
+                "sort",
+                "raster",
                 "two threads ms",
                 "gain",
                 "ns a splat",
@@ -189,7 +202,16 @@ fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) 
     };
     let frame = Box::new(move || {
         let drawing = kernel.draw(&|_, _| ())?;
-        Ok(drawing.pixels.map(|pixels| pixels.covered))
+        let HostTimes {
+            setup_s,
+            sort_s,
+            raster_s,
+            ..
+        } = drawing.stages;
+        Ok(Frame {
+            covered: drawing.pixels.map(|pixels| pixels.covered),
+            stages: Some([setup_s, sort_s, raster_s]),
+        })
     });
     Ok(Way {
         name,
@@ -220,21 +242,21 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
             "5 axis-aligned sheets, whole",
             Box::new(move || {
                 fixed::sheets::draw(scene, camera, &options(), &axis);
-                Ok(None)
+                Ok(Frame::default())
             }),
         ),
         way(
             "5 image-aligned sheets, whole",
             Box::new(move || {
                 fixed::sheets::draw(scene, camera, &options(), &image);
-                Ok(None)
+                Ok(Frame::default())
             }),
         ),
         way(
             "8 deep alpha channel, whole",
             Box::new(move || {
                 fixed::deep::draw(scene, camera, &options(), channel);
-                Ok(None)
+                Ok(Frame::default())
             }),
         ),
         way(
@@ -242,7 +264,10 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
             Box::new(move || {
                 let shape = (Ellipse::Exact, Index::Perspective);
                 let drawing = fixed::draw_spheres(scene, camera, &options(), shape);
-                Ok(Some(drawing.coverage.covered))
+                Ok(Frame {
+                    covered: Some(drawing.coverage.covered),
+                    stages: None,
+                })
             }),
         ),
     ])
@@ -250,27 +275,32 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
 
 /// A row of the table.
 fn measured(mut way: Way) -> Result<Vec<String>> {
-    let mut covered = None;
+    let mut last = [Frame::default(); 2];
     let mut seconds = [0.0; 2];
-    for (seconds, threads) in seconds.iter_mut().zip([1, 2]) {
+    for ((seconds, last), threads) in seconds.iter_mut().zip(&mut last).zip([1, 2]) {
         *seconds = on_threads(threads, || -> Result<f64> {
-            covered = (way.frame)()?;
+            (way.frame)()?;
             let mut times = Vec::new();
             for _ in 0..FRAMES {
                 let started = Instant::now();
-                (way.frame)()?;
+                *last = (way.frame)()?;
                 times.push(started.elapsed().as_secs_f64());
             }
             Ok(metrics::median(&mut times).unwrap_or(f64::NAN))
         })??;
     }
     let [one, two] = seconds;
+    let [Frame { covered, stages }, _] = last;
+    let stage = |number: usize| stages.map(|stages| format!("{:.1}", 1e3 * stages[number]));
     let per_pixel = covered.map(|pixels| format!("{:.2}", 1e9 * one / pixels as f64));
     let millions = covered.map(|pixels| format!("{:.2}", pixels as f64 / 1e6));
     Ok(vec![
         way.name.to_owned(),
         way.splats.to_string(),
         format!("{:.1}", 1e3 * one),
+        stage(0).unwrap_or_default(),
+        stage(1).unwrap_or_default(),
+        stage(2).unwrap_or_default(),
         format!("{:.1}", 1e3 * two),
         format!("{:.2}", one / two),
         format!("{:.0}", 1e9 * one / way.splats as f64),
