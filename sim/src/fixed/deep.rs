@@ -5,7 +5,7 @@
 
 use super::frame::{TileLists, paint_apart, table, table_entries};
 use super::quantise::{QuantisedScene, kernel_rules};
-use super::render::Options;
+use super::render::{Options, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::picture::Picture;
@@ -17,7 +17,6 @@ use splatline::draw::Painter;
 use splatline::footprint::Footprint;
 use splatline::format::Design;
 use splatline::rules::Compositing as KernelCompositing;
-use splatline::setup::setup;
 
 /// Draws `scene` through `channel`, front to back or, if the options say so, back to front (X-ray counts as front to back).
 pub fn draw(scene: &Scene, camera: &Camera, options: &Options, channel: Channel) -> Picture {
@@ -43,11 +42,8 @@ fn draw_with<D: Design + Send + Sync>(
 ) -> Vec<DeepPixel> {
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
-    let mut footprints: Vec<Footprint> = quantised
-        .splats
-        .par_iter()
-        .filter_map(|splat| setup(design, &quantised.view, &rules, splat).ok())
-        .collect();
+    let footprints = seen(design, quantised, &rules).into_iter();
+    let mut footprints: Vec<Footprint> = footprints.map(|(_, footprint)| footprint).collect();
     footprints.par_sort_by_key(|footprint| footprint.depth);
     let back_to_front = options.compositing == Compositing::BackToFront;
     if back_to_front {

@@ -1,13 +1,15 @@
 //! Points and splats through the kernel: choice, setup, order, slabs, stamps.
 
-use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
+use super::frame::{TileLists, paint_apart, paint_tiles, table, table_entries, to_picture, total};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{Drawing, Options, Times, culls};
+use super::render::{Drawing, Options, Times, best_engine, culls, painter};
 use crate::camera::Camera;
 use crate::design::DesignJob;
+use crate::fast::Scratch;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::scene::Scene;
 use rayon::prelude::*;
+use splatline::blend::Pixel;
 use splatline::blend::points::{Slab, Slabs};
 use splatline::draw::{Coverage, Painter, PointSettings};
 use splatline::footprint::Footprint;
@@ -18,7 +20,13 @@ use splatline::rules as kernel;
 use splatline::setup::{Cull, PointFilter, is_minified, setup, setup_point};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
+use std::cell::RefCell;
 use std::time::Instant;
+
+thread_local! {
+    /// A thread's memory for the tile that it paints.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
 
 /// A drawing with the share of points.
 #[derive(Clone, Debug)]
@@ -51,7 +59,7 @@ pub fn draw_hybrid(
     );
     impl DesignJob for HybridJob<'_> {
         type Output = Result<HybridDrawing, String>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
+        fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
             let HybridJob(hybrid, quantised, camera, options, deviation) = self;
             let rules = quantised.rules(options.rules);
             let deviation = scaled(deviation).scaled_by(quantised.scale_log2);
@@ -84,7 +92,7 @@ struct HybridEngine<'a, D> {
     hybrid: &'a Hybrid,
 }
 
-impl<D: Design + Send + Sync> HybridEngine<'_, D> {
+impl<D: Design + Send + Sync + 'static> HybridEngine<'_, D> {
     fn draw(&self, camera: &Camera, options: &Options) -> Result<HybridDrawing, String> {
         let widths = self.design.widths();
         let started = Instant::now();
@@ -103,28 +111,14 @@ impl<D: Design + Send + Sync> HybridEngine<'_, D> {
         let viewport = self.quantised.view.viewport;
         let tiles = TileLists::by_depth(&footprints, options.compositing, viewport);
         let sorted_at = started.elapsed().as_secs_f64();
-        let painter = Painter::new(
-            self.design,
-            &self.rules,
-            table,
-            kernel_compositing(options.compositing),
-            Traversal::Spans,
-        );
-        let gathering = PointSettings {
-            range: self.depth_range(),
-            stamp: stamps
-                .as_ref()
-                .and_then(|(words, shape)| Stamp::new(words, *shape)),
+        let plain = stamps.is_none() && self.hybrid.depth_range.is_none();
+        let (pixels, coverage) = if plain {
+            self.paint_plain(options, &footprints, &tiles)
+        } else {
+            let list = footprints.iter().copied().zip(is_point.iter().copied());
+            let drawn: Vec<SplatOrPoint> = list.collect();
+            self.paint_points(options, (table, stamps.as_ref()), &drawn, &tiles)
         };
-        let (pixels, coverage) = paint_tiles(&widths, &tiles, |list, target| {
-            let list = list
-                .iter()
-                .map(|index| (&footprints[*index as usize], is_point[*index as usize]));
-            match self.hybrid.depth_range {
-                Some(_) => gather_tile(&painter, &gathering, list, target),
-                None => stamp_tile(&painter, &gathering, list, target),
-            }
-        });
         let times = Times {
             setup: set_up_at,
             sort: sorted_at - set_up_at,
@@ -144,6 +138,52 @@ impl<D: Design + Send + Sync> HybridEngine<'_, D> {
                 coverage,
                 times,
             },
+        })
+    }
+
+    /// Without stamps and slabs points are splats like others, which the fast engine draws.
+    fn paint_plain(
+        &self,
+        options: &Options,
+        footprints: &[Footprint],
+        tiles: &TileLists,
+    ) -> (Vec<Pixel>, Coverage) {
+        let options = Options {
+            traversal: Traversal::Spans,
+            ..options.clone()
+        };
+        let painter = painter(self.design, &self.rules, &options, best_engine(), true);
+        let outcomes: Vec<_> = footprints.iter().map(|footprint| Ok(*footprint)).collect();
+        let clear = Pixel::clear(&self.design.widths());
+        let (pixels, parts) = paint_apart(clear, tiles, |window, list, pixels| {
+            SCRATCH
+                .with_borrow_mut(|scratch| painter.paint(scratch, window, &outcomes, list, pixels))
+        });
+        (pixels, total(parts))
+    }
+
+    fn paint_points(
+        &self,
+        options: &Options,
+        (table, stamps): (FootprintTable, Option<&(Vec<u32>, StampShape)>),
+        drawn: &[SplatOrPoint],
+        tiles: &TileLists,
+    ) -> (Vec<Pixel>, Coverage) {
+        let order = kernel_compositing(options.compositing);
+        let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
+        let gathering = PointSettings {
+            range: self.depth_range(),
+            stamp: stamps.and_then(|(words, shape)| Stamp::new(words, *shape)),
+        };
+        paint_tiles(&self.design.widths(), tiles, |list, target| {
+            let list = list.iter().map(|index| {
+                let (footprint, is_point) = &drawn[*index as usize];
+                (footprint, *is_point)
+            });
+            match self.hybrid.depth_range {
+                Some(_) => gather_tile(&painter, &gathering, list, target),
+                None => stamp_tile(&painter, &gathering, list, target),
+            }
         })
     }
 

@@ -176,6 +176,32 @@ pub(crate) fn set_up_part<D: Design>(
     quantised.sort_keys(&design.widths(), splats, outcomes);
 }
 
+/// Footprints of all splats that have one, in the scene's order, with the sort keys that setup gives them.
+pub(super) fn seen<D: Design + Send + Sync>(
+    design: D,
+    quantised: &QuantisedScene,
+    rules: &kernel::Rules,
+) -> Vec<(usize, Footprint)> {
+    let batch = |(number, splats): (usize, &[VolumeSplat])| {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        match best_engine() {
+            Engine::Vectors(choice) => {
+                let view = &quantised.view;
+                fast::set_up(design, view, rules, splats, &mut outcomes, choice);
+            }
+            Engine::Scalar => {
+                for (splat, outcome) in splats.iter().zip(&mut outcomes) {
+                    *outcome = setup(design, &quantised.view, rules, splat);
+                }
+            }
+        }
+        let numbered = outcomes.into_iter().enumerate();
+        numbered.filter_map(move |(index, outcome)| Some((number * BATCH + index, outcome.ok()?)))
+    };
+    let batches = quantised.splats.par_chunks(BATCH).enumerate();
+    batches.flat_map_iter(batch).collect()
+}
+
 /// Splats set up by one task.
 const BATCH: usize = 1024;
 

@@ -2,7 +2,7 @@
 
 use super::frame::{TileLists, paint_apart, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_rules};
-use super::render::Options;
+use super::render::{Options, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::picture::Picture;
@@ -16,7 +16,6 @@ use splatline::draw::Painter;
 use splatline::footprint::{Footprint, depth};
 use splatline::format::Design;
 use splatline::rules::Compositing;
-use splatline::setup::setup;
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 
@@ -50,11 +49,11 @@ fn draw_with<D: Design + Send + Sync>(
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
     let slabs = SlabRule::new(plan, quantised.scale_log2);
-    let mut parts: Vec<(i64, Footprint)> = quantised
-        .splats
-        .par_iter()
-        .filter_map(|splat| Some((splat, setup(design, &quantised.view, &rules, splat).ok()?)))
-        .flat_map_iter(|(splat, footprint)| slabs.parts(quantised, splat, footprint))
+    let mut parts: Vec<(i64, Footprint)> = seen(design, quantised, &rules)
+        .into_par_iter()
+        .flat_map_iter(|(index, footprint)| {
+            slabs.parts(quantised, &quantised.splats[index], footprint)
+        })
         .collect();
     parts.par_sort_by_key(|(slab, _)| *slab);
     let memory = table_entries(&widths, &rules);

@@ -7,6 +7,7 @@ use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::scene::{Scene, Splat};
 use crate::vector;
+use rayon::prelude::*;
 use splatline::draw::{Coverage, Painter, Perspective};
 use splatline::format::{Design, Traversal};
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
@@ -51,7 +52,7 @@ fn draw_with<D: Design + Send + Sync>(
         };
         setup_sphere(design, &quantised.view, &rules, &sphere, shape)
     };
-    let splats = scene.splats.iter().zip(&quantised.splats);
+    let splats = scene.splats.par_iter().zip(&quantised.splats);
     let results: Vec<_> = splats.map(set_up).collect();
     let culled = culls(&results);
     let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
