@@ -16,6 +16,7 @@ mod paint;
 pub(crate) mod recurrence;
 pub(crate) mod rows;
 pub mod setup;
+pub mod surface;
 pub mod tile;
 mod words;
 

@@ -24,7 +24,7 @@ use splatline::target::Target;
 
 /// Any widths in lanes of 32 bits.
 #[derive(Clone, Copy, Debug)]
-struct Narrow(Widths);
+pub(super) struct Narrow(pub Widths);
 
 impl Design for Narrow {
     type Lane = i32;
@@ -73,7 +73,7 @@ fn widths() -> impl Strategy<Value = Widths> {
 }
 
 /// Widths near those of the named designs, where vectors can draw.
-fn usual_widths() -> impl Strategy<Value = Widths> {
+pub(super) fn usual_widths() -> impl Strategy<Value = Widths> {
     (widths(), 0u8..5, 0u8..3).prop_map(|(random, less, more)| {
         let usual = Standard24::WIDTHS;
         Widths {
@@ -114,10 +114,10 @@ fn narrow_widths() -> impl Strategy<Value = Widths> {
     })
 }
 
-const VIEWPORT: [u16; 2] = [150, 77];
+pub(super) const VIEWPORT: [u16; 2] = [150, 77];
 
 /// Any words at all; the box within the viewport, as the packet promises.
-fn arbitrary() -> impl Strategy<Value = Footprint> {
+pub(super) fn arbitrary() -> impl Strategy<Value = Footprint> {
     let number = (any::<i32>(), -70i32..10)
         .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent });
     let scan = (number.clone(), number.clone(), number.clone(), number);

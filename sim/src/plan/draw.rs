@@ -1,10 +1,9 @@
 //! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
 
 use super::{Engine, Entry, Prepared, Splats, Subject};
-use crate::camera::Camera;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed;
-use crate::fixed::surface::{QuantisedPoints, SurfaceOptions};
+use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
 use crate::hybrid::Hybrid;
 use crate::machine::config::Binning;
 use crate::machine::workload::{
@@ -19,7 +18,6 @@ use crate::report::facts::{Counts, SceneFacts};
 use crate::report::{HostTimes, Pixels};
 use crate::rules::{self, Compositing};
 use crate::scene::Scene;
-use crate::scene::points::SurfaceScene;
 use crate::surface::Style;
 use crate::threads;
 use anyhow::{Context, Error, Result, bail};
@@ -95,17 +93,18 @@ impl Prepared {
                 Some(hybrid) => Kernel::Hybrid(splats, entry, hybrid),
                 None => Kernel::splats(splats, entry, engine),
             },
-            Subject::Surface(scene, style) => Kernel::Surface(Box::new(SurfaceKernel {
-                points: QuantisedPoints::new(scene, &self.plan.camera),
-                scene,
-                camera: &self.plan.camera,
-                options: SurfaceOptions {
+            Subject::Surface(scene, style) => {
+                let options = SurfaceOptions {
                     style,
                     design: &entry.design,
                     traversal: entry.traversal,
                     engine,
-                },
-            })),
+                };
+                let camera = &self.plan.camera;
+                let points = QuantisedPoints::new(scene, camera);
+                let renderer = SurfaceRenderer::new(points, scene, camera, &options);
+                Kernel::Surface(Box::new(renderer), style, Picture::new(0, 0))
+            }
         })
     }
 
@@ -337,16 +336,8 @@ pub enum Kernel<'a> {
     Splats(Box<Renderer<&'a Scene>>, Picture),
     /// Points and splats.
     Hybrid(Splats<'a>, &'a Entry, &'a Hybrid),
-    /// Points of a surface.
-    Surface(Box<SurfaceKernel<'a>>),
-}
-
-/// Points of a surface in the kernel's formats.
-pub struct SurfaceKernel<'a> {
-    points: QuantisedPoints,
-    scene: &'a SurfaceScene,
-    camera: &'a Camera,
-    options: SurfaceOptions<'a>,
+    /// Points of a surface, into a picture that is used again.
+    Surface(Box<SurfaceRenderer<'a>>, &'a Style, Picture),
 }
 
 impl<'a> Kernel<'a> {
@@ -368,15 +359,19 @@ impl<'a> Kernel<'a> {
         match self {
             Kernel::Splats(renderer, picture) => draw_splats(renderer, picture, progress),
             Kernel::Hybrid(splats, entry, hybrid) => draw_hybrid(*splats, entry, hybrid),
-            Kernel::Surface(surface) => Ok(draw_surface(surface)),
+            Kernel::Surface(renderer, style, picture) => Ok(draw_surface(renderer, style, picture)),
         }
     }
 
     /// Gives the last drawing what was kept for the next one.
     pub fn finish(self, drawing: &mut Drawing) {
-        if let Kernel::Splats(renderer, picture) = self {
-            drawing.picture = picture;
-            drawing.footprints = renderer.into_outcomes();
+        match self {
+            Kernel::Splats(renderer, picture) => {
+                drawing.picture = picture;
+                drawing.footprints = renderer.into_outcomes();
+            }
+            Kernel::Hybrid(..) => {}
+            Kernel::Surface(_, _, picture) => drawing.picture = picture,
         }
     }
 }
@@ -414,28 +409,22 @@ fn draw_hybrid(splats: Splats, entry: &Entry, hybrid: &Hybrid) -> Result<Drawing
     Ok(described(drawn.map_err(Error::msg)?.drawing))
 }
 
-fn draw_surface(surface: &SurfaceKernel) -> Drawing {
-    let SurfaceKernel {
-        points,
-        scene,
-        camera,
-        options,
-    } = surface;
-    let drawing = fixed::surface::draw_quantised(points, scene, camera, options);
-    let style = options.style;
-    let [setup_s, raster_s] = drawing.times;
-    let culled = cull_counts(drawing.culled);
+fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Picture) -> Drawing {
+    let facts = renderer.draw_picture(picture);
+    let culled = cull_counts(facts.culled);
+    let [setup_s, sort_s, raster_s] = facts.times;
     Drawing {
-        culled: with_backfaces(culled, style, drawing.backfaces),
-        clamped: drawing.clamped as u64,
-        pixels: Some(pixels(drawing.coverage)),
-        merged: drawing.merged,
+        culled: with_backfaces(culled, style, facts.backfaces),
+        clamped: renderer.clamped() as u64,
+        pixels: Some(pixels(facts.coverage)),
+        merged: facts.merged,
         stages: HostTimes {
             setup_s,
+            sort_s,
             raster_s,
             ..HostTimes::default()
         },
-        ..plain(drawing.picture)
+        ..plain(Picture::new(0, 0))
     }
 }
 

@@ -1,12 +1,18 @@
 //! Frames of a renderer allocate nothing once their memory is there, whatever paints them.
 
 use rayon::ThreadPoolBuilder;
+use splatline::format::Traversal;
+use splatline_sim::camera::Camera;
 use splatline_sim::design::{DesignChoice, NAMES};
 use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::fixed::Engine;
+use splatline_sim::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
+use splatline_sim::picture::Picture;
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::Rules;
-use splatline_sim::scene::synthetic;
+use splatline_sim::scene::points::synthetic::{Paint, sphere};
+use splatline_sim::scene::{points, synthetic};
+use splatline_sim::surface::Style;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
@@ -68,6 +74,46 @@ fn frames_after_the_first_walk_along_a_path_allocate_nothing() {
         // Both walks by the pool's thread, so that it counts all of them.
         let [first, second] = pool.install(|| [walk(), walk()]);
         assert_eq!(second - first, 0, "{design} on {choice:?}");
+    }
+}
+
+#[test]
+fn surfaces_frames_after_the_first_allocate_nothing() {
+    let ball = sphere(
+        [0.0; 3],
+        0.8,
+        6_000,
+        Paint {
+            colour: [0.9, 0.4, 0.2],
+            opacity: 0.6,
+            material: 0,
+        },
+    );
+    let scene = points::synthetic::scene("ball", ball);
+    let eye = [0.5, -3.0, 1.0];
+    let camera = Camera::look_at(eye, [0.0; 3], [0.0, 0.0, 1.0], 45.0, 301, 203).unwrap();
+    let quantised = QuantisedPoints::new(&scene, &camera);
+    let pool = ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let styles = [Style::opaque(0.1), Style::layered(0.1, 4)];
+    for (name, style) in NAMES
+        .iter()
+        .flat_map(|name| styles.iter().map(move |style| (name, style)))
+    {
+        let options = SurfaceOptions {
+            style,
+            design: &DesignChoice::named(name).unwrap(),
+            traversal: Traversal::Spans,
+            engine: Engine::Vectors(VectorLevel::Best),
+        };
+        let mut renderer = SurfaceRenderer::new(&quantised, &scene, &camera, &options);
+        let mut picture = Picture::new(0, 0);
+        let mut frame = || {
+            let facts = renderer.draw_picture(&mut picture);
+            assert!(facts.coverage.covered > 10_000);
+            COUNT.get()
+        };
+        let [first, second] = pool.install(|| [frame(), frame()]);
+        assert_eq!(second - first, 0, "{name}, {:?}", style.buffer);
     }
 }
 

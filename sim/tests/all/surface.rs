@@ -190,7 +190,7 @@ fn backfaces_go_and_take_the_fringe_along() {
             "{cull}: {:.1} dB",
             errors.colour.psnr_db
         );
-        assert_eq!(fixed.backfaces, float.counts.backfaces);
+        assert_eq!(fixed.facts.backfaces, float.counts.backfaces);
         float
     });
     assert_eq!(kept.counts.backfaces, 0);
@@ -376,9 +376,10 @@ fn scanned_clouds_load() {
     assert!((0.005..0.03).contains(&lion.radius), "{}", lion.radius);
 }
 
-/// Setup on vectors is the kernel's: whole drawings, word for word, with backs and without, at an eye near enough to cull some points.
+/// What vectors draw is the kernel's: whole drawings, word for word, one surface and layers, lit and not, with backs and without, at an eye near
+/// enough to cull some points.
 #[test]
-fn surfaces_set_up_by_vectors_are_the_kernels() {
+fn surfaces_drawn_by_vectors_are_the_kernels() {
     use splatline_sim::fast::lanes::VectorLevel;
     use splatline_sim::fixed::Engine;
     use splatline_sim::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
@@ -386,16 +387,23 @@ fn surfaces_set_up_by_vectors_are_the_kernels() {
     let near = Camera::look_at([0.3, -0.9, -0.4], [0.0; 3], [0.0, -1.0, 0.0], 70.0, 157, 93);
     for camera in [camera(160), near.unwrap()] {
         let points = QuantisedPoints::new(&scene, &camera);
-        for (name, cull_backfaces) in [
-            ("classic8", true),
-            ("lean18", false),
-            ("standard24", true),
-            ("deep32", false),
+        let lit = Style {
+            light: Some([0.4, 0.5, 1.0]),
+            ..Style::opaque(0.1)
+        };
+        for (name, cull_backfaces, style) in [
+            ("classic8", true, Style::layered(0.1, 4)),
+            ("lean18", false, Style::opaque(0.0)),
+            ("lean18", true, Style::layered(0.1, 1)),
+            ("standard24", true, Style::layered(0.1, 4)),
+            ("standard24", false, lit),
+            ("deep32", false, Style::layered(0.1, 2)),
+            ("deep32", true, Style::opaque(0.3)),
         ] {
             let design = DesignChoice::named(name).unwrap();
             let style = Style {
                 cull_backfaces,
-                ..Style::layered(0.1, 4)
+                ..style
             };
             let draw = |engine| {
                 let options = SurfaceOptions {
@@ -407,14 +415,14 @@ fn surfaces_set_up_by_vectors_are_the_kernels() {
                 draw_quantised(&points, &scene, &camera, &options)
             };
             let expected = draw(Engine::Scalar);
-            for choice in [VectorLevel::Best, VectorLevel::Avx2] {
+            for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
                 let drawn = draw(Engine::Vectors(choice));
                 let what = format!("{name}, {choice:?}");
                 assert!(drawn.pixels == expected.pixels, "{what}");
                 assert!(drawn.weights == expected.weights, "{what}");
-                assert_eq!(drawn.culled, expected.culled, "{what}");
-                assert_eq!(drawn.backfaces, expected.backfaces, "{what}");
-                assert_eq!(drawn.coverage, expected.coverage, "{what}");
+                assert_eq!(drawn.facts.culled, expected.facts.culled, "{what}");
+                assert_eq!(drawn.facts.backfaces, expected.facts.backfaces, "{what}");
+                assert_eq!(drawn.facts.coverage, expected.facts.coverage, "{what}");
             }
         }
     }

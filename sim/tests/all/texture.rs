@@ -236,7 +236,7 @@ fn a_textured_height_field_agrees_in_fixed_point() {
                 "{group:?}"
             );
         }
-        assert!(drawn.coverage.covered > 10_000);
+        assert!(drawn.facts.coverage.covered > 10_000);
     }
 }
 

@@ -30,6 +30,7 @@ mod floats;
 pub mod fused;
 pub mod narrow;
 mod portable;
+pub mod sums;
 mod wide;
 pub mod words;
 

@@ -5,6 +5,7 @@
 
 #![allow(unsafe_code)]
 
+use super::sums::PixelSums;
 use super::{Portable, VectorLevel, Wide};
 
 /// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
@@ -65,7 +66,7 @@ pub trait PixelTask {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: PixelWords>(self, lanes: L) -> Self::Output;
+    fn run<L: PixelSums>(self, lanes: L) -> Self::Output;
 }
 
 /// Runs the task on AVX2 if the processor has it and arrays are not asked for.

@@ -4,10 +4,11 @@
 //! covered, finished ones are left out before any work: every [`CHECK_INTERVAL`] footprints the tile is looked at, footprints are cut to the smallest window around what is
 //! still in work, and runs to their first and last pixel that is. The kernel's rows know no windows, so that this moves no bit of a picture.
 
-mod path;
+pub(super) mod path;
 mod tile;
 
 use super::TILE;
+use super::lanes::sums::PixelSums;
 use super::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
 use super::lanes::{VectorLevel, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
@@ -22,7 +23,7 @@ use splatline::target::Target;
 pub use tile::WordTile;
 
 /// How many footprints ahead memory is asked for: lists name them in an order that no cache foresees.
-const AHEAD: usize = 4;
+pub(super) const AHEAD: usize = 4;
 
 /// Paints tiles on 64-bit words.
 #[derive(Clone, Debug)]
@@ -144,7 +145,7 @@ impl PixelTask for WordPainting<'_> {
     type Output = Coverage;
 
     #[inline(always)]
-    fn run<L: PixelWords>(self, lanes: L) -> Coverage {
+    fn run<L: PixelSums>(self, lanes: L) -> Coverage {
         if self.numbers.omit_finishing {
             self.paint::<L, true>(lanes)
         } else {
@@ -215,7 +216,7 @@ impl WordPainting<'_> {
 
 /// A run in columns of the tile that begins at column `left`.
 #[inline(always)]
-fn columns(run: &RunWords, left: u16) -> Pixels {
+pub(super) fn columns(run: &RunWords, left: u16) -> Pixels {
     Pixels {
         x: (run.x - i64::from(left)) as usize % usize::from(TILE[0]),
         length: (run.end - run.x) as usize,

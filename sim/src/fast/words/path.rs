@@ -205,6 +205,12 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
         }
     }
 
+    /// The vectors.
+    #[inline(always)]
+    pub fn lanes(&self) -> L {
+        self.lanes
+    }
+
     /// A footprint's constants, for rows with this second difference.
     #[inline(always)]
     pub fn splat(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
@@ -231,6 +237,45 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
         }
     }
 
+    /// Radial indices of the first vector of some pixels, and their differences to the next one's.
+    #[inline(always)]
+    pub fn start(&self, splat: &SplatWords<L>, pixels: &Pixels) -> [L::Word; 2] {
+        let lanes = self.lanes;
+        let first = lanes.wide_splat(pixels.first << self.raise);
+        let start = lanes.wide_splat(pixels.radial << self.raise);
+        let start = lanes.wide_add(start, splat.ahead[0]);
+        let radial = lanes.wide_add(start, lanes.multiples(first));
+        let width = lanes.wide_splat((pixels.first << self.raise).wrapping_mul(L::WIDE as i64));
+        [radial, lanes.wide_add(width, splat.ahead[1])]
+    }
+
+    /// On to the next vector.
+    #[inline(always)]
+    pub fn step(&self, splat: &SplatWords<L>, [radial, difference]: [L::Word; 2]) -> [L::Word; 2] {
+        let lanes = self.lanes;
+        [
+            lanes.wide_add(radial, difference),
+            lanes.wide_add(difference, splat.second),
+        ]
+    }
+
+    /// Which of the first `rest` words are radial indices inside the footprint?
+    #[inline(always)]
+    pub fn inside(&self, splat: &SplatWords<L>, radial: L::Word, rest: usize) -> L::Truth {
+        let lanes = self.lanes;
+        lanes.both(lanes.wide_greater(splat.end, radial), lanes.first(rest))
+    }
+
+    /// Opacities at these radial indices where they are inside, 0 elsewhere.
+    #[inline(always)]
+    pub fn alpha(&self, splat: &SplatWords<L>, radial: L::Word, inside: L::Truth) -> L::Word {
+        let lanes = self.lanes;
+        let product = lanes.wide_mul_unsigned(splat.peak, self.weight(radial));
+        let product = lanes.keep(product, inside);
+        let product = lanes.clear(product, lanes.wide_greater(self.opacity_min, product));
+        lanes.min_short(self.rounded(product, self.opacity), self.alpha_max)
+    }
+
     /// Paints some pixels of a row; covered ones, and those of them that had finished, are counted.
     #[inline(always)]
     pub fn paint(
@@ -241,23 +286,16 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
-        let first = lanes.wide_splat(pixels.first << self.raise);
-        let start = lanes.wide_splat(pixels.radial << self.raise);
-        let start = lanes.wide_add(start, splat.ahead[0]);
-        let mut radial = lanes.wide_add(start, lanes.multiples(first));
-        let width = lanes.wide_splat((pixels.first << self.raise).wrapping_mul(L::WIDE as i64));
-        let mut difference = lanes.wide_add(width, splat.ahead[1]);
+        let [mut radial, mut difference] = self.start(splat, pixels);
         let (mut x, mut rest) = (pixels.x, pixels.length);
         while rest > L::WIDE {
             let inside = lanes.wide_greater(splat.end, radial);
             self.blend(splat, radial, inside, x, row, counts);
-            radial = lanes.wide_add(radial, difference);
-            difference = lanes.wide_add(difference, splat.second);
+            [radial, difference] = self.step(splat, [radial, difference]);
             x += L::WIDE;
             rest -= L::WIDE;
         }
-        let inside = lanes.wide_greater(splat.end, radial);
-        let inside = lanes.both(inside, lanes.first(rest));
+        let inside = self.inside(splat, radial, rest);
         self.blend(splat, radial, inside, x, row, counts);
     }
 
@@ -285,10 +323,7 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
         if flags == 0 {
             return;
         }
-        let product = lanes.wide_mul_unsigned(splat.peak, self.weight(radial));
-        let product = lanes.keep(product, live);
-        let product = lanes.clear(product, lanes.wide_greater(self.opacity_min, product));
-        let alpha = lanes.min_short(self.rounded(product, self.opacity), self.alpha_max);
+        let alpha = self.alpha(splat, radial, live);
         let share = self.rounded(lanes.wide_mul_unsigned(light, alpha), self.share);
         let rest = lanes.wide_sub(light, share);
         let stop = lanes.wide_greater(self.stop, rest);

@@ -1,0 +1,363 @@
+//! Painting tiles of surfaces on vectors, along spans, in the scene's order.
+//!
+//! Rows and opacities are those of volume splats on [words](super::words). What a surface's pixel adds is its sums ([`SumTile`]), or whatever
+//! the caller's pixels do with samples, layers for one. Rows that vectors cannot do are the kernel's; their samples take the same way.
+
+mod tile;
+
+use super::lanes::prefetch;
+use super::lanes::sums::{PixelSums, ShareShift};
+use super::lanes::words::{PixelTask, dispatch_pixels};
+use super::lanes::{VectorLevel, words::PixelWords};
+use super::rows::{RowBatch, RunWords};
+use super::setup::SurfaceOutcome;
+use super::words::path::{PathNumbers, SplatWords, WordPixels};
+use super::words::{AHEAD, columns};
+use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
+use splatline::draw::Coverage;
+use splatline::footprint::surface::{
+    Attributes, DEPTH_FRACTION, SurfaceFootprint, attribute_fraction,
+};
+use splatline::format::{Rounding, RuntimeWidths, Widths};
+use splatline::kernel::FootprintTable;
+use splatline::raster::{EllipseSpans, RowConstants, Window};
+use splatline::rules::Rules;
+use tile::{AttributeWords, SampleWords};
+pub use tile::{SumCell, SumTile};
+
+/// Everything about gathering that is constant for a picture, as numbers: one compiled copy draws all designs.
+#[derive(Clone, Debug)]
+pub struct GatherNumbers {
+    design: RuntimeWidths,
+    path: PathNumbers,
+    /// Bits of the design's lanes.
+    lane_bits: u32,
+    /// Left shift, half of a unit and right shift from an opacity to a weight.
+    weight: [i64; 3],
+    share: ShareShift,
+    threshold: u32,
+}
+
+impl GatherNumbers {
+    /// For widths and a table that words can do, in lanes of so many bits; the threshold is that of [`WeightedSum`].
+    pub fn new(
+        widths: &Widths,
+        rules: &Rules,
+        table: &FootprintTable,
+        threshold: u32,
+        lane_bits: u32,
+    ) -> Option<Self> {
+        let half = |by: u32| match widths.rounding {
+            Rounding::Nearest => (1u64 << by) >> 1,
+            Rounding::Truncate => 0,
+        };
+        let drop = i32::from(widths.alpha) - i32::from(sum_fraction(widths));
+        let down = drop.max(0) as u32;
+        let share = u32::from(attribute_fraction(widths));
+        Some(GatherNumbers {
+            design: RuntimeWidths::new(*widths).ok()?,
+            path: PathNumbers::new(widths, rules, table, lane_bits)?,
+            lane_bits,
+            weight: [(-drop).max(0).into(), half(down) as i64, down.into()],
+            share: ShareShift {
+                by: share,
+                half: half(share),
+            },
+            threshold,
+        })
+    }
+
+    /// Rows of a footprint in the window, as its design's lanes have them.
+    #[inline(always)]
+    fn rows(&self, footprint: &SurfaceFootprint, window: &Window) -> RowConstants<i64> {
+        let rows = EllipseSpans::new(self.design, &footprint.footprint, window);
+        let mut constants = rows.constants();
+        if self.lane_bits < i64::BITS {
+            constants.second = (constants.second as i32).into();
+        }
+        constants
+    }
+
+    /// The attributes in the order of the sums; `None` if one exceeds its format.
+    #[inline(always)]
+    fn attributes(&self, attributes: &Attributes) -> Option<[i32; 8]> {
+        let one = 1u32 << self.share.by;
+        let ([r, g, b], [x, y, z]) = (attributes.colour, attributes.normal);
+        let all = [r, g, b, attributes.opacity];
+        let fits = all.iter().all(|value| *value <= one)
+            && attributes.normal.iter().all(|n| n.unsigned_abs() <= one);
+        let [r, g, b, opacity] = all.map(|value| value as i32);
+        fits.then_some([r, g, b, opacity, x, y, z, one as i32])
+    }
+}
+
+/// Do depths at all of the footprint's pixels stay where no sum of them saturates or wraps?
+#[inline(always)]
+fn is_near(footprint: &SurfaceFootprint) -> bool {
+    let plane = &footprint.plane;
+    let small = |value: i64, bits: u32| value.unsigned_abs() < 1 << bits;
+    small(plane.origin, 52) && small(plane.step[0], 36) && small(plane.step[1], 36)
+}
+
+/// What one footprint leaves in one pixel, as the kernel's painter finds it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Recorded {
+    weight: u32,
+    depth: u32,
+}
+
+impl Cell for Recorded {
+    const EMPTY: Self = Recorded {
+        weight: 0,
+        depth: 0,
+    };
+
+    fn add(&mut self, _: &WeightedSum, sample: &Sample) {
+        (self.weight, self.depth) = (sample.weight, sample.depth);
+    }
+
+    fn fragments(&self) -> &[splatline::blend::surface::Fragment] {
+        &[]
+    }
+}
+
+/// Takes the samples of adjacent pixels from a column and row of the screen on: weights, 0 where there is none, and depths.
+pub type TakeSamples<'a> = dyn FnMut(&Attributes, [u16; 2], &[i64], &[i64]) + 'a;
+
+/// Where samples go.
+pub enum Gather<'a> {
+    /// Into sums of one surface.
+    Sums(&'a mut SumTile),
+    /// To the caller.
+    Samples(&'a mut TakeSamples<'a>),
+}
+
+/// Draws a footprint by the kernel into the cells of its box's part in the window.
+pub type Record<'a> = dyn Fn(&SurfaceFootprint, Window, &mut [Recorded]) -> Coverage + 'a;
+
+/// A tile to be painted.
+pub struct GatherTask<'a, 'g> {
+    /// Constants of the picture.
+    pub numbers: &'a GatherNumbers,
+    /// What setup made of every splat, in the scene's order.
+    pub footprints: &'a [SurfaceOutcome],
+    /// Those that are drawn.
+    pub list: &'a [u32],
+    /// The tile's pixels on the screen.
+    pub window: Window,
+    /// Draws what vectors cannot.
+    pub record: &'a Record<'a>,
+    /// Takes what they can.
+    pub gather: Gather<'g>,
+}
+
+impl GatherTask<'_, '_> {
+    /// Paints on such vectors; `None`, and anything in the tile, where an attribute exceeds its format.
+    pub fn paint(self, choice: VectorLevel) -> Option<Coverage> {
+        dispatch_pixels(choice, self)
+    }
+
+    /// One footprint by the kernel, its samples one by one.
+    #[cold]
+    #[inline(never)]
+    fn recorded(
+        &mut self,
+        footprint: &SurfaceFootprint,
+        mut each: impl FnMut(&mut Self, [u16; 2], Recorded),
+    ) -> Coverage {
+        let window = Window::of(&footprint.footprint).intersect(&self.window);
+        let mut cells = vec![Recorded::EMPTY; window.pixels()];
+        let coverage = (self.record)(footprint, window, &mut cells);
+        let columns = usize::from(window.columns()).max(1);
+        for (place, cell) in cells.iter().enumerate() {
+            let (x, y) = ((place % columns) as u16, (place / columns) as u16);
+            if cell.weight > 0 {
+                each(self, [window.first[0] + x, window.first[1] + y], *cell);
+            }
+        }
+        coverage
+    }
+}
+
+/// A footprint on vectors.
+struct Painted<'a, L: PixelSums> {
+    footprint: &'a SurfaceFootprint,
+    splat: SplatWords<L>,
+    words: AttributeWords<L>,
+}
+
+impl PixelTask for GatherTask<'_, '_> {
+    type Output = Option<Coverage>;
+
+    #[inline(always)]
+    fn run<L: PixelSums>(mut self, lanes: L) -> Option<Coverage> {
+        let numbers = self.numbers;
+        let path = WordPixels::<L, false>::new(lanes, &numbers.path);
+        let words = DepthWords::new(lanes, numbers);
+        let mut batch = RowBatch::new();
+        let mut coverage = Coverage::default();
+        let left = self.window.first[0];
+        let (footprints, list) = (self.footprints, self.list);
+        for (number, index) in list.iter().enumerate() {
+            if let Some(next) = list.get(number + AHEAD) {
+                prefetch(&footprints[*next as usize]);
+            }
+            let Ok(footprint) = &footprints[*index as usize] else {
+                continue;
+            };
+            let values = numbers.attributes(&footprint.attributes)?;
+            let attributes = words.splat(lanes, &values, numbers, footprint.attributes.material);
+            let rows = numbers.rows(footprint, &self.window);
+            let splat = numbers.path.splat(&footprint.footprint);
+            let splat = splat.filter(|_| is_near(footprint) && batch.fill(lanes, &rows, left));
+            let Some(splat) = splat else {
+                coverage += self.recorded(footprint, |task, place, Recorded { weight, depth }| {
+                    let mut alone = [0; 8];
+                    alone[0] = weight.into();
+                    let samples = SampleWords {
+                        weights: lanes.wide_load(&alone),
+                        depths: lanes.wide_splat(depth.into()),
+                    };
+                    task.take(lanes, footprint, place, &samples, &attributes);
+                });
+                continue;
+            };
+            let painted = Painted {
+                footprint,
+                splat: path.splat(&splat, rows.second),
+                words: attributes,
+            };
+            for row in 0..batch.rows() {
+                for block in batch.touched() {
+                    if let Some(run) = batch.run(row, block) {
+                        let y = rows.rows[0] + row as u16;
+                        coverage.visited += (run.end - run.x) as u64;
+                        coverage.covered += self.run_of(&path, &words, &painted, y, &run);
+                    }
+                }
+            }
+        }
+        Some(coverage)
+    }
+}
+
+impl GatherTask<'_, '_> {
+    /// One run; the number of pixels inside.
+    #[inline(always)]
+    fn run_of<L: PixelSums>(
+        &mut self,
+        path: &WordPixels<L, false>,
+        words: &DepthWords<L>,
+        painted: &Painted<L>,
+        y: u16,
+        run: &RunWords,
+    ) -> u64 {
+        let (lanes, splat) = (path.lanes(), &painted.splat);
+        let pixels = columns(run, self.window.first[0]);
+        let step = painted.footprint.plane.step[0];
+        let depth = painted.footprint.depth_at(run.x as u16, y);
+        let mut depth = lanes.wide_add(
+            lanes.wide_splat(depth + words.half),
+            lanes.multiples(lanes.wide_splat(step)),
+        );
+        let mut radial = path.start(splat, &pixels);
+        let mut covered = 0;
+        for from in (0..pixels.length).step_by(L::WIDE) {
+            let inside = path.inside(splat, radial[0], pixels.length - from);
+            covered += u64::from(lanes.flags(inside).count_ones());
+            let samples = SampleWords {
+                weights: words.weight(lanes, path.alpha(splat, radial[0], inside)),
+                depths: words.in_pixel(lanes, depth),
+            };
+            let place = [run.x as u16 + from as u16, y];
+            self.take(lanes, painted.footprint, place, &samples, &painted.words);
+            radial = path.step(splat, radial);
+            depth = lanes.wide_add(depth, lanes.wide_splat(step.wrapping_mul(L::WIDE as i64)));
+        }
+        covered
+    }
+
+    /// Hands samples on.
+    #[inline(always)]
+    fn take<L: PixelSums>(
+        &mut self,
+        lanes: L,
+        footprint: &SurfaceFootprint,
+        [x, y]: [u16; 2],
+        samples: &SampleWords<L>,
+        words: &AttributeWords<L>,
+    ) {
+        match &mut self.gather {
+            Gather::Sums(tile) => {
+                let place = [usize::from(x - self.window.first[0]), y.into()];
+                tile.add(lanes, place, samples, words);
+            }
+            Gather::Samples(take) => {
+                let [mut weights, mut depths] = [[0; 8]; 2];
+                lanes.wide_store(&mut weights, samples.weights);
+                lanes.wide_store(&mut depths, samples.depths);
+                let attributes = &footprint.attributes;
+                take(attributes, [x, y], &weights[..L::WIDE], &depths[..L::WIDE]);
+            }
+        }
+    }
+}
+
+/// What brings opacities to weights and the depth lane to a pixel's depth.
+struct DepthWords<L: PixelWords> {
+    /// Left shift, half of a unit and right shift of an opacity.
+    weight: [L::Word; 3],
+    half: i64,
+    drop: L::Word,
+    last: L::Word,
+    threshold: L::Word,
+}
+
+impl<L: PixelSums> DepthWords<L> {
+    #[inline(always)]
+    fn new(lanes: L, numbers: &GatherNumbers) -> Self {
+        let drop = i64::from(DEPTH_FRACTION) - 23;
+        let [up, half, down] = numbers.weight;
+        let splat = |word| lanes.wide_splat(word);
+        DepthWords {
+            weight: [splat(up), splat(half), splat(down)],
+            half: 1 << (drop - 1),
+            drop: splat(drop),
+            last: splat(u32::MAX.into()),
+            threshold: splat(numbers.threshold.into()),
+        }
+    }
+
+    /// [`WeightedSum::weight`].
+    #[inline(always)]
+    fn weight(&self, lanes: L, alpha: L::Word) -> L::Word {
+        let [up, half, down] = self.weight;
+        lanes.wide_shr(lanes.wide_add(lanes.wide_shl(alpha, up), half), down)
+    }
+
+    /// `depth_in_pixel` of depths to which half of a unit has been added.
+    #[inline(always)]
+    fn in_pixel(&self, lanes: L, depth: L::Word) -> L::Word {
+        let depth = lanes.clear(depth, lanes.marked(depth));
+        let depth = lanes.wide_shr(depth, self.drop);
+        lanes.wide_select(depth, self.last, lanes.wide_greater(depth, self.last))
+    }
+
+    #[inline(always)]
+    fn splat(
+        &self,
+        lanes: L,
+        values: &[i32; 8],
+        numbers: &GatherNumbers,
+        material: u8,
+    ) -> AttributeWords<L> {
+        AttributeWords {
+            attributes: lanes.attributes(values, numbers.share),
+            material: lanes.wide_splat(material.into()),
+            threshold: self.threshold,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

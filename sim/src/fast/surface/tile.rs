@@ -1,0 +1,179 @@
+//! A tile of the accumulation buffer: each pixel's eight sums as a vector, and depth and material as one word to be compared.
+//!
+//! What [`Accumulation`](splatline::blend::surface::Accumulation) does with a sample, for several pixels at once: nearer than the pixel's depth
+//! by more than the threshold it replaces the sums, farther by more it is dropped, else it is added. Depth and material lie in one word,
+//! `depth 2^8 + material`, because the nearest sample's material is kept, the smaller of two that are equally near. An empty pixel is
+//! farther than any depth: its first sample replaces nothing. The greatest depth, which layers need, is not kept.
+
+use crate::fast::lanes::sums::{PixelSums, Sums};
+use crate::fast::tile::TILE;
+use splatline::blend::surface::{Cell, Fragment, Sample, WeightedSum};
+use splatline::raster::Window;
+
+/// Columns that a vector may reach beyond the tile's last pixel.
+const SPARE: usize = 8;
+
+/// Pixels from one row to the next.
+const STRIDE: usize = TILE[0] as usize + SPARE;
+
+/// Rows of a tile.
+const ROWS: usize = TILE[1] as usize;
+
+/// Bits of a key below its depth.
+const MATERIAL: i64 = 8;
+
+/// Key of an empty pixel.
+const EMPTY: u64 = i64::MAX as u64;
+
+/// A row's keys and sums.
+#[derive(Clone, Debug)]
+struct SumRow {
+    keys: [u64; STRIDE],
+    sums: [Sums; STRIDE],
+}
+
+/// The pixels of one tile, kept from tile to tile by a thread.
+#[derive(Clone, Debug)]
+pub struct SumTile {
+    rows: Box<[SumRow]>,
+    window: Window,
+}
+
+impl Default for SumTile {
+    fn default() -> Self {
+        let row = SumRow {
+            keys: [EMPTY; STRIDE],
+            sums: [[0; 8]; STRIDE],
+        };
+        SumTile {
+            rows: vec![row; ROWS].into(),
+            window: Window {
+                first: [0; 2],
+                end: [0; 2],
+            },
+        }
+    }
+}
+
+/// Several samples of one splat in adjacent pixels, one per word.
+#[derive(Clone, Copy)]
+pub struct SampleWords<L: PixelSums> {
+    /// UQ1.f; 0 where there is none.
+    pub weights: L::Word,
+    /// UQ9.23.
+    pub depths: L::Word,
+}
+
+/// A splat's attributes as samples add them, and what decides whether they do.
+#[derive(Clone, Copy)]
+pub struct AttributeWords<L: PixelSums> {
+    pub attributes: L::Attributes,
+    pub material: L::Word,
+    pub threshold: L::Word,
+}
+
+impl SumTile {
+    /// Makes it the empty pixels of `window`, which is at most a [`TILE`].
+    pub fn open(&mut self, window: Window) {
+        self.window = window;
+        for row in self.rows.iter_mut().take(window.rows().into()) {
+            row.keys.fill(EMPTY);
+            row.sums.fill([0; 8]);
+        }
+    }
+
+    /// Adds samples to the pixels from column `x` of the tile on, in row `y` of the screen.
+    #[inline(always)]
+    pub fn add<L: PixelSums>(
+        &mut self,
+        lanes: L,
+        [x, y]: [usize; 2],
+        samples: &SampleWords<L>,
+        splat: &AttributeWords<L>,
+    ) {
+        // Never change them; tell the compiler that a vector fits.
+        let x = x % usize::from(TILE[0]);
+        let row = (y - usize::from(self.window.first[1])) % ROWS;
+        let Some(SumRow { keys, sums }) = self.rows.get_mut(row) else {
+            return;
+        };
+        let [none, material] = [0, MATERIAL].map(|word| lanes.wide_splat(word));
+        let old = lanes.read(keys, x);
+        let near = lanes.wide_shr(old, material);
+        let SampleWords { weights, depths } = *samples;
+        let behind = lanes.wide_greater(depths, lanes.wide_add(near, splat.threshold));
+        let drawn = lanes.except(lanes.wide_greater(weights, none), behind);
+        if lanes.flags(drawn) == 0 {
+            return;
+        }
+        let before = lanes.wide_greater(near, lanes.wide_add(depths, splat.threshold));
+        let replaced = lanes.flags(lanes.both(before, drawn));
+        if replaced != 0 {
+            for (k, sums) in sums[x..].iter_mut().take(L::WIDE).enumerate() {
+                if replaced >> k & 1 != 0 {
+                    *sums = [0; 8];
+                }
+            }
+        }
+        let key = lanes.join(lanes.wide_shl(depths, material), splat.material);
+        let empty = lanes.wide_splat(EMPTY as i64);
+        let compared = lanes.wide_select(old, empty, before);
+        let nearest = lanes.wide_select(compared, key, lanes.wide_greater(compared, key));
+        lanes.write(keys, x, lanes.wide_select(old, nearest, drawn));
+        let mut words = [0; 8];
+        lanes.wide_store(&mut words, lanes.keep(weights, drawn));
+        for (k, weight) in words.iter().enumerate().take(L::WIDE) {
+            if !lanes.add_shares(&mut sums[x + k], weight, &splat.attributes) {
+                // A full pixel stays as it is.
+                let mut keys_before = [0; 8];
+                lanes.wide_store(&mut keys_before, old);
+                keys[x + k] = keys_before[k] as u64;
+            }
+        }
+    }
+
+    /// The pixels row by row.
+    pub fn cells(&self) -> impl Iterator<Item = SumCell> {
+        let columns = usize::from(self.window.columns());
+        let rows = self.rows.iter().take(self.window.rows().into());
+        rows.flat_map(move |row| {
+            let pixels = row.sums.iter().zip(&row.keys).take(columns);
+            pixels.map(|(sums, key)| SumCell::new(sums, *key))
+        })
+    }
+}
+
+/// A pixel as the kernel resolves it.
+#[derive(Clone, Debug)]
+pub struct SumCell([Fragment; 1]);
+
+impl SumCell {
+    fn new([red, green, blue, opacity, x, y, z, weight]: &Sums, key: u64) -> Self {
+        let near = (key >> MATERIAL) as u32;
+        SumCell([Fragment {
+            weight: *weight,
+            colour: [*red, *green, *blue],
+            opacity: *opacity,
+            normal: [*x, *y, *z].map(|n| n as i32),
+            near,
+            far: near,
+            material: key as u8,
+        }])
+    }
+}
+
+impl Cell for SumCell {
+    const EMPTY: Self = SumCell([Fragment::EMPTY]);
+
+    /// Samples of one surface; those of others are told apart by [`SumTile::add`].
+    fn add(&mut self, gather: &WeightedSum, sample: &Sample) {
+        gather.accumulate(&mut self.0[0], sample);
+    }
+
+    fn fragments(&self) -> &[Fragment] {
+        match self.0 {
+            [Fragment { weight: 0, .. }] => &[],
+            _ => &self.0,
+        }
+    }
+}

@@ -1,0 +1,424 @@
+//! A surface's frames, one after the other in the same memory.
+//!
+//! ```text
+//! parts of the points: setup, bounds -> tile lists in the scene's order -> tiles, each in a place of its own -> picture
+//! ```
+
+use super::tiles::{GatherTiles, HostCell, Resolved, Scratch, SurfaceTiles, TileConstants};
+use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material};
+use crate::camera::Camera;
+use crate::design::DesignJob;
+use crate::fast::order::{Grid, Key, TileOrder};
+use crate::fast::setup::{self, SurfaceOutcome};
+use crate::fast::surface::GatherNumbers;
+use crate::fast::{TILE, TableMemory};
+use crate::fixed::frame::converter;
+use crate::fixed::quantise::exp2;
+use crate::fixed::render::Engine;
+use crate::picture::Picture;
+use crate::scene::points::SurfaceScene;
+use crate::surface::Buffer;
+use rayon::prelude::*;
+use splatline::blend::Pixel;
+use splatline::blend::edge::EdgeFilter;
+use splatline::blend::layers::Layers;
+use splatline::blend::resolve::Resolve;
+use splatline::blend::shading::{self, Shading};
+use splatline::blend::surface::{Accumulation, WeightedSum, sum_fraction};
+use splatline::draw::Coverage;
+use splatline::draw::surface::SurfacePainter;
+use splatline::format::{Design, Lane, Traversal};
+use splatline::raster::Window;
+use splatline::rules as kernel;
+use splatline::setup::{Cull, setup_surface};
+use splatline::splat::surface::SurfaceSplat;
+use splatline::view::View;
+use std::borrow::Borrow;
+use std::cell::RefCell;
+use std::time::Instant;
+
+/// Points set up at once: their footprints fit the second-level cache.
+const BATCH: usize = 1024;
+
+/// Parts of the scene per thread: enough that none waits long for the last one.
+const PARTS: usize = 4;
+
+/// Pixels of a tile.
+const AREA: usize = TILE[0] as usize * TILE[1] as usize;
+
+thread_local! {
+    /// A thread's memory for the tile that it paints, kept from frame to frame.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// What a frame did beside its pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SurfaceFacts {
+    /// Points culled, by reason, in the order of [`Cull::ALL`].
+    pub culled: [usize; Cull::ALL.len()],
+    /// Points left out because they show their back.
+    pub backfaces: usize,
+    /// Pixels visited and covered.
+    pub coverage: Coverage,
+    /// Pixels at which fragments had to be merged.
+    pub merged: usize,
+    /// Seconds for setup, for lists, and for everything after them.
+    pub times: [f64; 3],
+}
+
+impl SurfaceFacts {
+    fn add(mut self, other: SurfaceFacts) -> Self {
+        let culled = self.culled.iter_mut().zip(other.culled);
+        culled.for_each(|(sum, part)| *sum += part);
+        self.backfaces += other.backfaces;
+        self.coverage += other.coverage;
+        self.merged += other.merged;
+        self
+    }
+}
+
+/// Points with all that their frames need. They may be borrowed or owned.
+pub struct SurfaceRenderer<'a, P = QuantisedPoints> {
+    points: P,
+    camera: &'a Camera,
+    options: SurfaceOptions<'a>,
+    rules: kernel::Rules,
+    table: TableMemory,
+    threshold: u32,
+    /// What vectors gather by, if they can.
+    numbers: Option<GatherNumbers>,
+    materials: Vec<shading::Material>,
+    memory: FrameMemory,
+}
+
+/// The memory of frames.
+#[derive(Default)]
+struct FrameMemory {
+    outcomes: Vec<SurfaceOutcome>,
+    order: TileOrder,
+    /// Tile after tile, each row by row.
+    resolved: Vec<Resolved>,
+}
+
+impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
+    /// Points of `scene` that have been quantised for `camera`. Frames are drawn by the rayon pool that they are asked for in.
+    pub fn new(
+        points: P,
+        scene: &SurfaceScene,
+        camera: &'a Camera,
+        options: &SurfaceOptions<'a>,
+    ) -> Self {
+        let SurfaceOptions {
+            style,
+            design,
+            traversal,
+            engine,
+        } = *options;
+        let rules = kernel_rules(style);
+        let table = TableMemory::new(&design.widths, &rules);
+        let threshold = (style.threshold * exp2(points.borrow().scale_log2 + 23)).round() as u32;
+        let numbers = match (engine, traversal) {
+            (Engine::Vectors(_), Traversal::Spans) => GatherNumbers::new(
+                &design.widths,
+                &rules,
+                &table.table(),
+                threshold,
+                design.dispatch(LaneBits),
+            ),
+            _ => None,
+        };
+        SurfaceRenderer {
+            points,
+            camera,
+            options: *options,
+            rules,
+            table,
+            threshold,
+            numbers,
+            materials: scene.materials.iter().map(material).collect(),
+            memory: FrameMemory::default(),
+        }
+    }
+
+    /// Draws a frame, which [`copy`](SurfaceRenderer::copy) hands out.
+    pub fn draw(&mut self) -> SurfaceFacts {
+        let SurfaceRenderer {
+            points,
+            camera,
+            options,
+            rules,
+            table,
+            numbers,
+            materials,
+            memory,
+            threshold,
+        } = self;
+        let SurfaceOptions { style, design, .. } = *options;
+        let points = (*points).borrow();
+        let gather = WeightedSum::new(&design.widths, *threshold);
+        let shading = style.light.map(|light| {
+            let light = direction(camera, light);
+            Shading::new(&design.widths, materials, light, &points.view)
+        });
+        let edges = style
+            .edge
+            .and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32));
+        let engine = match options.engine {
+            Engine::Vectors(choice) => Some(choice),
+            Engine::Scalar => None,
+        };
+        design.dispatch(FrameJob {
+            points,
+            options,
+            rules,
+            table,
+            constants: TileConstants {
+                gather,
+                resolve: Resolve::new(&design.widths, gather, shading, edges),
+                numbers: numbers.as_ref().zip(engine),
+            },
+            memory,
+        })
+    }
+
+    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is replaced.
+    pub fn draw_picture(&mut self, picture: &mut Picture) -> SurfaceFacts {
+        let started = Instant::now();
+        let facts = self.draw();
+        let Camera { width, height, .. } = *self.camera;
+        if [picture.width, picture.height] != [width, height] {
+            *picture = Picture::new(width, height);
+        }
+        let convert = converter(&self.options.design.widths, 0);
+        self.copy(&mut picture.pixels, |pixel, _| convert(pixel));
+        let [setup, lists, _] = facts.times;
+        let rest = started.elapsed().as_secs_f64() - setup - lists;
+        SurfaceFacts {
+            times: [setup, lists, rest],
+            ..facts
+        }
+    }
+
+    /// The last frame's pixels, row by row, as the caller wants them; `convert` is given a pixel and its weight sums, in units of 1.0.
+    pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
+        let unit = exp2(-i32::from(sum_fraction(&self.options.design.widths)));
+        let viewport = self.points.borrow().view.viewport;
+        let grid = Grid::new(viewport, TILE);
+        let width = usize::from(viewport[0]).max(1);
+        let columns = viewport[0].div_ceil(TILE[0]).into();
+        let resolved = &self.memory.resolved;
+        let bands = frame.par_chunks_mut(width * usize::from(TILE[1]));
+        bands.enumerate().for_each(|(band, rows)| {
+            for tile in (band * columns..).take(columns) {
+                let window = grid.window(tile);
+                let resolved = resolved.get(tile * AREA..).unwrap_or_default();
+                let from = resolved.chunks_exact(usize::from(window.columns()).max(1));
+                for (row, from) in rows.chunks_mut(width).zip(from) {
+                    let to = row.iter_mut().skip(window.first[0].into());
+                    for (to, Resolved { pixel, weight }) in to.zip(from) {
+                        *to = convert(pixel, *weight as f64 * unit);
+                    }
+                }
+            }
+        });
+    }
+
+    /// Points of which a coordinate was clamped to its format.
+    pub fn clamped(&self) -> usize {
+        self.points.borrow().clamped
+    }
+}
+
+/// Bits of a design's lanes.
+struct LaneBits;
+
+impl DesignJob for LaneBits {
+    type Output = u32;
+
+    fn run<D: Design>(self, _: D) -> u32 {
+        D::Lane::BITS
+    }
+}
+
+/// A frame by a design's own type.
+struct FrameJob<'a> {
+    points: &'a QuantisedPoints,
+    options: &'a SurfaceOptions<'a>,
+    rules: &'a kernel::Rules,
+    table: &'a TableMemory,
+    constants: TileConstants<'a>,
+    memory: &'a mut FrameMemory,
+}
+
+impl DesignJob for FrameJob<'_> {
+    type Output = SurfaceFacts;
+
+    fn run<D: Design + Send + Sync>(self, design: D) -> SurfaceFacts {
+        match self.options.style.buffer {
+            Buffer::Accumulation => self.draw::<D, Accumulation>(design),
+            Buffer::Layers(0 | 1) => self.draw::<D, Layers<1>>(design),
+            Buffer::Layers(2) => self.draw::<D, Layers<2>>(design),
+            Buffer::Layers(3) => self.draw::<D, Layers<3>>(design),
+            Buffer::Layers(4) => self.draw::<D, Layers<4>>(design),
+            Buffer::Layers(_) => self.draw::<D, Layers<8>>(design),
+        }
+    }
+}
+
+impl FrameJob<'_> {
+    fn draw<D: Design + Send + Sync, C: HostCell>(self, design: D) -> SurfaceFacts {
+        let FrameJob {
+            points: QuantisedPoints { view, splats, .. },
+            options,
+            rules,
+            table,
+            constants,
+            memory,
+        } = self;
+        let set_up = |splats: &[SurfaceSplat], outcomes: &mut [SurfaceOutcome]| {
+            set_up_part(design, view, rules, options.engine, (splats, outcomes));
+        };
+        let (gather, traversal) = (constants.gather, options.traversal);
+        let painter = SurfacePainter::new(design, rules, table.table(), gather, traversal);
+        let plan = FramePlan {
+            viewport: view.viewport,
+            cull_backfaces: options.style.cull_backfaces,
+            set_up: &set_up,
+            tiles: &GatherTiles::<D, C>::new(painter, &constants),
+        };
+        memory.draw(splats, &plan)
+    }
+}
+
+/// Setup of some points into as many places.
+fn set_up_part<D: Design>(
+    design: D,
+    view: &View,
+    rules: &kernel::Rules,
+    engine: Engine,
+    (splats, outcomes): (&[SurfaceSplat], &mut [SurfaceOutcome]),
+) {
+    match engine {
+        Engine::Vectors(choice) => setup::set_up(design, view, rules, splats, outcomes, choice),
+        Engine::Scalar => {
+            for (splat, outcome) in splats.iter().zip(outcomes) {
+                *outcome = setup_surface(design, view, rules, splat);
+            }
+        }
+    }
+}
+
+/// How points become pixels, whatever the design.
+struct FramePlan<'a> {
+    viewport: [u16; 2],
+    cull_backfaces: bool,
+    set_up: &'a (dyn Fn(&[SurfaceSplat], &mut [SurfaceOutcome]) + Sync),
+    tiles: &'a dyn SurfaceTiles,
+}
+
+impl FrameMemory {
+    fn draw(&mut self, splats: &[SurfaceSplat], plan: &FramePlan) -> SurfaceFacts {
+        let started = Instant::now();
+        let grid = Grid::new(plan.viewport, TILE);
+        let set_up = self.set_up(splats, plan);
+        let set_up_at = started.elapsed().as_secs_f64();
+        self.order.sort(&grid);
+        let sorted_at = started.elapsed().as_secs_f64();
+        let painted = self.paint(&grid, plan);
+        let rest = started.elapsed().as_secs_f64() - sorted_at;
+        SurfaceFacts {
+            times: [set_up_at, sorted_at - set_up_at, rest],
+            ..set_up.add(painted)
+        }
+    }
+
+    fn set_up(&mut self, splats: &[SurfaceSplat], plan: &FramePlan) -> SurfaceFacts {
+        if self.outcomes.len() != splats.len() {
+            // In parallel: most of its time is the first touch of its memory.
+            self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
+        }
+        let parts = PARTS * rayon::current_num_threads();
+        let length = splats.len().div_ceil(parts).max(BATCH);
+        let parts = &mut self.order.parts;
+        parts.resize_with(splats.len().div_ceil(length), Default::default);
+        let outcomes = self.outcomes.par_chunks_mut(length);
+        let work = parts
+            .par_iter_mut()
+            .zip(outcomes.zip(splats.par_chunks(length)));
+        work.enumerate()
+            .map(|(number, (part, (outcomes, splats)))| {
+                part.keys.clear();
+                let mut facts = SurfaceFacts::default();
+                let mut first = number * length;
+                let batches = outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH));
+                for (outcomes, splats) in batches {
+                    (plan.set_up)(splats, outcomes);
+                    note(
+                        outcomes,
+                        first,
+                        plan.cull_backfaces,
+                        &mut part.keys,
+                        &mut facts,
+                    );
+                    first += splats.len();
+                }
+                facts
+            })
+            .reduce(SurfaceFacts::default, SurfaceFacts::add)
+    }
+
+    /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
+    #[inline(never)]
+    fn paint(&mut self, grid: &Grid, plan: &FramePlan) -> SurfaceFacts {
+        let FrameMemory {
+            outcomes,
+            order,
+            resolved,
+        } = self;
+        resolved.resize(grid.len() * AREA, Resolved::default());
+        let tiles = resolved.par_chunks_mut(AREA).enumerate();
+        tiles
+            .map(|(tile, resolved)| {
+                let window = grid.window(tile);
+                let resolved = &mut resolved[..window.pixels()];
+                SCRATCH.with_borrow_mut(|scratch| {
+                    let list = order.list(tile);
+                    let (coverage, merged) =
+                        plan.tiles.paint(scratch, window, outcomes, list, resolved);
+                    SurfaceFacts {
+                        coverage,
+                        merged,
+                        ..SurfaceFacts::default()
+                    }
+                })
+            })
+            .reduce(SurfaceFacts::default, SurfaceFacts::add)
+    }
+}
+
+/// Lists the footprints that are drawn, numbered from `first`, and counts the others. They are drawn in the scene's order: for the sort all are
+/// equally near.
+fn note(
+    outcomes: &[SurfaceOutcome],
+    first: usize,
+    cull_backfaces: bool,
+    keys: &mut Vec<Key>,
+    facts: &mut SurfaceFacts,
+) {
+    for (outcome, index) in outcomes.iter().zip(first as u32..) {
+        match outcome {
+            Ok(footprint) if cull_backfaces && footprint.back => facts.backfaces += 1,
+            Ok(footprint) => {
+                let bounds = Window::of(&footprint.footprint);
+                if !bounds.is_empty() {
+                    keys.push(Key {
+                        depth: 0,
+                        index,
+                        bounds,
+                    });
+                }
+            }
+            Err(reason) => facts.culled[reason.place()] += 1,
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! What gathers a tile's points and resolves its pixels: vectors where they can, else the kernel's painter.
+
+use crate::fast::lanes::VectorLevel;
+use crate::fast::setup::SurfaceOutcome;
+use crate::fast::surface::{Gather, GatherNumbers, GatherTask, Recorded, SumTile};
+use splatline::blend::Pixel;
+use splatline::blend::layers::Layers;
+use splatline::blend::resolve::Resolve;
+use splatline::blend::surface::{Accumulation, Cell, Sample, WeightedSum};
+use splatline::draw::Coverage;
+use splatline::draw::surface::SurfacePainter;
+use splatline::footprint::surface::{Attributes, SurfaceFootprint};
+use splatline::format::Design;
+use splatline::raster::Window;
+use splatline::target::cells::CellTarget;
+use std::any::Any;
+use std::marker::PhantomData;
+
+/// A pixel, and the sum of the weights of all its fragments.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Resolved {
+    pub pixel: Pixel,
+    pub weight: u64,
+}
+
+/// A thread's memory.
+#[derive(Default)]
+pub struct Scratch {
+    sums: Option<SumTile>,
+    /// A vector of whatever cells were drawn last.
+    cells: Option<Box<dyn Any>>,
+}
+
+impl Scratch {
+    /// So many empty cells.
+    fn cells<C: Cell + 'static>(&mut self, count: usize) -> &mut [C] {
+        let cells = self.cells.get_or_insert_with(|| Box::new(Vec::<C>::new()));
+        if !cells.is::<Vec<C>>() {
+            *cells = Box::new(Vec::<C>::new());
+        }
+        let Some(cells) = cells.downcast_mut::<Vec<C>>() else {
+            unreachable!("cells of another type have just been replaced")
+        };
+        cells.clear();
+        cells.resize(count, C::EMPTY);
+        cells
+    }
+}
+
+/// Paints tiles of a surface, whatever design and cells.
+pub trait SurfaceTiles: Sync {
+    /// Gathers the footprints of `list`, in this order, in the pixels of `window`, and resolves them row by row. Pixels that were touched, and
+    /// the number of those at which fragments had to be merged.
+    fn paint(
+        &self,
+        scratch: &mut Scratch,
+        window: Window,
+        footprints: &[SurfaceOutcome],
+        list: &[u32],
+        resolved: &mut [Resolved],
+    ) -> (Coverage, usize);
+}
+
+/// A cell type that the host draws into.
+pub trait HostCell: Cell + Send + 'static {
+    /// Is it what vectors keep as sums?
+    const IS_SUM: bool = false;
+
+    /// Had its fragments to be merged?
+    fn merged(&self) -> bool {
+        false
+    }
+}
+
+impl HostCell for Accumulation {
+    const IS_SUM: bool = true;
+}
+
+impl<const L: usize> HostCell for Layers<L> {
+    fn merged(&self) -> bool {
+        self.merges() > 0
+    }
+}
+
+/// What tiles of any design share.
+pub struct TileConstants<'a> {
+    pub gather: WeightedSum,
+    pub resolve: Resolve<'a>,
+    /// What vectors gather by, and which ones do.
+    pub numbers: Option<(&'a GatherNumbers, VectorLevel)>,
+}
+
+impl TileConstants<'_> {
+    /// The tile's cells as pixels.
+    fn resolve<C: Cell>(
+        &self,
+        window: Window,
+        cells: impl Iterator<Item = C>,
+        resolved: &mut [Resolved],
+    ) {
+        let columns = usize::from(window.columns()).max(1);
+        for ((index, cell), resolved) in cells.enumerate().zip(resolved) {
+            let (x, y) = ((index % columns) as u16, (index / columns) as u16);
+            let weights = cell.fragments().iter().map(|f| u64::from(f.weight));
+            *resolved = Resolved {
+                weight: weights.sum(),
+                pixel: (self.resolve).pixel(&cell, window.first[0] + x, window.first[1] + y),
+            };
+        }
+    }
+}
+
+/// Tiles of one design and cell.
+pub struct GatherTiles<'a, D, C> {
+    painter: SurfacePainter<'a, D>,
+    constants: &'a TileConstants<'a>,
+    cell: PhantomData<fn() -> C>,
+}
+
+impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
+    /// With the kernel's painter for what vectors cannot do.
+    pub fn new(painter: SurfacePainter<'a, D>, constants: &'a TileConstants<'a>) -> Self {
+        GatherTiles {
+            painter,
+            constants,
+            cell: PhantomData,
+        }
+    }
+
+    /// One footprint by the kernel.
+    fn record(
+        &self,
+        footprint: &SurfaceFootprint,
+        window: Window,
+        cells: &mut [Recorded],
+    ) -> Coverage {
+        match CellTarget::new(cells, window) {
+            Ok(mut target) => self.painter.draw(footprint, &mut target),
+            Err(_) => Coverage::default(),
+        }
+    }
+
+    /// The footprints in the cells by the kernel.
+    fn draw(
+        &self,
+        window: Window,
+        footprints: &[SurfaceOutcome],
+        list: &[u32],
+        cells: &mut [C],
+    ) -> Coverage {
+        let mut coverage = Coverage::default();
+        let Ok(mut target) = CellTarget::new(cells, window) else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
+        for footprint in list.iter().flat_map(|index| &footprints[*index as usize]) {
+            coverage += self.painter.draw(footprint, &mut target);
+        }
+        coverage
+    }
+
+    /// The same by vectors; `None`, and anything in the cells, where they cannot.
+    fn draw_on_vectors(
+        &self,
+        window: Window,
+        footprints: &[SurfaceOutcome],
+        list: &[u32],
+        cells: &mut [C],
+    ) -> Option<Coverage> {
+        let (numbers, choice) = self.constants.numbers?;
+        let columns = usize::from(window.columns());
+        let gather = &self.constants.gather;
+        let mut take =
+            |attributes: &Attributes, [x, y]: [u16; 2], weights: &[i64], depths: &[i64]| {
+                let [x, y] = [x - window.first[0], y - window.first[1]].map(usize::from);
+                let samples = weights.iter().zip(depths);
+                for (cell, (weight, depth)) in cells[y * columns + x..].iter_mut().zip(samples) {
+                    if *weight > 0 {
+                        let sample = Sample {
+                            weight: *weight as u32,
+                            depth: *depth as u32,
+                            attributes,
+                        };
+                        cell.add(gather, &sample);
+                    }
+                }
+            };
+        let task = GatherTask {
+            numbers,
+            footprints,
+            list,
+            window,
+            record: &|footprint, window, cells| self.record(footprint, window, cells),
+            gather: Gather::Samples(&mut take),
+        };
+        task.paint(choice)
+    }
+
+    /// Sums on vectors; `None` where vectors cannot.
+    fn sums(
+        &self,
+        tile: &mut SumTile,
+        window: Window,
+        footprints: &[SurfaceOutcome],
+        list: &[u32],
+    ) -> Option<Coverage> {
+        let (numbers, choice) = self.constants.numbers?;
+        tile.open(window);
+        let task = GatherTask {
+            numbers,
+            footprints,
+            list,
+            window,
+            record: &|footprint, window, cells| self.record(footprint, window, cells),
+            gather: Gather::Sums(tile),
+        };
+        task.paint(choice)
+    }
+}
+
+impl<D: Design + Sync, C: HostCell> SurfaceTiles for GatherTiles<'_, D, C> {
+    fn paint(
+        &self,
+        scratch: &mut Scratch,
+        window: Window,
+        footprints: &[SurfaceOutcome],
+        list: &[u32],
+        resolved: &mut [Resolved],
+    ) -> (Coverage, usize) {
+        if C::IS_SUM {
+            let tile = scratch.sums.get_or_insert_default();
+            if let Some(coverage) = self.sums(tile, window, footprints, list) {
+                self.constants.resolve(window, tile.cells(), resolved);
+                return (coverage, 0);
+            }
+        }
+        let cells = scratch.cells::<C>(window.pixels());
+        let on_vectors = self.draw_on_vectors(window, footprints, list, cells);
+        let coverage = match on_vectors {
+            Some(coverage) => coverage,
+            None => {
+                cells.fill(C::EMPTY);
+                self.draw(window, footprints, list, cells)
+            }
+        };
+        let merged = cells.iter().filter(|cell| cell.merged()).count();
+        self.constants
+            .resolve(window, cells.iter().cloned(), resolved);
+        (coverage, merged)
+    }
+}
