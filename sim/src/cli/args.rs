@@ -126,7 +126,7 @@ pub struct RenderOptions {
     pub path: PathOptions,
     #[command(flatten)]
     pub drawing: DrawingOptions,
-    /// Reads the scene, a .ply of 3D Gaussians larger than memory, in chunks: N footprints at a time are kept, about 350 bytes each, and the file is
+    /// Reads the scene, a .ply of 3D Gaussians larger than memory, in chunks: N footprints at a time are kept, about 280 bytes each, and the file is
     /// read once more for every chunk. The same picture; needs a camera
     #[arg(long, value_name = "N", help_heading = "Drawing", value_parser = clap::value_parser!(u32).range(1..),
         conflicts_with_all = ["from", "camera_path", "kind", "transfer", "light", "points", "repeat", "json"])]
