@@ -29,7 +29,7 @@ With -o: timing.json; timing.html with its plots; machine.toml, the resolved con
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineOptions {
-    /// Machine: primitive-1 to primitive-16 (the circuit of sim/rtl), or a TOML file; what that leaves out keeps its default
+    /// Machine: primitive-1 to primitive-16 (the circuit of sim/rtl), machine-1 to machine-16 (with setup, sorter and binning before it), or a TOML file; what that leaves out keeps its default
     #[arg(long, value_name = "NAME|file.toml")]
     pub machine: Option<PathBuf>,
     /// Change one field of the machine; may be given more than once

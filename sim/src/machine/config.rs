@@ -63,6 +63,17 @@ pub enum Binning {
     Exact,
 }
 
+/// How splats are brought into the order of their depths.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Sorter {
+    /// So many passes over the entries of all lists, whatever they do.
+    Passes,
+    /// Visible splats before they are binned, digit by digit of their keys, as `depth_sort.sv` does.
+    Radix,
+    /// The same by a network: sorted runs from the chip, then merges of many runs at a time.
+    Merge,
+}
+
 /// The order in which tiles are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TileOrder {
@@ -116,6 +127,14 @@ pub struct Config {
     pub bin_fifo: u32,
     /// Which tiles a footprint is listed in.
     pub binning: Binning,
+    /// Depth sort: what sorts.
+    pub sorter: Sorter,
+    /// Radix: bits of a digit.
+    pub sort_digit: u32,
+    /// Merge: splats that the chip sorts at once.
+    pub sort_run: u32,
+    /// Merge: runs merged at once.
+    pub sort_ways: u32,
     /// Depth sort: passes over all list entries.
     pub sort_passes: u32,
     /// Depth sort: cycles per entry and pass.
@@ -202,6 +221,10 @@ impl Default for Config {
             bin_tile_cycles: 1,
             bin_fifo: 8,
             binning: Binning::Box,
+            sorter: Sorter::Passes,
+            sort_digit: 8,
+            sort_run: 1024,
+            sort_ways: 16,
             sort_passes: 1,
             sort_cycles: 1,
             sort_every: 1,
@@ -263,12 +286,33 @@ impl Config {
         }
     }
 
-    /// A machine by its name: `primitive-1` to `primitive-16`.
+    /// The whole machine of `sim/rtl` (`splat_machine.sv`) with so many lanes: words of 16 bytes in either direction, splats sorted before they
+    /// are binned. Setup has nine cores of lean18, the most that fit
+    /// an LFE5U-85F beside four lanes: each takes a splat in a round of 180 cycles.
+    pub fn machine(lanes: u32) -> Config {
+        Config {
+            splat_bytes: 80,
+            read_bandwidth: 16,
+            write_bandwidth: 16,
+            setup_units: 9,
+            setup_interval: 180,
+            setup_latency: 1533,
+            sorter: Sorter::Radix,
+            sort_bytes: 16,
+            ..Config::primitive(lanes)
+        }
+    }
+
+    /// A machine by its name: `primitive-1` to `primitive-16`, and `machine-1` to `machine-16` with what stands before it.
     pub fn named(name: &str) -> Option<Config> {
-        let lanes: u32 = name.strip_prefix("primitive-")?.parse().ok()?;
-        [1, 2, 4, 8, 16]
-            .contains(&lanes)
-            .then(|| Config::primitive(lanes))
+        let (kind, lanes) = name.rsplit_once('-')?;
+        let lanes: u32 = lanes.parse().ok()?;
+        let known = [1, 2, 4, 8, 16].contains(&lanes);
+        match kind {
+            "primitive" if known => Some(Config::primitive(lanes)),
+            "machine" if known => Some(Config::machine(lanes)),
+            _ => None,
+        }
     }
 
     /// The memory part, if it is not the two channels.

@@ -23,6 +23,7 @@ pub mod histogram;
 pub mod lanes;
 pub mod memory;
 pub mod observe;
+mod order;
 pub mod others;
 pub mod parts;
 pub mod primitive;

@@ -5,12 +5,13 @@
 //! then sets the rate, which is why phases are reported one by one.
 
 use super::accounts::{Account, Cause, Fifo, UnitTime};
-use super::config::{Assignment, Config};
+use super::config::{Assignment, Config, Sorter};
 use super::geometry::Geometry;
 use super::lanes::{LaneShape, LaneWork};
 use super::memory::parts::Part;
-use super::memory::{Access, Channels, Memory, MemoryFacts, Shared, SortStep};
+use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
 use super::observe::{Blind, Observer};
+use super::order::SortStep;
 use super::raster::{Drawing, RasterUnit, TileJob};
 use super::tile_order::sequence;
 use super::workload::Workload;
@@ -24,7 +25,7 @@ pub struct Timing {
     pub total: u64,
     /// Geometry phase: fetch, setup, binning.
     pub geometry: u64,
-    /// Depth sort.
+    /// Depth sort, and the filling of the lists where it comes after.
     pub sort: u64,
     /// Raster phase.
     pub raster: u64,
@@ -74,10 +75,13 @@ pub struct Bytes {
     pub splats_read: u64,
     /// Harmonics of splats that are seen.
     pub harmonics_read: u64,
-    /// Packets and list entries written by the geometry phase.
+    /// Packets and list entries written, and what is sorted where that are splats.
     pub packets_written: u64,
     /// List entries read and written by the sort.
     pub sort_moved: u64,
+    /// Sorted splats read to fill the lists, where the sort comes before them.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub sorted_read: u64,
     /// Packets and list entries read by the raster phase.
     pub packets_read: u64,
     /// Packets that the raster phase found in its caches instead.
@@ -93,7 +97,7 @@ impl Bytes {
     pub fn directions(&self) -> [u64; 2] {
         let sorted = self.sort_moved / 2;
         [
-            self.splats_read + self.harmonics_read + sorted + self.packets_read,
+            self.splats_read + self.harmonics_read + sorted + self.sorted_read + self.packets_read,
             self.packets_written + sorted + self.pixels_written,
         ]
     }
@@ -212,9 +216,11 @@ fn phases<M: Memory>(
         .end_of_phase(geometry.cycles())
         .max(geometry.cycles());
     let mut sort = Account::default();
-    let steps = SortStep::all(config, geometry.entries, workload.kept);
+    let steps = SortStep::all(config, workload, geometry.packets, geometry.entries);
     memory.sort(&mut sort, &steps);
     sort.wait(Cause::Port, memory.end_of_phase(sort.at()));
+    let fill = filled(&geometry, config, memory);
+    let sort_cycles = sort.at() + fill.as_ref().map_or(0, Account::at);
     let mut raster = Raster::new(config);
     draw(&mut raster, memory);
     let finished = raster.units.iter().map(RasterUnit::finished_at);
@@ -222,16 +228,16 @@ fn phases<M: Memory>(
     let raster_cycles = memory.end_of_phase(finished).max(finished);
 
     let moves = SortStep::moves(&steps);
-    let total = geometry_cycles + sort.at() + raster_cycles;
+    let total = geometry_cycles + sort_cycles + raster_cycles;
     let mut timing = Timing {
         total,
         geometry: geometry_cycles,
-        sort: sort.at(),
+        sort: sort_cycles,
         raster: raster_cycles,
         memory: memory.facts(total),
         ..Timing::default()
     };
-    timing.add_units(&geometry, &sort, &raster);
+    timing.add_units(&geometry, &sort, fill.as_ref(), &raster);
     timing.add_fifos(&geometry, &raster, config);
     timing.add_pixels(&raster, config);
     timing.splats = SplatCounts {
@@ -243,18 +249,41 @@ fn phases<M: Memory>(
     };
     let entry = u64::from(packet_bytes + config.list_bytes);
     let cached = timing.pixels.packet_hits * u64::from(packet_bytes);
+    // What is sorted before the lists are filled is written once beside them.
+    let sorted = match fill {
+        None => 0,
+        Some(_) => geometry.packets * u64::from(config.sorted_bytes()),
+    };
     timing.bytes = Bytes {
         splats_read: workload.splats.len() as u64 * u64::from(config.splat_bytes),
         harmonics_read: geometry.visible * u64::from(config.harmonics_bytes),
         packets_written: geometry.packets * u64::from(packet_bytes)
-            + geometry.entries * u64::from(config.list_bytes),
+            + geometry.entries * u64::from(config.list_bytes)
+            + sorted,
         sort_moved: 2 * moves * u64::from(config.sorted_bytes()),
+        sorted_read: sorted,
         packets_read: (raster.pixels.pairs + raster.in_vain()) * entry - cached,
         packets_cached: cached,
         packets_in_vain: raster.in_vain() * entry,
         pixels_written: raster.pixels_written * u64::from(config.pixel_bytes),
     };
     timing
+}
+
+/// Sorted splats go into the lists of their tiles, as binning counted them; nothing where the lists were there before they were sorted.
+fn filled<M: Memory>(geometry: &Geometry, config: &Config, memory: &mut M) -> Option<Account> {
+    if config.sorter == Sorter::Passes {
+        return None;
+    }
+    let mut fill = Account::default();
+    let tiles = geometry.entries * u64::from(config.bin_tile_cycles);
+    let cycles = geometry.packets * u64::from(config.bin_cycles) + tiles;
+    memory.fill(&mut fill, cycles, geometry.packets, geometry.entries);
+    Some(fill)
+}
+
+fn is_zero(value: &u64) -> bool {
+    *value == 0
 }
 
 /// All raster units and the tiles that they share.
@@ -410,7 +439,13 @@ fn drawn(pairs: usize, finished_after: u32, interval: u32) -> usize {
 }
 
 impl Timing {
-    fn add_units(&mut self, geometry: &Geometry, sort: &Account, raster: &Raster) {
+    fn add_units(
+        &mut self,
+        geometry: &Geometry,
+        sort: &Account,
+        fill: Option<&Account>,
+        raster: &Raster,
+    ) {
         let total = self.total;
         let mut add = |name, accounts: Vec<&Account>| {
             self.units.insert(name, UnitTime::close(accounts, total));
@@ -422,6 +457,9 @@ impl Timing {
         add("binning", vec![&geometry.binning]);
         add("packet_write", vec![&geometry.write]);
         add("sort", vec![sort]);
+        if let Some(fill) = fill {
+            add("list_fill", vec![fill]);
+        }
         add("packet_fetch", each(|unit| &unit.fetch));
         add("splat_setup", each(|unit| &unit.splat));
         add("row_generator", each(|unit| &unit.rows));

@@ -6,7 +6,9 @@ use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
 use splatline_rtl::stamps::{Distances, STAGES};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
-use splatline_rtl::{area, fmax, formal, layouts, mutants, package, setup, speed, tables};
+use splatline_rtl::{
+    area, fmax, formal, layouts, machine, mutants, order, package, setup, speed, tables,
+};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
 use splatline_sim::machine::area::{Family, raster_unit, synthesis};
@@ -38,6 +40,11 @@ const USAGE: &str = "usage: rtl COMMAND
   setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
   setup fmax CORES   Fmax of the setup unit with so many cores by nextpnr on the ECP5
   setup area page   docs/setup-unit.md again without synthesis
+  order         sorter and binning against the kernel's order and the model's lists, five scenes and hard keys
+  order ways    what the ways of sorting cost on five scenes, for docs/decisions/depth-order.md
+  order mutants [PART]   sorters with one mistake each: is it noticed?
+  machine [SCENE]   whole frames of the whole machine against the kernel's and the model's cycles, five scenes or one
+  machine mutants [PART]   machines with one mistake each between their units: is it noticed?
   setup mutants [PART]   setup units with one mistake each: is it noticed?
 ";
 
@@ -71,6 +78,14 @@ fn main() -> ExitCode {
             .context("a number of cores")
             .and_then(fmax::setup_unit),
         ["setup", "area", "page"] => setup::area::page(),
+        ["machine"] => machine::report::print(128, None),
+        ["machine", "mutants"] => judge_machine_mutants(""),
+        ["machine", "mutants", part] => judge_machine_mutants(part),
+        ["machine", scene] => machine::report::print(128, Some(scene)),
+        ["order"] => order(),
+        ["order", "ways"] => order::study::print(512),
+        ["order", "mutants"] => judge_order_mutants(""),
+        ["order", "mutants", part] => judge_order_mutants(part),
         ["setup", "mutants"] => judge_setup_mutants(""),
         ["setup", "mutants", part] => judge_setup_mutants(part),
         _ => {
@@ -381,6 +396,94 @@ fn setup_units() -> Result<()> {
         );
         println!("{design}: every {step}. mantissa agrees");
     }
+    Ok(())
+}
+
+/// Five scenes and hard keys through sorters of two digits.
+fn order() -> Result<()> {
+    println!(
+        "| digit | splats of | splats | entries | cycles | pauses | out of order | entries wrong |"
+    );
+    println!("|---|---|---:|---:|---:|---:|---:|---:|");
+    let design = DesignChoice::load("lean18")?;
+    let (seen, missing) = order::loads::scenes(512)?;
+    for name in missing {
+        println!("(no {name}: its data is not at hand)");
+    }
+    let scenes = seen
+        .iter()
+        .map(|seen| order::loads::ordered(seen, &design).1);
+    let loads: Vec<_> = scenes.chain(order::loads::hard()).collect();
+    let mut wrong = 0;
+    for digit in [8, 12] {
+        let folder = tempfile::tempdir()?;
+        let library = order::circuit::library(folder.path(), digit, None, "-O2")?;
+        let model = order::model::Model::new(&library)?;
+        for load in &loads {
+            for pauses in [0, 3] {
+                let found = order::bench::run(&model, load, pauses, 1)?;
+                wrong += usize::from(!found.agree());
+                let outcome = found.outcome;
+                println!(
+                    "| {digit} | {} | {} | {} | {} | {pauses} | {} | {} |",
+                    load.name,
+                    outcome.splats,
+                    outcome.entries,
+                    outcome.done,
+                    found.out_of_order,
+                    found.listed_wrong
+                );
+            }
+        }
+    }
+    ensure!(wrong == 0, "{wrong} runs differ");
+    Ok(())
+}
+
+/// The mutation check of sorter and binning; the circuit without a mistake must pass.
+fn judge_order_mutants(part: &str) -> Result<()> {
+    let loads = order::mistakes::judges();
+    let clean = order::mistakes::verdict(None, &loads)?;
+    ensure!(
+        clean.is_none(),
+        "without a mistake: {}",
+        clean.unwrap_or_default()
+    );
+    println!("| mistake | unit | noticed as |\n|---|---|---|");
+    let mut survivors = 0;
+    let chosen = order::mistakes::MISTAKES.iter();
+    for mutant in chosen.filter(|mutant| mutant.name.contains(part)) {
+        let verdict = order::mistakes::verdict(Some(mutant), &loads)?;
+        survivors += usize::from(verdict.is_none());
+        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
+        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
+    }
+    ensure!(survivors == 0, "{survivors} mutants survive");
+    Ok(())
+}
+
+/// The mutation check of the whole machine; the circuit without a mistake must pass.
+fn judge_machine_mutants(part: &str) -> Result<()> {
+    let seen = machine::mistakes::judge();
+    let design = DesignChoice::load("lean18")?;
+    let load = order::loads::ordered(&seen, &design).1;
+    let room = load.lists.iter().map(Vec::len).sum();
+    let clean = machine::mistakes::verdict(None, &seen, room)?;
+    ensure!(
+        clean.is_none(),
+        "without a mistake: {}",
+        clean.unwrap_or_default()
+    );
+    println!("| mistake | unit | noticed as |\n|---|---|---|");
+    let mut survivors = 0;
+    let chosen = machine::mistakes::MISTAKES.iter();
+    for mutant in chosen.filter(|mutant| mutant.name.contains(part)) {
+        let verdict = machine::mistakes::verdict(Some(mutant), &seen, room)?;
+        survivors += usize::from(verdict.is_none());
+        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
+        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
+    }
+    ensure!(survivors == 0, "{survivors} mutants survive");
     Ok(())
 }
 

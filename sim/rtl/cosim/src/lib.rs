@@ -17,8 +17,10 @@ pub mod golden;
 #[cfg(all(test, has_rtl))]
 mod handshakes;
 pub mod layouts;
+pub mod machine;
 pub mod model;
 pub mod mutants;
+pub mod order;
 pub mod package;
 pub mod picture;
 pub mod roots;

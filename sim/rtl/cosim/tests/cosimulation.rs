@@ -2,6 +2,8 @@
 
 use splatline::format::{Lean18, Standard24};
 use splatline_rtl::package::{path, text};
+#[cfg(has_rtl)]
+use splatline_rtl::{machine, order};
 use splatline_rtl::{setup, tables};
 
 #[test]
@@ -47,7 +49,7 @@ fn committed_tables_are_the_generators() {
 
 #[cfg(has_rtl)]
 mod with_verilator {
-    use super::setup;
+    use super::{machine, order, setup};
     use splatline::footprint::packet::VERSION;
     use splatline::format::Lean18;
     use splatline::rules::Rules as KernelRules;
@@ -55,6 +57,7 @@ mod with_verilator {
     use splatline_rtl::model::{Inputs, Missing, Model};
     use splatline_rtl::suite::{Extent, LANES, Loads, rules};
     use splatline_rtl::workload::{self, Tile};
+    use splatline_sim::design::DesignChoice;
 
     /// Every word, the cycle of every handshake where the lanes do not pause, and the cycles of pictures, for both rules.
     fn agrees(design: &'static str) {
@@ -119,6 +122,69 @@ mod with_verilator {
             seen.culled.iter().all(|count| *count > 0),
             "not every reason: {seen:?}"
         );
+    }
+
+    /// Order and lists of scenes and of hard keys, with pauses of the memory, twice in one circuit; and lists for which there is no room.
+    #[test]
+    fn sorter_and_binning_give_the_kernels_order_and_the_models_lists() {
+        let folder = tempfile::tempdir().unwrap();
+        let library = order::circuit::library(folder.path(), 8, None, "-O1").unwrap();
+        let model = order::model::Model::new(&library).unwrap();
+        let (seen, missing) = order::loads::scenes(128).unwrap();
+        println!("not at hand: {missing:?}");
+        let design = DesignChoice::load("lean18").unwrap();
+        let scenes = seen
+            .iter()
+            .map(|seen| order::loads::ordered(seen, &design).1);
+        let loads: Vec<_> = scenes.chain(order::loads::hard()).collect();
+        for load in &loads {
+            for pauses in [0, 3] {
+                let found = order::bench::run(&model, load, pauses, 5).unwrap();
+                assert!(found.agree(), "{}, {pauses} pauses: {found:?}", load.name);
+            }
+        }
+        let last = loads.last().unwrap();
+        let entries: usize = last.lists.iter().map(Vec::len).sum();
+        let found = order::bench::run_with_room(&model, last, 0, 1, entries - 1).unwrap();
+        assert_eq!((found.outcome.full, found.outcome.beyond), (1, 0));
+    }
+
+    /// A frame from records in memory by the whole machine, at full speed and with pauses, and its cycles by the model; and one without room for its lists.
+    #[test]
+    fn the_machine_draws_the_kernels_frame() {
+        let seen = machine::mistakes::judge();
+        let design = DesignChoice::load("lean18").unwrap();
+        let spec = machine::circuit::Spec {
+            design: "lean18",
+            widths: &design.widths,
+            cores: 2,
+            lanes: 4,
+            mistake: None,
+            effort: "-O0",
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let library = machine::circuit::library(folder.path(), &spec).unwrap();
+        let model = machine::model::Model::new(&library).unwrap();
+        let config = machine::report::machine(&design.widths, 2, 4, 60).unwrap();
+        let (modelled, room) = machine::report::modelled(&seen, &design, &config);
+        for (latency, pauses) in [(60, 0), (9, 3)] {
+            let timing = machine::bench::Timing { latency, pauses };
+            let found =
+                machine::bench::draw(&model, &design.widths, &seen, timing, room, 2).unwrap();
+            assert!(found.agree() && found.painted > 1_000, "{found:?}");
+            let apart = modelled.total as f64 / found.outcome.cycles() as f64 - 1.0;
+            assert!(
+                pauses > 0 || apart.abs() < 0.05,
+                "{apart}: {found:?}, {modelled:?}"
+            );
+        }
+        let timing = machine::bench::Timing {
+            latency: 9,
+            pauses: 0,
+        };
+        let found =
+            machine::bench::draw(&model, &design.widths, &seen, timing, room - 1, 1).unwrap();
+        assert_eq!((found.outcome.full, found.outcome.beyond), (1, 0));
     }
 
     #[test]
@@ -227,6 +293,30 @@ mod with_verilator {
                 let (accepted, words) = lint(design, lanes, queue);
                 assert!(accepted && words.is_empty(), "{lanes}, {queue}: {words}");
             }
+        }
+    }
+
+    /// The machine, with the setup unit and what stands between.
+    #[test]
+    fn the_machine_elaborates_without_a_warning() {
+        for design in ["lean18", "standard24"] {
+            let rtl = super::path(design).parent().unwrap().join("..");
+            let units = std::fs::read_to_string(rtl.join("machine_files.txt")).unwrap();
+            let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
+            let packages = ["splatline_pkg.sv", "splatline_setup_pkg.sv"];
+            let output = std::process::Command::new(verilator)
+                .current_dir(&rtl)
+                .args(["--lint-only", "-Wall", "--top-module", "splat_machine"])
+                .arg("lint.vlt")
+                .args(packages.map(|package| format!("{design}/{package}")))
+                .args(units.lines())
+                .output()
+                .unwrap();
+            let words = String::from_utf8_lossy(&output.stderr);
+            assert!(
+                output.status.success() && words.is_empty(),
+                "{design}: {words}"
+            );
         }
     }
 

@@ -2,13 +2,14 @@
 //!
 //! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]), so that the machine
 //! `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine is charged by the same lines: every generator of rows
-//! like its row generator, every lane like its lane. What no circuit was written for (geometry setup, queues around the raster
-//! units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted: no
+//! like its row generator, every lane like its lane. Geometry setup is the circuit of [`setup`] where a splat comes in eight cycles or more. What no circuit was
+//! written or synthesised for (faster setup, queues around the raster units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted: no
 //! source fits them. See `docs/hardware-model.md`, section 5.
 
 mod calibration;
 mod check;
 pub(super) mod circuit;
+pub mod setup;
 pub mod synthesis;
 
 pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
@@ -55,7 +56,8 @@ pub fn estimate(
 ) -> Area {
     let raster =
         raster_unit(widths, traversal, config, calibration) * u64::from(config.raster_units);
-    let around = setup(widths, config, calibration) * u64::from(config.setup_units)
+    let counted = || counted_setup(widths, config, calibration) * u64::from(config.setup_units);
+    let around = setup::of_machine(widths, config, calibration).unwrap_or_else(counted)
         + queues(widths, config, calibration);
     Area {
         raster,
@@ -170,11 +172,11 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     }
 }
 
-/// Geometry setup, for which there is no circuit ([`circuit::Geometry`]).
+/// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.
 ///
 /// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
 /// saturation, special cases); geometry setup is taken to be short by the same factor.
-fn setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
+fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
     let m = u64::from(widths.mantissa);
     let geometry = Geometry::new(widths);
     let written = Bits::new(widths).operators();

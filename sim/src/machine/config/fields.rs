@@ -1,6 +1,6 @@
 //! The table of fields: section, key, range, meaning, and how to read and write it in a [`Config`].
 
-use super::{Assignment, Binning, Config, Layout, Overlap, Termination, TileOrder};
+use super::{Assignment, Binning, Config, Layout, Overlap, Sorter, Termination, TileOrder};
 use crate::machine::memory::parts::PARTS;
 
 /// What a field may hold. Values are passed as integers; a choice is its index.
@@ -66,6 +66,7 @@ const TILE_ORDERS: [TileOrder; 4] = [
 const CACHES: Range = Range::OneOf(&[
     0, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16_384, 32_768, 65_536,
 ]);
+const SORTERS: [Sorter; 3] = [Sorter::Passes, Sorter::Radix, Sorter::Merge];
 const BINNINGS: [Binning; 2] = [Binning::Box, Binning::Exact];
 
 /// The two channels, and all parts.
@@ -86,7 +87,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 49] = [
+pub const FIELDS: [Field; 53] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -108,7 +109,11 @@ pub const FIELDS: [Field; 49] = [
     entry("binning", "bin_tile_cycles", CYCLES, "cycles per tile examined", |c| c.bin_tile_cycles, |c, v| c.bin_tile_cycles = v),
     entry("binning", "bin_fifo", DEPTH, "footprints waiting for binning", |c| c.bin_fifo, |c, v| c.bin_fifo = v),
     entry("binning", "binning", Range::Choice(&["box", "exact"]), "tiles met by the box, or by the traversal", |c| index(&BINNINGS, &c.binning), |c, v| c.binning = BINNINGS[v as usize]),
-    entry("sort", "sort_passes", Range::Number(0, 64), "passes over all list entries", |c| c.sort_passes, |c, v| c.sort_passes = v),
+    entry("sort", "sorter", Range::Choice(&["passes", "radix", "merge"]), "passes over list entries; or splats before they are binned, by digits or by merging runs", |c| index(&SORTERS, &c.sorter), |c, v| c.sorter = SORTERS[v as usize]),
+    entry("sort", "sort_digit", Range::Number(1, 16), "radix: bits of a digit", |c| c.sort_digit, |c, v| c.sort_digit = v),
+    entry("sort", "sort_run", Range::Number(1, 65_536), "merge: splats that the chip sorts at once", |c| c.sort_run, |c, v| c.sort_run = v),
+    entry("sort", "sort_ways", Range::Number(2, 1024), "merge: runs merged at once", |c| c.sort_ways, |c, v| c.sort_ways = v),
+    entry("sort", "sort_passes", Range::Number(0, 64), "passes: over all list entries", |c| c.sort_passes, |c, v| c.sort_passes = v),
     entry("sort", "sort_cycles", POSITIVE_CYCLES, "cycles per entry and pass", |c| c.sort_cycles, |c, v| c.sort_cycles = v),
     entry("sort", "sort_every", Range::Number(1, 1024), "pictures of a camera path from one full sort to the next; in between lists keep their order, and what came is sorted and merged in", |c| c.sort_every, |c, v| c.sort_every = v),
     entry("raster", "raster_units", COUNT, "raster units, sharing the bandwidth evenly", |c| c.raster_units, |c, v| c.raster_units = v),

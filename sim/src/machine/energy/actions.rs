@@ -220,7 +220,8 @@ impl<'t> CountedPicture<'_, 't> {
         let mut unit = self.unit("sort");
         unit.adders(32, moves);
         unit.memory("digits", 256, 32, [moves; 2]);
-        unit.dram("read", self.timing.bytes.sort_moved / 2);
+        let bytes = self.timing.bytes;
+        unit.dram("read", bytes.sort_moved / 2 + bytes.sorted_read);
         unit.dram("write", self.timing.bytes.sort_moved / 2);
         unit
     }

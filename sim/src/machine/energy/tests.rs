@@ -46,7 +46,7 @@ proptest! {
         }
         prop_assert_eq!(u128::from(energy.attojoules), all);
         let bytes = simulate_alone(&workload, &config).bytes;
-        let moved = bytes.splats_read + bytes.harmonics_read + bytes.packets_written + bytes.sort_moved + bytes.packets_read + bytes.pixels_written;
+        let moved = bytes.splats_read + bytes.harmonics_read + bytes.packets_written + bytes.sort_moved + bytes.sorted_read + bytes.packets_read + bytes.pixels_written;
         let dram: u64 = energy.units.iter().map(|unit| unit.dram_attojoules).sum();
         prop_assert_eq!(dram, moved * table.dram_byte());
     }

@@ -17,9 +17,9 @@ pub use port::Access;
 pub(super) use shared::Shared;
 
 use super::accounts::{Account, Cause};
-use super::config::Config;
+use super::config::{Config, Sorter};
 use super::lanes::PairWork;
-use super::workload::Kept;
+use super::order::SortStep;
 use dram::DramCounts;
 use port::WriteId;
 use serde::Serialize;
@@ -74,6 +74,8 @@ pub(super) trait Memory {
     fn store(&mut self, binning: &mut Account, write: &mut Account, splat: u64, entries: u64);
     /// All steps of the sort, beside its own cycles.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]);
+    /// Sorted splats are read and list entries written, beside the cycles that the tiles take.
+    fn fill(&mut self, fill: &mut Account, cycles: u64, splats: u64, entries: u64);
     /// A pair's list entry and its splat's packet.
     fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read;
     /// The first cycle in which a raster unit could ask for its next packet.
@@ -115,51 +117,14 @@ pub(super) struct Channels {
     latency: u64,
     packet_bytes: u64,
     list_bytes: u64,
+    /// What geometry writes beside a packet: of each list entry, or of the splat.
+    stored: [u64; 2],
     sort: Sort,
     read_bandwidth: u64,
     write_bandwidth: u64,
     /// Bytes of a pixel times units, which share the bandwidth evenly.
     pixel_bytes: u64,
 }
-
-/// Passes of the sort over so many entries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct SortStep {
-    pub entries: u64,
-    pub passes: u64,
-    /// Places into which a pass writes: as many as a digit has values, or one for a merge.
-    pub places: u64,
-}
-
-impl SortStep {
-    /// All entries anew; or what came by itself, and a pass over what stayed, came and left, which drops and merges.
-    pub fn all(config: &Config, entries: u64, kept: Option<Kept>) -> Vec<SortStep> {
-        let anew = |entries| SortStep {
-            entries,
-            passes: config.sort_passes.into(),
-            places: BUCKETS,
-        };
-        match kept {
-            None => vec![anew(entries)],
-            Some(kept) => {
-                let merge = SortStep {
-                    entries: entries + kept.left,
-                    passes: 1,
-                    places: 1,
-                };
-                vec![anew(kept.came), merge]
-            }
-        }
-    }
-
-    /// Entries that all steps move.
-    pub fn moves(steps: &[SortStep]) -> u64 {
-        steps.iter().map(|step| step.entries * step.passes).sum()
-    }
-}
-
-/// Places into which a pass of the sort writes: a digit of eight bits.
-const BUCKETS: u64 = 256;
 
 /// What the sort moves.
 #[derive(Clone, Copy, Debug)]
@@ -190,6 +155,10 @@ impl Channels {
             latency: config.latency.into(),
             packet_bytes: packet_bytes.into(),
             list_bytes: config.list_bytes.into(),
+            stored: match config.sorter {
+                Sorter::Passes => [config.list_bytes.into(), 0],
+                Sorter::Radix | Sorter::Merge => [0, config.sorted_bytes().into()],
+            },
             sort: Sort::new(config),
             read_bandwidth,
             write_bandwidth: config.write_bandwidth.into(),
@@ -214,7 +183,7 @@ impl Memory for Channels {
     fn store(&mut self, binning: &mut Account, write: &mut Account, _: u64, entries: u64) {
         let bytes = match entries {
             0 => 0,
-            _ => self.packet_bytes + self.list_bytes * entries,
+            _ => self.packet_bytes + self.stored[0] * entries + self.stored[1],
         };
         binning.wait(Cause::WriteChannel, write.at());
         write.wait(Cause::Upstream, binning.at());
@@ -224,10 +193,17 @@ impl Memory for Channels {
     /// Reading and writing go on beside the comparisons, each in its channel.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
         let moves = SortStep::moves(steps);
-        sort.work(moves * self.sort.cycles);
+        sort.work(SortStep::cycles(steps, self.sort.cycles));
         let bytes = moves * self.sort.bytes;
         sort.wait(Cause::Memory, bytes.div_ceil(self.read_bandwidth));
         sort.wait(Cause::WriteChannel, bytes.div_ceil(self.write_bandwidth));
+    }
+
+    fn fill(&mut self, fill: &mut Account, cycles: u64, splats: u64, entries: u64) {
+        fill.work(cycles);
+        let [read, written] = [splats * self.sort.bytes, entries * self.list_bytes];
+        fill.wait(Cause::Memory, read.div_ceil(self.read_bandwidth));
+        fill.wait(Cause::WriteChannel, written.div_ceil(self.write_bandwidth));
     }
 
     #[inline(always)]

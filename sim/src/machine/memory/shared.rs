@@ -2,10 +2,11 @@
 
 use super::parts::Part;
 use super::port::{Access, Port, Stream};
-use super::{Buffer, Memory, MemoryFacts, Read, Sort, SortStep, TileWrite, Wanted};
+use super::{Buffer, Memory, MemoryFacts, Read, Sort, TileWrite, Wanted};
 use crate::machine::accounts::{Account, Cause};
 use crate::machine::config::Config;
 use crate::machine::lanes::PairWork;
+use crate::machine::order::SortStep;
 
 /// Regions begin at whole megabytes, so that none shares a row with another.
 const MEGABYTE: u64 = 1 << 20;
@@ -180,10 +181,15 @@ impl Memory for Shared {
 
     /// A pass reads the entries from one region in their order and writes them into the places of the other; each place gets a burst when it is whole.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
-        sort.work(SortStep::moves(steps) * self.sort.cycles);
+        sort.work(SortStep::cycles(steps, self.sort.cycles));
         for step in steps {
             self.sort_step(step);
         }
+    }
+
+    /// Machines with a part sort list entries, so that no list is filled afterwards.
+    fn fill(&mut self, fill: &mut Account, cycles: u64, _: u64, _: u64) {
+        fill.work(cycles);
     }
 
     fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read {

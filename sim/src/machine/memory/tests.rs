@@ -1,10 +1,11 @@
 use super::dram::{Command, Dram, Issued};
 use super::parts::{PARTS, Part};
 use super::port::{Port, Stream};
-use crate::machine::config::Config;
+use crate::machine::config::{Config, Sorter};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::tests::{machine, workload};
 use crate::machine::timing::{accesses, simulate_alone};
+use crate::machine::workload::SplatWork;
 use proptest::prelude::*;
 
 fn part(name: &str) -> &'static Part {
@@ -345,4 +346,56 @@ fn sort_and_harmonics_are_charged() {
     let bytes_a_cycle = part("sdr-166-x16").peak_bytes_per_s() as f64 / 100e6;
     let least = timing.bytes.sort_moved as f64 / bytes_a_cycle;
     assert!(simulate_alone(&workload, &sdr).sort as f64 >= least);
+}
+
+/// Splats sorted before they are binned: a word for each instead of its entries, digits that differ, and the lists filled afterwards.
+#[test]
+fn a_sort_before_the_lists_is_charged_by_splats() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let workload = proptest::strategy::Strategy::new_tree(&workload(), &mut runner).unwrap();
+    let mut workload = proptest::strategy::ValueTree::current(&workload);
+    workload.key_bits = 0xff00_ff01;
+    let tiles = |splat: &SplatWork| u64::from(splat.tiles);
+    let entries: u64 = workload.splats.iter().map(tiles).sum();
+    let visible = workload.visible() as u64;
+    let wide = Config {
+        read_bandwidth: 1024,
+        write_bandwidth: 1024,
+        sorter: Sorter::Radix,
+        sort_bytes: 16,
+        ..Config::default()
+    };
+    let fill = visible + entries;
+    let timing = simulate_alone(&workload, &wide);
+    assert_eq!(timing.sort, 6 * 256 + 3 * visible + fill);
+    assert_eq!(timing.bytes.sort_moved, 3 * 2 * 16 * visible);
+    assert_eq!(timing.bytes.sorted_read, 16 * visible);
+    let passes = Config {
+        sorter: Sorter::Passes,
+        ..wide
+    };
+    let written = |config: &Config| simulate_alone(&workload, config).bytes.packets_written;
+    assert_eq!(written(&wide), written(&passes) + 16 * visible);
+    // Two ways and runs of one: as many merges as the count has bits, and the last one feeds the lists.
+    let merge = Config {
+        sorter: Sorter::Merge,
+        sort_run: 1,
+        sort_ways: 2,
+        ..wide
+    };
+    let merges = u64::from(visible.next_power_of_two().ilog2());
+    let timing = simulate_alone(&workload, &merge);
+    assert_eq!(timing.sort, merges.saturating_sub(1) * visible + fill);
+    // The channels limit both.
+    let narrow = Config {
+        read_bandwidth: 4,
+        write_bandwidth: 1,
+        ..wide
+    };
+    let timing = simulate_alone(&workload, &narrow);
+    let filled = fill.max(4 * visible).max(4 * entries);
+    assert_eq!(
+        timing.sort,
+        (3 * 16 * visible).max(6 * 256 + 3 * visible) + filled
+    );
 }

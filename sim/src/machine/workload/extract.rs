@@ -157,10 +157,18 @@ impl DesignJob for ExtractJob<'_> {
             [self.tile, self.viewport],
             packet_bytes,
         );
+        workload.key_bits = key_bits(self.footprints);
         let changes = self.before.zip(rank);
         workload.kept = changes.map(|(before, rank)| before.changes(&workload, &rank));
         (workload, screen)
     }
+}
+
+/// Bits in which the keys of visible splats differ.
+fn key_bits(footprints: &[Result<Footprint, Cull>]) -> u64 {
+    let mut keys = footprints.iter().flatten().map(|footprint| footprint.depth);
+    let first = keys.next().unwrap_or_default();
+    keys.fold(0, |bits, key| bits | (key ^ first))
 }
 
 /// The place of each splat in the order.

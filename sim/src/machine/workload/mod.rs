@@ -15,6 +15,7 @@ pub use room::room_for;
 pub use table::{TableError, TableOptions, read_table};
 
 use splatline::blend::Pixel;
+use splatline::footprint::depth::KEY_BITS;
 
 /// Pixels of a row of a tile: bit i is column i.
 pub type Mask = u64;
@@ -99,6 +100,8 @@ pub struct Workload {
     pub pairs: Vec<Pair>,
     /// Rows of all pairs.
     pub rows: Vec<Row>,
+    /// Bits in which the sort keys of visible splats differ; all where the keys are not known.
+    pub key_bits: u64,
     /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
     pub kept: Option<Kept>,
 }
@@ -208,6 +211,7 @@ fn assemble(
         columns: viewport[0].div_ceil(tile[0]).into(),
         packet_bytes,
         splats: vec![SplatWork::default(); splats],
+        key_bits: (1 << KEY_BITS) - 1,
         ..Workload::default()
     };
     workload

@@ -18,7 +18,10 @@ use std::path::Path;
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/setup-unit.md");
 
 /// Where the counts are kept.
-const COUNTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-counts.csv");
+const COUNTS: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../src/machine/area/setup.csv"
+);
 
 const HEAD: &str = include_str!("../../setup-head.md");
 const NOTES: &str = include_str!("../../setup-notes.md");

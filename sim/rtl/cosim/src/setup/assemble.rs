@@ -181,6 +181,12 @@ impl Program {
         })
     }
 
+    /// Cycles from a splat's first slot to that of its first result.
+    pub fn latency(&self) -> usize {
+        let out = self.operations.iter().position(|operation| operation.out);
+        out.map_or(0, |out| self.places[out].time)
+    }
+
     /// The slot of every cycle of a round: operation and term.
     pub fn slots(&self) -> Vec<Option<(usize, usize)>> {
         let mut slots = vec![None; self.round];

@@ -90,7 +90,7 @@ pub fn captured(step: usize) -> Result<(Vec<Load>, Vec<&'static str>)> {
     Ok((loads, missing))
 }
 
-fn playbot() -> Result<Option<(Scene, Camera)>> {
+pub(crate) fn playbot() -> Result<Option<(Scene, Camera)>> {
     let Some(file) = shared("gaussians/playbot_lod4.ply") else {
         return Ok(None);
     };
@@ -99,7 +99,7 @@ fn playbot() -> Result<Option<(Scene, Camera)>> {
     Ok(Some((scene, camera)))
 }
 
-fn lion() -> Result<Option<(Scene, Camera)>> {
+pub(crate) fn lion() -> Result<Option<(Scene, Camera)>> {
     let Some(file) = shared("points/lion_takanawa.ply") else {
         return Ok(None);
     };

@@ -5,7 +5,7 @@ pub mod assemble;
 pub mod bench;
 pub mod circuit;
 pub mod constants;
-pub mod counts;
+pub use splatline_sim::machine::area::setup as counts;
 pub mod loads;
 pub mod mistakes;
 pub mod model;

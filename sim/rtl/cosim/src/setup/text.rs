@@ -92,8 +92,7 @@ pub fn with_program(
 }
 
 fn parameters(text: &mut String, widths: &Widths, program: &Program) {
-    let out = program.operations.iter().position(|o| o.out).unwrap_or(0);
-    let out = program.places[out].time;
+    let out = program.latency();
     let rows: [(&str, i64, &str); 10] = [
         (
             "POSITION",

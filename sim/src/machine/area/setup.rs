@@ -4,18 +4,22 @@
 //! there are cores. So an interval between two splats is a number of cores. Below eight cycles there is no such circuit: its ends take a
 //! record in eight, and so many cores with registers and shifters of their own would be the wrong circuit for it.
 
+use super::{Calibration, Fabric, Family};
+use crate::machine::config::Config;
 use splatline::format::Widths;
-use splatline_sim::machine::area::{Fabric, Family};
 use std::fmt::Write;
 
 /// The counts, as `rtl -- setup area` writes them.
-pub const CSV: &str = include_str!("../../setup-counts.csv");
+pub const CSV: &str = include_str!("setup.csv");
 
 const HEADING: &str =
     "design,position,mantissa,round,family,cores,luts,flip_flops,dsps,memory_kbit";
 
 /// Cycles between two splats at best.
 pub const LEAST_INTERVAL: u32 = 8;
+
+/// Cores that a unit has at most.
+pub const MOST_CORES: u32 = 32;
 
 /// Numbers of cores that the lines go through.
 pub const FITTED_CORES: [u32; 2] = [1, 4];
@@ -118,12 +122,27 @@ fn parse_line(line: &str) -> Option<SetupUnit> {
 /// # Panics
 /// If the table is not what [`to_csv`] writes; a test reads it.
 pub fn synthesised() -> Vec<SetupUnit> {
-    parse(CSV).expect("synthesised_setup.csv is a table of synthesised setup units")
+    parse(CSV).expect("setup.csv is a table of synthesised setup units")
 }
 
 /// Cores that take a splat in `interval` cycles.
 pub fn cores(round: u32, interval: u32) -> u32 {
     round.div_ceil(interval.max(LEAST_INTERVAL))
+}
+
+/// The setup units of a machine as the circuit that takes a splat as often: one with more cores. Nothing where there is no such circuit: below its least
+/// interval, beyond its most cores, for a family for which none was synthesised, or where prices are the user's own.
+pub(super) fn of_machine(
+    widths: &Widths,
+    config: &Config,
+    calibration: &Calibration,
+) -> Option<Fabric> {
+    let units = synthesised();
+    let round = round(&units, widths)?;
+    let cores = (round * config.setup_units).div_ceil(config.setup_interval);
+    let rare = config.setup_interval >= LEAST_INTERVAL * config.setup_units;
+    let built = rare && cores <= MOST_CORES && calibration.is_own();
+    built.then(|| estimate(&units, calibration.family, widths.mantissa, cores))?
 }
 
 /// Slots of a splat for a design: longer where positions have two parts.
@@ -187,6 +206,46 @@ mod tests {
             }
         }
         assert_eq!(parse("design,widths\n"), None);
+    }
+
+    /// A unit of a core, nine of which take a splat each in a round, is a unit of nine; what has no circuit is counted.
+    #[test]
+    fn a_machines_setup_is_the_circuit_where_there_is_one() {
+        let units = synthesised();
+        let prices = Family::Ecp5.calibration();
+        let machine = Config::machine(4);
+        let widths = Lean18::WIDTHS;
+        let nine = estimate(&units, Family::Ecp5, widths.mantissa, 9);
+        assert_eq!(of_machine(&widths, &machine, &prices), nine);
+        let fast = Config {
+            setup_units: 1,
+            setup_interval: 7,
+            ..machine
+        };
+        let eight = Config {
+            setup_interval: 8,
+            ..fast
+        };
+        let around = |config: &Config, prices: &Calibration| {
+            crate::machine::area::estimate(
+                &widths,
+                splatline::format::Traversal::Spans,
+                config,
+                prices,
+            )
+            .around
+        };
+        assert_eq!(of_machine(&widths, &fast, &prices), None);
+        assert!(of_machine(&widths, &eight, &prices).is_some());
+        assert_eq!(
+            of_machine(&widths, &machine, &Family::Xilinx7.calibration()),
+            None
+        );
+        let queues = around(&machine, &prices).luts - nine.map_or(0, |nine| nine.luts);
+        assert_eq!(
+            around(&eight, &prices).luts - queues,
+            estimate(&units, Family::Ecp5, widths.mantissa, 23).map_or(0, |unit| unit.luts)
+        );
     }
 
     #[test]

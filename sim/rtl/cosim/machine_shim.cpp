@@ -1,0 +1,117 @@
+// The verilated machine with a memory, behind one C function. MODEL is its class.
+#include "model.h"
+#include "memory.h"
+
+namespace {
+
+// Mirror the structs of src/machine/model.rs.
+struct Constant {
+    uint64_t value;
+    uint32_t exponent, index;
+};
+
+struct Entry {
+    uint32_t low, step;
+};
+
+struct Frame {
+    uint64_t least;
+    uint32_t alpha_max, stop, stop_before, wide_table;
+    uint32_t records, base_records, base_packets, base_a, base_b, base_lists, base_frame, most, columns, rows, latency, pauses;
+};
+
+struct Outcome {
+    uint32_t full, visible, entries, hangs;
+    uint64_t geometry, sort, fill, raster, read, written, beyond;
+};
+
+}  // namespace
+
+// Draws the frame `rounds` times, one after the other in one machine; the cycles of the last one count.
+extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* constants, uint64_t constant_count, const Entry* table,
+                            uint64_t table_count, uint32_t* words, uint64_t size, uint32_t rounds, Outcome* out) {
+    VerilatedContext context;
+    context.randReset(2);
+    context.randSeed(static_cast<int>(seed));
+    MODEL m{&context, "top"};
+    Memory memory{words, size, frame->latency, frame->pauses, seed};
+    const auto tick = [&] {
+        memory.offer(m);
+        m.clk = 0;
+        m.eval();
+    };
+    const auto edge = [&] {
+        memory.take(m);
+        m.clk = 1;
+        m.eval();
+    };
+    m.constant_valid = m.table_valid = m.begins = 0;
+    m.alpha_max = frame->alpha_max;
+    m.least = frame->least;
+    m.stop = frame->stop;
+    m.stop_before = frame->stop_before;
+    m.wide_table = frame->wide_table;
+    m.records = frame->records;
+    m.base_records = frame->base_records;
+    m.base_packets = frame->base_packets;
+    m.base_a = frame->base_a;
+    m.base_b = frame->base_b;
+    m.base_lists = frame->base_lists;
+    m.base_frame = frame->base_frame;
+    m.most = frame->most;
+    m.columns = frame->columns;
+    m.rows = frame->rows;
+    m.rst = 1;
+    for (int i = 0; i < 4; i++) tick(), edge(), memory.reset();
+    m.rst = 0;
+    for (uint64_t i = 0; i < constant_count; i++) {
+        m.constant_valid = 1;
+        m.constant_index = constants[i].index;
+        m.constant_value = constants[i].value;
+        m.constant_exponent = constants[i].exponent & 0x3ffff;
+        tick(), edge();
+    }
+    m.constant_valid = 0;
+    for (uint64_t i = 0; i < table_count; i++) {
+        m.table_valid = 1;
+        m.table_index = i;
+        m.table_low = table[i].low;
+        m.table_step = table[i].step;
+        tick(), edge();
+    }
+    m.table_valid = 0;
+    // The tile buffers are cleared once.
+    for (int i = 0; i < 1100; i++) tick(), edge();
+    for (uint32_t round = 0; round < rounds; round++) {
+        *out = Outcome{};
+        const uint64_t read = memory.read, written = memory.written;
+        uint32_t patience = 1u << 21;
+        m.begins = 1;
+        tick(), edge();
+        m.begins = 0;
+        for (;;) {
+            tick();
+            const int phase = m.phase;
+            if (phase == 1) out->geometry++;
+            if (phase == 2) (m.listing ? out->fill : out->sort)++;
+            if (phase == 3) out->raster++;
+            const uint64_t moved = memory.read + memory.written;
+            edge();
+            patience = memory.read + memory.written != moved ? 1u << 21 : patience - 1;
+            if (phase == 0 || patience == 0) {
+                out->hangs = phase != 0;
+                break;
+            }
+        }
+        out->read = memory.read - read;
+        out->written = memory.written - written;
+        if (out->hangs) return;
+    }
+    // What was written last is on its way for a while.
+    for (uint32_t i = 0; i <= frame->latency; i++) tick(), edge();
+    out->full = m.full;
+    out->visible = m.visible;
+    out->entries = m.entries;
+    out->beyond = memory.beyond;
+    m.final();
+}

@@ -1,0 +1,76 @@
+// A memory of 16-byte words behind a port that reads and writes at the same time, with latency and random pauses.
+//
+// A word is read as it stands when it is asked for, and written some cycles after it was handed over: who reads what is still being
+// written gets what was there before, as on a bus that promises no order between the two directions.
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <deque>
+
+struct Memory {
+    uint32_t* words;  // four for each word of the port
+    uint64_t count;
+    uint32_t latency, pauses;  // of 8 cycles
+    uint64_t random;
+
+    struct Read {
+        uint64_t due;
+        uint32_t word[4];
+    };
+    struct Write {
+        uint64_t due;
+        uint32_t address, strobe, word[4];
+    };
+    std::deque<Read> reads;
+    std::deque<Write> writes;
+    uint64_t now = 0, read = 0, written = 0, beyond = 0;
+
+    bool pause() {
+        random = random * 6364136223846793005u + 1442695040888963407u;
+        return (random >> 40) % 8 < pauses;
+    }
+
+    // Nothing is asked for before the reset is over.
+    void reset() {
+        reads.clear();
+        writes.clear();
+        now = read = written = beyond = 0;
+    }
+
+    // What the circuit sees in this cycle.
+    template <typename Model>
+    void offer(Model& m) {
+        while (!writes.empty() && writes.front().due <= now) {
+            const Write& w = writes.front();
+            for (int i = 0; i < 4; i++)
+                if (w.strobe >> i & 1) words[4 * uint64_t(w.address) + i] = w.word[i];
+            writes.pop_front();
+        }
+        m.read_ready = !pause();
+        m.write_ready = !pause();
+        m.settled = writes.empty();
+        m.word_valid = !reads.empty() && reads.front().due <= now;
+        if (m.word_valid) std::memcpy(&m.word, reads.front().word, 16);
+    }
+
+    // What the circuit asks for in this cycle.
+    template <typename Model>
+    void take(Model& m) {
+        if (m.word_valid) reads.pop_front();
+        if (m.read_valid && m.read_ready) {
+            Read r{now + 1 + latency, {}};
+            if (m.read_address < count) std::memcpy(r.word, words + 4 * uint64_t(m.read_address), 16);
+            else beyond++;
+            reads.push_back(r);
+            read++;
+        }
+        if (m.write_valid && m.write_ready) {
+            Write w{now + 1 + latency, m.write_address, uint32_t(m.write_strobe), {}};
+            std::memcpy(w.word, &m.write_word, 16);
+            if (m.write_address < count) writes.push_back(w);
+            else beyond++;
+            written++;
+        }
+        now++;
+    }
+};

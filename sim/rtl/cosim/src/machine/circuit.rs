@@ -1,0 +1,53 @@
+//! Machines that are built while the program runs: of any design, with any number of cores and lanes, or with one mistake in them.
+
+use crate::mutants::Mutant;
+use crate::setup::text::text;
+use crate::verilate::{self, Target, units, write};
+use crate::{area, package};
+use anyhow::Result;
+use splatline::format::Widths;
+use std::path::{Path, PathBuf};
+
+/// What is built.
+#[derive(Clone, Copy)]
+pub struct Spec<'a> {
+    /// Name of the design, for its packages.
+    pub design: &'a str,
+    /// Its widths.
+    pub widths: &'a Widths,
+    /// Cores of setup.
+    pub cores: usize,
+    /// Lanes.
+    pub lanes: usize,
+    /// A mistake.
+    pub mistake: Option<&'a Mutant>,
+    /// The C++ compiler's effort.
+    pub effort: &'a str,
+}
+
+/// Builds the machine as a shared library in a folder.
+pub fn library(folder: &Path, spec: &Spec) -> Result<PathBuf> {
+    let Spec { design, widths, .. } = *spec;
+    let mut files = vec![
+        (
+            "splatline_pkg.sv".to_owned(),
+            package::text(design, widths)?,
+        ),
+        ("splatline_setup_pkg.sv".to_owned(), text(design, widths)?),
+    ];
+    files.extend(units("machine_files.txt")?);
+    let mut sources = write(folder, files, spec.mistake)?;
+    sources.push(area::rtl().join("cosim/flat_machine.sv"));
+    let target = Target {
+        top: "flat_machine",
+        parameters: &[
+            format!("CORES={}", spec.cores),
+            format!("LANES={}", spec.lanes),
+        ],
+        prefix: "Vmachine",
+        shims: &["machine_shim.cpp"],
+        definitions: &[],
+        effort: spec.effort,
+    };
+    verilate::library(folder, &sources, &target)
+}

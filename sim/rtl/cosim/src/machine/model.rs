@@ -1,0 +1,164 @@
+//! The verilated machine and its memory behind a safe function. One of the few places with foreign code.
+#![allow(unsafe_code)]
+
+use anyhow::{Context, Result, ensure};
+use libloading::Library;
+use std::path::Path;
+
+/// A constant of camera or rules at its address.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Constant {
+    /// The number.
+    pub value: u64,
+    /// Its exponent.
+    pub exponent: u32,
+    /// Its address.
+    pub index: u32,
+}
+
+/// An entry of the footprint table and the step down to the next.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Entry {
+    /// The entry.
+    pub low: u32,
+    /// The step.
+    pub step: u32,
+}
+
+/// Rules of blending, where everything lies in the memory, and how the memory behaves; `Frame` of machine_shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Frame {
+    /// Products of opacity and weight below it are skipped.
+    pub least: u64,
+    /// Largest opacity.
+    pub alpha_max: u32,
+    /// Transmittance at which a pixel has finished.
+    pub stop: u32,
+    /// Is the splat left out that would finish it?
+    pub stop_before: u32,
+    /// Does the table end at r = 16?
+    pub wide_table: u32,
+    /// Records.
+    pub records: u32,
+    /// Words at which records, packets, both regions of the sort, lists and pixels begin.
+    pub base_records: u32,
+    /// Packets.
+    pub base_packets: u32,
+    /// Splats to be sorted.
+    pub bases: [u32; 2],
+    /// Lists.
+    pub base_lists: u32,
+    /// Pixels.
+    pub base_frame: u32,
+    /// Entries for which the lists have room.
+    pub most: u32,
+    /// Columns of the frame.
+    pub columns: u32,
+    /// Its rows.
+    pub rows: u32,
+    /// Cycles from a request to its word.
+    pub latency: u32,
+    /// How many of 8 cycles the memory holds a request back.
+    pub pauses: u32,
+}
+
+/// What came of a frame; `Outcome` of machine_shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Outcome {
+    /// Had the lists no room?
+    pub full: u32,
+    /// Splats that were not culled.
+    pub visible: u32,
+    /// List entries.
+    pub entries: u32,
+    /// Did it never end?
+    pub hangs: u32,
+    /// Cycles of geometry.
+    pub geometry: u64,
+    /// Cycles of the sort.
+    pub sort: u64,
+    /// Cycles in which lists were filled.
+    pub fill: u64,
+    /// Cycles until the last pixel was written.
+    pub raster: u64,
+    /// Words read.
+    pub read: u64,
+    /// Words written.
+    pub written: u64,
+    /// Accesses beyond the memory.
+    pub beyond: u64,
+}
+
+impl Outcome {
+    /// All cycles.
+    pub fn cycles(&self) -> u64 {
+        self.geometry + self.sort + self.fill + self.raster
+    }
+}
+
+type Run = unsafe extern "C" fn(
+    u32,
+    *const Frame,
+    *const Constant,
+    u64,
+    *const Entry,
+    u64,
+    *mut [u32; 4],
+    u64,
+    u32,
+    *mut Outcome,
+);
+
+/// A machine in a shared library.
+pub struct Model {
+    run: Run,
+    /// Keeps the code loaded.
+    _library: Library,
+}
+
+impl Model {
+    /// Loads it.
+    pub fn new(path: &Path) -> Result<Model> {
+        // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbol has the shim's type.
+        unsafe {
+            let library = Library::new(path).context("the machine's library")?;
+            Ok(Model {
+                run: *library.get(b"machine_run")?,
+                _library: library,
+            })
+        }
+    }
+
+    /// Draws a frame `rounds` times in `memory`; the last one counts.
+    pub fn run(
+        &self,
+        frame: &Frame,
+        constants: &[Constant],
+        table: &[Entry],
+        memory: &mut [[u32; 4]],
+        rounds: u32,
+    ) -> Result<Outcome> {
+        let mut outcome = Outcome::default();
+        // SAFETY: the structs mirror the shim's, every slice is passed with its length, and the shim keeps the circuit's accesses within the memory.
+        unsafe {
+            (self.run)(
+                1,
+                frame,
+                constants.as_ptr(),
+                constants.len() as u64,
+                table.as_ptr(),
+                table.len() as u64,
+                memory.as_mut_ptr(),
+                memory.len() as u64,
+                rounds,
+                &mut outcome,
+            );
+        }
+        ensure!(outcome.hangs == 0, "the machine hangs: {outcome:?}");
+        Ok(outcome)
+    }
+}

@@ -1,0 +1,124 @@
+//! Frames of scenes by the machine as a table: words against the kernel's, cycles against the model's.
+
+use super::bench::{Findings, Timing, draw};
+use super::circuit::{Spec, library};
+use super::model::Model;
+use crate::order::loads::{Seen, ordered, scenes};
+use crate::setup::program::program;
+use anyhow::{Context, Result, ensure};
+use splatline::format::Widths;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::machine::{Config, Timing as Modelled, simulate_alone};
+
+/// Machines that are compared: design, cores, lanes.
+pub const SUBJECTS: [(&str, usize, usize); 2] = [("lean18", 8, 4), ("standard24", 8, 4)];
+
+/// Memories: usual latency at full speed, and a slow one with pauses, whose cycles no model counts.
+const MEMORIES: [Timing; 2] = [
+    Timing {
+        latency: 60,
+        pauses: 0,
+    },
+    Timing {
+        latency: 13,
+        pauses: 3,
+    },
+];
+
+/// The model of a machine with so many cores and lanes and a memory of that latency. Every core of setup takes a splat in
+/// a round of the program.
+pub fn machine(widths: &Widths, cores: usize, lanes: usize, latency: u32) -> Result<Config> {
+    let program = program(widths)?;
+    Ok(Config {
+        latency,
+        setup_units: cores as u32,
+        setup_interval: program.round as u32,
+        setup_latency: program.latency() as u32,
+        ..Config::machine(lanes as u32)
+    })
+}
+
+/// Every scene by every machine and memory, pictures of so many pixels a side.
+pub fn print(size: usize, only: Option<&str>) -> Result<()> {
+    println!(
+        "| machine | scene | splats | seen | entries | pauses | pixels | mismatches | geometry: circuit, model | sort | lists | sort and lists: model | raster: circuit, model | all: model / circuit - 1 |"
+    );
+    println!("|---|---|---:|---:|---:|---:|---:|---:|---|---:|---:|---:|---|---:|");
+    let (seen, missing) = scenes(size)?;
+    for name in missing {
+        println!("(no {name}: its data is not at hand)");
+    }
+    let mut wrong = 0;
+    for (name, cores, lanes) in SUBJECTS {
+        let design = DesignChoice::load(name)?;
+        let folder = tempfile::tempdir()?;
+        let spec = Spec {
+            design: name,
+            widths: &design.widths,
+            cores,
+            lanes,
+            mistake: None,
+            effort: "-O2",
+        };
+        let model = Model::new(&library(folder.path(), &spec)?)?;
+        for seen in seen
+            .iter()
+            .filter(|seen| only.is_none_or(|only| only == seen.name))
+        {
+            let config = machine(&design.widths, cores, lanes, MEMORIES[0].latency)?;
+            let (modelled, room) = modelled(seen, &design, &config);
+            for memory in MEMORIES {
+                let found = draw(&model, &design.widths, seen, memory, room, 1)
+                    .with_context(|| seen.name)?;
+                wrong += usize::from(!found.agree());
+                print_line(
+                    &format!("{name}, {cores} cores, {lanes} lanes"),
+                    seen,
+                    memory,
+                    &found,
+                    &modelled,
+                );
+            }
+        }
+    }
+    ensure!(wrong == 0, "{wrong} frames differ");
+    Ok(())
+}
+
+/// The model's cycles, and the list entries of the picture.
+pub fn modelled(seen: &Seen, design: &DesignChoice, config: &Config) -> (Modelled, usize) {
+    let (workload, load) = ordered(seen, design);
+    let room = load.lists.iter().map(Vec::len).sum();
+    (simulate_alone(&workload, config), room)
+}
+
+fn print_line(machine: &str, seen: &Seen, memory: Timing, found: &Findings, model: &Modelled) {
+    let Findings {
+        pixels,
+        mismatches,
+        splats,
+        outcome,
+        ..
+    } = found;
+    let apart = match memory.pauses {
+        0 => format!(
+            "{:+.2} %",
+            100.0 * (model.total as f64 / outcome.cycles() as f64 - 1.0)
+        ),
+        _ => "not modelled".to_owned(),
+    };
+    println!(
+        "| {machine} | {} | {splats} | {} | {} | {} | {pixels} | {mismatches} | {}, {} | {} | {} | {} | {}, {} | {apart} |",
+        seen.name,
+        outcome.visible,
+        outcome.entries,
+        memory.pauses,
+        outcome.geometry,
+        model.geometry,
+        outcome.sort,
+        outcome.fill,
+        model.sort,
+        outcome.raster,
+        model.raster,
+    );
+}

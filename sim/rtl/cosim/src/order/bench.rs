@@ -1,0 +1,155 @@
+//! Splats through sorter and binning, every place of the order and of every list compared.
+
+use super::model::{Model, Outcome, Picture};
+use crate::workload::split_mix;
+use anyhow::Result;
+
+/// A visible splat as the sorter takes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Splat {
+    /// Its number in the scene.
+    pub number: u32,
+    /// The key of its depth.
+    pub key: u64,
+    /// First and last tile of its box, each a column and a row.
+    pub tiles: [[u16; 2]; 2],
+}
+
+/// A picture's splats in the order of the scene, and what is to come of them.
+#[derive(Clone, Debug)]
+pub struct Load {
+    /// What it is.
+    pub name: String,
+    /// Columns and rows of tiles.
+    pub size: [u16; 2],
+    /// The splats.
+    pub splats: Vec<Splat>,
+    /// The list of every tile, row by row.
+    pub lists: Vec<Vec<u32>>,
+}
+
+/// What the circuit made of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Findings {
+    /// Splats at another place of the order than the kernel's.
+    pub out_of_order: usize,
+    /// Entries that differ from the model's lists, or are missing, or too many.
+    pub listed_wrong: usize,
+    /// Cycles and words.
+    pub outcome: Outcome,
+}
+
+impl Findings {
+    /// Is everything as it should be?
+    pub fn agree(&self) -> bool {
+        self.out_of_order == 0
+            && self.listed_wrong == 0
+            && self.outcome.full == 0
+            && self.outcome.beyond == 0
+    }
+}
+
+impl Splat {
+    /// The word of the memory.
+    pub fn word(&self) -> [u32; 4] {
+        let [first, last] = self.tiles;
+        let places = [first[0], first[1], last[0], last[1]];
+        let places = places
+            .iter()
+            .rev()
+            .fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
+        let word = places << 80 | u128::from(self.number) << 48 | u128::from(self.key);
+        [0, 32, 64, 96].map(|bit| (word >> bit) as u32)
+    }
+}
+
+impl Load {
+    /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
+    pub fn plain(name: &str, size: [u16; 2], splats: Vec<Splat>) -> Load {
+        let mut load = Load {
+            name: name.to_owned(),
+            size,
+            splats,
+            lists: Vec::new(),
+        };
+        let sorted = load.sorted();
+        for row in 0..size[1] {
+            for column in 0..size[0] {
+                let meets = |splat: &&Splat| {
+                    let [first, last] = splat.tiles;
+                    (first[0]..=last[0]).contains(&column) && (first[1]..=last[1]).contains(&row)
+                };
+                let list = sorted.iter().filter(meets).map(|splat| splat.number);
+                load.lists.push(list.collect());
+            }
+        }
+        load
+    }
+
+    /// Nearest first; equal keys by number.
+    pub fn sorted(&self) -> Vec<Splat> {
+        let mut sorted = self.splats.clone();
+        sorted.sort_by_key(|splat| (splat.key, splat.number));
+        sorted
+    }
+}
+
+/// Orders `load` by the circuit, with pauses of the memory in so many of 8 cycles.
+pub fn run(model: &Model, load: &Load, pauses: u32, seed: u32) -> Result<Findings> {
+    let entries: usize = load.lists.iter().map(Vec::len).sum();
+    run_with_room(model, load, pauses, seed, entries)
+}
+
+/// The same with room for so many entries.
+pub fn run_with_room(
+    model: &Model,
+    load: &Load,
+    pauses: u32,
+    seed: u32,
+    room: usize,
+) -> Result<Findings> {
+    let count = load.splats.len();
+    let picture = Picture {
+        bases: [3, 5 + count as u32],
+        lists: 7 + 2 * count as u32,
+        tile_columns: load.size[0].into(),
+        tiles: u32::from(load.size[0]) * u32::from(load.size[1]),
+        most: room as u32,
+        latency: if pauses == 0 { 20 } else { 7 },
+        pauses,
+        interval: if pauses == 0 { 8 } else { 1 },
+        // Twice: what a picture leaves behind must not reach the next one.
+        rounds: 2,
+    };
+    let size = picture.lists as usize + room.div_ceil(4);
+    let mut state = seed.into();
+    let mut memory: Vec<[u32; 4]> = (0..size)
+        .map(|_| [(); 4].map(|()| split_mix(&mut state) as u32))
+        .collect();
+    let words: Vec<[u32; 4]> = load.splats.iter().map(Splat::word).collect();
+    let (outcome, ends) = model.run(seed, &picture, &words, &mut memory)?;
+    let sorted = load.sorted();
+    let order = memory.iter().skip(outcome.sorted as usize);
+    let same = order
+        .zip(&sorted)
+        .filter(|(word, splat)| **word == splat.word());
+    let listed: &[u32] = memory[picture.lists as usize..].as_flattened();
+    let mut listed_wrong = 0;
+    let mut begin = 0;
+    for (list, end) in load.lists.iter().zip(&ends) {
+        let end = *end as usize;
+        match listed.get(begin..end) {
+            Some(got) => {
+                let different = got.iter().zip(list).filter(|(a, b)| a != b).count();
+                listed_wrong += different + got.len().abs_diff(list.len());
+            }
+            None => listed_wrong += list.len().max(1),
+        }
+        begin = end;
+    }
+    Ok(Findings {
+        out_of_order: count - same.count() + (outcome.splats as usize).abs_diff(count),
+        listed_wrong,
+        outcome,
+    })
+}

@@ -1,0 +1,206 @@
+// Splats by the depth of their keys, nearest first; equal keys stay in the order in which they came, which is that of their numbers
+// (src/footprint/depth.rs, and the stable order of src/front/order.rs).
+//
+//   taken one by one -> memory, region A, and counted by every digit -> for each digit: sums of its counts, then all splats to their places in the
+//   other region
+//
+// A radix sort from the last digit to the first, over memory: what stays on the chip is a counter for every value of every digit. All digits are
+// counted while the splats come, which is rarely enough that one memory takes the counts in turn. A digit that is the same in all keys moves
+// nothing and gets no pass: in most scenes the first ones, since depths have few exponents. Why no merging network: docs/decisions/depth-order.md.
+module depth_sort #(
+    parameter DIGIT = 8,
+    parameter COUNT_BITS = 24
+) (
+    input logic clk,
+    input logic rst,
+    input logic begins,  // a picture: counters are cleared
+    input logic [31:0] base_a,
+    input logic [31:0] base_b,
+    input logic in_valid,
+    output logic in_ready,
+    input logic [127:0] in,  // the key is its lowest 48 bits
+    input logic ends,  // no more will come
+    // What reads a region: it is told to begin, and gives its words.
+    output logic stream_begins,
+    output logic [31:0] stream_first,
+    output logic [31:0] stream_count,
+    input logic splat_valid,
+    output logic splat_ready,
+    input logic [127:0] splat,
+    output logic write_valid,
+    input logic write_ready,
+    output logic [31:0] write_address,
+    output logic [127:0] write_word,
+    input logic settled,  // nothing that was written is still on its way
+    output logic done,
+    output logic [COUNT_BITS-1:0] count,
+    output logic [31:0] sorted  // where the splats are
+);
+  localparam KEY_BITS = 48;
+  localparam PASSES = (KEY_BITS + DIGIT - 1) / DIGIT;
+  localparam PASS_BITS = $clog2(PASSES + 1);
+  localparam PLACE = PASS_BITS + DIGIT;
+
+  generate
+    if (DIGIT < 4 || DIGIT > 12) begin : gen_illegal
+      $error("depth_sort: DIGIT from 4 to 12");
+    end
+  endgenerate
+
+  typedef enum logic [2:0] {
+    CLEAR,
+    TAKE,
+    SUM,
+    BEGIN,
+    MOVE,
+    SETTLE,
+    DONE
+  } state_t;
+  state_t state;
+  logic [PASS_BITS-1:0] pass;
+  logic side;  // splats are in region B
+
+  function automatic logic [DIGIT-1:0] digit(input logic [KEY_BITS-1:0] key, input logic [PASS_BITS-1:0] number);
+    digit = DIGIT'({{DIGIT{1'b0}}, key} >> (number * DIGIT));
+  endfunction
+
+  // Counters of all digits' values, which become places.
+  (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<PLACE)-1];
+  logic [PLACE-1:0] read_place, changed_place;
+  logic [COUNT_BITS-1:0] counter, changed;
+  logic reads, changes;
+  always_ff @(posedge clk) begin
+    if (reads) counter <= counters[read_place];
+    if (changes) counters[changed_place] <= changed;
+  end
+
+  // A splat that was taken is counted digit by digit.
+  logic [PASS_BITS:0] step;
+  logic [KEY_BITS-1:0] key;
+  logic counted;
+  logic [PLACE-1:0] counted_place;
+  assign in_ready = state == TAKE && step == 0 && write_ready;
+
+  // Values of a digit, one after the other, from one cycle to the next.
+  logic [PLACE:0] value;
+  logic summed;
+  logic [PLACE-1:0] summed_place;
+  logic [COUNT_BITS-1:0] sum;
+  logic same_for_all;
+
+  // A splat on its way to its place. The one before may have gone to the place before it in the cycle before.
+  logic moving, moves, follows;
+  logic [127:0] moved_splat;
+  logic [COUNT_BITS-1:0] place, next_place, left;
+  logic [DIGIT-1:0] coming_digit, moved_digit;
+  assign moves = !moving || write_ready;
+  assign splat_ready = state == MOVE && moves;
+  assign coming_digit = digit(splat[KEY_BITS-1:0], pass);
+  assign moved_digit = digit(moved_splat[KEY_BITS-1:0], pass);
+  assign place = follows ? next_place : counter;
+
+  always_comb begin
+    reads = 1;
+    read_place = {pass, coming_digit};
+    changes = 0;
+    changed_place = summed_place;
+    changed = 0;
+    case (state)
+      CLEAR: begin
+        changes = 1;
+        changed_place = value[PLACE-1:0];
+      end
+      TAKE: begin
+        read_place = {PASS_BITS'(step - 1'b1), digit(key, PASS_BITS'(step - 1'b1))};
+        changes = counted;
+        changed_place = counted_place;
+        changed = counter + 1'b1;
+      end
+      SUM: begin
+        read_place = {pass, value[DIGIT-1:0]};
+        changes = summed;
+        changed = sum;
+      end
+      MOVE: begin
+        reads = moves;
+        changes = moving && write_ready;
+        changed_place = {pass, moved_digit};
+        changed = place + 1'b1;
+      end
+      default: ;
+    endcase
+  end
+
+  assign write_valid = (state == TAKE && step == 0 && in_valid) || (state == MOVE && moving);
+  assign write_address = state == TAKE ? base_a + 32'(count) : (side ? base_a : base_b) + 32'(place);
+  assign write_word = state == TAKE ? in : moved_splat;
+  assign stream_begins = state == BEGIN;
+  assign stream_first = side ? base_b : base_a;
+  assign stream_count = 32'(count);
+  assign sorted = stream_first;
+  assign done = state == DONE;
+
+  always_ff @(posedge clk) begin
+    case (state)
+      CLEAR: begin
+        value <= value + 1'b1;
+        if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
+        {count, side, pass, step, counted} <= 0;
+      end
+      TAKE: begin
+        counted <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
+        counted_place <= read_place;
+        if (step != 0) step <= step == (PASS_BITS + 1)'(PASSES + 1) ? '0 : step + 1'b1;
+        if (in_valid && in_ready) begin
+          key <= in[KEY_BITS-1:0];
+          count <= count + 1'b1;
+          step <= 1;
+        end else if (ends && !in_valid && step == 0) state <= count == 0 ? DONE : SUM;
+        value <= 0;
+        {sum, summed, same_for_all} <= 0;
+      end
+      SUM: begin
+        value <= value + 1'b1;
+        summed <= !value[DIGIT];
+        summed_place <= read_place;
+        if (summed) begin
+          sum <= sum + counter;
+          if (counter == count) same_for_all <= 1;
+        end
+        if (value[DIGIT] && !summed) begin
+          state <= same_for_all ? SETTLE : BEGIN;
+          left <= count;
+          moving <= 0;
+        end
+      end
+      BEGIN: state <= MOVE;
+      MOVE: begin
+        if (moves) begin
+          moving <= splat_valid;
+          moved_splat <= splat;
+          follows <= moving && coming_digit == moved_digit;
+          next_place <= place + 1'b1;
+        end
+        if (moving && write_ready) begin
+          left <= left - 1'b1;
+          if (left == 1) begin
+            state <= SETTLE;
+            side <= !side;
+          end
+        end
+      end
+      SETTLE:
+      if (settled) begin
+        value <= 0;
+        {sum, summed, same_for_all} <= 0;
+        pass <= pass + 1'b1;
+        state <= pass == PASS_BITS'(PASSES - 1) ? DONE : SUM;
+      end
+      default: ;
+    endcase
+    if (begins || rst) begin
+      state <= rst ? DONE : CLEAR;
+      value <= 0;
+    end
+  end
+endmodule

@@ -1,0 +1,52 @@
+// Words of the memory, one after the other from an address on: what reads records, splats to be sorted and lists.
+//
+// A word is asked for only if the queue behind has a place, so that the memory never has to wait for whoever takes the words. `begins` starts anew
+// once all words of the run before have been taken.
+module memory_stream #(
+    parameter PLACES = 128
+) (
+    input logic clk,
+    input logic rst,
+    input logic begins,
+    input logic [31:0] first,
+    input logic [31:0] count,
+    output logic read_valid,
+    input logic read_ready,
+    output logic [31:0] read_address,
+    input logic word_valid,
+    input logic [127:0] word,
+    output logic out_valid,
+    input logic out_ready,
+    output logic [127:0] out
+);
+  logic [31:0] left;
+  logic free;
+
+  assign read_valid = left != 0 && free;
+  always_ff @(posedge clk) begin
+    if (begins) begin
+      left <= count;
+      read_address <= first;
+    end else if (read_valid && read_ready) begin
+      left <= left - 1'b1;
+      read_address <= read_address + 1'b1;
+    end
+    if (rst) left <= 0;
+  end
+
+  fifo #(
+      .BITS(128),
+      .PLACES(PLACES)
+  ) queue (
+      .clk,
+      .rst,
+      .claim(read_valid && read_ready),
+      .free,
+      .none(),
+      .in_valid(word_valid),
+      .in(word),
+      .out_valid,
+      .out_ready,
+      .out
+  );
+endmodule

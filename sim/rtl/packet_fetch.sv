@@ -1,0 +1,87 @@
+// Entries of the lists to packets: the numbers in the words of the lists, and the words of the packets that they name, in their order.
+//
+// Lists of all tiles follow each other in memory and tiles are drawn in that order, so that packets run ahead across the ends of tiles, as
+// many as the queue has places for.
+module packet_fetch #(
+    parameter WORDS = 4,  // of a packet
+    parameter PLACES = 256
+) (
+    input logic clk,
+    input logic rst,
+    input logic begins,
+    input logic [31:0] base,
+    input logic [31:0] entries,
+    input logic list_valid,
+    output logic list_ready,
+    input logic [127:0] list,
+    output logic read_valid,
+    input logic read_ready,
+    output logic [31:0] read_address,
+    input logic word_valid,
+    input logic [127:0] word,
+    output logic packet_valid,
+    input logic packet_ready,
+    output logic [128*WORDS-1:0] packet  // a whole one waits while the next is gathered
+);
+  localparam INDEX = $clog2(WORDS);
+  logic [31:0] left;
+  logic [1:0] entry;
+  logic [INDEX-1:0] step, gathered;
+  logic free, last, goes, word_out_valid, word_out_ready;
+  logic [127:0] word_out;
+
+  assign last = step == INDEX'(WORDS - 1);
+  assign read_valid = list_valid && left != 0 && free;
+  assign read_address = base + list[32*entry+:32] * WORDS + 32'(step);
+  assign goes = read_valid && read_ready;
+  // A word of the lists is used up with its last entry, or with the last of all.
+  assign list_ready = goes && last && (entry == 2'd3 || left == 1);
+
+  always_ff @(posedge clk) begin
+    if (goes) begin
+      step <= last ? '0 : step + 1'b1;
+      if (last) begin
+        entry <= entry + 1'b1;
+        left <= left - 1'b1;
+      end
+    end
+    if (begins) begin
+      left <= entries;
+      {entry, step} <= 0;
+    end
+    if (rst) left <= 0;
+  end
+
+  fifo #(
+      .BITS(128),
+      .PLACES(PLACES)
+  ) queue (
+      .clk,
+      .rst,
+      .claim(goes),
+      .free,
+      .none(),
+      .in_valid(word_valid),
+      .in(word),
+      .out_valid(word_out_valid),
+      .out_ready(word_out_ready),
+      .out(word_out)
+  );
+
+  logic [128*(WORDS-1)-1:0] held;
+  logic whole, moves;
+  assign whole = gathered == INDEX'(WORDS - 1);
+  assign moves = !packet_valid || packet_ready;
+  assign word_out_ready = !whole || moves;
+  always_ff @(posedge clk) begin
+    if (moves) begin
+      packet_valid <= word_out_valid && whole;
+      packet <= {word_out, held};
+    end
+    if (word_out_valid && word_out_ready) begin
+      gathered <= whole ? '0 : gathered + 1'b1;
+      held <= {word_out, held[128*(WORDS-1)-1:128]};
+    end
+    if (rst) {gathered, packet_valid} <= 0;
+  end
+endmodule

@@ -1,0 +1,383 @@
+// The whole machine: a scene's records in memory, a frame's pixels in memory.
+//
+//   records -> setup_unit -> packets -> memory
+//                        `-> splat_order <-> memory -> lists -> memory
+//   lists -> packet_fetch <- packets; -> splat_primitive -> frame
+//
+// Camera and rules are written beforehand (`constant_*`, `rules`, `table_*`), and where everything lies is held steady while a frame is drawn. Three
+// phases, one after the other: no tile can be drawn in the order of depths before the last splat is binned. One port to memory, which reads and writes
+// words of 16 bytes at the same time; words that are read come in the order in which they were asked for, and `settled` says that none
+// that was written is still on its way.
+//
+// A record has 5 words, a packet as many as its bits need, a splat to be sorted one, four list entries one, a pixel one (transmittance with
+// the flag of finished pixels, red, green, blue, 32 bits each). Pixels follow each other tile by tile, each row by row.
+module splat_machine #(
+    parameter CORES = 4,
+    parameter LANES = 1,
+    parameter DIGIT = 8,
+    parameter TILE_BITS = 12
+) (
+    input logic clk,
+    input logic rst,
+    input logic constant_valid,
+    input logic [6:0] constant_index,
+    input logic [63:0] constant_value,
+    input logic [17:0] constant_exponent,
+    input splatline_pkg::rules_t rules,
+    input logic table_valid,
+    input logic [splatline_pkg::TABLE:0] table_index,
+    input logic [splatline_pkg::WEIGHT:0] table_low,
+    input logic [splatline_pkg::STEP_BITS-1:0] table_step,
+    // A frame: where everything lies, in words.
+    input logic begins,
+    input logic [31:0] records,
+    input logic [31:0] base_records,
+    input logic [31:0] base_packets,
+    input logic [31:0] base_a,
+    input logic [31:0] base_b,
+    input logic [31:0] base_lists,
+    input logic [31:0] base_frame,
+    input logic [23:0] most,  // entries for which the lists have room
+    input logic [15:0] columns,
+    input logic [15:0] rows,
+    output logic [1:0] phase,  // 0: none; 1: geometry, 2: order, 3: raster
+    output logic full,  // the lists had no room: the frame was not drawn
+    output logic [23:0] visible,
+    output logic [23:0] entries,
+    // The memory.
+    output logic read_valid,
+    input logic read_ready,
+    output logic [31:0] read_address,
+    input logic word_valid,
+    input logic [127:0] word,
+    output logic write_valid,
+    input logic write_ready,
+    output logic [31:0] write_address,
+    output logic [127:0] write_word,
+    output logic [3:0] write_strobe,
+    input logic settled
+);
+  localparam RECORD = 5;
+  localparam PACKET = (splatline_pkg::PACKET_BITS + 127) / 128;
+  localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
+  localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
+  localparam SUM = splatline_pkg::SUM_BITS;
+
+  typedef enum logic [2:0] {
+    IDLE,
+    GEOMETRY,
+    ORDER,
+    LOOK,
+    TILE,
+    DRAW,
+    FINISH,
+    DRAIN
+  } state_t;
+  state_t state;
+
+  // The screen in tiles.
+  logic [11:0] tile_columns, tile_rows;
+  logic [TILE_BITS:0] tiles;
+  assign tile_columns = 12'((17'(columns) + 17'((1 << COLUMN_BITS) - 1)) >> COLUMN_BITS);
+  assign tile_rows = 12'((17'(rows) + 17'((1 << ROW_BITS) - 1)) >> ROW_BITS);
+  always_ff @(posedge clk) tiles <= (TILE_BITS + 1)'(tile_columns * tile_rows);
+
+  // What is read in one piece: the records, and later the lists.
+  logic stream_begins, stream_read, stream_comes, stream_valid, stream_ready, read_ready_stream;
+  logic [31:0] stream_address;
+  logic [127:0] stream_word;
+  logic raster_begins;
+  assign stream_begins = (state == IDLE && begins) || raster_begins;
+  memory_stream stream (
+      .clk,
+      .rst,
+      .begins(stream_begins),
+      .first(raster_begins ? base_lists : base_records),
+      .count(raster_begins ? (32'(entries) + 32'd3) >> 2 : records * RECORD),
+      .read_valid(stream_read),
+      .read_ready(read_ready_stream),
+      .read_address(stream_address),
+      .word_valid(stream_comes),
+      .word,
+      .out_valid(stream_valid),
+      .out_ready(stream_ready),
+      .out(stream_word)
+  );
+
+  // Records to packets.
+  logic record_valid, record_ready, setup_valid, setup_ready, list_ready;
+  logic [2:0] gathered, cull;
+  logic [128*(RECORD-1)-1:0] held;
+  logic [128*RECORD-1:0] record_words;
+  splatline_pkg::footprint_t footprint;
+  assign record_words = {stream_word, held};
+  assign record_valid = state == GEOMETRY && stream_valid && gathered == 3'(RECORD - 1);
+  assign stream_ready = state == GEOMETRY ? gathered != 3'(RECORD - 1) || record_ready : list_ready;
+  always_ff @(posedge clk) begin
+    if (state == GEOMETRY && stream_valid && stream_ready) begin
+      gathered <= gathered == 3'(RECORD - 1) ? 3'd0 : gathered + 1'b1;
+      held <= {stream_word, held[128*(RECORD-1)-1:128]};
+    end
+    if (rst) gathered <= 0;
+  end
+  setup_unit #(
+      .CORES(CORES)
+  ) setup (
+      .clk,
+      .rst,
+      .constant_valid,
+      .constant_index,
+      .constant_value,
+      .constant_exponent,
+      .record_valid,
+      .record_ready,
+      .record(record_words[$bits(splatline_setup_pkg::record_t)-1:0]),
+      .packet_valid(setup_valid),
+      .packet_ready(setup_ready),
+      .cull,
+      .packet(footprint)
+  );
+
+  // Packets to memory, word by word, and what is sorted of them to the sorter. A packet's place is its number's, so that culled ones leave theirs free.
+  logic [31:0] number, packet_address;
+  logic [3:0] step;
+  logic stores, sorts, sort_ready, store_ready;
+  logic [128*PACKET-1:0] packet_words;
+  logic [127:0] sort_word;
+  assign packet_words = (128 * PACKET)'(footprint);
+  assign stores = state == GEOMETRY && setup_valid && cull == 0 && step != 4'(PACKET);
+  assign sorts = state == GEOMETRY && setup_valid && cull == 0 && step == 4'(PACKET);
+  assign setup_ready = state == GEOMETRY && (cull != 0 || (sorts && sort_ready));
+  function automatic logic [11:0] tile_of(input logic [15:0] place, input int bits);
+    tile_of = 12'(place >> bits);
+  endfunction
+  assign sort_word = {
+    tile_of(footprint.last_row - 16'd1, ROW_BITS),
+    tile_of(footprint.last_column - 16'd1, COLUMN_BITS),
+    tile_of(footprint.first_row, ROW_BITS),
+    tile_of(footprint.first_column, COLUMN_BITS),
+    number,
+    footprint.depth
+  };
+  always_ff @(posedge clk) begin
+    if (stores && store_ready) step <= step + 1'b1;
+    if (setup_valid && setup_ready) begin
+      step <= 0;
+      number <= number + 1'b1;
+      packet_address <= packet_address + 32'(PACKET);
+    end
+    if (state == IDLE) begin
+      {number, step} <= 0;
+      packet_address <= base_packets;
+    end
+  end
+
+  // Order and lists.
+  logic order_done, order_read, order_comes, order_write, read_ready_order, write_ready_order;
+  logic [31:0] order_address, order_write_address;
+  logic [127:0] order_word;
+  logic [3:0] order_strobe;
+  logic [TILE_BITS-1:0] end_tile;
+  logic [23:0] end_place;
+  splat_order #(
+      .DIGIT(DIGIT),
+      .TILE_BITS(TILE_BITS)
+  ) order (
+      .clk,
+      .rst,
+      .begins(state == IDLE && begins),
+      .base_a,
+      .base_b,
+      .base_lists,
+      .tile_columns,
+      .tiles,
+      .most,
+      .in_valid(sorts),
+      .in_ready(sort_ready),
+      .in(sort_word),
+      .ends(state == ORDER),
+      .read_valid(order_read),
+      .read_ready(read_ready_order),
+      .read_address(order_address),
+      .word_valid(order_comes),
+      .word,
+      .write_valid(order_write),
+      .write_ready(write_ready_order),
+      .write_address(order_write_address),
+      .write_word(order_word),
+      .write_strobe(order_strobe),
+      .settled,
+      .done(order_done),
+      .full,
+      .splats(visible),
+      .entries,
+      .sorted(),
+      .end_tile,
+      .end_place
+  );
+
+  // Lists to packets, packets to pixels.
+  logic fetch_read, fetch_comes, read_ready_fetch, packet_valid, packet_ready;
+  logic [31:0] fetch_address;
+  logic [128*PACKET-1:0] packet;
+  assign raster_begins = state == ORDER && order_done && !full;
+  packet_fetch #(
+      .WORDS(PACKET),
+      .PLACES(256)
+  ) fetch (
+      .clk,
+      .rst,
+      .begins(raster_begins),
+      .base(base_packets),
+      .entries(32'(entries)),
+      .list_valid(stream_valid && state != GEOMETRY),
+      .list_ready,
+      .list(stream_word),
+      .read_valid(fetch_read),
+      .read_ready(read_ready_fetch),
+      .read_address(fetch_address),
+      .word_valid(fetch_comes),
+      .word,
+      .packet_valid,
+      .packet_ready,
+      .packet
+  );
+
+  logic tile_ready, primitive_ready, finish_ready, pixel_valid, pixel_ready;
+  splatline_pkg::window_t window;
+  logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance;
+  logic [3*SUM-1:0] colour;
+  logic [23:0] left, begun, ended;
+  assign packet_ready = state == DRAW && left != 0 && primitive_ready;
+  splat_primitive #(
+      .LANES(LANES)
+  ) raster (
+      .clk,
+      .rst,
+      .rules,
+      .table_valid,
+      .table_index,
+      .table_low,
+      .table_step,
+      .tile_valid(state == TILE),
+      .tile_ready,
+      .tile(window),
+      .packet_valid(state == DRAW && left != 0 && packet_valid),
+      .packet_ready(primitive_ready),
+      .packet(packet[splatline_pkg::PACKET_BITS-1:0]),
+      .finish_valid(state == FINISH),
+      .finish_ready,
+      .pixel_valid,
+      .pixel_ready,
+      .pixel_transmittance(transmittance),
+      .pixel_colour(colour),
+      .lanes_enable(1'b1),
+      .raster_idle(),
+      .idle(),
+      .foreign_packets()
+  );
+
+  // Tile after tile. Where the next one's list ends is looked up while one is drawn.
+  logic [11:0] column, row;
+  logic [1:0] looked;
+  logic [31:0] pixels, pixels_left;
+  function automatic logic [15:0] edge_of(input logic [11:0] tile, input int bits, input logic [15:0] limit);
+    logic [27:0] place;
+    place = 28'({16'd0, tile} + 28'd1) << bits;
+    edge_of = place > 28'(limit) ? limit : place[15:0];
+  endfunction
+  always_comb begin
+    window.first_column = 16'(column) << COLUMN_BITS;
+    window.first_row = 16'(row) << ROW_BITS;
+    window.last_column = edge_of(column, COLUMN_BITS, columns);
+    window.last_row = edge_of(row, ROW_BITS, rows);
+  end
+  assign end_tile = TILE_BITS'(ended);
+  assign phase = state == IDLE ? 2'd0 : state == GEOMETRY ? 2'd1 : state == ORDER ? 2'd2 : 2'd3;
+
+  always_ff @(posedge clk) begin
+    case (state)
+      IDLE: if (begins) state <= GEOMETRY;
+      GEOMETRY: if (number == records) state <= ORDER;
+      ORDER: begin
+        if (order_done) state <= full ? IDLE : LOOK;
+        {column, row, looked, begun, ended} <= 0;
+        pixels <= 0;
+        pixels_left <= columns * rows;
+      end
+      LOOK: begin
+        looked <= looked + 1'b1;
+        if (looked == 2) state <= TILE;
+      end
+      TILE:
+      if (tile_ready) begin
+        state <= end_place == begun ? FINISH : DRAW;
+        left <= end_place - begun;
+        begun <= end_place;
+        ended <= ended + 1'b1;
+      end
+      DRAW:
+      if (packet_valid && packet_ready) begin
+        left <= left - 1'b1;
+        if (left == 1) state <= FINISH;
+      end
+      FINISH:
+      if (finish_ready) begin
+        column <= column + 1'b1;
+        if (column + 1'b1 == tile_columns) begin
+          column <= 0;
+          row <= row + 1'b1;
+        end
+        state <= (TILE_BITS + 1)'(ended) == tiles ? DRAIN : TILE;
+      end
+      DRAIN: if (pixels_left == 0 && settled) state <= IDLE;
+      default: ;
+    endcase
+    if (pixel_valid && pixel_ready) begin
+      pixels <= pixels + 1'b1;
+      pixels_left <= pixels_left - 1'b1;
+    end
+    if (rst) state <= IDLE;
+  end
+
+  // The port.
+  logic [2:0] comes;
+  assign {order_comes, stream_comes, fetch_comes} = comes;
+  read_arbiter #(
+      .UNITS(3),
+      .DEPTH(9)
+  ) reads (
+      .clk,
+      .rst,
+      .valid({order_read, stream_read, fetch_read}),
+      .ready({read_ready_order, read_ready_stream, read_ready_fetch}),
+      .address({order_address, stream_address, fetch_address}),
+      .comes,
+      .read_valid,
+      .read_ready,
+      .read_address,
+      .word_valid
+  );
+
+  logic [31:0] transmittance_word;
+  assign transmittance_word = {transmittance[splatline_pkg::TRANSMITTANCE+1], 31'(transmittance[splatline_pkg::TRANSMITTANCE:0])};
+  assign pixel_ready = write_ready;
+  assign store_ready = write_ready && !pixel_valid;
+  assign write_ready_order = write_ready && !pixel_valid && !stores;
+  assign write_valid = pixel_valid || stores || order_write;
+  always_comb begin
+    write_address = order_write_address;
+    write_word = order_word;
+    write_strobe = order_strobe;
+    if (stores) begin
+      write_address = packet_address + 32'(step);
+      write_word = packet_words[128*step+:128];
+      write_strobe = 4'hf;
+    end
+    if (pixel_valid) begin
+      write_address = base_frame + pixels;
+      write_word = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word};
+      write_strobe = 4'hf;
+    end
+  end
+endmodule

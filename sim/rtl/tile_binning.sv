@@ -1,0 +1,176 @@
+// Lists of the splats of each tile: those whose box meets it, in the order in which the splats come (`Bins` of sim/src/machine/workload).
+//
+//   every splat once, in any order: its tiles are counted -> sums -> every splat again, nearest first: its number goes to the end of its tiles' lists
+//
+// Lists follow each other without a gap, tile by tile, four numbers in a word of the memory. A splat takes a cycle, and one for each of its tiles, both times.
+// Where a tile's list ends can be read when all is done; it begins where that of the tile before ends.
+module tile_binning #(
+    parameter TILE_BITS = 12,
+    parameter COUNT_BITS = 24
+) (
+    input logic clk,
+    input logic rst,
+    input logic begins,  // a picture: counters are cleared
+    input logic [31:0] base,
+    input logic [11:0] tile_columns,
+    input logic [TILE_BITS:0] tiles,
+    input logic [COUNT_BITS-1:0] most,  // entries for which there is room
+    input logic box_valid,  // a splat to be counted
+    output logic box_ready,
+    input logic [47:0] box,  // tiles: last row, last column, first row, first column
+    input logic ends,  // all have been counted
+    input logic [COUNT_BITS-1:0] splats,
+    input logic splat_valid,  // a splat for the lists
+    output logic splat_ready,
+    input logic [127:48] splat,  // box and number
+    output logic write_valid,
+    input logic write_ready,
+    output logic [31:0] write_address,
+    output logic [31:0] write_number,
+    output logic [3:0] write_strobe,
+    output logic done,
+    output logic counted,  // all sums are there, and `full` is known
+    output logic full,  // no room: nothing was listed
+    output logic [COUNT_BITS-1:0] entries,
+    input logic [TILE_BITS-1:0] end_tile,
+    output logic [COUNT_BITS-1:0] end_place  // a cycle later, when done
+);
+  generate
+    if (TILE_BITS < 2 || TILE_BITS > 12) begin : gen_illegal
+      $error("tile_binning: TILE_BITS from 2 to 12");
+    end
+  endgenerate
+
+  typedef enum logic [2:0] {
+    CLEAR,
+    COUNT,
+    SUM,
+    FILL,
+    DONE
+  } state_t;
+  state_t state;
+
+  // Entries of each tile; then where its next one goes.
+  (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<TILE_BITS)-1];
+  logic [TILE_BITS-1:0] read_tile, changed_tile;
+  logic [COUNT_BITS-1:0] counter, changed;
+  logic reads, changes;
+  always_ff @(posedge clk) begin
+    if (reads) counter <= counters[read_tile];
+    if (changes) counters[changed_tile] <= changed;
+  end
+  assign end_place = counter;
+
+  // The walk over a splat's tiles. Nothing moves while an entry waits to be written, so that a tile is never read while it is changed: between two
+  // splats there is a cycle.
+  logic walking, moves, counts, coming, last_column, last_row;
+  logic [11:0] column, row, first, last, last_of_rows;
+  logic [TILE_BITS-1:0] tile, tile_of_row;
+  logic [47:0] coming_box;
+  logic [31:0] number, entry;
+  logic entered;
+  logic [TILE_BITS-1:0] entered_tile;
+  assign counts = state == COUNT;
+  assign moves = counts || !entered || write_ready;
+  assign box_ready = counts && !walking;
+  assign splat_ready = state == FILL && !walking && moves;
+  assign coming = counts ? box_valid && box_ready : splat_valid && splat_ready;
+  assign coming_box = counts ? box : splat[127:80];
+  assign last_column = column == last;
+  assign last_row = row == last_of_rows;
+
+  // Tiles one after the other, for clearing and for the sums.
+  logic [TILE_BITS:0] index;
+  logic summed;
+  logic [TILE_BITS-1:0] summed_tile;
+  logic [COUNT_BITS-1:0] sum, left;
+
+  always_comb begin
+    reads = 1;
+    read_tile = tile;
+    changes = 0;
+    changed_tile = entered_tile;
+    changed = 0;
+    case (state)
+      CLEAR: begin
+        changes = 1;
+        changed_tile = index[TILE_BITS-1:0];
+      end
+      COUNT, FILL: begin
+        reads = moves;
+        changes = entered && moves;
+        changed = counter + 1'b1;
+      end
+      SUM: begin
+        read_tile = index[TILE_BITS-1:0];
+        changes = summed;
+        changed_tile = summed_tile;
+        changed = sum;
+      end
+      default: read_tile = end_tile;
+    endcase
+  end
+
+  assign write_valid = state == FILL && entered;
+  assign write_address = base + 32'(counter[COUNT_BITS-1:2]);
+  assign write_strobe = 4'd1 << counter[1:0];
+  assign write_number = entry;
+  assign counted = state == FILL || state == DONE;
+  assign done = state == DONE;
+
+  always_ff @(posedge clk) begin
+    if (moves) begin
+      entered <= walking;
+      entered_tile <= tile;
+      entry <= number;
+      if (coming) begin
+        {last_of_rows, last, row, column} <= coming_box;
+        first <= coming_box[11:0];
+        tile <= TILE_BITS'(coming_box[23:12] * tile_columns + coming_box[11:0]);
+        tile_of_row <= TILE_BITS'(coming_box[23:12] * tile_columns + coming_box[11:0]);
+        number <= splat[79:48];
+        walking <= 1;
+      end else if (walking) begin
+        column <= last_column ? first : column + 1'b1;
+        tile <= last_column ? tile_of_row + TILE_BITS'(tile_columns) : tile + 1'b1;
+        if (last_column) begin
+          row <= row + 1'b1;
+          tile_of_row <= tile_of_row + TILE_BITS'(tile_columns);
+          if (last_row) walking <= 0;
+        end
+      end
+    end
+    case (state)
+      CLEAR: begin
+        index <= index + 1'b1;
+        if (index + 1'b1 == tiles) state <= COUNT;
+        {walking, entered, full} <= 0;
+      end
+      COUNT: begin
+        if (ends && !box_valid && !walking && !entered) state <= SUM;
+        {index, sum, summed} <= 0;
+      end
+      SUM: begin
+        index <= index + 1'b1;
+        summed <= index < tiles;
+        summed_tile <= read_tile;
+        if (summed) sum <= sum + counter;
+        if (index >= tiles && !summed) begin
+          entries <= sum;
+          full <= sum > most;
+          left <= splats;
+          state <= sum == 0 || sum > most ? DONE : FILL;
+        end
+      end
+      FILL: begin
+        if (coming) left <= left - 1'b1;
+        if (left == 0 && !walking && !entered) state <= DONE;
+      end
+      default: ;
+    endcase
+    if (begins || rst) begin
+      state <= rst ? DONE : CLEAR;
+      index <= 0;
+    end
+  end
+endmodule
