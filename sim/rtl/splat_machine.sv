@@ -58,6 +58,7 @@ module splat_machine #(
     input logic settled
 );
   localparam RECORD = 5;
+  localparam RECORD_BITS = 582;  // of record_t, which lint compares
   localparam PACKET = (splatline_pkg::PACKET_BITS + 127) / 128;
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
   localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
@@ -131,7 +132,7 @@ module splat_machine #(
       .constant_exponent,
       .record_valid,
       .record_ready,
-      .record(record_words[$bits(splatline_setup_pkg::record_t)-1:0]),
+      .record(record_words[RECORD_BITS-1:0]),
       .packet_valid(setup_valid),
       .packet_ready(setup_ready),
       .cull,

@@ -42,6 +42,7 @@ const USAGE: &str = "usage: rtl COMMAND
   setup area page   docs/setup-unit.md again without synthesis
   order         sorter and binning against the kernel's order and the model's lists, five scenes and hard keys
   order ways    what the ways of sorting cost on five scenes, for docs/decisions/depth-order.md
+  order area    LUT, FF, DSP and memory of sorter and binning by Yosys
   order mutants [PART]   sorters with one mistake each: is it noticed?
   machine [SCENE]   whole frames of the whole machine against the kernel's and the model's cycles, five scenes or one
   machine mutants [PART]   machines with one mistake each between their units: is it noticed?
@@ -84,6 +85,7 @@ fn main() -> ExitCode {
         ["machine", scene] => machine::report::print(128, Some(scene)),
         ["order"] => order(),
         ["order", "ways"] => order::study::print(512),
+        ["order", "area"] => order::area::print(),
         ["order", "mutants"] => judge_order_mutants(""),
         ["order", "mutants", part] => judge_order_mutants(part),
         ["setup", "mutants"] => judge_setup_mutants(""),

@@ -36,8 +36,8 @@ pub const MISTAKES: [Mutant; 14] = [
 pub fn judge() -> Seen {
     Seen {
         name: "crowd",
-        scene: synthetic::random_gaussians(600, 9, 4.0),
-        camera: synthetic::camera(150, 100),
+        scene: synthetic::random_gaussians(200, 9, 4.0),
+        camera: synthetic::camera(100, 70),
     }
 }
 
@@ -51,7 +51,7 @@ pub fn verdict(mistake: Option<&Mutant>, seen: &Seen, room: usize) -> Result<Opt
         cores: 4,
         lanes: 4,
         mistake,
-        effort: "-O1",
+        effort: "-O0",
     };
     let model = Model::new(&library(folder.path(), &spec)?)?;
     for (latency, pauses) in [(60, 0), (9, 3)] {
