@@ -94,6 +94,7 @@ fn one_splat() -> Workload {
     Workload {
         columns: 0,
         kept: None,
+        key_bits: 0,
         tile: [16, 8],
         packet_bytes: 48,
         splats: vec![
