@@ -46,7 +46,7 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
         tick(), edge();
         m.begins = 0;
         const uint64_t start = memory.now, read = memory.read, written = memory.written;
-        uint64_t taken = 0, next = 0, patience = 1u << 20;
+        uint64_t taken = 0, next = 0, patience = 1u << 17;
         m.ends = 0;
         for (;;) {
             m.in_valid = taken < count && memory.now >= next;
@@ -61,7 +61,7 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
                 next = memory.now - 1 + picture->interval;
                 if (taken == count) out->taken = memory.now - start;
             }
-            patience = goes || memory.read + memory.written != moved ? 1u << 20 : patience - 1;
+            patience = goes || memory.read + memory.written != moved ? 1u << 17 : patience - 1;
             if (done || patience == 0) {
                 out->hangs = !done;
                 break;

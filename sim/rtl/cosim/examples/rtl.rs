@@ -408,7 +408,7 @@ fn order() -> Result<()> {
     );
     println!("|---|---|---:|---:|---:|---:|---:|---:|");
     let design = DesignChoice::load("lean18")?;
-    let (seen, missing) = order::loads::scenes(512)?;
+    let (seen, missing) = order::loads::scenes(&order::loads::SCENES, 512)?;
     for name in missing {
         println!("(no {name}: its data is not at hand)");
     }

@@ -124,13 +124,13 @@ mod with_verilator {
         );
     }
 
-    /// Order and lists of scenes and of hard keys, with pauses of the memory, twice in one circuit; and lists for which there is no room.
+    /// Order and lists of a scene and of hard keys (`rtl -- order` takes five scenes), with pauses of the memory, twice in one circuit; and lists for which there is no room.
     #[test]
     fn sorter_and_binning_give_the_kernels_order_and_the_models_lists() {
         let folder = tempfile::tempdir().unwrap();
         let library = order::circuit::library(folder.path(), 8, None, "-O1").unwrap();
         let model = order::model::Model::new(&library).unwrap();
-        let (seen, missing) = order::loads::scenes(128).unwrap();
+        let (seen, missing) = order::loads::scenes(&["playbot"], 128).unwrap();
         println!("not at hand: {missing:?}");
         let design = DesignChoice::load("lean18").unwrap();
         let scenes = seen

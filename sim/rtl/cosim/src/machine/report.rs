@@ -3,7 +3,7 @@
 use super::bench::{Findings, Timing, draw};
 use super::circuit::{Spec, library};
 use super::model::Model;
-use crate::order::loads::{Seen, ordered, scenes};
+use crate::order::loads::{SCENES, Seen, ordered, scenes};
 use crate::setup::program::program;
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
@@ -44,7 +44,14 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
         "| machine | scene | splats | seen | entries | pauses | pixels | mismatches | geometry: circuit, model | sort | lists | sort and lists: model | raster: circuit, model | all: model / circuit - 1 |"
     );
     println!("|---|---|---:|---:|---:|---:|---:|---:|---|---:|---:|---:|---|---:|");
-    let (seen, missing) = scenes(size)?;
+    let wanted = |name: &&str| only.is_none_or(|only| only == *name);
+    let names: Vec<&'static str> = SCENES.into_iter().filter(wanted).collect();
+    ensure!(
+        !names.is_empty(),
+        "no such scene; there are {}",
+        SCENES.join(", ")
+    );
+    let (seen, missing) = scenes(&names, size)?;
     for name in missing {
         println!("(no {name}: its data is not at hand)");
     }
@@ -61,10 +68,7 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
             effort: "-O2",
         };
         let model = Model::new(&library(folder.path(), &spec)?)?;
-        for seen in seen
-            .iter()
-            .filter(|seen| only.is_none_or(|only| only == seen.name))
-        {
+        for seen in &seen {
             let config = machine(&design.widths, cores, lanes, MEMORIES[0].latency)?;
             let (modelled, room) = modelled(seen, &design, &config);
             for memory in MEMORIES {

@@ -23,24 +23,28 @@ pub struct Seen {
     pub camera: Camera,
 }
 
-/// Five scenes, square pictures of so many pixels a side, and the names of those whose data is not at hand.
-pub fn scenes(size: usize) -> Result<(Vec<Seen>, Vec<&'static str>)> {
+/// The scenes that ways of sorting and whole frames are measured on.
+pub const SCENES: [&str; 5] = ["guitar", "playbot", "lion", "aneurism", "deep stack"];
+
+/// The named of [`SCENES`] in square pictures of so many pixels a side, and the names of those whose data is not at hand.
+pub fn scenes(names: &[&'static str], size: usize) -> Result<(Vec<Seen>, Vec<&'static str>)> {
     let mut seen = Vec::new();
     let mut missing = Vec::new();
-    for (name, found) in [
-        ("guitar", guitar_scene(GuitarView::Close, size)?),
-        ("playbot", playbot()?),
-        ("lion", lion()?),
-        ("aneurism", aneurism(size)?),
-        ("deep stack", Some(deep_stack(size))),
-    ] {
+    for name in names {
+        let found = match *name {
+            "guitar" => guitar_scene(GuitarView::Close, size)?,
+            "playbot" => playbot()?,
+            "lion" => lion()?,
+            "aneurism" => aneurism(size)?,
+            _ => Some(deep_stack(size)),
+        };
         match found {
             Some((scene, camera)) => seen.push(Seen {
                 name,
                 scene,
                 camera: resized(camera, size),
             }),
-            None => missing.push(name),
+            None => missing.push(*name),
         }
     }
     Ok((seen, missing))

@@ -42,7 +42,7 @@ pub const MISTAKES: [Mutant; 22] = [
 /// What the comparison says of a mistake, or nothing if it survives.
 pub fn verdict(mistake: Option<&Mutant>, loads: &[Load]) -> Result<Option<String>> {
     let folder = tempfile::tempdir()?;
-    let model = Model::new(&library(folder.path(), 8, mistake, "-O0")?)?;
+    let model = Model::new(&library(folder.path(), 8, mistake, "-O1")?)?;
     for (index, load) in loads.iter().enumerate() {
         for pauses in [0, 3] {
             match run(&model, load, pauses, index as u32 + 1) {

@@ -1,6 +1,6 @@
 //! What the ways of sorting cost on five scenes: cycles, bytes and memory on the chip (`docs/decisions/depth-order.md`).
 
-use super::loads::{ordered, scenes};
+use super::loads::{SCENES, ordered, scenes};
 use anyhow::Result;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::config::Sorter;
@@ -62,7 +62,7 @@ fn ways() -> Vec<Way> {
 /// Prints splats and lists of the scenes, and the table of the ways.
 pub fn print(size: usize) -> Result<()> {
     let design = DesignChoice::load("lean18")?;
-    let (seen, missing) = scenes(size)?;
+    let (seen, missing) = scenes(&SCENES, size)?;
     for name in missing {
         println!("(no {name}: its data is not at hand)");
     }
