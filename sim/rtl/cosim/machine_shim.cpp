@@ -85,7 +85,10 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
     for (uint32_t round = 0; round < rounds; round++) {
         *out = Outcome{};
         const uint64_t read = memory.read, written = memory.written;
-        uint32_t patience = 1u << 21;
+        uint32_t patience = 1u << 18;
+        // A circuit that goes on reading and writing hangs as well.
+        const uint64_t start = memory.now;
+        const uint64_t limit = (1u << 18) + 1000 * uint64_t(frame->records) + 1100 * uint64_t(frame->most) + 16 * uint64_t(frame->columns) * frame->rows;
         m.begins = 1;
         tick(), edge();
         m.begins = 0;
@@ -97,8 +100,8 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
             if (phase == 3) out->raster++;
             const uint64_t moved = memory.read + memory.written;
             edge();
-            patience = memory.read + memory.written != moved ? 1u << 21 : patience - 1;
-            if (phase == 0 || patience == 0) {
+            patience = memory.read + memory.written != moved ? 1u << 18 : patience - 1;
+            if (phase == 0 || patience == 0 || memory.now - start > limit) {
                 out->hangs = phase != 0;
                 break;
             }

@@ -47,6 +47,8 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
         m.begins = 0;
         const uint64_t start = memory.now, read = memory.read, written = memory.written;
         uint64_t taken = 0, next = 0, patience = 1u << 17;
+        // A circuit that goes on reading and writing hangs as well.
+        const uint64_t limit = (1u << 17) + 200 * count + 16 * uint64_t(picture->most);
         m.ends = 0;
         for (;;) {
             m.in_valid = taken < count && memory.now >= next;
@@ -62,7 +64,7 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
                 if (taken == count) out->taken = memory.now - start;
             }
             patience = goes || memory.read + memory.written != moved ? 1u << 17 : patience - 1;
-            if (done || patience == 0) {
+            if (done || patience == 0 || memory.now - start > limit) {
                 out->hangs = !done;
                 break;
             }

@@ -5,6 +5,7 @@
 
 mod fields;
 mod parse;
+mod sorter;
 
 use super::memory::parts::{PARTS, Part};
 use super::primitive;

@@ -170,11 +170,13 @@ mod with_verilator {
         for (latency, pauses) in [(60, 0), (9, 3)] {
             let timing = machine::bench::Timing { latency, pauses };
             let found =
-                machine::bench::draw(&model, &design.widths, &seen, timing, room, 2).unwrap();
+                machine::bench::draw(&model, &design.widths, &seen, timing, room, 1 + pauses / 3)
+                    .unwrap();
             assert!(found.agree() && found.painted > 1_000, "{found:?}");
-            let apart = modelled.total as f64 / found.outcome.cycles() as f64 - 1.0;
+            // What each phase and pass begins with is not modelled; nothing else may be apart.
+            let apart = modelled.total.abs_diff(found.outcome.cycles());
             assert!(
-                pauses > 0 || apart.abs() < 0.05,
+                pauses > 0 || apart < 3_000,
                 "{apart}: {found:?}, {modelled:?}"
             );
         }

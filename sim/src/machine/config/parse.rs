@@ -1,7 +1,7 @@
 //! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
 
 use super::fields::{FIELDS, Field, Range, field};
-use super::{Binning, Config, Layout, Overlap, Sorter, primitive};
+use super::{Config, Layout, Overlap, primitive};
 use crate::input;
 use std::fmt::Write;
 use std::path::Path;
@@ -213,28 +213,6 @@ impl Config {
             return Err(("lanes", self.lanes.to_string(), allowed));
         }
         Ok(())
-    }
-
-    /// What can be sorted before it is binned.
-    fn check_sorter(&self) -> Result<(), (&'static str, String, String)> {
-        if self.sorter == Sorter::Passes {
-            return Ok(());
-        }
-        let wrong = if self.sorted_bytes() < 10 {
-            Some("allowed with a sort_bytes of 10 or more: a key has 48 bits, a splat's number 32")
-        } else if self.binning == Binning::Exact {
-            Some("allowed with binning = \"box\": tiles are counted before anything is traversed")
-        } else if self.sort_every > 1 {
-            Some("allowed with a sort_every of 1: kept lists are sorted by their entries")
-        } else if self.memory_part > 0 {
-            Some("allowed with memory_part = \"channels\": their writes on a part are not modelled")
-        } else {
-            None
-        };
-        let sorter = || field("sorter").map_or_else(String::new, |field| field.show(self));
-        wrong.map_or(Ok(()), |allowed| {
-            Err(("sorter", format!("\"{}\"", sorter()), allowed.to_owned()))
-        })
     }
 
     /// What the circuit of `sim/rtl` fixes.

@@ -36,8 +36,8 @@ pub const MISTAKES: [Mutant; 14] = [
 pub fn judge() -> Seen {
     Seen {
         name: "crowd",
-        scene: synthetic::random_gaussians(200, 9, 4.0),
-        camera: synthetic::camera(100, 70),
+        scene: synthetic::random_gaussians(120, 9, 4.0),
+        camera: synthetic::camera(70, 45),
     }
 }
 
