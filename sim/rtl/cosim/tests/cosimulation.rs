@@ -160,7 +160,7 @@ mod with_verilator {
             cores: 2,
             lanes: 4,
             mistake: None,
-            effort: "-O0",
+            effort: "-O1",
         };
         let folder = tempfile::tempdir().unwrap();
         let library = machine::circuit::library(folder.path(), &spec).unwrap();

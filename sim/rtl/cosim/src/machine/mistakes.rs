@@ -51,7 +51,7 @@ pub fn verdict(mistake: Option<&Mutant>, seen: &Seen, room: usize) -> Result<Opt
         cores: 4,
         lanes: 4,
         mistake,
-        effort: "-O0",
+        effort: "-O1",
     };
     let model = Model::new(&library(folder.path(), &spec)?)?;
     for (latency, pauses) in [(60, 0), (9, 3)] {
