@@ -83,6 +83,8 @@ module splat_primitive #(
   splatline_pkg::window_t window;
   // The buffer that is drawn into; the other one is read out, or clear.
   logic side, reading;
+  // Buffers that belong to the scan: the one that is not drawn into, or both. Registers, since each bank's ports hang on them.
+  logic [1:0] scanned;
 
   assign tile_ready = state == IDLE;
   // A packet offered together with `finish` still belongs to this tile: `finish` waits.
@@ -153,6 +155,7 @@ module splat_primitive #(
     if (rst) begin
       state <= CLEAR;
       side <= 0;
+      scanned <= 2'b11;
       clear_address <= 0;
       pixel_valid <= 0;
       word_valid <= 0;
@@ -161,7 +164,10 @@ module splat_primitive #(
       case (state)
         CLEAR: begin
           clear_address <= clear_address + 1'b1;
-          if (&clear_address) state <= IDLE;
+          if (&clear_address) begin
+            state <= IDLE;
+            scanned <= 2'b10;
+          end
         end
         IDLE:
         if (tile_valid) begin
@@ -172,6 +178,7 @@ module splat_primitive #(
         if (finishes) begin
           state <= IDLE;
           side <= !side;
+          scanned <= ~scanned;
         end
         default: state <= CLEAR;
       endcase
@@ -351,23 +358,21 @@ module splat_primitive #(
       assign clears = state == CLEAR || (scan_valid && scan_moves && mine_in_scan);
       genvar b;
       for (b = 0; b < 2; b = b + 1) begin : gen_side
-        logic scanned;
-        assign scanned = state == CLEAR || side != b[0];
         tile_buffer #(
             .BITS(TRANSMITTANCE_BITS),
             .ADDRESS(ADDRESS),
             .CLEAR({2'b01, {(TRANSMITTANCE_BITS - 2) {1'b0}}})
         ) transmittance_bank (
             .clk,
-            .clears(scanned),
+            .clears(scanned[b]),
             .clear(clears),
             .clear_address(state == CLEAR ? clear_address : scan_address),
             .advance(moves),
             .write(transmittance_write),
             .write_address(transmittance_write_address),
             .write_word(transmittance_word),
-            .read(scanned ? scan_moves : moves),
-            .read_address(scanned ? scan_address : transmittance_read_address),
+            .read(scanned[b] ? scan_moves : moves),
+            .read_address(scanned[b] ? scan_address : transmittance_read_address),
             .read_word(transmittances[b*TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS])
         );
         tile_buffer #(
@@ -375,15 +380,15 @@ module splat_primitive #(
             .ADDRESS(ADDRESS)
         ) colour_bank (
             .clk,
-            .clears(scanned),
+            .clears(scanned[b]),
             .clear(clears),
             .clear_address(state == CLEAR ? clear_address : scan_address),
             .advance(moves),
             .write(colour_write),
             .write_address(colour_write_address),
             .write_word(colour_word),
-            .read(scanned ? scan_moves : moves),
-            .read_address(scanned ? scan_address : colour_read_address),
+            .read(scanned[b] ? scan_moves : moves),
+            .read_address(scanned[b] ? scan_address : colour_read_address),
             .read_word(colours[b*COLOUR_BITS+:COLOUR_BITS])
         );
       end

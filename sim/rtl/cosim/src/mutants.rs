@@ -216,7 +216,7 @@ pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "shifts of 64 and more wrap",
         "align.sv",
-        "shift1 > 16'sd64 ? 7'd127 : ",
+        "shift1 > 16'sd64 ? 4'd15 : ",
         "",
     ),
     mutant(
@@ -252,7 +252,7 @@ pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "packets taken out of turn",
         "splat_setup.sv",
-        "INTERVAL == 1 || phase == 0",
+        "INTERVAL == 1 || phase == 2'd3",
         "1'b1",
     ),
     mutant(
