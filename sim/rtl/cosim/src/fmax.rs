@@ -6,7 +6,7 @@
 use crate::area::{self, counts, sources, synthesised_cells, yosys};
 use crate::mutants::run;
 use crate::setup;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use splatline_sim::atomic;
 use splatline_sim::machine::area::synthesis::{Part, Subject, subjects};
@@ -267,8 +267,7 @@ fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
     if too_large(&fabric, device) {
         return Ok(Outcome::TooLarge(fabric));
     }
-    let runs = |tool: &&&str| Command::new(tool).arg("--version").output().is_ok();
-    let Some(tool) = device.tools.iter().find(runs) else {
+    let Some(tool) = first_that_runs(device.tools) else {
         return Ok(Outcome::NoTool(fabric));
     };
     let mut timings = Vec::new();
@@ -282,6 +281,48 @@ fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
     Ok(Outcome::Placed(fabric, timings))
 }
 
+/// The first of some programs of the same use that there is.
+pub(crate) fn first_that_runs(tools: &'static [&'static str]) -> Option<&'static str> {
+    let runs = |tool: &&str| Command::new(tool).arg("--version").output().is_ok();
+    tools.iter().copied().find(runs)
+}
+
+/// Places and routes `netlist.json` and reports into `report.json`.
+fn placer(tool: &str, device: &Device, folder: &Path, seed: u32) -> Command {
+    let mut command = Command::new(tool);
+    command
+        .args(device.options)
+        .args(["--json", "netlist.json", "--report", "report.json"])
+        .args(["--freq", GOAL, "--seed", &seed.to_string()])
+        .args(["--timing-allow-fail", "--quiet"])
+        .current_dir(folder);
+    command
+}
+
+/// A primitive between registers, placed and routed on the ECP5 with the first seed: what it takes, its Fmax, and in the folder `circuit.config`, the
+/// text from which its bitstream is packed.
+pub(crate) fn configuration(subject: &Subject, lanes: u32, folder: &Path) -> Result<(Fabric, f64)> {
+    let device = &DEVICES[0];
+    let circuit = Circuit {
+        subject,
+        unit: "splat_primitive",
+        lanes: Some(lanes),
+    };
+    let fabric = netlist(&circuit, device, folder)?;
+    ensure!(
+        !too_large(&fabric, device),
+        "{}: {}",
+        device.name,
+        excess(&fabric, device)
+    );
+    let tool = first_that_runs(device.tools)
+        .with_context(|| format!("{} not found", device.tools.join(" or ")))?;
+    run(placer(tool, device, folder, SEEDS[0]).args(["--textcfg", "circuit.config"]))?;
+    let report = fs::read_to_string(folder.join("report.json"))?;
+    let timing = timing(&report).context("nextpnr's report names no Fmax")?;
+    Ok((fabric, timing.fmax))
+}
+
 /// One placement of `netlist.json`; the inner error is what the placer said.
 fn placement(
     tool: &str,
@@ -289,12 +330,7 @@ fn placement(
     folder: &Path,
     seed: u32,
 ) -> Result<Result<Timing, String>> {
-    let placing = run(Command::new(tool)
-        .args(device.options)
-        .args(["--json", "netlist.json", "--report", "report.json"])
-        .args(["--freq", GOAL, "--seed", &seed.to_string()])
-        .args(["--timing-allow-fail", "--quiet"])
-        .current_dir(folder));
+    let placing = run(&mut placer(tool, device, folder, seed));
     if let Err(problem) = placing {
         let text = problem.to_string();
         let reason = text.lines().find_map(|line| line.split_once("ERROR: "));

@@ -9,6 +9,7 @@
 
 pub mod area;
 pub mod bench;
+pub mod bitstream;
 pub mod check;
 pub mod circuit;
 pub mod fmax;
