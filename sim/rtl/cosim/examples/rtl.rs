@@ -29,6 +29,7 @@ const USAGE: &str = "usage: rtl COMMAND
   area page     docs/area.md again without synthesis
   area fmax     Fmax by nextpnr, where it is there and the device is large enough (an hour), into docs/area.md
   area fmax WORDS  circuits whose name contains WORDS on the ECP5 alone, as `lean18 splat_primitive 1`
+  area flat WORDS  what these circuits take on the ECP5, flattened between registers as they would be placed, without placing them
   bitstream DESIGN LANES FILE   the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
   speed         how many times as fast as the verilated circuits the model is
   estimate DESIGN LANES   the model's estimate of area, without synthesis
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         ["area"] => area::report(),
         ["area", "page"] => area::page(),
         ["area", "fmax"] => fmax::report(),
+        ["area", "flat", words] => fmax::counts_of(words),
         ["area", "fmax", words] => fmax::part(words),
         ["bitstream", design, lanes, file] => lanes
             .parse()

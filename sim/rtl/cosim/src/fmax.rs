@@ -103,25 +103,54 @@ struct Circuit<'a> {
     lanes: Option<u32>,
 }
 
-/// Places the circuits whose name, as in `lean18 splat_primitive 4`, contains these words, on the devices that hold them, and prints their lines.
+/// Places the circuits whose name, as in `lean18 splat_primitive 4`, contains these words, on the ECP5, and prints their lines.
 pub fn part(words: &str) -> Result<()> {
     print!("{HEAD}");
+    of_name(words, |circuit| {
+        print!("{}", line(circuit, &DEVICES[0])?);
+        Ok(())
+    })
+}
+
+/// Only synthesises them, between registers and flattened as they would be placed, and prints what they take.
+pub fn counts_of(words: &str) -> Result<()> {
+    println!("| design | circuit | LUT | FF | DSP | memory, kbit |\n|---|---|---|---|---|---|");
+    of_name(words, |circuit| {
+        let folder = tempfile::tempdir()?;
+        let fabric = netlist(circuit, &DEVICES[0], folder.path())?;
+        let counts = fabric.resources().map(|(_, count)| count.to_string());
+        let (design, unit) = (circuit.subject.name, circuit.unit);
+        let lanes = lanes_of(circuit);
+        println!("| {design} | {unit}{lanes} | {} |", counts.join(" | "));
+        Ok(())
+    })
+}
+
+fn of_name(words: &str, mut job: impl FnMut(&Circuit) -> Result<()>) -> Result<()> {
     for subject in subjects().iter().take(2) {
         let whole = LANES.map(|lanes| ("splat_primitive", Some(lanes)));
         let units = UNITS.map(|unit| (unit, None));
         for (unit, lanes) in whole.into_iter().chain(units) {
             let number = lanes.map_or(String::new(), |lanes| format!(" {lanes}"));
             if format!("{} {unit}{number}", subject.name).contains(words) {
-                let circuit = Circuit {
+                job(&Circuit {
                     subject,
                     unit,
                     lanes,
-                };
-                print!("{}", line(&circuit, &DEVICES[0])?);
+                })?;
             }
         }
     }
     Ok(())
+}
+
+/// The number of lanes as the tables name it.
+fn lanes_of(circuit: &Circuit) -> String {
+    match circuit.lanes {
+        Some(1) => ", 1 lane".to_owned(),
+        Some(lanes) => format!(", {lanes} lanes"),
+        None => String::new(),
+    }
 }
 
 /// The setup unit, whose cores stand where the others' lanes do.
@@ -207,11 +236,7 @@ fn line(circuit: &Circuit, device: &Device) -> Result<String> {
         }
     };
     let resources = fabric.resources().map(|(_, count)| count.to_string());
-    let lanes = match circuit.lanes {
-        Some(1) => ", 1 lane".to_owned(),
-        Some(lanes) => format!(", {lanes} lanes"),
-        None => String::new(),
-    };
+    let lanes = lanes_of(circuit);
     Ok(format!(
         "| {} | {}{lanes} | {} | {} | {fmax} | {path} | {:.0} |\n",
         circuit.subject.name,
