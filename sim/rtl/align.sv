@@ -1,7 +1,7 @@
 // value * 2^-shift in 64 bits, four cycles later: rounded to nearest to the right (halves up), saturated to the left
 // (`shift_signed` of src/math/shift.rs).
 //
-//   sign and leading bit | distance | shift | rounding
+//   sign and leading bit | distance, shift by its lowest bits | shift by eights | rounding
 //
 // The value stands left of 64 zeros and is only ever moved right: one shifter for both directions, and the last bit moved out rounds.
 module align #(
@@ -13,27 +13,34 @@ module align #(
     input logic signed [15:0] shift,
     output logic signed [63:0] result
 );
-  logic signed [BITS:0] value1, value2;
+  logic signed [BITS:0] value1;
+  logic signed [BITS+7:0] value2;
   logic [6:0] length1;
   logic signed [15:0] shift1, left1;
   logic overflow2, overflow3, negative3;
-  logic [6:0] distance2;
+  logic [2:0] ones1;
+  logic [3:0] eights1;
+  logic [3:0] eights2;
   logic signed [64:0] moved3;
 
   assign left1 = 16'sd0 - shift1;
+  assign eights1 = shift1[6:3] + 4'd7 + {3'd0, shift1[2:0] != 0};
   always_ff @(posedge clk) begin
     value1 <= negative ? -$signed({1'b0, magnitude}) : $signed({1'b0, magnitude});
     length1 <= splatline_math::length(64'(magnitude));
     shift1 <= shift;
+    // The distance is 63 more than the shift: its lowest bits.
+    ones1 <= shift[2:0] - 3'd1;
 
-    value2 <= value1;
+    value2 <= $signed({value1, 7'd0}) >>> ones1;
     // The length of a negative power of two is one more than its ones' complement has; there both results are the same.
     overflow2 <= shift1 < 0 && length1 != 0 && left1 + $signed({9'd0, length1}) > 16'sd63;
-    distance2 <= shift1 > 16'sd64 ? 7'd127 : shift1 < -16'sd63 ? 7'd0 : shift1[6:0] + 7'd63;
+    // Beyond either end the lowest bits of the distance make no difference.
+    eights2 <= shift1 > 16'sd64 ? 4'd15 : shift1 < -16'sd63 ? 4'd0 : eights1;
 
     overflow3 <= overflow2;
-    negative3 <= value2[BITS];
-    moved3 <= 65'($signed({value2, 64'd0}) >>> distance2);
+    negative3 <= value2[BITS+7];
+    moved3 <= 65'($signed({value2, 57'd0}) >>> {eights2, 3'd0});
 
     if (overflow3) result <= {negative3, {63{!negative3}}};
     else result <= moved3[64:1] + $signed({63'd0, moved3[0]});

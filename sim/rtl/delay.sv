@@ -23,18 +23,26 @@ module delay #(
     end else if (RING) begin : gen_ring
       localparam PLACE = $clog2(STAGES);
       (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];
-      logic [PLACE-1:0] place;
+      // Where to write, and where what came STAGES - 2 cycles ago lies: a cycle passes in `word`, another one in `out`. Each ring keeps counters of its
+      // own beside its memory, although those of all rings of a size say the same.
+      logic [PLACE-1:0] place, from;
       logic [BITS-1:0] word;
-      // What came in STAGES - 2 cycles ago: a cycle passes in `word`, another one in `out`.
+      (* keep *)
       always_ff @(posedge clk) begin
-        if (rst) place <= 0;
-        else if (advance) place <= place + 1'b1;
-        if (advance) begin
-          memory[place] <= in;
-          word <= memory[place-PLACE'(STAGES-2)];
-          out <= word;
+        if (rst) begin
+          place <= 0;
+          from <= PLACE'(0) - PLACE'(STAGES - 2);
+        end else if (advance) begin
+          place <= place + 1'b1;
+          from <= from + 1'b1;
         end
       end
+      always_ff @(posedge clk)
+        if (advance) begin
+          memory[place] <= in;
+          word <= memory[from];
+          out <= word;
+        end
     end else begin : gen_registers
       logic [BITS*STAGES-1:0] stages;
       logic unused;

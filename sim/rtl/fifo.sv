@@ -26,13 +26,13 @@ module fifo #(
 
   // A word is never read in the cycle in which it is written (its place would be empty), so that no circuit has to say what comes out then.
   (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:PLACES-1];
-  logic [INDEX:0] head, tail, claimed, claimed_next;
+  logic [INDEX:0] head, tail, claimed;
   logic [BITS-1:0] word;
-  logic word_valid, word_moves, out_moves;
+  logic word_valid, word_moves, out_moves, leaves;
 
   assign out_moves = !out_valid || (out_ready && RESTS == 0);
   assign word_moves = !word_valid || out_moves;
-  assign claimed_next = claimed + {{INDEX{1'b0}}, claim} - {{INDEX{1'b0}}, out_valid && out_ready};
+  assign leaves = out_valid && out_ready;
   assign none = claimed == 0;
 
   always_ff @(posedge clk) begin
@@ -54,8 +54,9 @@ module fifo #(
       end
       if (out_moves) out_valid <= word_valid;
       else if (out_ready) out_valid <= 0;
-      claimed <= claimed_next;
-      free <= claimed_next != PLACES[INDEX:0];
+      claimed <= claimed + {{INDEX{1'b0}}, claim} - {{INDEX{1'b0}}, leaves};
+      // Is a place left after this cycle? Beside the count, not behind it.
+      free <= leaves || !(claimed == PLACES[INDEX:0] || (claim && claimed == (INDEX + 1)'(PLACES - 1)));
     end
   end
 

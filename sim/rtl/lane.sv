@@ -57,7 +57,6 @@ module lane #(
 
   // Whether the run may begin is known in the cycle after it came, so that the comparison and what hangs on it have a cycle each.
   logic apart;
-  assign last = !active || final_pixel;
   assign run_ready = advance && last && apart;
   assign idle = !active;
 
@@ -66,6 +65,9 @@ module lane #(
     else if (advance) apart <= run_valid && !run_ready && meets == 0;
     if (rst) active <= 0;
     else if (advance && last) active <= apart;
+    // `last` is `!active || final_pixel`, with a register of its own, since all that a run's beginning moves hangs on it.
+    if (rst) last <= 1;
+    else if (advance) last <= last ? !apart || run.count == (COLUMN_BITS + 1)'(1) : at.count == (COLUMN_BITS + 1)'(2);
     if (advance) begin
       if (last) begin
         at <= run;

@@ -71,7 +71,7 @@ module row_generator (
   logic [M-1:0] spread1;
   splatline_pkg::paint_t paint1, paint32;
   logic [15:0] box_first1, box_last1, first_column1, last_column1;
-  logic spread_odd1, spread_odd3;
+  logic spread_odd1;
   logic signed [15:0] spread_power1, spread_power7;
   logic [5:0] drop_dx1, drop_dx19;
   logic [M-1:0] curvature1, curvature21;
@@ -97,26 +97,28 @@ module row_generator (
   end
   assign positive1 = !rest1[63] && rest1 != 0;
   delay #(.BITS(ROW_BITS + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
-  delay #(.BITS(1), .STAGES(2)) hold_odd (.clk, .rst, .advance(1'b1), .in(spread_odd1), .out(spread_odd3));
   delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(spread_power1), .out(spread_power7));
 
   // Stage 3: the squared half-width, Q.28 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
-  logic [M+31:0] product3;
+  logic [32:0] doubled1;
+  logic [M+32:0] product3;
   logic [63:0] squared3, squared4, normal4;
   logic [4:0] pairs3, pairs4;
   logic [7:0] index5;
   logic [15:0] fraction5;
   logic [4:0] pairs5;
-  multiply #(.LEFT(32), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(rest1[55:24]), .right(spread1), .product(product3));
-  assign squared3 = 64'(product3) << spread_odd3;
+  assign doubled1 = spread_odd1 ? {rest1[55:24], 1'b0} : {1'b0, rest1[55:24]};
+  multiply #(.LEFT(33), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(spread1), .product(product3));
+  assign squared3 = 64'(product3);
   // Pairs of leading zeros; 31 where there is nothing.
   always_comb begin
     pairs3 = 5'd31;
     for (int i = 0; i < 32; i = i + 1) if (squared3[2*i] || squared3[2*i+1]) pairs3 = 5'd31 - i[4:0];
   end
-  assign normal4 = squared4 << {pairs4, 1'b0};
+  // Half of the shift, where it is 32 or more, is made while the leading zeros are counted.
+  assign normal4 = squared4 << {pairs4[3:0], 1'b0};
   always_ff @(posedge clk) begin
-    squared4 <= squared3;
+    squared4 <= squared3[63:32] == 0 ? squared3 << 32 : squared3;
     pairs4 <= pairs3;
     index5 <= normal4[63:56];
     fraction5 <= normal4[55:40];
@@ -172,13 +174,18 @@ module row_generator (
 
   // Stage 21: dx, rounded, as a magnitude (`Seed::at`). Back to one in the same addition: -(q + d) = ~q + !d.
   logic signed [63:0] distance19;
+  logic [M+4:0] fours20;
   logic [M+1:0] moved20;
+  logic [1:0] rest20;
   logic negative20, negative21, negative23;
   logic [M:0] dx21, dx24;
   delay #(.BITS(6), .STAGES(18)) hold_drop_dx (.clk, .rst, .advance(1'b1), .in(drop_dx1), .out(drop_dx19));
+  // Shifted by fours, and in the next stage by what is left.
+  assign moved20 = (M + 2)'(fours20 >> rest20);
   always_ff @(posedge clk) begin
     distance19 <= $signed({16'd0, x18, 32'd0}) - centre18;
-    moved20 <= (M + 2)'($signed({distance19, 1'b0}) >>> drop_dx19);
+    fours20 <= (M + 5)'($signed({distance19, 1'b0}) >>> {drop_dx19[5:2], 2'b00});
+    rest20 <= drop_dx19[1:0];
     negative20 <= distance19[63];
     dx21 <= (negative20 ? ~moved20[M+1:1] : moved20[M+1:1]) + {{M{1'b0}}, moved20[0] != negative20};
     negative21 <= negative20;

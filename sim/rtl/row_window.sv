@@ -23,8 +23,9 @@ module row_window (
   localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
 
   function automatic logic [15:0] clamp(input logic signed [32:0] value, input logic [15:0] first, input logic [15:0] beyond);
-    if (value < $signed({17'd0, first})) clamp = first;
-    else if (value > $signed({17'd0, beyond})) clamp = beyond;
+    // Numbers of columns have 16 bits: what lies above these decides beside the comparison, not in it.
+    if (value[32] || (value[31:16] == 0 && value[15:0] < first)) clamp = first;
+    else if (value[31:16] != 0 || value[15:0] > beyond) clamp = beyond;
     else clamp = value[15:0];
   endfunction
 

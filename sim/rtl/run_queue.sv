@@ -18,12 +18,13 @@ module run_queue #(
   logic [$bits(in_run)-1:0] memory[0:DEPTH-1];
   logic [BITS-1:0] head, tail;
   logic [BITS:0] count;
-  logic put, moves;
+  // Whether there are any, and whether there is no place, have registers of their own: both lie on long ways.
+  logic some, full, put, moves;
 
-  assign in_ready = count != DEPTH[BITS:0];
-  assign put = in_valid && in_ready;
-  assign moves = count != 0 && (!out_valid || out_ready);
-  assign empty = count == 0 && !out_valid;
+  assign in_ready = !full;
+  assign put = in_valid && !full;
+  assign moves = some && (!out_valid || out_ready);
+  assign empty = !some && !out_valid;
 
   always_ff @(posedge clk) begin
     if (put) memory[tail] <= in_run;
@@ -32,12 +33,16 @@ module run_queue #(
       head <= 0;
       tail <= 0;
       count <= 0;
+      some <= 0;
+      full <= 0;
       out_valid <= 0;
     end else begin
       if (put) tail <= tail + 1'b1;
       if (moves) head <= head + 1'b1;
       out_valid <= moves || (out_valid && !out_ready);
       count <= count + {{BITS{1'b0}}, put} - {{BITS{1'b0}}, moves};
+      some <= put || (some && !(moves && count == (BITS + 1)'(1)));
+      full <= !moves && (full || (put && count == (BITS + 1)'(DEPTH - 1)));
     end
   end
 

@@ -83,6 +83,10 @@ module splat_primitive #(
   splatline_pkg::window_t window;
   // The buffer that is drawn into; the other one is read out, or clear.
   logic side, reading;
+  // Buffers that belong to the scan: the one that is not drawn into, or both. Each lane has registers of its own for its banks.
+  logic [1:0] scanned, scanned_next;
+  // The lanes may move in the next cycle.
+  logic may_move;
 
   assign tile_ready = state == IDLE;
   // A packet offered together with `finish` still belongs to this tile: `finish` waits.
@@ -148,6 +152,14 @@ module splat_primitive #(
   assign scan_moves = !pixel_valid || pixel_ready;
   assign finishes = finish_valid && finish_ready;
   assign reading = scan_valid || word_valid || pixel_valid;
+
+  assign may_move = lanes_enable && state == DRAW;
+  always_comb begin
+    if (rst) scanned_next = 2'b11;
+    else if (state == CLEAR) scanned_next = &clear_address ? 2'b10 : 2'b11;
+    else scanned_next = finishes ? ~scanned : scanned;
+  end
+  always_ff @(posedge clk) scanned <= scanned_next;
 
   always_ff @(posedge clk) begin
     if (rst) begin
@@ -219,8 +231,9 @@ module splat_primitive #(
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
       logic mine, queued, taken, empty, inside0, inside1, inside2, inside3, inside4, inside5, lane_quiet, blend_quiet;
-      // A register for each lane: none has to reach all of them.
-      logic moves;
+      // A register for each part of each lane, kept although all say the same: one alone would have to reach thousands of others.
+      logic moves, table_moves, blend_moves, bank_moves;
+      logic [1:0] banks_scanned;
       splatline_pkg::run_t queued_run;
       logic [splatline_pkg::RADIAL+3:0] radial;
       logic [ROW_BITS+COLUMN_BITS-1:0] place;
@@ -237,9 +250,20 @@ module splat_primitive #(
         assign address0 = {place[ROW_BITS+COLUMN_BITS-1:COLUMN_BITS+LANE_BITS], place[COLUMN_BITS-1:0]};
       end
 
+      (* keep *)
       always_ff @(posedge clk) begin
-        if (rst) moves <= 0;
-        else moves <= lanes_enable && state == DRAW;
+        if (rst) begin
+          moves <= 0;
+          table_moves <= 0;
+          blend_moves <= 0;
+          bank_moves <= 0;
+        end else begin
+          moves <= may_move;
+          table_moves <= may_move;
+          blend_moves <= may_move;
+          bank_moves <= may_move;
+        end
+        banks_scanned <= scanned_next;
       end
 
       run_queue #(
@@ -271,7 +295,7 @@ module splat_primitive #(
       );
       footprint_table kernel (
           .clk,
-          .advance(moves),
+          .advance(table_moves),
           .write_valid(table_valid),
           .write_index(table_index),
           .write_low(table_low),
@@ -287,7 +311,7 @@ module splat_primitive #(
           inside3 <= 0;
           inside4 <= 0;
           inside5 <= 0;
-        end else if (moves) begin
+        end else if (table_moves) begin
           inside1 <= inside0;
           inside2 <= inside1;
           inside3 <= inside2;
@@ -301,7 +325,7 @@ module splat_primitive #(
       ) hold_paint (
           .clk,
           .rst,
-          .advance(moves),
+          .advance(table_moves),
           .in({address0, peak0, colours0}),
           .out({address5, peak5, colours5})
       );
@@ -317,7 +341,7 @@ module splat_primitive #(
       ) over (
           .clk,
           .rst,
-          .advance(moves),
+          .advance(blend_moves),
           .rules,
           .pixel_valid(inside5),
           .pixel_address(address5),
@@ -351,23 +375,21 @@ module splat_primitive #(
       assign clears = state == CLEAR || (scan_valid && scan_moves && mine_in_scan);
       genvar b;
       for (b = 0; b < 2; b = b + 1) begin : gen_side
-        logic scanned;
-        assign scanned = state == CLEAR || side != b[0];
         tile_buffer #(
             .BITS(TRANSMITTANCE_BITS),
             .ADDRESS(ADDRESS),
             .CLEAR({2'b01, {(TRANSMITTANCE_BITS - 2) {1'b0}}})
         ) transmittance_bank (
             .clk,
-            .clears(scanned),
+            .clears(banks_scanned[b]),
             .clear(clears),
             .clear_address(state == CLEAR ? clear_address : scan_address),
-            .advance(moves),
+            .advance(bank_moves),
             .write(transmittance_write),
             .write_address(transmittance_write_address),
             .write_word(transmittance_word),
-            .read(scanned ? scan_moves : moves),
-            .read_address(scanned ? scan_address : transmittance_read_address),
+            .read(banks_scanned[b] ? scan_moves : bank_moves),
+            .read_address(banks_scanned[b] ? scan_address : transmittance_read_address),
             .read_word(transmittances[b*TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS])
         );
         tile_buffer #(
@@ -375,15 +397,15 @@ module splat_primitive #(
             .ADDRESS(ADDRESS)
         ) colour_bank (
             .clk,
-            .clears(scanned),
+            .clears(banks_scanned[b]),
             .clear(clears),
             .clear_address(state == CLEAR ? clear_address : scan_address),
-            .advance(moves),
+            .advance(bank_moves),
             .write(colour_write),
             .write_address(colour_write_address),
             .write_word(colour_word),
-            .read(scanned ? scan_moves : moves),
-            .read_address(scanned ? scan_address : colour_read_address),
+            .read(banks_scanned[b] ? scan_moves : bank_moves),
+            .read_address(banks_scanned[b] ? scan_address : colour_read_address),
             .read_word(colours[b*COLOUR_BITS+:COLOUR_BITS])
         );
       end

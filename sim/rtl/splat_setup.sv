@@ -46,15 +46,19 @@ module splat_setup #(
   // Cycles since the reset: with an interval, whose turn it is.
   logic taken, place, due;
   logic [1:0] phase;
-  assign due = INTERVAL == 1 || phase == 0;
   assign footprint_ready = place && due;
   assign taken = footprint_valid && footprint_ready;
   logic [STAGES:1] valid;
   always_ff @(posedge clk) begin
     if (rst) valid <= 0;
     else valid <= {valid[STAGES-1:1], taken};
-    if (rst) phase <= 0;
-    else phase <= phase + 2'd1;
+    if (rst) begin
+      phase <= 0;
+      due <= 1;
+    end else begin
+      phase <= phase + 2'd1;
+      due <= INTERVAL == 1 || phase == 2'd3;
+    end
   end
 
   // Stage 1: the footprint. What only the rows need waits for stage 22.

@@ -26,11 +26,39 @@ package splatline_math;
     else shift_signed = value <<< left[5:0];
   endfunction
 
-  // Bits that a magnitude needs: 64 minus the leading zeros.
+  // Bits that a magnitude needs: 64 minus the leading zeros, which is the place of the leading one if another one is appended. A tree of fours, since
+  // a chain through all bits would be a long way.
   function automatic logic [6:0] length(input logic [63:0] magnitude);
-    length = 0;
-    for (int i = 0; i < 64; i = i + 1)
-      if (magnitude[i]) length = i[6:0] + 7'd1;
+    logic [63:0] word;
+    logic [15:0] fours;
+    logic [31:0] in_four;
+    logic [15:0] of_sixteen;
+    logic [3:1] sixteens;
+    logic [7:0] four;
+    logic [1:0] sixteen;
+    word = {magnitude[62:0], 1'b1};
+    for (int i = 0; i < 16; i = i + 1) begin
+      fours[i] = |word[4*i+:4];
+      in_four[2*i+:2] = leading(word[4*i+1+:3]);
+    end
+    for (int i = 0; i < 4; i = i + 1) begin
+      if (i > 0) sixteens[i] = |fours[4*i+:4];
+      four[2*i+:2] = leading(fours[4*i+1+:3]);
+      of_sixteen[4*i+:4] = {four[2*i+:2], pick(four[2*i+:2], in_four[8*i+:8])};
+    end
+    sixteen = leading(sixteens);
+    length = {1'b0, sixteen, pick(sixteen, {of_sixteen[15:14], of_sixteen[11:10], of_sixteen[7:6], of_sixteen[3:2]}), pick(sixteen, {of_sixteen[13:12], of_sixteen[9:8], of_sixteen[5:4], of_sixteen[1:0]})};
+    if (magnitude[63]) length = 7'd64;
+  endfunction
+
+  // The place of the leading one of four bits, of which the lowest need not be seen.
+  function automatic logic [1:0] leading(input logic [2:0] bits);
+    leading = {bits[2] | bits[1], bits[2] | (bits[0] & ~bits[1])};
+  endfunction
+
+  // One of four pairs of bits.
+  function automatic logic [1:0] pick(input logic [1:0] place, input logic [7:0] pairs);
+    pick = place[1] ? (place[0] ? pairs[7:6] : pairs[5:4]) : (place[0] ? pairs[3:2] : pairs[1:0]);
   endfunction
 
 endpackage

@@ -61,6 +61,7 @@
         assert (beyond <= (1 << COLUMN_BITS));
         assert (final_pixel == (at.count == 1));
       end
+      assert (last == (!active || final_pixel));
       if (apart) assert (run_valid);
       assert (since != 0);
       if (visited) assert (since >= INTERVAL);

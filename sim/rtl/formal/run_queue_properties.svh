@@ -38,6 +38,7 @@
   always_comb
     if (started) begin
       assert (count <= DEPTH);
+      assert (some == (count != 0) && full == (count == DEPTH));
       assert (length == count[BITS-1:0]);
       assert (in_ready == (count != DEPTH));
       assert (empty == (count == 0 && !out_valid));

@@ -122,6 +122,10 @@ pub(crate) fn table<'a>(
     }
 }
 
+/// What paints a tile: a thread's scratch memory, the tile's window, its list and its rows of the frame.
+type PaintTile<'a, P, S, Answer> =
+    dyn Fn(&mut S, Window, &[u32], &mut [&mut [P]]) -> Answer + Sync + 'a;
+
 /// Every tile on some core: `paint` is given a thread's scratch memory, the tile's window, its list and its rows of the frame. The tiles'
 /// answers are in the order of the tiles.
 ///
@@ -132,7 +136,7 @@ pub(super) fn paint_frame<P: Clone + Send, S, Answer: Send>(
     clear: P,
     tiles: &TileLists,
     scratch: &(dyn Fn() -> S + Sync),
-    paint: &(dyn Fn(&mut S, Window, &[u32], &mut [&mut [P]]) -> Answer + Sync),
+    paint: &PaintTile<P, S, Answer>,
 ) -> (Vec<P>, Vec<Answer>) {
     let [width, height] = tiles.grid.viewport().map(usize::from);
     let mut frame = vec![clear; width * height];

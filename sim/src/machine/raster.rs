@@ -52,6 +52,8 @@ pub(super) struct RasterUnit {
     primitive: PrimitiveClock,
     /// Tile buffers by when they become free, oldest first.
     buffers: VecDeque<Buffer>,
+    /// Cycles for which backgrounds that are not written yet will keep the write channel.
+    owed: u64,
     /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the number of buffers. The first tile's
     /// own handshake takes a cycle.
     handed_over: u64,
@@ -136,6 +138,7 @@ impl RasterUnit {
                 Buffer::Free(config.clear_cycles.into());
                 config.tile_buffers as usize
             ]),
+            owed: 0,
             handed_over: 1,
             prefetched_in_vain: 0,
             cache: PacketCache::new(config.packet_cache),
@@ -169,6 +172,9 @@ impl RasterUnit {
         observer: &mut O,
         memory: &mut M,
     ) {
+        if self.is_background(job) {
+            return self.write_background(job, memory);
+        }
         let drawing = self.begin(job, memory);
         let buffer = drawing.buffer;
         let mut band = job.first_band;
@@ -186,6 +192,18 @@ impl RasterUnit {
             self.one_pair(bands, buffer, &mut at);
         }
         self.end(job, &drawing, observer, memory);
+    }
+
+    /// Does nobody draw this tile? Whoever hands out tiles to the circuit writes the background of those without splats himself: their read-out would
+    /// keep the circuit for a cycle a pixel.
+    pub fn is_background(&self, job: &TileJob) -> bool {
+        let empty = job.pairs.is_empty() && job.left_out.is_empty();
+        empty && self.costs.overlap == Overlap::Primitive
+    }
+
+    /// Writes such a tile, when the write channel has nothing else to do.
+    pub fn write_background<M: Memory>(&mut self, job: &TileJob, memory: &mut M) {
+        self.owed += memory.background(&self.write_back, job.tile, job.pixels);
     }
 
     /// Takes the tile buffer that is free first.
@@ -256,11 +274,13 @@ impl RasterUnit {
         self.write_back(job, drawing.buffer, observer, memory);
     }
 
-    /// Waits for the last tiles.
+    /// Waits for the last tiles, and for the backgrounds that found no time before.
     pub fn settle<M: Memory>(&mut self, memory: &mut M) {
         while let Some(buffer) = self.buffers.pop_front() {
             memory.buffer(&mut self.write_back, buffer);
         }
+        self.write_back.work(self.owed);
+        self.owed = 0;
     }
 
     /// Requests a packet as soon as it has a place; gives when, and its arrival.
@@ -465,6 +485,10 @@ impl RasterUnit {
         } else {
             last.max(buffer) + self.costs.drain
         };
+        let gap = blended.saturating_sub(self.write_back.at());
+        let filled = self.owed.min(gap);
+        self.write_back.work(filled);
+        self.owed -= filled;
         let tile = TileWrite {
             tile: job.tile,
             pixels: job.pixels,

@@ -313,6 +313,7 @@ impl Raster {
             let unit = self.choose(turn, tiles.config.assignment);
             self.units[unit].draw(&job, observer, memory);
         }
+        self.units.iter_mut().for_each(|unit| unit.settle(memory));
     }
 
     /// Draws pair by pair, always by the unit whose next request is the earliest: the port that they share sees requests in the order of time.
@@ -342,6 +343,10 @@ impl Raster {
                 let taken = tiles.job(next[unit % step]);
                 next[unit % step] += step;
                 self.count(&taken);
+                if self.units[unit].is_background(&taken) {
+                    self.units[unit].write_background(&taken, memory);
+                    continue;
+                }
                 let begun = self.units[unit].begin(&taken, memory);
                 drawn[unit] = Some((taken, begun));
                 continue;

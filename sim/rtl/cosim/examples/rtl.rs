@@ -7,7 +7,7 @@ use splatline_rtl::model::Model;
 use splatline_rtl::stamps::{Distances, STAGES};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
 use splatline_rtl::{
-    area, fmax, formal, layouts, machine, mutants, order, package, setup, speed, tables,
+    area, bitstream, fmax, formal, layouts, machine, mutants, order, package, setup, speed, tables,
 };
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -29,6 +29,8 @@ const USAGE: &str = "usage: rtl COMMAND
   area page     docs/area.md again without synthesis
   area fmax     Fmax by nextpnr, where it is there and the device is large enough (an hour), into docs/area.md
   area fmax WORDS  circuits whose name contains WORDS on the ECP5 alone, as `lean18 splat_primitive 1`
+  area flat WORDS  what these circuits take on the ECP5, flattened between registers as they would be placed, without placing them
+  bitstream DESIGN LANES FILE   the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
   speed         how many times as fast as the verilated circuits the model is
   estimate DESIGN LANES   the model's estimate of area, without synthesis
   layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
@@ -61,7 +63,13 @@ fn main() -> ExitCode {
         ["area"] => area::report(),
         ["area", "page"] => area::page(),
         ["area", "fmax"] => fmax::report(),
+        ["area", "flat", words] => fmax::counts_of(words),
         ["area", "fmax", words] => fmax::part(words),
+        ["bitstream", design, lanes, file] => lanes
+            .parse()
+            .context("a number of lanes")
+            .and_then(|lanes| bitstream::write(design, lanes, Path::new(file)))
+            .map(|line| println!("{line}")),
         ["layouts"] => {
             layouts::report().and_then(|text| write_whole(layouts::REPORT.as_ref(), &text))
         }

@@ -6,7 +6,7 @@
 use crate::area::{self, counts, sources, synthesised_cells, yosys};
 use crate::mutants::run;
 use crate::setup;
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use splatline_sim::atomic;
 use splatline_sim::machine::area::synthesis::{Part, Subject, subjects};
@@ -103,25 +103,54 @@ struct Circuit<'a> {
     lanes: Option<u32>,
 }
 
-/// Places the circuits whose name, as in `lean18 splat_primitive 4`, contains these words, on the devices that hold them, and prints their lines.
+/// Places the circuits whose name, as in `lean18 splat_primitive 4`, contains these words, on the ECP5, and prints their lines.
 pub fn part(words: &str) -> Result<()> {
     print!("{HEAD}");
+    of_name(words, |circuit| {
+        print!("{}", line(circuit, &DEVICES[0])?);
+        Ok(())
+    })
+}
+
+/// Only synthesises them, between registers and flattened as they would be placed, and prints what they take.
+pub fn counts_of(words: &str) -> Result<()> {
+    println!("| design | circuit | LUT | FF | DSP | memory, kbit |\n|---|---|---|---|---|---|");
+    of_name(words, |circuit| {
+        let folder = tempfile::tempdir()?;
+        let fabric = netlist(circuit, &DEVICES[0], folder.path())?;
+        let counts = fabric.resources().map(|(_, count)| count.to_string());
+        let (design, unit) = (circuit.subject.name, circuit.unit);
+        let lanes = lanes_of(circuit);
+        println!("| {design} | {unit}{lanes} | {} |", counts.join(" | "));
+        Ok(())
+    })
+}
+
+fn of_name(words: &str, mut job: impl FnMut(&Circuit) -> Result<()>) -> Result<()> {
     for subject in subjects().iter().take(2) {
         let whole = LANES.map(|lanes| ("splat_primitive", Some(lanes)));
         let units = UNITS.map(|unit| (unit, None));
         for (unit, lanes) in whole.into_iter().chain(units) {
             let number = lanes.map_or(String::new(), |lanes| format!(" {lanes}"));
             if format!("{} {unit}{number}", subject.name).contains(words) {
-                let circuit = Circuit {
+                job(&Circuit {
                     subject,
                     unit,
                     lanes,
-                };
-                print!("{}", line(&circuit, &DEVICES[0])?);
+                })?;
             }
         }
     }
     Ok(())
+}
+
+/// The number of lanes as the tables name it.
+fn lanes_of(circuit: &Circuit) -> String {
+    match circuit.lanes {
+        Some(1) => ", 1 lane".to_owned(),
+        Some(lanes) => format!(", {lanes} lanes"),
+        None => String::new(),
+    }
 }
 
 /// The setup unit, whose cores stand where the others' lanes do.
@@ -207,11 +236,7 @@ fn line(circuit: &Circuit, device: &Device) -> Result<String> {
         }
     };
     let resources = fabric.resources().map(|(_, count)| count.to_string());
-    let lanes = match circuit.lanes {
-        Some(1) => ", 1 lane".to_owned(),
-        Some(lanes) => format!(", {lanes} lanes"),
-        None => String::new(),
-    };
+    let lanes = lanes_of(circuit);
     Ok(format!(
         "| {} | {}{lanes} | {} | {} | {fmax} | {path} | {:.0} |\n",
         circuit.subject.name,
@@ -267,8 +292,7 @@ fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
     if too_large(&fabric, device) {
         return Ok(Outcome::TooLarge(fabric));
     }
-    let runs = |tool: &&&str| Command::new(tool).arg("--version").output().is_ok();
-    let Some(tool) = device.tools.iter().find(runs) else {
+    let Some(tool) = first_that_runs(device.tools) else {
         return Ok(Outcome::NoTool(fabric));
     };
     let mut timings = Vec::new();
@@ -282,6 +306,48 @@ fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
     Ok(Outcome::Placed(fabric, timings))
 }
 
+/// The first of some programs of the same use that there is.
+pub(crate) fn first_that_runs(tools: &'static [&'static str]) -> Option<&'static str> {
+    let runs = |tool: &&str| Command::new(tool).arg("--version").output().is_ok();
+    tools.iter().copied().find(runs)
+}
+
+/// Places and routes `netlist.json` and reports into `report.json`.
+fn placer(tool: &str, device: &Device, folder: &Path, seed: u32) -> Command {
+    let mut command = Command::new(tool);
+    command
+        .args(device.options)
+        .args(["--json", "netlist.json", "--report", "report.json"])
+        .args(["--freq", GOAL, "--seed", &seed.to_string()])
+        .args(["--timing-allow-fail", "--quiet"])
+        .current_dir(folder);
+    command
+}
+
+/// A primitive between registers, placed and routed on the ECP5 with the first seed: what it takes, its Fmax, and in the folder `circuit.config`, the
+/// text from which its bitstream is packed.
+pub(crate) fn configuration(subject: &Subject, lanes: u32, folder: &Path) -> Result<(Fabric, f64)> {
+    let device = &DEVICES[0];
+    let circuit = Circuit {
+        subject,
+        unit: "splat_primitive",
+        lanes: Some(lanes),
+    };
+    let fabric = netlist(&circuit, device, folder)?;
+    ensure!(
+        !too_large(&fabric, device),
+        "{}: {}",
+        device.name,
+        excess(&fabric, device)
+    );
+    let tool = first_that_runs(device.tools)
+        .with_context(|| format!("{} not found", device.tools.join(" or ")))?;
+    run(placer(tool, device, folder, SEEDS[0]).args(["--textcfg", "circuit.config"]))?;
+    let report = fs::read_to_string(folder.join("report.json"))?;
+    let timing = timing(&report).context("nextpnr's report names no Fmax")?;
+    Ok((fabric, timing.fmax))
+}
+
 /// One placement of `netlist.json`; the inner error is what the placer said.
 fn placement(
     tool: &str,
@@ -289,12 +355,7 @@ fn placement(
     folder: &Path,
     seed: u32,
 ) -> Result<Result<Timing, String>> {
-    let placing = run(Command::new(tool)
-        .args(device.options)
-        .args(["--json", "netlist.json", "--report", "report.json"])
-        .args(["--freq", GOAL, "--seed", &seed.to_string()])
-        .args(["--timing-allow-fail", "--quiet"])
-        .current_dir(folder));
+    let placing = run(&mut placer(tool, device, folder, seed));
     if let Err(problem) = placing {
         let text = problem.to_string();
         let reason = text.lines().find_map(|line| line.split_once("ERROR: "));

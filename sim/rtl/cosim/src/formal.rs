@@ -82,14 +82,14 @@ const QUEUE_MISTAKES: [Mutant; 5] = [
     mutant(
         "a place too many",
         "fifo.sv",
-        "free <= claimed_next != PLACES[INDEX:0]",
+        "free <= leaves || !(claimed == PLACES[INDEX:0] || (claim && claimed == (INDEX + 1)'(PLACES - 1)))",
         "free <= 1'b1",
     ),
     mutant(
         "places come back too early",
         "fifo.sv",
-        "{{INDEX{1'b0}}, out_valid && out_ready};\n  assign none",
-        "{{INDEX{1'b0}}, out_valid};\n  assign none",
+        "assign leaves = out_valid && out_ready",
+        "assign leaves = out_valid",
     ),
     mutant(
         "an entry that waits is overwritten",
@@ -130,14 +130,14 @@ const RUN_QUEUE_MISTAKES: [Mutant; 4] = [
     mutant(
         "taken when full",
         "run_queue.sv",
-        "assign put = in_valid && in_ready",
+        "assign put = in_valid && !full",
         "assign put = in_valid",
     ),
     mutant(
         "a run that waits is overwritten",
         "run_queue.sv",
-        "count != 0 && (!out_valid || out_ready)",
-        "count != 0",
+        "some && (!out_valid || out_ready)",
+        "some",
     ),
     mutant(
         "the last run stays",
@@ -186,14 +186,14 @@ const LANE_MISTAKES: [Mutant; 4] = [
     mutant(
         "a pixel beyond the run",
         "lane.sv",
-        "final_pixel <= at.count == (COLUMN_BITS + 1)'(2)",
-        "final_pixel <= at.count == (COLUMN_BITS + 1)'(1)",
+        "(1) : at.count == (COLUMN_BITS + 1)'(2)",
+        "(1) : at.count == (COLUMN_BITS + 1)'(1)",
     ),
     mutant(
         "a run of one pixel has two",
         "lane.sv",
-        "final_pixel <= run.count == (COLUMN_BITS + 1)'(1)",
-        "final_pixel <= run.count == 0",
+        "!apart || run.count == (COLUMN_BITS + 1)'(1)",
+        "!apart || run.count == 0",
     ),
     mutant(
         "a pixel comes again a cycle too early",
@@ -214,13 +214,13 @@ const LIVENESS_MISTAKES: [Mutant; 3] = [
     mutant(
         "places do not come back",
         "fifo.sv",
-        "{{INDEX{1'b0}}, out_valid && out_ready};\n  assign none",
-        "(INDEX + 1)'(0);\n  assign none",
+        "assign leaves = out_valid && out_ready",
+        "assign leaves = 1'b0",
     ),
     mutant(
         "the last run never comes to the front",
         "run_queue.sv",
-        "assign moves = count != 0 &&",
+        "assign moves = some &&",
         "assign moves = count > 1 &&",
     ),
     mutant(

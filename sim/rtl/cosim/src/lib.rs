@@ -4,11 +4,12 @@
 //! verilated circuit and the only place with foreign code; [`mod@bench`] drives a tile through it; [`golden`] draws the same tile by the
 //! kernel; [`stamps`] holds the cycles of its handshakes against the machine's clock (`splatline_sim::machine::primitive`), and [`picture`] those of
 //! whole pictures under a memory's limits; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
-//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`layouts`] what other arrangements of lanes would do,
+//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`bitstream`] packs it for a device, [`layouts`] what other arrangements of lanes would do,
 //! [`speed`] how many times as fast as the verilated circuit the model is.
 
 pub mod area;
 pub mod bench;
+pub mod bitstream;
 pub mod check;
 pub mod circuit;
 pub mod fmax;

@@ -50,7 +50,7 @@ pub const fn mutant(
 
 /// The mistakes. The truncated root changes no pixel, since the spans' slack hides it: only the row unit's own roots show it; and what no legal
 /// packet asks of the alignments only their own words do ([`crate::units`]).
-pub const MUTANTS: [Mutant; 39] = [
+pub const MUTANTS: [Mutant; 44] = [
     mutant(
         "share of the transmittance truncated",
         "blend.sv",
@@ -108,8 +108,8 @@ pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "enable of the lanes ignored",
         "splat_primitive.sv",
-        "moves <= lanes_enable && state == DRAW",
-        "moves <= state == DRAW",
+        "may_move = lanes_enable && state == DRAW",
+        "may_move = state == DRAW",
     ),
     mutant(
         "interpolation's halves the wrong way",
@@ -216,7 +216,7 @@ pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "shifts of 64 and more wrap",
         "align.sv",
-        "shift1 > 16'sd64 ? 7'd127 : ",
+        "shift1 > 16'sd64 ? 4'd15 : ",
         "",
     ),
     mutant(
@@ -224,6 +224,36 @@ pub const MUTANTS: [Mutant; 39] = [
         "align.sv",
         " + $signed({63'd0, moved3[0]})",
         "",
+    ),
+    mutant(
+        "lowest bits of an alignment off by one",
+        "align.sv",
+        "shift[2:0] - 3'd1",
+        "shift[2:0]",
+    ),
+    mutant(
+        "last step of a normalisation's shift forgotten",
+        "normalise.sv",
+        "odd2 ? even2[M+2:1] : even2[M+1:0]",
+        "even2[M+1:0]",
+    ),
+    mutant(
+        "leading one of four taken for another",
+        "splatline_math.sv",
+        "bits[2] | (bits[0] & ~bits[1])",
+        "bits[2] | bits[0]",
+    ),
+    mutant(
+        "seed's distance shifted by fours alone",
+        "row_generator.sv",
+        "(M + 2)'(fours20 >> rest20)",
+        "(M + 2)'(fours20)",
+    ),
+    mutant(
+        "first half of a half-width's shift forgotten",
+        "row_generator.sv",
+        "squared3[63:32] == 0 ? squared3 << 32 : squared3",
+        "squared3",
     ),
     mutant(
         "carry of a normalisation lost",
@@ -252,7 +282,7 @@ pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "packets taken out of turn",
         "splat_setup.sv",
-        "INTERVAL == 1 || phase == 0",
+        "INTERVAL == 1 || phase == 2'd3",
         "1'b1",
     ),
     mutant(
@@ -282,7 +312,7 @@ pub const MUTANTS: [Mutant; 39] = [
     mutant(
         "rows issued without a place",
         "fifo.sv",
-        "free <= claimed_next != PLACES[INDEX:0]",
+        "free <= leaves || !(claimed == PLACES[INDEX:0] || (claim && claimed == (INDEX + 1)'(PLACES - 1)))",
         "free <= 1'b1",
     ),
 ];

@@ -3,6 +3,9 @@
 //! The memory is the model's (`docs/hardware-model.md`, section 2), clocked here beside the circuit: packets are read in order at so many
 //! bytes a cycle, arrive some cycles later and wait in a queue; finished pixels are written at so many bytes a cycle. The
 //! one thing that the model does not know is whether a tile's last pixel changes its word: it waits sixteen cycles where the circuit may need fewer.
+//!
+//! Tiles without splats never reach the circuit. This bench writes their background, as any host of the primitive should: when the channel of finished pixels
+//! has nothing else to do.
 
 use crate::bench::{Bench, pixel};
 use crate::model::{Inputs, Outputs};
@@ -10,6 +13,7 @@ use crate::workload::{Tile, Workload};
 use anyhow::{Context, Result, ensure};
 use splatline::blend::Pixel;
 use splatline::footprint::packet::Layout;
+use splatline::format::Widths;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed;
@@ -120,23 +124,19 @@ pub fn model_cycles(
     Ok(simulate_alone(&work, config).raster)
 }
 
-/// The circuit's cycles of the same picture until its last pixel is read out, and its tiles' pixels.
+/// The circuit's cycles of the same picture until its last pixel is written, and its tiles' pixels.
 pub fn circuit_cycles(
     bench: &mut Bench,
-    layout: &Layout,
+    widths: &Widths,
     workload: &Workload,
     config: &Config,
 ) -> Result<(u64, Vec<Vec<Pixel>>)> {
-    // Row by row, as the model draws them: with two buffers their order matters.
-    let mut places: Vec<usize> = (0..workload.tiles.len()).collect();
-    places.sort_by_key(|place| {
-        let [x, y] = workload.tiles[*place].window.first;
-        [y, x]
-    });
-    let tiles: Vec<Tile> = places
-        .iter()
-        .map(|place| workload.tiles[*place].clone())
-        .collect();
+    let layout = &Layout::new(widths);
+    let Handed {
+        places,
+        tiles,
+        backgrounds,
+    } = Handed::new(workload);
     let order = tiles.iter().flat_map(|tile| &tile.list).copied();
     let mut memory = Memory::new(layout, config, order.collect());
     // The circuit clears its buffers once, after its reset: before the picture.
@@ -146,6 +146,7 @@ pub fn circuit_cycles(
         || !bench.cycles_since_reset().is_multiple_of(interval)
     {}
     let start = bench.cycles();
+    let mut background = Background::new(config, &backgrounds);
     let mut drawing = Drawing {
         tiles: &tiles,
         drawn: 0,
@@ -156,9 +157,13 @@ pub fn circuit_cycles(
         pixels: Vec::new(),
         written: None,
     };
-    while !drawing.is_done() || reading.is_busy(&tiles) {
+    while !drawing.is_done() || reading.is_busy(&tiles) || background.is_owed() {
         let now = bench.cycles() - start;
         ensure!(now < PATIENCE, "the circuit hangs");
+        background.hand_out(drawing.drawn);
+        if !reading.is_busy(&tiles) {
+            background.write();
+        }
         let packet = memory.begin(now);
         let inputs = Inputs {
             pixel_ready: reading.is_ready(now).into(),
@@ -173,10 +178,86 @@ pub fn circuit_cycles(
             reading.pixels.push(Vec::new());
         }
     }
-    let mut pictures: Vec<_> = places.into_iter().zip(reading.pixels).collect();
-    pictures.sort_by_key(|(place, _)| *place);
-    let pictures = pictures.into_iter().map(|(_, pixels)| pixels).collect();
+    let clear = |tile: &Tile| vec![Pixel::clear(widths); tile.size().iter().product()];
+    let mut pictures: Vec<Vec<Pixel>> = workload.tiles.iter().map(clear).collect();
+    for (place, pixels) in places.into_iter().zip(reading.pixels) {
+        pictures[place] = pixels;
+    }
     Ok((bench.cycles() - start, pictures))
+}
+
+/// A picture's tiles as they are handed out, row by row as the model does: with two buffers their order matters.
+struct Handed {
+    /// Tiles with splats: their places in the workload, and the tiles.
+    places: Vec<usize>,
+    tiles: Vec<Tile>,
+    /// Pixels of the tiles without, and how many with splats come before them.
+    backgrounds: Vec<(usize, u64)>,
+}
+
+impl Handed {
+    fn new(workload: &Workload) -> Handed {
+        let mut all: Vec<(usize, &Tile)> = workload.tiles.iter().enumerate().collect();
+        all.sort_by_key(|(_, tile)| {
+            let [x, y] = tile.window.first;
+            [y, x]
+        });
+        let mut handed = Handed {
+            places: Vec::new(),
+            tiles: Vec::new(),
+            backgrounds: Vec::new(),
+        };
+        for (place, tile) in all {
+            if tile.list.is_empty() {
+                let pixels = tile.size().iter().product::<usize>() as u64;
+                handed.backgrounds.push((handed.tiles.len(), pixels));
+            } else {
+                handed.places.push(place);
+                handed.tiles.push(tile.clone());
+            }
+        }
+        handed
+    }
+}
+
+/// The tiles without splats, written while no tile is read out.
+struct Background {
+    /// How many tiles with splats come before, and cycles of the write channel.
+    to_come: VecDeque<(usize, u64)>,
+    /// Cycles for which those handed out will keep the channel.
+    owed: u64,
+}
+
+impl Background {
+    fn new(config: &Config, backgrounds: &[(usize, u64)]) -> Background {
+        let cycles = |pixels: u64| {
+            let bytes = pixels * u64::from(config.pixel_bytes);
+            bytes.div_ceil(config.write_bandwidth.into())
+        };
+        let tiles = backgrounds.iter();
+        Background {
+            to_come: tiles
+                .map(|(after, pixels)| (*after, cycles(*pixels)))
+                .collect(),
+            owed: 0,
+        }
+    }
+
+    /// Hands out the tiles whose turn comes after so many drawn ones.
+    fn hand_out(&mut self, drawn: usize) {
+        while let Some((_, cycles)) = self.to_come.pop_front_if(|(after, _)| *after <= drawn) {
+            self.owed += cycles;
+        }
+    }
+
+    fn is_owed(&self) -> bool {
+        self.owed > 0 || !self.to_come.is_empty()
+    }
+
+    /// The channel's next cycle, if there is anything to write.
+    fn write(&mut self) {
+        self.owed = self.owed.saturating_sub(1);
+    }
 }
 
 /// The side of the bench that offers tiles, packets and their ends.

@@ -7,7 +7,6 @@ use crate::picture::{self, LIMITS, PictureCycles};
 use crate::workload::{self, GuitarView, Workload};
 use anyhow::Result;
 use splatline::blend::Pixel;
-use splatline::footprint::packet::Layout;
 use splatline::format::{Design, Widths};
 use splatline_sim::design::{DesignChoice, DesignJob};
 use splatline_sim::fixed::kernel_rules;
@@ -135,6 +134,7 @@ impl Loads {
             workload::random(&widths, random, 20, 7),
             workload::random(&widths, random / 4, 1, 8),
             workload::crowd(&choice, rules),
+            workload::sparse(&choice, rules),
             workload::deep_stack(&choice, rules, if full { 128 } else { 64 }),
             workload::hard(&choice, rules)?,
         ];
@@ -203,8 +203,8 @@ impl Loads {
                 let config = picture::machine(lanes, &limits);
                 let model =
                     picture::model_cycles(&self.choice, &self.scene_rules, workload, &config)?;
-                let layout = Layout::new(&self.choice.widths);
-                let (circuit, pixels) = picture::circuit_cycles(bench, &layout, workload, &config)?;
+                let (circuit, pixels) =
+                    picture::circuit_cycles(bench, self.widths(), workload, &config)?;
                 let mismatches = self.choice.dispatch(Words {
                     rules: &self.rules,
                     workload,

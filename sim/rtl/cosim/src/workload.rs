@@ -111,6 +111,13 @@ pub fn crowd(design: &DesignChoice, rules: &Rules) -> Workload {
     from_scene("crowd", &scene, &camera, design, rules)
 }
 
+/// A few Gaussians in a picture most of whose tiles have none.
+pub fn sparse(design: &DesignChoice, rules: &Rules) -> Workload {
+    let scene = synthetic::random_gaussians(20, 9, 4.0);
+    let camera = synthetic::camera(480, 320);
+    from_scene("sparse", &scene, &camera, design, rules)
+}
+
 /// Twenty thousand large, nearly transparent splats.
 pub fn deep_stack(design: &DesignChoice, rules: &Rules, size: usize) -> Workload {
     let scene = synthetic::deep_stack(1);

@@ -84,6 +84,9 @@ pub(super) trait Memory {
     fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]);
     /// A tile's pixels; gives when writing them begins, and the buffer that becomes free.
     fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, Buffer);
+    /// The background of a tile without splats, for which nobody waits; gives the cycles for which it keeps the unit's write channel, which it takes when
+    /// nobody else wants it. A port finds the time by itself.
+    fn background(&mut self, write_back: &Account, tile: u32, pixels: u32) -> u64;
     /// When a buffer is free.
     fn buffer(&mut self, write_back: &mut Account, buffer: Buffer) -> u64;
     /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle. The next phase starts from 0 again.
@@ -237,6 +240,11 @@ impl Memory for Channels {
         let transfer = bytes.div_ceil(self.write_bandwidth).max(tile.least);
         write_back.work(tile.begin + transfer);
         (start, Buffer::Free(write_back.at() + tile.clear))
+    }
+
+    fn background(&mut self, _: &Account, _: u32, pixels: u32) -> u64 {
+        let bytes = u64::from(pixels) * self.pixel_bytes;
+        bytes.div_ceil(self.write_bandwidth)
     }
 
     #[inline(always)]

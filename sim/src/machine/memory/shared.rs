@@ -243,6 +243,13 @@ impl Memory for Shared {
         (start, buffer)
     }
 
+    fn background(&mut self, write_back: &Account, tile: u32, pixels: u32) -> u64 {
+        let bytes = u64::from(pixels) * u64::from(self.config.pixel_bytes);
+        let address = Map::of(self.map.tile, tile.into());
+        self.port.write(write_back.at(), address, bytes);
+        0
+    }
+
     fn buffer(&mut self, write_back: &mut Account, buffer: Buffer) -> u64 {
         let clear = u64::from(self.config.clear_cycles);
         match buffer {

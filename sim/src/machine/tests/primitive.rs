@@ -3,9 +3,54 @@
 use super::super::config::Config;
 use super::super::primitive::{LaneRun, PrimitiveClock};
 use super::super::simulate_alone;
+use super::super::workload::{Pair, Row, SplatWork, Tile, Workload, mask};
 use super::workload;
 use proptest::prelude::*;
 use std::collections::VecDeque;
+
+/// Two tiles without splats between two with one: written while the second one is drawn, as far as there is time before it is read out.
+#[test]
+fn gaps_of_the_write_channel_take_backgrounds() {
+    let row = |length| Row {
+        open: 0,
+        covered: mask(0, length),
+        x: 0,
+        length: length as u8,
+    };
+    let drawn = |splats: std::ops::Range<u32>| Pair {
+        splat: splats.start,
+        rows_end: splats.end,
+        first_row: 0,
+        visits: true,
+    };
+    let tile = |pairs_end| Tile {
+        pairs_end,
+        finished_after: u32::MAX,
+        pixels: 128,
+    };
+    let picture = |tiles: Vec<Tile>| Workload {
+        tile: [16, 8],
+        packet_bytes: 48,
+        rows: vec![row(16), row(16)],
+        splats: vec![SplatWork::default(); 2],
+        pairs: vec![drawn(0..1), drawn(1..2)],
+        tiles,
+        ..Workload::default()
+    };
+    // 128 pixels of 16 bytes: read out in 128 cycles, written in 16 of 128 bytes each.
+    let config = Config {
+        tile_width: 16,
+        tile_height: 8,
+        write_bandwidth: 128,
+        ..Config::primitive(1)
+    };
+    let raster = |tiles| simulate_alone(&picture(tiles), &config).raster;
+    let alone = raster(vec![tile(1), tile(2)]);
+    assert_eq!(raster(vec![tile(1), tile(1), tile(1), tile(2)]), alone + 32);
+    // Before the first tile's read-out there is time for five.
+    assert_eq!(raster(vec![tile(0), tile(0), tile(1), tile(2)]), alone);
+    assert_eq!(raster(vec![tile(1), tile(2), tile(2), tile(2)]), alone + 32);
+}
 
 /// A packet: the cycle from which it is offered, and its rows.
 type Packet = (u64, Vec<Option<LaneRun>>);
@@ -235,11 +280,32 @@ proptest! {
         }
     }
 
+    /// Tiles without splats keep the write channel for their bytes, as far as nobody waits for it, and change nothing else.
+    #[test]
+    fn backgrounds_take_what_the_channel_leaves(work in workload(), bandwidth in 1u32..64) {
+        let config = Config { tile_width: 16, tile_height: 8, write_bandwidth: bandwidth, ..Config::primitive(4) };
+        let mut drawn = work.clone();
+        let (mut first, mut empty) = (0, 0);
+        drawn.tiles.retain(|tile| {
+            let keeps = tile.pairs_end > std::mem::replace(&mut first, tile.pairs_end);
+            empty += u64::from(!keeps);
+            keeps
+        });
+        let [all, without] = [&work, &drawn].map(|work| simulate_alone(work, &config));
+        let fill = (128 * u64::from(config.pixel_bytes)).div_ceil(bandwidth.into());
+        let [lanes, channel] = ["lanes", "write_back"].map(|unit| [&all, &without].map(|timing| &timing.units[unit]));
+        prop_assert_eq!((lanes[0].busy, &lanes[0].stalled), (lanes[1].busy, &lanes[1].stalled));
+        prop_assert_eq!(channel[0].busy, channel[1].busy + empty * fill);
+        prop_assert!(all.raster >= without.raster.max(channel[0].busy));
+        prop_assert!(all.raster <= without.raster + empty * fill);
+        prop_assert_eq!(all.bytes.pixels_written, 128 * 16 * work.tiles.len() as u64);
+    }
+
     /// Accounts add up (asserted inside), and nothing gets faster with less memory.
     #[test]
     fn the_primitive_as_a_machine(work in workload(), lanes in 0u32..4, bandwidth in 1u32..64) {
         let config = Config { tile_width: 16, tile_height: 8, ..Config::primitive(1 << lanes) };
-        let slower = Config { read_bandwidth: bandwidth, write_bandwidth: bandwidth, ..config };
+        let slower = Config { read_bandwidth: bandwidth, write_bandwidth: bandwidth.min(config.write_bandwidth), ..config };
         prop_assert!(simulate_alone(&work, &config).raster <= simulate_alone(&work, &slower).raster);
     }
 }

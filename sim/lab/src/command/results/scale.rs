@@ -251,8 +251,11 @@ fn svg(measured: &[ScaleRow]) -> Result<String, String> {
     plot::svg((1040, 420), &panels)
 }
 
-fn panel(title: &'static str, curves: [(&str, Vec<(f64, f64)>); 2]) -> Panel<'static> {
-    let curve = |((name, points), tone): ((&str, Vec<(f64, f64)>), Tone)| Curve {
+/// A curve's name and its points.
+type NamedPoints<'a> = (&'a str, Vec<(f64, f64)>);
+
+fn panel(title: &'static str, curves: [NamedPoints; 2]) -> Panel<'static> {
+    let curve = |((name, points), tone): (NamedPoints, Tone)| Curve {
         name: name.to_owned(),
         tone,
         beneath: false,
