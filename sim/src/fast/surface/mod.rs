@@ -1,6 +1,6 @@
 //! Painting tiles of surfaces on vectors, along spans, in the scene's order.
 //!
-//! Rows and opacities are those of volume splats on [words](super::words). What a surface's pixel adds is its sums ([`SumTile`]), or whatever
+//! Rows and opacities are those of volume splats on words (`fast/words`). What a surface's pixel adds is its sums ([`SumTile`]), or whatever
 //! the caller's pixels do with samples, layers for one. Rows that vectors cannot do are the kernel's; their samples take the same way.
 
 mod tile;
