@@ -9,7 +9,7 @@
 //! rows afterwards, because the caller's pixels are converted there anyway.
 
 use super::TILE;
-use super::order::{Grid, Key, TileOrder};
+use super::order::{Grid, Key, TileOrder, part_length};
 use super::paint::{Results, Scratch, TilePainter};
 use super::setup::Outcome;
 use rayon::prelude::*;
@@ -21,12 +21,6 @@ use splatline::splat::VolumeSplat;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
-
-/// Splats set up at once: their footprints fit the second-level cache.
-const BATCH: usize = 1024;
-
-/// Parts of the scene per thread: enough that none waits long for the last one.
-const PARTS: usize = 4;
 
 /// Pixels of a tile.
 const AREA: usize = TILE[0] as usize * TILE[1] as usize;
@@ -133,15 +127,14 @@ impl FrameMemory {
     ) -> Result<FrameFacts, Cancelled> {
         let started = Instant::now();
         let grid = Grid::new(plan.viewport, TILE);
-        let parts = PARTS * rayon::current_num_threads();
-        let length = splats.len().div_ceil(parts).max(BATCH);
+        let parts = splats.len().div_ceil(part_length(splats.len()));
         let steps = Steps {
             progress: plan.progress,
             done: AtomicUsize::new(0),
-            of: splats.len().div_ceil(length) + grid.len(),
+            of: parts + grid.len(),
             cancelled: AtomicBool::new(false),
         };
-        let culled = self.set_up(splats, length, plan, &steps);
+        let culled = self.set_up(splats, plan, &steps);
         steps.check()?;
         let set_up_at = started.elapsed().as_secs_f64();
         self.order.sort(&grid);
@@ -179,44 +172,25 @@ impl FrameMemory {
             + self.order.bytes()
     }
 
-    fn set_up(
-        &mut self,
-        splats: &[VolumeSplat],
-        length: usize,
-        plan: &FramePlan,
-        steps: &Steps,
-    ) -> CullCounts {
+    fn set_up(&mut self, splats: &[VolumeSplat], plan: &FramePlan, steps: &Steps) -> CullCounts {
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
         }
-        let parts = &mut self.order.parts;
-        parts.resize_with(splats.len().div_ceil(length), Default::default);
-        let outcomes = self.outcomes.par_chunks_mut(length);
-        let work = parts
-            .par_iter_mut()
-            .zip(outcomes.zip(splats.par_chunks(length)));
-        work.enumerate()
-            .map(|(number, (part, (outcomes, splats)))| {
-                part.keys.clear();
-                steps.step(|| {
-                    let mut culled = CullCounts::default();
-                    let mut first = number * length;
-                    let batches = outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH));
-                    for (outcomes, splats) in batches {
-                        (plan.set_up)(splats, outcomes);
-                        note(outcomes, first, &mut part.keys, &mut culled);
-                        first += splats.len();
-                    }
-                    culled
-                })
-            })
-            .reduce(CullCounts::default, |mut sum, part| {
-                sum.iter_mut()
-                    .zip(part)
-                    .for_each(|(sum, part)| *sum += part);
+        self.order.fill(
+            splats,
+            &mut self.outcomes,
+            &|work| steps.step(work),
+            &|splats, outcomes, first, keys| {
+                (plan.set_up)(splats, outcomes);
+                note(outcomes, first, keys)
+            },
+            |mut sum, part| {
+                let sums = sum.iter_mut().zip(part);
+                sums.for_each(|(sum, part)| *sum += part);
                 sum
-            })
+            },
+        )
     }
 
     /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
@@ -274,7 +248,8 @@ fn area(window: &Window) -> usize {
 }
 
 /// Lists the keys of the splats that have a footprint, numbered from `first`, and counts the others.
-fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>, culled: &mut CullCounts) {
+fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>) -> CullCounts {
+    let mut culled = CullCounts::default();
     for (outcome, index) in outcomes.iter().zip(first as u32..) {
         match outcome {
             Ok(footprint) => {
@@ -290,4 +265,5 @@ fn note(outcomes: &[Outcome], first: usize, keys: &mut Vec<Key>, culled: &mut Cu
             Err(reason) => culled[reason.place()] += 1,
         }
     }
+    culled
 }

@@ -22,6 +22,21 @@ pub struct Key {
     pub bounds: Window,
 }
 
+/// Splats set up at once: their footprints fit the second-level cache.
+const BATCH: usize = 1024;
+
+/// Parts of the scene per thread: enough that none waits long for the last one.
+const PARTS: usize = 4;
+
+/// Splats of each part of a scene of so many.
+pub fn part_length(splats: usize) -> usize {
+    let parts = PARTS * rayon::current_num_threads();
+    splats.div_ceil(parts).max(BATCH)
+}
+
+/// Sets up some splats into their outcomes, lists the keys of those that are drawn, numbered from the index, and counts the others.
+pub type SetUpBatch<'a, S, O, F> = dyn Fn(&[S], &mut [O], usize, &mut Vec<Key>) -> F + Sync + 'a;
+
 /// How the screen is divided into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Grid {
@@ -229,6 +244,40 @@ pub struct TileOrder {
 }
 
 impl TileOrder {
+    /// Sets up all splats, a part of [`part_length`] after the other on every core, each in one `step` and batch by batch; `add` sums the counts.
+    pub fn fill<S: Sync, O: Send, F: Default + Send>(
+        &mut self,
+        splats: &[S],
+        outcomes: &mut [O],
+        step: &(dyn Fn(&mut dyn FnMut()) + Sync),
+        set_up: &SetUpBatch<S, O, F>,
+        add: fn(F, F) -> F,
+    ) -> F {
+        let length = part_length(splats.len());
+        let parts = &mut self.parts;
+        parts.resize_with(splats.len().div_ceil(length), Default::default);
+        let of_splats = splats.par_chunks(length);
+        let work = parts
+            .par_iter_mut()
+            .zip(outcomes.par_chunks_mut(length).zip(of_splats));
+        let counted = work
+            .enumerate()
+            .map(|(number, (part, (outcomes, splats)))| {
+                part.keys.clear();
+                let mut counts = F::default();
+                step(&mut || {
+                    let mut first = number * length;
+                    for (outcomes, splats) in outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH)) {
+                        let batch = set_up(splats, outcomes, first, &mut part.keys);
+                        counts = add(std::mem::take(&mut counts), batch);
+                        first += splats.len();
+                    }
+                });
+                counts
+            });
+        counted.reduce(F::default, add)
+    }
+
     /// Puts the splats of all parts into their tiles' lists, nearest first. Parts are binned side by side, and tiles sorted.
     pub fn sort(&mut self, grid: &Grid) {
         let TileOrder { parts, lists } = self;

@@ -37,12 +37,6 @@ use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::time::Instant;
 
-/// Points set up at once: their footprints fit the second-level cache.
-const BATCH: usize = 1024;
-
-/// Parts of the scene per thread: enough that none waits long for the last one.
-const PARTS: usize = 4;
-
 /// Pixels of a tile.
 const AREA: usize = TILE[0] as usize * TILE[1] as usize;
 
@@ -337,34 +331,16 @@ impl FrameMemory {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
         }
-        let parts = PARTS * rayon::current_num_threads();
-        let length = splats.len().div_ceil(parts).max(BATCH);
-        let parts = &mut self.order.parts;
-        parts.resize_with(splats.len().div_ceil(length), Default::default);
-        let outcomes = self.outcomes.par_chunks_mut(length);
-        let work = parts
-            .par_iter_mut()
-            .zip(outcomes.zip(splats.par_chunks(length)));
-        work.enumerate()
-            .map(|(number, (part, (outcomes, splats)))| {
-                part.keys.clear();
-                let mut facts = SurfaceFacts::default();
-                let mut first = number * length;
-                let batches = outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH));
-                for (outcomes, splats) in batches {
-                    (plan.set_up)(splats, outcomes);
-                    note(
-                        outcomes,
-                        first,
-                        plan.cull_backfaces,
-                        &mut part.keys,
-                        &mut facts,
-                    );
-                    first += splats.len();
-                }
-                facts
-            })
-            .reduce(SurfaceFacts::default, SurfaceFacts::add)
+        self.order.fill(
+            splats,
+            &mut self.outcomes,
+            &|work| work(),
+            &|splats, outcomes, first, keys| {
+                (plan.set_up)(splats, outcomes);
+                note(outcomes, first, plan.cull_backfaces, keys)
+            },
+            SurfaceFacts::add,
+        )
     }
 
     /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
@@ -403,8 +379,8 @@ fn note(
     first: usize,
     cull_backfaces: bool,
     keys: &mut Vec<Key>,
-    facts: &mut SurfaceFacts,
-) {
+) -> SurfaceFacts {
+    let mut facts = SurfaceFacts::default();
     for (outcome, index) in outcomes.iter().zip(first as u32..) {
         match outcome {
             Ok(footprint) if cull_backfaces && footprint.back => facts.backfaces += 1,
@@ -421,4 +397,5 @@ fn note(
             Err(reason) => facts.culled[reason.place()] += 1,
         }
     }
+    facts
 }

@@ -348,7 +348,7 @@ fn an_interrupted_sweep_goes_on() {
     )
     .unwrap();
     // Large enough that it takes a while after its first rows.
-    let large = ["explore", "random:3000:1", "--size", "160x120"];
+    let large = ["explore", "random:12000:1", "--size", "480x360"];
     let arguments = |out: &Path| -> Vec<String> {
         let space = path("s.toml");
         let more = ["--space", text(&space), "-o", text(out)];
