@@ -89,14 +89,14 @@ pub struct FrameMemory {
 }
 
 /// Counts steps and notes when the caller has had enough.
-struct Steps<'a> {
+struct FrameSteps<'a> {
     progress: &'a Progress<'a>,
     done: AtomicUsize,
     of: usize,
     cancelled: AtomicBool,
 }
 
-impl Steps<'_> {
+impl FrameSteps<'_> {
     /// Does one step, unless the frame has been cancelled.
     fn step<T: Default>(&self, work: impl FnOnce() -> T) -> T {
         if self.cancelled.load(Ordering::Relaxed) {
@@ -128,7 +128,7 @@ impl FrameMemory {
         let started = Instant::now();
         let grid = Grid::new(plan.viewport, TILE);
         let parts = splats.len().div_ceil(part_length(splats.len()));
-        let steps = Steps {
+        let steps = FrameSteps {
             progress: plan.progress,
             done: AtomicUsize::new(0),
             of: parts + grid.len(),
@@ -172,7 +172,12 @@ impl FrameMemory {
             + self.order.bytes()
     }
 
-    fn set_up(&mut self, splats: &[VolumeSplat], plan: &FramePlan, steps: &Steps) -> CullCounts {
+    fn set_up(
+        &mut self,
+        splats: &[VolumeSplat],
+        plan: &FramePlan,
+        steps: &FrameSteps,
+    ) -> CullCounts {
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
@@ -195,7 +200,7 @@ impl FrameMemory {
 
     /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
     #[inline(never)]
-    fn paint(&mut self, grid: &Grid, plan: &FramePlan, steps: &Steps) -> Coverage {
+    fn paint(&mut self, grid: &Grid, plan: &FramePlan, steps: &FrameSteps) -> Coverage {
         let FrameMemory {
             outcomes,
             order,

@@ -24,9 +24,9 @@ use splatline::target::Target;
 
 /// Any widths in lanes of 32 bits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Narrow(pub Widths);
+pub(super) struct AnyNarrow(pub Widths);
 
-impl Design for Narrow {
+impl Design for AnyNarrow {
     type Lane = i32;
     fn widths(&self) -> Widths {
         self.0
@@ -166,7 +166,7 @@ fn ordinary(
     let quantised = QuantisedScene::new(&scene, &camera, &rules::Rules::GAUSSIAN_3D);
     let splats = quantised.splats.iter();
     splats
-        .map(|splat| setup(Narrow(widths), &quantised.view, rules, splat))
+        .map(|splat| setup(AnyNarrow(widths), &quantised.view, rules, splat))
         .collect()
 }
 
@@ -207,7 +207,7 @@ fn agree(
     let mut pixels = vec![Pixel::clear(&widths); columns * usize::from(last[1] - first[1])];
     let mut target = Target::new(&mut pixels, window, columns).unwrap();
     let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
-    let scalar = Painter::new(Narrow(widths), rules, table, order, traversal);
+    let scalar = Painter::new(AnyNarrow(widths), rules, table, order, traversal);
     let mut expected = Coverage::default();
     for footprint in footprints.iter().flatten() {
         expected += scalar.draw(footprint, &mut target);
@@ -218,7 +218,7 @@ fn agree(
         (VectorLevel::Portable, true),
         (VectorLevel::Portable, false),
     ] {
-        let Some(painter) = WordPainter::new(Narrow(widths), rules, choice, counts) else {
+        let Some(painter) = WordPainter::new(AnyNarrow(widths), rules, choice, counts) else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
@@ -228,7 +228,7 @@ fn agree(
         }
     }
     for lanes in FusedLanes::all() {
-        let Some(painter) = FusedPainter::on(Narrow(widths), rules, lanes) else {
+        let Some(painter) = FusedPainter::on(AnyNarrow(widths), rules, lanes) else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
@@ -251,7 +251,7 @@ fn draw_narrow(
     window: Window,
 ) -> Option<Vec<(Vec<Pixel>, Coverage)>> {
     let drawn = |lanes| {
-        let painter = NarrowPainter::on(Narrow(widths), rules, lanes)?;
+        let painter = NarrowPainter::on(AnyNarrow(widths), rules, lanes)?;
         Some(painted(&painter, window, footprints))
     };
     FusedLanes::all().map(drawn).collect()

@@ -172,13 +172,13 @@ pub struct PrimitiveClock {
     left: u64,
     splats: Ring<SPLATS>,
     slots: Ring<SLOTS>,
-    lanes: Vec<Lane>,
+    lanes: Vec<LaneClock>,
     idle_at: u64,
 }
 
 /// A lane's queue and its last runs.
 #[derive(Clone, Debug)]
-struct Lane {
+struct LaneClock {
     /// Cycles in which the last runs came to the queue's front, a ring of the queue's size.
     moves: Vec<u64>,
     /// The oldest of them.
@@ -193,11 +193,11 @@ struct Flights {
     popped: u64,
     free: u64,
     /// Latest first: each run takes a cycle at least, so that one before these has settled.
-    last: [Flight; INTERVAL as usize - 1],
+    last: [SplatInFlight; INTERVAL as usize - 1],
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Flight {
+struct SplatInFlight {
     row: u16,
     first: u16,
     end: u16,
@@ -208,7 +208,7 @@ impl Flights {
     const NEW: Self = Flights {
         popped: 0,
         free: 0,
-        last: [Flight {
+        last: [SplatInFlight {
             row: 0,
             first: 0,
             end: 0,
@@ -229,7 +229,7 @@ impl Flights {
             popped = if meets { popped.max(until) } else { popped };
         }
         self.last.rotate_right(1);
-        self.last[0] = Flight {
+        self.last[0] = SplatInFlight {
             row,
             first: column,
             end,
@@ -249,7 +249,7 @@ impl PrimitiveClock {
 
     /// The same with another number of cycles between two packets, and some cycle in which one may be taken.
     pub fn with_interval(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
-        let lane = Lane {
+        let lane = LaneClock {
             moves: vec![0; queue.max(1) as usize],
             place: 0,
             flights: Flights::NEW,

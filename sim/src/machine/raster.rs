@@ -181,7 +181,7 @@ impl RasterUnit {
         for (number, pair) in (job.first_pair as u64..).zip(job.pairs) {
             let bands = &job.bands[band..pair.bands_end as usize];
             band = pair.bands_end as usize;
-            let mut at = Place {
+            let mut at = TracePlace {
                 unit: self.number,
                 tile: job.tile,
                 splat: pair.splat,
@@ -227,7 +227,7 @@ impl RasterUnit {
         &mut self,
         bands: &[Band],
         buffer: u64,
-        at: &mut Place<O, M>,
+        at: &mut TracePlace<O, M>,
     ) {
         match self.costs.overlap {
             Overlap::Serial => self.serial_pair(bands, buffer, at),
@@ -248,7 +248,7 @@ impl RasterUnit {
             return;
         };
         let bands = &job.bands[drawing.band..pair.bands_end as usize];
-        let mut at = Place {
+        let mut at = TracePlace {
             unit: self.number,
             tile: job.tile,
             splat: pair.splat,
@@ -285,7 +285,7 @@ impl RasterUnit {
 
     /// Requests a packet as soon as it has a place; gives when, and its arrival.
     #[inline(always)]
-    fn fetch<O: Observer, M: Memory>(&mut self, at: &mut Place<O, M>) -> [u64; 2] {
+    fn fetch<O: Observer, M: Memory>(&mut self, at: &mut TracePlace<O, M>) -> [u64; 2] {
         let wanted = Wanted {
             unit: self.number,
             free: self.packets.free_at(),
@@ -302,7 +302,7 @@ impl RasterUnit {
         &mut self,
         bands: &[Band],
         buffer: u64,
-        at: &mut Place<O, M>,
+        at: &mut TracePlace<O, M>,
     ) {
         let [requested, arrival] = self.fetch(at);
         self.splat.wait(Cause::Memory, arrival);
@@ -335,7 +335,7 @@ impl RasterUnit {
         band: &Band,
         [arrived, set_up]: [u64; 2],
         buffer: u64,
-        at: &mut Place<O, M>,
+        at: &mut TracePlace<O, M>,
     ) {
         let lane = self.lane_of(band);
         let sequencer = &mut self.sequencers[lane];
@@ -355,7 +355,7 @@ impl RasterUnit {
         &mut self,
         bands: &[Band],
         buffer: u64,
-        at: &mut Place<O, M>,
+        at: &mut TracePlace<O, M>,
     ) {
         let [requested, arrival] = self.fetch(at);
         let RasterUnit {
@@ -399,7 +399,7 @@ impl RasterUnit {
         &mut self,
         bands: &[Band],
         buffer: u64,
-        at: &mut Place<O, M>,
+        at: &mut TracePlace<O, M>,
     ) {
         let [requested, arrival] = self.fetch(at);
         let stamp = self.primitive.packet(arrival.max(buffer));
@@ -500,7 +500,7 @@ impl RasterUnit {
         let (start, free) = memory.tile(&mut self.write_back, &tile);
         self.handed_over = start + HAND_OVER;
         self.buffers.push_back(free);
-        let mut at = Place {
+        let mut at = TracePlace {
             unit: self.number,
             tile: job.tile,
             splat: u32::MAX,
@@ -519,7 +519,7 @@ impl RasterUnit {
 }
 
 /// Where an event takes place.
-struct Place<'a, O, M> {
+struct TracePlace<'a, O, M> {
     unit: u32,
     tile: u32,
     splat: u32,
@@ -529,11 +529,11 @@ struct Place<'a, O, M> {
     memory: &'a mut M,
 }
 
-impl<O: Observer, M> Place<'_, O, M> {
+impl<O: Observer, M> TracePlace<'_, O, M> {
     #[inline(always)]
     fn event(&mut self, stage: Stage, lane: usize, row: u8, start: u64, end: u64) {
         if O::WATCHES {
-            let Place {
+            let TracePlace {
                 unit, tile, splat, ..
             } = *self;
             self.observer.event(Event {

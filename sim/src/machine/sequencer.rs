@@ -17,7 +17,7 @@ pub struct VisitCosts {
 
 /// A run in flight, for the read-after-write interlock.
 #[derive(Clone, Copy, Debug)]
-struct Flight {
+struct PacketInFlight {
     first: u8,
     last: u8,
     start: u64,
@@ -38,7 +38,7 @@ pub struct Sequencer {
 struct RowFlights {
     /// When the last of them has settled; they settle in the order in which they came.
     settled: u64,
-    flights: Vec<Flight>,
+    flights: Vec<PacketInFlight>,
 }
 
 /// Flights of a row beyond which those that have settled are thrown out.
@@ -71,7 +71,7 @@ impl Sequencer {
         let settled = start + cycles - costs.stretch + costs.blend_latency;
         let row = &mut self.rows[usize::from(band.y)];
         row.settled = settled;
-        row.flights.push(Flight {
+        row.flights.push(PacketInFlight {
             first: band.first,
             last: band.last,
             start,

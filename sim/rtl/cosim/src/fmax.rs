@@ -97,7 +97,7 @@ const UNITS: [&str; 5] = [
 ];
 
 /// A unit to be placed.
-struct Circuit<'a> {
+struct PlacedCircuit<'a> {
     subject: &'a Subject,
     unit: &'static str,
     lanes: Option<u32>,
@@ -126,14 +126,14 @@ pub fn counts_of(words: &str) -> Result<()> {
     })
 }
 
-fn of_name(words: &str, mut job: impl FnMut(&Circuit) -> Result<()>) -> Result<()> {
+fn of_name(words: &str, mut job: impl FnMut(&PlacedCircuit) -> Result<()>) -> Result<()> {
     for subject in subjects().iter().take(2) {
         let whole = LANES.map(|lanes| ("splat_primitive", Some(lanes)));
         let units = UNITS.map(|unit| (unit, None));
         for (unit, lanes) in whole.into_iter().chain(units) {
             let number = lanes.map_or(String::new(), |lanes| format!(" {lanes}"));
             if format!("{} {unit}{number}", subject.name).contains(words) {
-                job(&Circuit {
+                job(&PlacedCircuit {
                     subject,
                     unit,
                     lanes,
@@ -145,7 +145,7 @@ fn of_name(words: &str, mut job: impl FnMut(&Circuit) -> Result<()>) -> Result<(
 }
 
 /// The number of lanes as the tables name it.
-fn lanes_of(circuit: &Circuit) -> String {
+fn lanes_of(circuit: &PlacedCircuit) -> String {
     match circuit.lanes {
         Some(1) => ", 1 lane".to_owned(),
         Some(lanes) => format!(", {lanes} lanes"),
@@ -160,7 +160,7 @@ const SETUP: &str = "setup_unit";
 pub fn setup_unit(cores: u32) -> Result<()> {
     print!("{HEAD}");
     for subject in subjects().iter().take(2) {
-        let circuit = Circuit {
+        let circuit = PlacedCircuit {
             subject,
             unit: SETUP,
             lanes: Some(cores),
@@ -174,12 +174,12 @@ pub fn setup_unit(cores: u32) -> Result<()> {
 pub fn report() -> Result<()> {
     let mut text = HEAD.to_owned();
     for subject in subjects().iter().take(2) {
-        let whole = LANES.map(|lanes| Circuit {
+        let whole = LANES.map(|lanes| PlacedCircuit {
             subject,
             unit: "splat_primitive",
             lanes: Some(lanes),
         });
-        let units = UNITS.map(|unit| Circuit {
+        let units = UNITS.map(|unit| PlacedCircuit {
             subject,
             unit,
             lanes: None,
@@ -199,27 +199,27 @@ pub fn report() -> Result<()> {
 }
 
 /// What became of a circuit on a device.
-enum Outcome {
+enum Placement {
     TooLarge(Fabric),
     NoTool(Fabric),
     /// It fits by its counts, but nextpnr found no place for it; what it said.
     NotPlaced(Fabric, String),
     /// One timing for each seed, the slowest first.
-    Placed(Fabric, Vec<Timing>),
+    Placed(Fabric, Vec<PlacedTiming>),
 }
 
 /// What nextpnr reports.
-struct Timing {
+struct PlacedTiming {
     fmax: f64,
     /// From and to which cells the slowest path leads, and its nanoseconds.
     path: String,
 }
 
-fn line(circuit: &Circuit, device: &Device) -> Result<String> {
+fn line(circuit: &PlacedCircuit, device: &Device) -> Result<String> {
     let started = Instant::now();
     let (fabric, fmax, path) = match place(circuit, device)? {
-        Outcome::TooLarge(fabric) => (fabric, excess(&fabric, device), String::new()),
-        Outcome::NoTool(fabric) => {
+        Placement::TooLarge(fabric) => (fabric, excess(&fabric, device), String::new()),
+        Placement::NoTool(fabric) => {
             let tools = device.tools.join(" or ");
             (
                 fabric,
@@ -227,10 +227,10 @@ fn line(circuit: &Circuit, device: &Device) -> Result<String> {
                 String::new(),
             )
         }
-        Outcome::NotPlaced(fabric, problem) => {
+        Placement::NotPlaced(fabric, problem) => {
             (fabric, format!("not placed: {problem}"), String::new())
         }
-        Outcome::Placed(fabric, timings) => {
+        Placement::Placed(fabric, timings) => {
             let median = &timings[timings.len() / 2];
             (fabric, spread(&timings), median.path.clone())
         }
@@ -248,7 +248,7 @@ fn line(circuit: &Circuit, device: &Device) -> Result<String> {
 }
 
 /// The median, the smallest and the largest.
-fn spread(timings: &[Timing]) -> String {
+fn spread(timings: &[PlacedTiming]) -> String {
     let fmax = |place: usize| timings[place].fmax;
     let last = timings.len() - 1;
     format!(
@@ -276,7 +276,7 @@ fn too_large(fabric: &Fabric, device: &Device) -> bool {
         .any(|((_, count), (_, held))| count > held)
 }
 
-fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
+fn place(circuit: &PlacedCircuit, device: &Device) -> Result<Placement> {
     if let Some(lanes) = circuit.lanes.filter(|_| circuit.unit != SETUP) {
         let known = counts()?.into_iter().find(|line| {
             line.design == circuit.subject.name
@@ -284,26 +284,26 @@ fn place(circuit: &Circuit, device: &Device) -> Result<Outcome> {
                 && line.part == Part::Lanes(lanes)
         });
         if let Some(known) = known.filter(|known| too_large(&known.fabric, device)) {
-            return Ok(Outcome::TooLarge(known.fabric));
+            return Ok(Placement::TooLarge(known.fabric));
         }
     }
     let folder = tempfile::tempdir()?;
     let fabric = netlist(circuit, device, folder.path())?;
     if too_large(&fabric, device) {
-        return Ok(Outcome::TooLarge(fabric));
+        return Ok(Placement::TooLarge(fabric));
     }
     let Some(tool) = first_that_runs(device.tools) else {
-        return Ok(Outcome::NoTool(fabric));
+        return Ok(Placement::NoTool(fabric));
     };
     let mut timings = Vec::new();
     for seed in SEEDS {
         match placement(tool, device, folder.path(), seed)? {
             Ok(timing) => timings.push(timing),
-            Err(reason) => return Ok(Outcome::NotPlaced(fabric, reason)),
+            Err(reason) => return Ok(Placement::NotPlaced(fabric, reason)),
         }
     }
     timings.sort_by(|a, b| a.fmax.total_cmp(&b.fmax));
-    Ok(Outcome::Placed(fabric, timings))
+    Ok(Placement::Placed(fabric, timings))
 }
 
 /// The first of some programs of the same use that there is.
@@ -328,7 +328,7 @@ fn placer(tool: &str, device: &Device, folder: &Path, seed: u32) -> Command {
 /// text from which its bitstream is packed.
 pub(crate) fn configuration(subject: &Subject, lanes: u32, folder: &Path) -> Result<(Fabric, f64)> {
     let device = &DEVICES[0];
-    let circuit = Circuit {
+    let circuit = PlacedCircuit {
         subject,
         unit: "splat_primitive",
         lanes: Some(lanes),
@@ -354,7 +354,7 @@ fn placement(
     device: &Device,
     folder: &Path,
     seed: u32,
-) -> Result<Result<Timing, String>> {
+) -> Result<Result<PlacedTiming, String>> {
     let placing = run(&mut placer(tool, device, folder, seed));
     if let Err(problem) = placing {
         let text = problem.to_string();
@@ -368,7 +368,7 @@ fn placement(
 }
 
 /// Synthesises a circuit between registers into `netlist.json`.
-fn netlist(circuit: &Circuit, device: &Device, folder: &Path) -> Result<Fabric> {
+fn netlist(circuit: &PlacedCircuit, device: &Device, folder: &Path) -> Result<Fabric> {
     let Subject { name, widths } = circuit.subject;
     let unit = circuit.unit;
     let read = match unit {
@@ -438,7 +438,7 @@ endmodule
 }
 
 /// Fmax of the only clock, and its slowest path.
-fn timing(report: &str) -> Option<Timing> {
+fn timing(report: &str) -> Option<PlacedTiming> {
     let report: Value = serde_json::from_str(report).ok()?;
     let fmax = report["fmax"].as_object()?.values().next()?["achieved"].as_f64()?;
     let paths = report["critical_paths"].as_array()?;
@@ -458,7 +458,7 @@ fn timing(report: &str) -> Option<Timing> {
         .filter(|step| step["type"] == "routing")
         .filter_map(|step| step["delay"].as_f64())
         .sum();
-    Some(Timing {
+    Some(PlacedTiming {
         fmax,
         path: format!(
             "{} to {}: {delay:.1}, {routing:.1} of it wires",

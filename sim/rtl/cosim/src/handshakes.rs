@@ -17,15 +17,15 @@ use splatline::rules::Rules;
 const PATIENCE: usize = 20_000;
 
 /// A tile of random splats that cover it, a circuit, and what the kernel draws.
-struct Scene {
+struct HandshakeScene {
     bench: Bench,
     load: Workload,
     tile: Tile,
     expected: Vec<Pixel>,
 }
 
-impl Scene {
-    fn new(lanes: usize) -> Scene {
+impl HandshakeScene {
+    fn new(lanes: usize) -> HandshakeScene {
         let widths = Lean18::WIDTHS;
         let load = workload::random(&widths, 40, 20, 5);
         let tile = load.tiles[0].clone();
@@ -35,7 +35,7 @@ impl Scene {
         let clear = Pixel::clear(&widths);
         assert!(expected.iter().any(|pixel| *pixel != clear));
         let bench = Bench::new("lean18", &widths, lanes, &Rules::EWA, 3).unwrap();
-        Scene {
+        HandshakeScene {
             bench,
             load,
             tile,
@@ -77,7 +77,8 @@ impl Scene {
 
     fn read(&mut self) -> Vec<Pixel> {
         let take = self.bench.pixel_offer(true);
-        let read = |scene: &mut Scene| pixel(&scene.until(&take, |out| out.pixel_valid == 1));
+        let read =
+            |scene: &mut HandshakeScene| pixel(&scene.until(&take, |out| out.pixel_valid == 1));
         (0..self.expected.len()).map(|_| read(self)).collect()
     }
 
@@ -93,7 +94,7 @@ impl Scene {
 #[test]
 fn a_packet_offered_with_finish_belongs_to_its_tile() {
     for lanes in LANES {
-        let mut scene = Scene::new(lanes);
+        let mut scene = HandshakeScene::new(lanes);
         scene.open();
         for place in 0..scene.tile.list.len() {
             let quiet = scene.quiet();
@@ -114,7 +115,7 @@ fn a_packet_offered_with_finish_belongs_to_its_tile() {
 #[test]
 fn finish_waits_for_what_was_taken() {
     for lanes in LANES {
-        let mut scene = Scene::new(lanes);
+        let mut scene = HandshakeScene::new(lanes);
         scene.open();
         for place in 0..scene.tile.list.len() {
             let both = Inputs {
@@ -134,7 +135,7 @@ fn finish_waits_for_what_was_taken() {
 #[test]
 fn a_tile_is_drawn_while_the_one_before_is_read_out() {
     for lanes in LANES {
-        let mut scene = Scene::new(lanes);
+        let mut scene = HandshakeScene::new(lanes);
         scene.open();
         for place in 0..scene.tile.list.len() {
             let packet = scene.packet(place);
@@ -178,7 +179,7 @@ fn a_tile_is_drawn_while_the_one_before_is_read_out() {
 #[test]
 fn lanes_wait_for_their_enable() {
     for lanes in LANES {
-        let mut scene = Scene::new(lanes);
+        let mut scene = HandshakeScene::new(lanes);
         scene.open();
         let hold = |inputs: Inputs| Inputs {
             lanes_enable: 0,
@@ -216,7 +217,7 @@ fn lanes_wait_for_their_enable() {
 #[test]
 fn reset_in_mid_tile_leaves_no_trace() {
     for lanes in LANES {
-        let mut scene = Scene::new(lanes);
+        let mut scene = HandshakeScene::new(lanes);
         let reset = |inputs: Inputs| Inputs { rst: 1, ..inputs };
         for cycles in (0..160).step_by(7) {
             scene.open();
@@ -264,7 +265,7 @@ fn reset_in_mid_tile_leaves_no_trace() {
 #[test]
 fn an_empty_window_reads_out_nothing() {
     for lanes in LANES {
-        let mut scene = Scene::new(lanes);
+        let mut scene = HandshakeScene::new(lanes);
         let [x, y] = scene.tile.window.first;
         for last in [[x, y + 3], [x + 3, y], [x, y]] {
             let window = Window {

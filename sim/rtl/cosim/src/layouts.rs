@@ -25,7 +25,7 @@ const SIZE: usize = 512;
 
 /// How four lanes share a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Layout {
+enum PacketLayout {
     /// Four adjacent pixels from the run's first on: a bank for each column modulo 4 and a rotation.
     Unaligned,
     /// Four adjacent pixels from a multiple of 4 on: one wide word.
@@ -47,13 +47,17 @@ pub fn report() -> Result<String> {
     let missing = "guitar.ply is not at hand";
     let load = |view| guitar(&design, &Rules::GAUSSIAN_3D, view, SIZE)?.context(missing);
     let views = [load(GuitarView::Close)?, load(GuitarView::Whole)?];
-    let rows = [1, 2, 4, QUEUE, 16, 32].map(Layout::Rows);
+    let rows = [1, 2, 4, QUEUE, 16, 32].map(PacketLayout::Rows);
     let tile_sizes = [[16, 16], [32, 16], [64, 32], [64, 64]];
-    let cases = [Layout::Unaligned, Layout::Aligned, Layout::Quads]
-        .into_iter()
-        .chain(rows)
-        .map(|layout| (layout, TILE))
-        .chain(tile_sizes.map(|size| (Layout::Rows(QUEUE), size)));
+    let cases = [
+        PacketLayout::Unaligned,
+        PacketLayout::Aligned,
+        PacketLayout::Quads,
+    ]
+    .into_iter()
+    .chain(rows)
+    .map(|layout| (layout, TILE))
+    .chain(tile_sizes.map(|size| (PacketLayout::Rows(QUEUE), size)));
     for (layout, size) in cases {
         let [close, whole] = [0, 1].map(|view: usize| utilisation(&views[view], layout, size));
         let line = format!(
@@ -75,18 +79,18 @@ cycle, so that the row unit is nearly as busy as the lanes and every imbalance b
 in two; deeper queues smooth the imbalance at 200 bits a run and lane.
 ";
 
-impl Layout {
+impl PacketLayout {
     fn name(self) -> String {
         match self {
-            Layout::Unaligned => "groups of 4 from the run's start".to_owned(),
-            Layout::Aligned => "groups of 4 at multiples of 4".to_owned(),
-            Layout::Quads => "2 x 2 quads".to_owned(),
-            Layout::Rows(queue) => format!("a lane for each row modulo 4, queues of {queue}"),
+            PacketLayout::Unaligned => "groups of 4 from the run's start".to_owned(),
+            PacketLayout::Aligned => "groups of 4 at multiples of 4".to_owned(),
+            PacketLayout::Quads => "2 x 2 quads".to_owned(),
+            PacketLayout::Rows(queue) => format!("a lane for each row modulo 4, queues of {queue}"),
         }
     }
 }
 
-fn utilisation(workload: &Workload, layout: Layout, size: [u16; 2]) -> f64 {
+fn utilisation(workload: &Workload, layout: PacketLayout, size: [u16; 2]) -> f64 {
     let tiles = tiles(&workload.footprints, [SIZE as u16; 2], size);
     let rules = kernel_rules(&Rules::GAUSSIAN_3D);
     let golden = Golden::new(Lean18, &rules);
@@ -98,9 +102,9 @@ fn utilisation(workload: &Workload, layout: Layout, size: [u16; 2]) -> f64 {
     covered as f64 / (cycles as f64 * LANES as f64)
 }
 
-fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
+fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: PacketLayout) -> u64 {
     let drawn = tile.list.iter().map(|index| &footprints[*index as usize]);
-    if let Layout::Rows(queue) = layout {
+    if let PacketLayout::Rows(queue) = layout {
         let mut clock = PrimitiveClock::new(LANES, queue);
         for footprint in drawn {
             clock.packet(0);
@@ -121,21 +125,21 @@ fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: Layout) -> u64 {
 }
 
 /// Groups of pixels that a splat's runs take.
-fn splat_groups(footprint: &Footprint, window: &Window, layout: Layout) -> u64 {
+fn splat_groups(footprint: &Footprint, window: &Window, layout: PacketLayout) -> u64 {
     let mut rows = EllipseSpans::new(Lean18, footprint, window);
     let runs: Vec<(u16, u16, u16)> = std::iter::from_fn(|| rows.next_span())
         .map(|run| (run.y, run.x, run.x + run.length))
         .collect();
     match layout {
-        Layout::Unaligned => runs
+        PacketLayout::Unaligned => runs
             .iter()
             .map(|(_, x, end)| u64::from((end - x).div_ceil(4)))
             .sum(),
-        Layout::Aligned => runs
+        PacketLayout::Aligned => runs
             .iter()
             .map(|(_, x, end)| u64::from(end.div_ceil(4) - x / 4))
             .sum(),
-        Layout::Quads | Layout::Rows(_) => runs
+        PacketLayout::Quads | PacketLayout::Rows(_) => runs
             .chunk_by(|(a, ..), (b, ..)| a / 2 == b / 2)
             .map(|pair| {
                 let first = pair.iter().map(|(_, x, _)| x / 2).min().unwrap_or(0);

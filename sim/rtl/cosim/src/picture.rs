@@ -138,7 +138,7 @@ pub fn circuit_cycles(
         backgrounds,
     } = Handed::new(workload);
     let order = tiles.iter().flat_map(|tile| &tile.list).copied();
-    let mut memory = Memory::new(layout, config, order.collect());
+    let mut memory = PictureMemory::new(layout, config, order.collect());
     // The circuit clears its buffers once, after its reset: before the picture.
     // It begins in a cycle in which packets are taken, as the model does.
     let interval = SETUP_INTERVAL.into();
@@ -147,10 +147,10 @@ pub fn circuit_cycles(
     {}
     let start = bench.cycles();
     let mut background = Background::new(config, &backgrounds);
-    let mut drawing = Drawing {
+    let mut drawing = CircuitDrawing {
         tiles: &tiles,
         drawn: 0,
-        phase: Phase::Tile,
+        phase: PicturePhase::Tile,
     };
     let mut reading = Reading {
         pixel_cycles: memory.pixel_cycles,
@@ -261,50 +261,50 @@ impl Background {
 }
 
 /// The side of the bench that offers tiles, packets and their ends.
-struct Drawing<'a> {
+struct CircuitDrawing<'a> {
     tiles: &'a [Tile],
     drawn: usize,
-    phase: Phase,
+    phase: PicturePhase,
 }
 
 /// What the circuit is asked for.
-enum Phase {
+enum PicturePhase {
     Tile,
     Packets(usize),
     Finish,
 }
 
-impl Drawing<'_> {
+impl CircuitDrawing<'_> {
     fn is_done(&self) -> bool {
         self.drawn == self.tiles.len()
     }
 
     fn offer(&self, bench: &Bench, workload: &Workload, packet: Option<u32>) -> Inputs {
         match (&self.phase, packet) {
-            (Phase::Tile, _) => match self.tiles.get(self.drawn) {
+            (PicturePhase::Tile, _) => match self.tiles.get(self.drawn) {
                 Some(tile) => bench.tile_offer(tile),
                 None => bench.pixel_offer(false),
             },
-            (Phase::Packets(_), Some(packet)) => {
+            (PicturePhase::Packets(_), Some(packet)) => {
                 bench.packet_offer(&workload.footprints[packet as usize])
             }
-            (Phase::Packets(_), None) => bench.pixel_offer(false),
-            (Phase::Finish, _) => bench.finish_offer(),
+            (PicturePhase::Packets(_), None) => bench.pixel_offer(false),
+            (PicturePhase::Finish, _) => bench.finish_offer(),
         }
     }
 
     /// Goes on with what the circuit answered; `true` if a tile has ended.
     fn note(&mut self, inputs: &Inputs, out: &Outputs) -> bool {
         match self.phase {
-            Phase::Tile if inputs.tile_valid == 1 && out.tile_ready == 1 => {
+            PicturePhase::Tile if inputs.tile_valid == 1 && out.tile_ready == 1 => {
                 let count = self.tiles[self.drawn].list.len();
                 self.phase = packets(count);
             }
-            Phase::Packets(left) if taken(inputs, out.packet_ready) => {
+            PicturePhase::Packets(left) if taken(inputs, out.packet_ready) => {
                 self.phase = packets(left - 1);
             }
-            Phase::Finish if out.finish_ready == 1 => {
-                self.phase = Phase::Tile;
+            PicturePhase::Finish if out.finish_ready == 1 => {
+                self.phase = PicturePhase::Tile;
                 self.drawn += 1;
                 return true;
             }
@@ -314,11 +314,11 @@ impl Drawing<'_> {
     }
 }
 
-fn packets(left: usize) -> Phase {
+fn packets(left: usize) -> PicturePhase {
     if left == 0 {
-        Phase::Finish
+        PicturePhase::Finish
     } else {
-        Phase::Packets(left)
+        PicturePhase::Packets(left)
     }
 }
 
@@ -360,7 +360,7 @@ impl Reading {
 }
 
 /// Packets on their way, and the channel of finished pixels.
-struct Memory {
+struct PictureMemory {
     transfer: u64,
     latency: u64,
     queue: usize,
@@ -372,10 +372,10 @@ struct Memory {
     free: u64,
 }
 
-impl Memory {
-    fn new(layout: &Layout, config: &Config, order: VecDeque<u32>) -> Memory {
+impl PictureMemory {
+    fn new(layout: &Layout, config: &Config, order: VecDeque<u32>) -> PictureMemory {
         let bytes = 4 * layout.words() as u32 + config.list_bytes;
-        Memory {
+        PictureMemory {
             transfer: bytes.div_ceil(config.read_bandwidth).into(),
             latency: config.latency.into(),
             queue: config.packet_fifo as usize,

@@ -61,7 +61,7 @@ impl ModelSeconds {
 
 /// What both sides must agree on: pixels and cycles of every tile.
 #[derive(Clone, Debug, PartialEq)]
-struct Drawn {
+struct TimedDrawing {
     pixels: Vec<Vec<Pixel>>,
     cycles: Vec<u64>,
 }
@@ -92,7 +92,7 @@ fn measure(
     workload: &Workload,
 ) -> Result<String> {
     let rules = kernel_rules(&Rules::GAUSSIAN_3D);
-    let circuit = Circuit {
+    let circuit = TimedCircuit {
         design,
         choice,
         lanes,
@@ -101,7 +101,7 @@ fn measure(
     };
     let results: Vec<_> = workload.footprints.iter().copied().map(Ok).collect();
     let viewport = workload.viewport.context("the tiles make a picture")?;
-    let model = Model {
+    let model = TimedModel {
         rules: &rules,
         workload,
         viewport,
@@ -137,7 +137,7 @@ struct Round {
     all: f64,
 }
 
-fn round(circuit: &Circuit, choice: &DesignChoice, model: Model) -> Result<Round> {
+fn round(circuit: &TimedCircuit, choice: &DesignChoice, model: TimedModel) -> Result<Round> {
     let (circuit, expected) = circuit.seconds()?;
     let (one, drawn) = one_thread(|| choice.dispatch(OneThread(model)));
     ensure!(drawn == expected, "model and circuit differ on one thread");
@@ -161,7 +161,7 @@ fn one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 }
 
 /// The circuit and all that it draws.
-struct Circuit<'a> {
+struct TimedCircuit<'a> {
     design: &'static str,
     choice: &'a DesignChoice,
     lanes: usize,
@@ -172,14 +172,14 @@ struct Circuit<'a> {
 /// A tile's packets, and where its pixels are read out to.
 type Job<'a> = (&'a Tile, Vec<Packet>, Vec<ReadOut>);
 
-impl Circuit<'_> {
+impl TimedCircuit<'_> {
     fn bench(&self) -> Result<Bench> {
         let widths = &self.choice.widths;
         Ok(Bench::new(self.design, widths, self.lanes, self.rules, 1)?)
     }
 
     /// Seconds, and what one simulation drew.
-    fn seconds(&self) -> Result<(CircuitSeconds, Drawn)> {
+    fn seconds(&self) -> Result<(CircuitSeconds, TimedDrawing)> {
         let mut bench = self.bench()?;
         let mut jobs: Vec<Job> = self
             .workload
@@ -199,7 +199,7 @@ impl Circuit<'_> {
             .map(|(_, _, pixels)| pixels.iter().map(pixel).collect())
             .collect();
         let all = self.on_all_cores(jobs)?;
-        Ok((CircuitSeconds { one, all }, Drawn { pixels, cycles }))
+        Ok((CircuitSeconds { one, all }, TimedDrawing { pixels, cycles }))
     }
 
     /// Seconds on the wall with a simulation for each core, which take the tiles as they come.
@@ -249,7 +249,7 @@ fn pixel(out: &ReadOut) -> Pixel {
 
 /// The host's drawing of all tiles, and the cycles of the circuit's.
 #[derive(Clone, Copy)]
-struct Model<'a> {
+struct TimedModel<'a> {
     rules: &'a KernelRules,
     workload: &'a Workload,
     viewport: [u16; 2],
@@ -260,10 +260,10 @@ struct Model<'a> {
 }
 
 /// Seconds of both parts, one after the other.
-struct OneThread<'a>(Model<'a>);
+struct OneThread<'a>(TimedModel<'a>);
 
 impl DesignJob for OneThread<'_> {
-    type Output = (ModelSeconds, Drawn);
+    type Output = (ModelSeconds, TimedDrawing);
 
     fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
         let OneThread(model) = self;
@@ -286,10 +286,10 @@ impl DesignJob for OneThread<'_> {
 }
 
 /// Seconds on the wall of both parts at the same time, so that no core waits for the other's last tile.
-struct AllCores<'a>(Model<'a>);
+struct AllCores<'a>(TimedModel<'a>);
 
 impl DesignJob for AllCores<'_> {
-    type Output = (f64, Drawn);
+    type Output = (f64, TimedDrawing);
 
     fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
         let AllCores(model) = self;
@@ -303,7 +303,7 @@ impl DesignJob for AllCores<'_> {
     }
 }
 
-impl Model<'_> {
+impl TimedModel<'_> {
     /// The pixels of every one of the host's tiles, row by row.
     fn draw<D: Design + Send + Sync + 'static>(&self, design: D) -> Vec<Vec<Pixel>> {
         let (order, traversal) = (Compositing::FrontToBack, Traversal::Spans);
@@ -326,10 +326,10 @@ impl Model<'_> {
     }
 
     /// What the last turn drew and counted.
-    fn drawn(&self, last: Option<(Vec<Vec<Pixel>>, Vec<u64>)>) -> Drawn {
+    fn drawn(&self, last: Option<(Vec<Vec<Pixel>>, Vec<u64>)>) -> TimedDrawing {
         let (pixels, cycles) = last.expect("there is at least one turn");
         let pixels = self.in_tiles_of_the_circuit(&pixels);
-        Drawn { pixels, cycles }
+        TimedDrawing { pixels, cycles }
     }
 
     /// The same pixels as the circuit's tiles have them.
@@ -355,7 +355,7 @@ impl Model<'_> {
 
     /// The cycles of every one of the circuit's tiles.
     fn cycles<D: Design + Sync>(&self, design: D) -> Vec<u64> {
-        let Model {
+        let TimedModel {
             workload,
             viewport,
             lanes,

@@ -175,7 +175,7 @@ impl Loads {
         let mut lines = Vec::new();
         for workload in &self.workloads {
             for pauses in PASSES_BY_PAUSES {
-                let findings = self.choice.dispatch(Comparison {
+                let findings = self.choice.dispatch(ModelLine {
                     bench,
                     lanes,
                     rules: &self.rules,
@@ -205,7 +205,7 @@ impl Loads {
                     picture::model_cycles(&self.choice, &self.scene_rules, workload, &config)?;
                 let (circuit, pixels) =
                     picture::circuit_cycles(bench, self.widths(), workload, &config)?;
-                let mismatches = self.choice.dispatch(Words {
+                let mismatches = self.choice.dispatch(WordsLine {
                     rules: &self.rules,
                     workload,
                     pixels: &pixels,
@@ -266,7 +266,7 @@ fn shorten(workload: &mut Workload) {
     workload.tiles = tiles;
 }
 
-struct Comparison<'a> {
+struct ModelLine<'a> {
     bench: &'a mut Bench,
     lanes: usize,
     rules: &'a splatline::rules::Rules,
@@ -274,7 +274,7 @@ struct Comparison<'a> {
     pauses: Pauses,
 }
 
-impl DesignJob for Comparison<'_> {
+impl DesignJob for ModelLine<'_> {
     type Output = Findings;
 
     fn run<D: Design + Send + Sync>(self, design: D) -> Findings {
@@ -292,13 +292,13 @@ impl DesignJob for Comparison<'_> {
 }
 
 /// The words of a picture's tiles against the kernel's: how many pixels differ.
-struct Words<'a> {
+struct WordsLine<'a> {
     rules: &'a splatline::rules::Rules,
     workload: &'a Workload,
     pixels: &'a [Vec<Pixel>],
 }
 
-impl DesignJob for Words<'_> {
+impl DesignJob for WordsLine<'_> {
     type Output = u64;
 
     fn run<D: Design + Send + Sync>(self, design: D) -> u64 {

@@ -20,13 +20,13 @@ const NORMALISE: usize = 3;
 
 /// A value and the shift that it is aligned by.
 #[derive(Clone, Copy)]
-struct Word {
+struct UnitWord {
     value: i64,
     shift: i16,
 }
 
-impl Word {
-    fn random(state: &mut u64) -> Word {
+impl UnitWord {
+    fn random(state: &mut u64) -> UnitWord {
         let [bits, kind, far] = [0; 3].map(|_: u32| split_mix(state));
         let magnitude = match kind % 4 {
             // Ones that a rounding carries through, powers of two, and anything.
@@ -35,7 +35,7 @@ impl Word {
             _ => bits >> (64 - BITS) >> ((kind >> 8) % u64::from(BITS)),
         };
         let reach = if kind & 64 == 0 { 90 } else { 1_000 };
-        Word {
+        UnitWord {
             value: if kind & 128 == 0 { 1 } else { -1 } * magnitude as i64,
             shift: (far % (2 * reach + 1)) as i16 - reach as i16,
         }
@@ -47,7 +47,7 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Option<String> {
     let mut state = 5;
     let mut fed = VecDeque::new();
     for _ in 0..WORDS {
-        let word = Word::random(&mut state);
+        let word = UnitWord::random(&mut state);
         let out = bench.step(&Inputs {
             unit_negative: (word.value < 0).into(),
             unit_magnitude: word.value.unsigned_abs(),
@@ -67,14 +67,18 @@ pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Option<String> {
     None
 }
 
-fn of_alignment(Word { value, shift }: &Word, out: &Outputs) -> Option<String> {
+fn of_alignment(UnitWord { value, shift }: &UnitWord, out: &Outputs) -> Option<String> {
     let expected = shift_signed(*value, (*shift).into());
     let got = out.aligned as i64;
     (got != expected)
         .then(|| format!("{value} aligned by {shift}: the kernel has {expected}, align.sv {got}"))
 }
 
-fn of_normalisation(Word { value, .. }: &Word, mantissa: u8, out: &Outputs) -> Option<String> {
+fn of_normalisation(
+    UnitWord { value, .. }: &UnitWord,
+    mantissa: u8,
+    out: &Outputs,
+) -> Option<String> {
     let expected = SoftFloat::from_wide(*value, 0, mantissa.into());
     let magnitude = out.normal as i32;
     let signed = if out.normal_negative == 1 {

@@ -82,12 +82,12 @@ pub struct SurfaceRenderer<'a, P = QuantisedPoints> {
     /// What vectors gather by, if they can.
     numbers: Option<GatherNumbers>,
     materials: Vec<shading::Material>,
-    memory: FrameMemory,
+    memory: SurfaceFrameMemory,
 }
 
 /// The memory of frames.
 #[derive(Default)]
-struct FrameMemory {
+struct SurfaceFrameMemory {
     outcomes: Vec<SurfaceOutcome>,
     order: TileOrder,
     /// Tile after tile, each row by row.
@@ -130,7 +130,7 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
             threshold,
             numbers,
             materials: scene.materials.iter().map(material).collect(),
-            memory: FrameMemory::default(),
+            memory: SurfaceFrameMemory::default(),
         }
     }
 
@@ -161,7 +161,7 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
             Engine::Vectors(choice) => Some(choice),
             Engine::Scalar => None,
         };
-        design.dispatch(FrameJob {
+        design.dispatch(SurfaceFrameJob {
             points,
             options,
             rules,
@@ -235,16 +235,16 @@ impl DesignJob for LaneBits {
 }
 
 /// A frame by a design's own type.
-struct FrameJob<'a> {
+struct SurfaceFrameJob<'a> {
     points: &'a QuantisedPoints,
     options: &'a SurfaceOptions<'a>,
     rules: &'a kernel::Rules,
     table: &'a TableMemory,
     constants: TileConstants<'a>,
-    memory: &'a mut FrameMemory,
+    memory: &'a mut SurfaceFrameMemory,
 }
 
-impl DesignJob for FrameJob<'_> {
+impl DesignJob for SurfaceFrameJob<'_> {
     type Output = SurfaceFacts;
 
     fn run<D: Design + Send + Sync>(self, design: D) -> SurfaceFacts {
@@ -259,9 +259,9 @@ impl DesignJob for FrameJob<'_> {
     }
 }
 
-impl FrameJob<'_> {
+impl SurfaceFrameJob<'_> {
     fn draw<D: Design + Send + Sync, C: HostCell>(self, design: D) -> SurfaceFacts {
-        let FrameJob {
+        let SurfaceFrameJob {
             points: QuantisedPoints { view, splats, .. },
             options,
             rules,
@@ -274,7 +274,7 @@ impl FrameJob<'_> {
         };
         let (gather, traversal) = (constants.gather, options.traversal);
         let painter = SurfacePainter::new(design, rules, table.table(), gather, traversal);
-        let plan = FramePlan {
+        let plan = SurfaceFramePlan {
             viewport: view.viewport,
             cull_backfaces: options.style.cull_backfaces,
             set_up: &set_up,
@@ -303,15 +303,15 @@ fn set_up_part<D: Design>(
 }
 
 /// How points become pixels, whatever the design.
-struct FramePlan<'a> {
+struct SurfaceFramePlan<'a> {
     viewport: [u16; 2],
     cull_backfaces: bool,
     set_up: &'a (dyn Fn(&[SurfaceSplat], &mut [SurfaceOutcome]) + Sync),
     tiles: &'a dyn SurfaceTiles,
 }
 
-impl FrameMemory {
-    fn draw(&mut self, splats: &[SurfaceSplat], plan: &FramePlan) -> SurfaceFacts {
+impl SurfaceFrameMemory {
+    fn draw(&mut self, splats: &[SurfaceSplat], plan: &SurfaceFramePlan) -> SurfaceFacts {
         let started = Instant::now();
         let grid = Grid::new(plan.viewport, TILE);
         let set_up = self.set_up(splats, plan);
@@ -326,7 +326,7 @@ impl FrameMemory {
         }
     }
 
-    fn set_up(&mut self, splats: &[SurfaceSplat], plan: &FramePlan) -> SurfaceFacts {
+    fn set_up(&mut self, splats: &[SurfaceSplat], plan: &SurfaceFramePlan) -> SurfaceFacts {
         if self.outcomes.len() != splats.len() {
             // In parallel: most of its time is the first touch of its memory.
             self.outcomes = splats.par_iter().map(|_| Err(Cull::Near)).collect();
@@ -345,8 +345,8 @@ impl FrameMemory {
 
     /// Every tile on some core. Not inlined, so that a profiler can tell it from the rest.
     #[inline(never)]
-    fn paint(&mut self, grid: &Grid, plan: &FramePlan) -> SurfaceFacts {
-        let FrameMemory {
+    fn paint(&mut self, grid: &Grid, plan: &SurfaceFramePlan) -> SurfaceFacts {
+        let SurfaceFrameMemory {
             outcomes,
             order,
             resolved,

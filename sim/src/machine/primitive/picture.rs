@@ -87,7 +87,7 @@ fn one_tile<'a, D: Design, const LANES: usize>(
     choice: VectorLevel,
     observe: impl FnMut(PacketStamp),
 ) -> u64 {
-    let mut units = [Unit::<LANES>::new()];
+    let mut units = [BandUnit::<LANES>::new()];
     let units_of_tile = &mut units;
     let band = PictureBand {
         design,
@@ -110,7 +110,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
     let threads = rayon::current_num_threads();
     let parts = if threads == 1 { 1 } else { PARTS * threads };
     let height = rows.div_ceil(parts).max(1);
-    let mut units = vec![Unit::<LANES>::new(); columns * rows];
+    let mut units = vec![BandUnit::<LANES>::new(); columns * rows];
     let bands = units.par_chunks_mut((columns * height).max(1)).enumerate();
     bands.for_each(|(number, units)| {
         let row = |tile: usize| (tile * ROWS).min(viewport[1].into()) as u16;
@@ -132,7 +132,7 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
             },
         );
     });
-    units.iter().map(Unit::cycles).collect()
+    units.iter().map(BandUnit::cycles).collect()
 }
 
 fn touches(footprint: &Footprint, window: &Window) -> bool {
@@ -145,7 +145,7 @@ struct PictureBand<'u, D, I, O, const LANES: usize> {
     design: D,
     footprints: I,
     window: Window,
-    units: &'u mut [Unit<LANES>],
+    units: &'u mut [BandUnit<LANES>],
     observe: O,
 }
 
@@ -241,7 +241,7 @@ fn lengths(first: &[u16; ROWS], end: &[u16; ROWS], part: &Window, count: usize) 
 
 /// A primitive that draws one tile and whose packets never run out.
 #[derive(Clone, Debug)]
-struct Unit<const LANES: usize> {
+struct BandUnit<const LANES: usize> {
     /// As in [`super::PrimitiveClock`].
     turns: Turns,
     begun: u64,
@@ -254,9 +254,9 @@ struct Unit<const LANES: usize> {
     flights: [Flights; LANES],
 }
 
-impl<const LANES: usize> Unit<LANES> {
+impl<const LANES: usize> BandUnit<LANES> {
     fn new() -> Self {
-        Unit {
+        BandUnit {
             turns: Turns::new(SETUP_INTERVAL, 0),
             begun: 0,
             issued: 0,

@@ -11,7 +11,7 @@ use proptest::prelude::*;
 use std::collections::VecDeque;
 
 #[derive(Clone, Copy)]
-struct Lane {
+struct OracleLane {
     free_at: u64,
 }
 
@@ -32,7 +32,7 @@ fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
     let mut bands: VecDeque<(Band, u64)> = VecDeque::new();
     let mut in_rows: Option<(Band, u64)> = None;
     let mut runs: Vec<VecDeque<Band>> = vec![VecDeque::new(); lanes];
-    let mut lane = vec![Lane { free_at: 0 }; lanes];
+    let mut lane = vec![OracleLane { free_at: 0 }; lanes];
     let mut flights: Vec<(Band, u64)> = Vec::new();
     let mut last = 0;
     for now in 0..1_000_000 {

@@ -53,7 +53,7 @@ fn gaps_of_the_write_channel_take_backgrounds() {
 }
 
 /// A packet: the cycle from which it is offered, and its rows.
-type Packet = (u64, Vec<Option<LaneRun>>);
+type NaivePacket = (u64, Vec<Option<LaneRun>>);
 
 /// Cycles of all handshakes: packets, splats, and runs into queues and out of them (lane by lane).
 #[derive(Debug, Default, PartialEq)]
@@ -66,7 +66,7 @@ struct Handshakes {
 }
 
 /// A queue behind a pipeline: memory, the word read, the register, and the places that are taken. Some rest for a cycle after an entry has left.
-struct Buffer<T> {
+struct NaiveBuffer<T> {
     rests: bool,
     memory: VecDeque<T>,
     word: Option<T>,
@@ -74,9 +74,9 @@ struct Buffer<T> {
     taken: usize,
 }
 
-impl<T> Buffer<T> {
+impl<T> NaiveBuffer<T> {
     fn new(rests: bool) -> Self {
-        Buffer {
+        NaiveBuffer {
             rests,
             memory: VecDeque::new(),
             word: None,
@@ -103,7 +103,7 @@ impl<T> Buffer<T> {
 }
 
 /// A lane: its queue, the run at the queue's front, pixels to come of the run that it draws (row, column, count), and where it has been.
-struct Lane {
+struct NaiveLane {
     queue: VecDeque<LaneRun>,
     front: Option<LaneRun>,
     at: Option<(u16, u16, u16)>,
@@ -112,7 +112,7 @@ struct Lane {
     compared: bool,
 }
 
-impl Lane {
+impl NaiveLane {
     /// The run at the front, if it is popped now.
     fn popped(&self) -> Option<LaneRun> {
         let last = self.at.is_none_or(|(_, _, count)| count == 1);
@@ -153,20 +153,20 @@ impl Lane {
     }
 }
 
-fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Handshakes {
+fn clocked(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -> Handshakes {
     let mut setup: [Option<usize>; 24] = [None; 24];
-    let mut splats = Buffer::new(true);
+    let mut splats = NaiveBuffer::new(true);
     let mut issued: Option<(usize, usize)> = None;
     let mut rows: [Option<Option<LaneRun>>; 32] = [None; 32];
-    let mut slots = Buffer::new(false);
-    let lane = || Lane {
+    let mut slots = NaiveBuffer::new(false);
+    let lane = || NaiveLane {
         queue: VecDeque::new(),
         front: None,
         at: None,
         been: [None; 5],
         compared: false,
     };
-    let mut units: Vec<Lane> = (0..lanes).map(|_| lane()).collect();
+    let mut units: Vec<NaiveLane> = (0..lanes).map(|_| lane()).collect();
     let mut seen = Handshakes {
         popped: vec![Vec::new(); lanes],
         ..Handshakes::default()
@@ -193,7 +193,7 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Han
         says_idle = splats.taken == 0
             && issued.is_none()
             && slots.taken == 0
-            && units.iter().all(Lane::idle)
+            && units.iter().all(NaiveLane::idle)
             && packet.is_none();
         // The clock's edge.
         for (number, unit) in units.iter_mut().enumerate() {
@@ -219,7 +219,7 @@ fn clocked(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Han
     seen
 }
 
-fn recurrence(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> Handshakes {
+fn recurrence(packets: &[NaivePacket], lanes: usize, queue: usize, interval: u64) -> Handshakes {
     let mut clock = PrimitiveClock::with_interval(lanes, queue as u32, interval as u32, 0);
     let mut seen = Handshakes {
         popped: vec![Vec::new(); lanes],
@@ -242,7 +242,7 @@ fn recurrence(packets: &[Packet], lanes: usize, queue: usize, interval: u64) -> 
 }
 
 /// Packets with gaps between them; rows of neighbouring lanes, some of them empty, that often meet those before them.
-fn packets() -> impl Strategy<Value = (Vec<Packet>, usize, usize)> {
+fn packets() -> impl Strategy<Value = (Vec<NaivePacket>, usize, usize)> {
     let packet = (
         0u64..40,
         0u16..4,

@@ -42,12 +42,12 @@ struct Way<'a> {
     name: &'static str,
     splats: usize,
     /// Draws a frame.
-    frame: Box<dyn FnMut() -> Result<Frame> + Send + 'a>,
+    frame: Box<dyn FnMut() -> Result<TimedFrame> + Send + 'a>,
 }
 
 /// What a frame tells of itself.
 #[derive(Clone, Copy, Default)]
-struct Frame {
+struct TimedFrame {
     /// Pixels that it covered, where they are counted.
     covered: Option<u64>,
     /// Seconds of setup, of lists and their order, and of pixels, where they are told apart.
@@ -208,7 +208,7 @@ fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) 
             raster_s,
             ..
         } = drawing.stages;
-        Ok(Frame {
+        Ok(TimedFrame {
             covered: drawing.pixels.map(|pixels| pixels.covered),
             stages: Some([setup_s, sort_s, raster_s]),
         })
@@ -242,21 +242,21 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
             "5 axis-aligned sheets, whole",
             Box::new(move || {
                 fixed::sheets::draw(scene, camera, &options(), &axis);
-                Ok(Frame::default())
+                Ok(TimedFrame::default())
             }),
         ),
         way(
             "5 image-aligned sheets, whole",
             Box::new(move || {
                 fixed::sheets::draw(scene, camera, &options(), &image);
-                Ok(Frame::default())
+                Ok(TimedFrame::default())
             }),
         ),
         way(
             "8 deep alpha channel, whole",
             Box::new(move || {
                 fixed::deep::draw(scene, camera, &options(), channel);
-                Ok(Frame::default())
+                Ok(TimedFrame::default())
             }),
         ),
         way(
@@ -264,7 +264,7 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
             Box::new(move || {
                 let shape = (Ellipse::Exact, Index::Perspective);
                 let drawing = fixed::draw_spheres(scene, camera, &options(), shape);
-                Ok(Frame {
+                Ok(TimedFrame {
                     covered: Some(drawing.coverage.covered),
                     stages: None,
                 })
@@ -275,7 +275,7 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
 
 /// A row of the table.
 fn measured(mut way: Way) -> Result<Vec<String>> {
-    let mut last = [Frame::default(); 2];
+    let mut last = [TimedFrame::default(); 2];
     let mut seconds = [0.0; 2];
     for ((seconds, last), threads) in seconds.iter_mut().zip(&mut last).zip([1, 2]) {
         *seconds = on_threads(threads, || -> Result<f64> {
@@ -290,7 +290,7 @@ fn measured(mut way: Way) -> Result<Vec<String>> {
         })??;
     }
     let [one, two] = seconds;
-    let [Frame { covered, stages }, _] = last;
+    let [TimedFrame { covered, stages }, _] = last;
     let stage = |number: usize| stages.map(|stages| format!("{:.1}", 1e3 * stages[number]));
     let per_pixel = covered.map(|pixels| format!("{:.2}", 1e9 * one / pixels as f64));
     let millions = covered.map(|pixels| format!("{:.2}", pixels as f64 / 1e6));

@@ -85,7 +85,7 @@ const BLOCK: u64 = 2_048;
 
 /// A splat as the unit takes it; nothing if an exponent has no place.
 pub fn record(splat: &VolumeSplat) -> Option<[u32; RECORD]> {
-    let mut bits = Bits::default();
+    let mut bits = RecordBits::default();
     for coordinate in splat.centre {
         bits.put(coordinate.mantissa as u32, 32);
     }
@@ -121,12 +121,12 @@ fn exponent(value: i32, zero: bool) -> Option<u32> {
 }
 
 #[derive(Default)]
-struct Bits {
+struct RecordBits {
     words: [u32; RECORD],
     filled: usize,
 }
 
-impl Bits {
+impl RecordBits {
     fn put(&mut self, value: u32, bits: usize) {
         let placed = u64::from(value) << (self.filled % 32);
         let word = self.filled / 32;

@@ -305,14 +305,19 @@ fn turned_axes(builder: &mut Builder, bits: u32) -> [[Value; 3]; 3] {
     })
 }
 
-struct Projected {
+struct ProjectedTerms {
     position: [Value; 2],
     ratio: [Value; 2],
     gain: [Value; 2],
 }
 
 /// `project`, whose culls are `setup_pack.sv`'s.
-fn project(builder: &mut Builder, [x, y, z]: [Value; 3], view: u32, mantissa: u32) -> Projected {
+fn project(
+    builder: &mut Builder,
+    [x, y, z]: [Value; 3],
+    view: u32,
+    mantissa: u32,
+) -> ProjectedTerms {
     const FOCAL: [&str; 2] = ["focal_u", "focal_v"];
     const PRINCIPAL: [&str; 2] = ["principal_u", "principal_v"];
     let z = builder.round("z", value(z), view);
@@ -335,7 +340,7 @@ fn project(builder: &mut Builder, [x, y, z]: [Value; 3], view: u32, mantissa: u3
     let gain =
         FOCAL.map(|focal| builder.multiply("gain", value(inverse), constant(focal), mantissa));
     let ratio = [0, 1].map(|axis| ratio(builder, on_plane[axis], axis, mantissa));
-    Projected {
+    ProjectedTerms {
         position,
         ratio,
         gain,
@@ -378,7 +383,7 @@ fn ratio(builder: &mut Builder, on_plane: Value, axis: usize, bits: u32) -> Valu
 fn shear(
     builder: &mut Builder,
     turned: &[[Value; 3]; 3],
-    projected: &Projected,
+    projected: &ProjectedTerms,
     bits: u32,
 ) -> [[Value; 2]; 3] {
     turned.map(|[x, y, z]| {
@@ -430,7 +435,7 @@ fn covariance(builder: &mut Builder, columns: &[[Value; 2]; 3], bits: u32) -> Co
     }
 }
 
-struct Shape {
+struct TermShape {
     curvature: Value,
     spread: Value,
     slope: Value,
@@ -441,11 +446,11 @@ struct Shape {
 }
 
 /// `ldl`, and the products of `conic`, which `setup_pack.sv` aligns.
-fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> Shape {
+fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> TermShape {
     let stretch = builder.reciprocal("1/yy", covariance.yy, bits);
     let inverse = builder.reciprocal("1/determinant", covariance.determinant, bits);
     let mut multiply = |name, a, b| builder.multiply(name, value(a), value(b), bits);
-    Shape {
+    TermShape {
         curvature: multiply("curvature", covariance.yy, inverse),
         spread: multiply("spread", covariance.determinant, stretch),
         slope: multiply("slope", covariance.xy, stretch),
@@ -460,7 +465,7 @@ fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> Shape {
 fn peak(
     builder: &mut Builder,
     weight: Value,
-    projected: &Projected,
+    projected: &ProjectedTerms,
     inverse: Value,
     bits: u32,
 ) -> Value {
