@@ -45,6 +45,8 @@ pub struct Panel<'a> {
     pub rows: Range<f64>,
     /// What is written before a number across and up.
     pub bases: [&'a str; 2],
+    /// Numbers that are written across and up, at most.
+    pub numbers: [usize; 2],
     /// Where the legend lies.
     pub legend: SeriesLabelPosition,
     /// The curves, drawn in this order.
@@ -84,8 +86,8 @@ fn draw_panel(canvas: &PanelCanvas, panel: &Panel) -> Result<(), DrawingError> {
     chart
         .configure_mesh()
         .light_line_style(TRANSPARENT)
-        .x_labels(7)
-        .y_labels(9)
+        .x_labels(panel.numbers[0])
+        .y_labels(panel.numbers[1])
         .x_desc(panel.across)
         .x_label_formatter(&|x| format!("{across}{x:.0}"))
         .y_label_formatter(&|y| format!("{up}{y:.0}"))

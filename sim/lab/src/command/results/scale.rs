@@ -272,6 +272,7 @@ fn panel(title: &'static str, curves: [NamedPoints; 2]) -> Panel<'static> {
         columns: 3.7..7.3,
         rows: 0.0..5.0,
         bases: ["10^"; 2],
+        numbers: [4, 6],
         legend: SeriesLabelPosition::UpperLeft,
         curves: curves.into_iter().zip(tones).map(curve).collect(),
     }

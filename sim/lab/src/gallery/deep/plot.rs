@@ -26,6 +26,7 @@ pub fn svg(stacks: &[Stack]) -> Result<String, String> {
         columns: 8.0..32.0,
         rows: ERRORS.0..ERRORS.1,
         bases: ["", "2^"],
+        numbers: [7, 9],
         legend: SeriesLabelPosition::LowerLeft,
         curves: against_width(stacks),
     };
@@ -35,6 +36,7 @@ pub fn svg(stacks: &[Stack]) -> Result<String, String> {
         columns: 0.0..5.0,
         rows: ERRORS.0..ERRORS.1,
         bases: ["", "2^"],
+        numbers: [7, 9],
         legend: SeriesLabelPosition::LowerRight,
         curves: against_layers(stacks),
     };
