@@ -23,7 +23,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Instant;
 
 /// Pixels of a tile.
-const AREA: usize = TILE[0] as usize * TILE[1] as usize;
+pub(crate) const AREA: usize = TILE[0] as usize * TILE[1] as usize;
 
 thread_local! {
     /// A thread's memory for the tile that it paints, kept from frame to frame.
@@ -213,7 +213,7 @@ impl FrameMemory {
         tiles
             .map(|(tile, pixels)| {
                 let window = grid.window(tile);
-                let pixels = &mut pixels[..area(&window)];
+                let pixels = &mut pixels[..window.pixels()];
                 steps.step(|| {
                     SCRATCH.with_borrow_mut(|scratch| {
                         let list = order.list(tile);
@@ -229,27 +229,32 @@ impl FrameMemory {
 
     /// The last frame's pixels, row by row, as the caller wants them. A frame of another size is filled as far as it goes.
     pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel) -> T + Sync) {
-        let grid = Grid::new(self.viewport, TILE);
-        let width = usize::from(self.viewport[0]).max(1);
-        let columns = self.viewport[0].div_ceil(TILE[0]).into();
-        let bands = frame.par_chunks_mut(width * usize::from(TILE[1]));
-        bands.enumerate().for_each(|(band, rows)| {
-            for tile in (band * columns..).take(columns) {
-                let window = grid.window(tile);
-                let pixels = self.pixels.get(tile * AREA..).unwrap_or_default();
-                let across = usize::from(window.end[0] - window.first[0]);
-                let from = pixels.chunks_exact(across.max(1));
-                for (row, from) in rows.chunks_mut(width).zip(from) {
-                    let to = row.iter_mut().skip(window.first[0].into());
-                    to.zip(from).for_each(|(to, from)| *to = convert(from));
-                }
-            }
-        });
+        copy_tiles(&self.pixels, self.viewport, frame, convert);
     }
 }
 
-fn area(window: &Window) -> usize {
-    usize::from(window.end[0] - window.first[0]) * usize::from(window.end[1] - window.first[1])
+/// Tiles one after the other, each row by row in a place of its own, as a frame's rows. A frame of another size is filled as far as it goes.
+pub(crate) fn copy_tiles<P: Sync, T: Send>(
+    tiles: &[P],
+    viewport: [u16; 2],
+    frame: &mut [T],
+    convert: impl Fn(&P) -> T + Sync,
+) {
+    let grid = Grid::new(viewport, TILE);
+    let width = usize::from(viewport[0]).max(1);
+    let columns = viewport[0].div_ceil(TILE[0]).into();
+    let bands = frame.par_chunks_mut(width * usize::from(TILE[1]));
+    bands.enumerate().for_each(|(band, rows)| {
+        for tile in (band * columns..).take(columns) {
+            let window = grid.window(tile);
+            let pixels = tiles.get(tile * AREA..).unwrap_or_default();
+            let from = pixels.chunks_exact(usize::from(window.columns()).max(1));
+            for (row, from) in rows.chunks_mut(width).zip(from) {
+                let to = row.iter_mut().skip(window.first[0].into());
+                to.zip(from).for_each(|(to, from)| *to = convert(from));
+            }
+        }
+    });
 }
 
 /// Lists the keys of the splats that have a footprint, numbered from `first`, and counts the others.

@@ -326,12 +326,8 @@ struct ChunkTile {
 impl ChunkTiles {
     fn new(viewport: [u16; 2], clear: Pixel) -> Self {
         let grid = Grid::new(viewport, TILE);
-        let area = |window: Window| {
-            let [columns, rows] = [0, 1].map(|axis| window.end[axis] - window.first[axis]);
-            usize::from(columns) * usize::from(rows)
-        };
         let tile = |number| ChunkTile {
-            pixels: vec![clear; area(grid.window(number))],
+            pixels: vec![clear; grid.window(number).pixels()],
             is_finished: false,
         };
         ChunkTiles {

@@ -459,17 +459,9 @@ fn judge_order_mutants(part: &str) -> Result<()> {
         "without a mistake: {}",
         clean.unwrap_or_default()
     );
-    println!("| mistake | unit | noticed as |\n|---|---|---|");
-    let mut survivors = 0;
-    let chosen = order::mistakes::MISTAKES.iter();
-    for mutant in chosen.filter(|mutant| mutant.name.contains(part)) {
-        let verdict = order::mistakes::verdict(Some(mutant), &loads)?;
-        survivors += usize::from(verdict.is_none());
-        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
-        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
-    }
-    ensure!(survivors == 0, "{survivors} mutants survive");
-    Ok(())
+    judge_mistakes(&order::mistakes::MISTAKES, part, |mutant| {
+        order::mistakes::verdict(Some(mutant), &loads)
+    })
 }
 
 /// The mutation check of the whole machine; the circuit without a mistake must pass.
@@ -484,27 +476,29 @@ fn judge_machine_mutants(part: &str) -> Result<()> {
         "without a mistake: {}",
         clean.unwrap_or_default()
     );
-    println!("| mistake | unit | noticed as |\n|---|---|---|");
-    let mut survivors = 0;
-    let chosen = machine::mistakes::MISTAKES.iter();
-    for mutant in chosen.filter(|mutant| mutant.name.contains(part)) {
-        let verdict = machine::mistakes::verdict(Some(mutant), &seen, room)?;
-        survivors += usize::from(verdict.is_none());
-        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
-        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
-    }
-    ensure!(survivors == 0, "{survivors} mutants survive");
-    Ok(())
+    judge_mistakes(&machine::mistakes::MISTAKES, part, |mutant| {
+        machine::mistakes::verdict(Some(mutant), &seen, room)
+    })
 }
 
 /// The same for the setup unit.
 fn judge_setup_mutants(part: &str) -> Result<()> {
     let loads = setup::mistakes::judges()?;
+    judge_mistakes(&setup::mistakes::MISTAKES, part, |mutant| {
+        setup::mistakes::verdict(mutant, &loads)
+    })
+}
+
+/// Prints how each mistake was noticed whose name contains `part`; an error if one was not.
+fn judge_mistakes(
+    mistakes: &[mutants::Mutant],
+    part: &str,
+    verdict: impl Fn(&mutants::Mutant) -> Result<Option<String>>,
+) -> Result<()> {
     println!("| mistake | unit | noticed as |\n|---|---|---|");
     let mut survivors = 0;
-    let chosen = setup::mistakes::MISTAKES.iter();
-    for mutant in chosen.filter(|mutant| mutant.name.contains(part)) {
-        let verdict = setup::mistakes::verdict(mutant, &loads)?;
+    for mutant in mistakes.iter().filter(|mutant| mutant.name.contains(part)) {
+        let verdict = verdict(mutant)?;
         survivors += usize::from(verdict.is_none());
         let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
         println!("| {} | {} | {noticed} |", mutant.name, mutant.file);

@@ -8,6 +8,7 @@ use super::tiles::{GatherTiles, HostCell, Resolved, Scratch, SurfaceTiles, TileC
 use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material};
 use crate::camera::Camera;
 use crate::design::DesignJob;
+use crate::fast::frame::{AREA, copy_tiles};
 use crate::fast::order::{Grid, Key, TileOrder};
 use crate::fast::setup::{self, SurfaceOutcome};
 use crate::fast::surface::GatherNumbers;
@@ -36,9 +37,6 @@ use splatline::view::View;
 use std::borrow::Borrow;
 use std::cell::RefCell;
 use std::time::Instant;
-
-/// Pixels of a tile.
-const AREA: usize = TILE[0] as usize * TILE[1] as usize;
 
 thread_local! {
     /// A thread's memory for the tile that it paints, kept from frame to frame.
@@ -197,24 +195,9 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
     pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
         let unit = exp2(-i32::from(sum_fraction(&self.options.design.widths)));
         let viewport = self.points.borrow().view.viewport;
-        let grid = Grid::new(viewport, TILE);
-        let width = usize::from(viewport[0]).max(1);
-        let columns = viewport[0].div_ceil(TILE[0]).into();
-        let resolved = &self.memory.resolved;
-        let bands = frame.par_chunks_mut(width * usize::from(TILE[1]));
-        bands.enumerate().for_each(|(band, rows)| {
-            for tile in (band * columns..).take(columns) {
-                let window = grid.window(tile);
-                let resolved = resolved.get(tile * AREA..).unwrap_or_default();
-                let from = resolved.chunks_exact(usize::from(window.columns()).max(1));
-                for (row, from) in rows.chunks_mut(width).zip(from) {
-                    let to = row.iter_mut().skip(window.first[0].into());
-                    for (to, Resolved { pixel, weight }) in to.zip(from) {
-                        *to = convert(pixel, *weight as f64 * unit);
-                    }
-                }
-            }
-        });
+        let of_pixel =
+            |Resolved { pixel, weight }: &Resolved| convert(pixel, *weight as f64 * unit);
+        copy_tiles(&self.memory.resolved, viewport, frame, of_pixel);
     }
 
     /// Points of which a coordinate was clamped to its format.

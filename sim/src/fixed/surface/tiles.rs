@@ -166,7 +166,6 @@ impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
         list: &[u32],
         cells: &mut [C],
     ) -> Option<Coverage> {
-        let (numbers, choice) = self.constants.numbers?;
         let columns = usize::from(window.columns());
         let gather = &self.constants.gather;
         let mut take =
@@ -184,34 +183,25 @@ impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
                     }
                 }
             };
-        let task = GatherTask {
-            numbers,
-            footprints,
-            list,
-            window,
-            record: &|footprint, window, cells| self.record(footprint, window, cells),
-            gather: Gather::Samples(&mut take),
-        };
-        task.paint(choice)
+        self.gather(window, footprints, list, Gather::Samples(&mut take))
     }
 
-    /// Sums on vectors; `None` where vectors cannot.
-    fn sums(
+    /// Hands the samples of the footprints to whoever gathers them; `None` where vectors cannot.
+    fn gather(
         &self,
-        tile: &mut SumTile,
         window: Window,
         footprints: &[SurfaceOutcome],
         list: &[u32],
+        gather: Gather,
     ) -> Option<Coverage> {
         let (numbers, choice) = self.constants.numbers?;
-        tile.open(window);
         let task = GatherTask {
             numbers,
             footprints,
             list,
             window,
             record: &|footprint, window, cells| self.record(footprint, window, cells),
-            gather: Gather::Sums(tile),
+            gather,
         };
         task.paint(choice)
     }
@@ -226,9 +216,10 @@ impl<D: Design + Sync, C: HostCell> SurfaceTiles for GatherTiles<'_, D, C> {
         list: &[u32],
         resolved: &mut [Resolved],
     ) -> (Coverage, usize) {
-        if C::IS_SUM {
+        if C::IS_SUM && self.constants.numbers.is_some() {
             let tile = scratch.sums.get_or_insert_default();
-            if let Some(coverage) = self.sums(tile, window, footprints, list) {
+            tile.open(window);
+            if let Some(coverage) = self.gather(window, footprints, list, Gather::Sums(tile)) {
                 self.constants.resolve(window, tile.cells(), resolved);
                 return (coverage, 0);
             }
