@@ -4,7 +4,7 @@
 //! without an order of summation. Root, span and seeds of a row follow from its words ([`rows`](super::rows)).
 
 use super::lanes::Wide;
-use super::rows::has_short_spread;
+use super::rows::has_short_squared_width;
 use super::setup::number::Arithmetic;
 use splatline::raster::RowConstants;
 
@@ -85,7 +85,7 @@ pub fn is_zero<L: Wide>(lanes: L, words: L::Word) -> bool {
 #[inline(always)]
 pub fn stays_near(constants: &RowConstants<i64>, count: usize) -> bool {
     let farthest = 1 << 60;
-    has_short_spread(constants)
+    has_short_squared_width(constants)
         && constants.centre.unsigned_abs() < farthest
         && constants.shear.unsigned_abs() < farthest / (count + WORDS) as u64
 }

@@ -8,7 +8,7 @@
 
 use super::lanes::Wide;
 use super::recurrence::is_zero;
-use super::setup::number::{Arithmetic, Drop, turn_of};
+use super::setup::number::{Arithmetic, RoundingShift, turn_of};
 use super::tile::TILE;
 use core::ops::Range;
 use splatline::raster::{BLOCK, RowConstants, VERTICAL_FRACTION};
@@ -210,17 +210,17 @@ pub struct RowWords<L: Wide> {
     /// First column that runs may begin at, from the block that the window begins in, and one past the last.
     columns: [i64; 2],
     reach: L::Word,
-    spread: Spread<L>,
+    squared_width: SquaredWidth<L>,
     horizontal: L::Word,
     /// Without what the shifts beside them leave too large.
     start: L::Word,
     unit: L::Word,
-    drop_dx: Drop<L>,
+    drop_dx: RoundingShift<L>,
     turn_of_dx: L::Word,
-    drop_along: Drop<L>,
-    drop_radial: Drop<L>,
-    drop_vertical: Drop<L>,
-    drop_first: Drop<L>,
+    drop_along: RoundingShift<L>,
+    drop_radial: RoundingShift<L>,
+    drop_vertical: RoundingShift<L>,
+    drop_first: RoundingShift<L>,
 }
 
 impl<L: Wide> RowWords<L> {
@@ -242,7 +242,7 @@ impl<L: Wide> RowWords<L> {
                 last.min(end).into(),
             ],
             reach: math.splat(constants.reach),
-            spread: Spread::new(math, constants),
+            squared_width: SquaredWidth::new(math, constants),
             horizontal: math.splat(constants.horizontal),
             start: math.splat(constants.start.wrapping_sub(turns)),
             unit: math.splat(constants.unit.wrapping_sub(turn_of(drop_first))),
@@ -268,7 +268,7 @@ pub fn runs<L: Wide>(
 ) -> Runs<L> {
     let zero = math.splat(0);
     let rest = math.sub(rows.reach, vertical);
-    let half = rows.spread.half_width(math, rest);
+    let half = rows.squared_width.half_width(math, rest);
     let (low, high) = ends(math, centre, half);
     // An open row has its last column in the box beyond its first one: what lies outside makes the run empty.
     let x = math.max(low, math.splat(columns[0].max(rows.columns[0])));
@@ -308,33 +308,33 @@ pub fn excess<L: Wide>(lanes: L, constants: &RowConstants<i64>, large: L::Word) 
 #[inline(always)]
 pub fn is_tame(constants: &RowConstants<i64>) -> bool {
     let (_, bits, drop_radial, drop_first) = constants.drops;
-    has_short_spread(constants)
+    has_short_squared_width(constants)
         && constants.horizontal.unsigned_abs() <= 1 << bits
         && drop_radial >= 0
         && drop_first >= 0
         && constants.fraction < VERTICAL_FRACTION
 }
 
-/// Is 1 / A small enough for [`Spread`]?
+/// Is 1 / A small enough for [`SquaredWidth`]?
 #[inline(always)]
-pub fn has_short_spread(constants: &RowConstants<i64>) -> bool {
+pub fn has_short_squared_width(constants: &RowConstants<i64>) -> bool {
     // Designs of at most 15 bits multiply the root's argument in two halves.
     let bits = if constants.drops.1 <= 15 { 15 } else { 32 };
     constants.squared_width.0 < 1 << bits && constants.squared_width.2 <= 30
 }
 
 /// 1 / A on vectors, for half-widths sqrt(rest / A) by the root table, a multiplication and a shift that rounds.
-struct Spread<L: Wide> {
+struct SquaredWidth<L: Wide> {
     mantissa: L::Word,
     odd: L::Word,
     power: L::Word,
 }
 
-impl<L: Wide> Spread<L> {
+impl<L: Wide> SquaredWidth<L> {
     #[inline(always)]
     fn new(math: Arithmetic<L>, constants: &RowConstants<i64>) -> Self {
         let (mantissa, odd, power) = constants.squared_width;
-        Spread {
+        SquaredWidth {
             mantissa: math.splat(mantissa as i64),
             odd: math.splat(odd.into()),
             power: math.splat(power.into()),
@@ -367,7 +367,7 @@ pub fn columns<L: Wide>(
     centre: L::Word,
     rest: L::Word,
 ) -> (L::Word, L::Word) {
-    let half = Spread::new(math, constants).half_width(math, rest);
+    let half = SquaredWidth::new(math, constants).half_width(math, rest);
     let (low, high) = ends(math, centre, half);
     let [first, last] = constants.bounds.map(|bound| math.splat(bound.into()));
     let within = |column| math.max(math.min(column, last), first);

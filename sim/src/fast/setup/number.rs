@@ -17,7 +17,7 @@ pub struct Number<W: Wide> {
 /// word's own is a dozen without AVX-512. What it leaves is too large by [`turn_of`], for the sign's sake: that goes into a constant which is added
 /// anyway.
 #[derive(Clone, Copy)]
-pub struct Drop<W: Wide> {
+pub struct RoundingShift<W: Wide> {
     /// Half of a unit and the turn.
     raise: W::Word,
     by: W::Word,
@@ -129,9 +129,9 @@ impl<W: Wide> Arithmetic<W> {
 
     /// A shift to the right by so much.
     #[inline(always)]
-    pub fn drop(self, shift: u32) -> Drop<W> {
+    pub fn drop(self, shift: u32) -> RoundingShift<W> {
         let half = (1u64.checked_shl(shift).unwrap_or(0) >> 1) as i64;
-        Drop {
+        RoundingShift {
             raise: self.splat(TURN.wrapping_add(half)),
             by: self.splat(shift.into()),
         }
@@ -139,7 +139,7 @@ impl<W: Wide> Arithmetic<W> {
 
     /// `shift_round`, and [`turn_of`] the shift more. The turn does not reach the lower 32 bits if the shift is at most 31.
     #[inline(always)]
-    pub fn dropped(self, value: Word<W>, drop: Drop<W>) -> Word<W> {
+    pub fn dropped(self, value: Word<W>, drop: RoundingShift<W>) -> Word<W> {
         self.lanes.wide_shr(self.add(value, drop.raise), drop.by)
     }
 
