@@ -35,16 +35,7 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
     context.randSeed(static_cast<int>(seed));
     MODEL m{&context, "top"};
     Memory memory{words, size, frame->latency, frame->pauses, seed};
-    const auto tick = [&] {
-        memory.offer(m);
-        m.clk = 0;
-        m.eval();
-    };
-    const auto edge = [&] {
-        memory.take(m);
-        m.clk = 1;
-        m.eval();
-    };
+    Clocked<MODEL> clocked{m, memory};
     m.constant_valid = m.table_valid = m.begins = 0;
     m.alpha_max = frame->alpha_max;
     m.least = frame->least;
@@ -62,14 +53,14 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
     m.columns = frame->columns;
     m.rows = frame->rows;
     m.rst = 1;
-    for (int i = 0; i < 4; i++) tick(), edge(), memory.reset();
+    for (int i = 0; i < 4; i++) clocked.tick(), clocked.edge(), memory.reset();
     m.rst = 0;
     for (uint64_t i = 0; i < constant_count; i++) {
         m.constant_valid = 1;
         m.constant_index = constants[i].index;
         m.constant_value = constants[i].value;
         m.constant_exponent = constants[i].exponent & 0x3ffff;
-        tick(), edge();
+        clocked.tick(), clocked.edge();
     }
     m.constant_valid = 0;
     for (uint64_t i = 0; i < table_count; i++) {
@@ -77,11 +68,11 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
         m.table_index = i;
         m.table_low = table[i].low;
         m.table_step = table[i].step;
-        tick(), edge();
+        clocked.tick(), clocked.edge();
     }
     m.table_valid = 0;
     // The tile buffers are cleared once.
-    for (int i = 0; i < 1100; i++) tick(), edge();
+    for (int i = 0; i < 1100; i++) clocked.tick(), clocked.edge();
     for (uint32_t round = 0; round < rounds; round++) {
         *out = Outcome{};
         const uint64_t read = memory.read, written = memory.written;
@@ -90,16 +81,16 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
         const uint64_t start = memory.now;
         const uint64_t limit = (1u << 18) + 1000 * uint64_t(frame->records) + 1100 * uint64_t(frame->most) + 16 * uint64_t(frame->columns) * frame->rows;
         m.begins = 1;
-        tick(), edge();
+        clocked.tick(), clocked.edge();
         m.begins = 0;
         for (;;) {
-            tick();
+            clocked.tick();
             const int phase = m.phase;
             if (phase == 1) out->geometry++;
             if (phase == 2) (m.listing ? out->fill : out->sort)++;
             if (phase == 3) out->raster++;
             const uint64_t moved = memory.read + memory.written;
-            edge();
+            clocked.edge();
             patience = memory.read + memory.written != moved ? 1u << 18 : patience - 1;
             if (phase == 0 || patience == 0 || memory.now - start > limit) {
                 out->hangs = phase != 0;
@@ -111,7 +102,7 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
         if (out->hangs) return;
     }
     // What was written last is on its way for a while.
-    for (uint32_t i = 0; i <= frame->latency; i++) tick(), edge();
+    for (uint32_t i = 0; i <= frame->latency; i++) clocked.tick(), clocked.edge();
     out->full = m.full;
     out->visible = m.visible;
     out->entries = m.entries;

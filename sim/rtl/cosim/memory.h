@@ -74,3 +74,22 @@ struct Memory {
         now++;
     }
 };
+
+// A circuit with a memory, half a cycle at a time.
+template <typename Model>
+struct Clocked {
+    Model& m;
+    Memory& memory;
+
+    void tick() {
+        memory.offer(m);
+        m.clk = 0;
+        m.eval();
+    }
+
+    void edge() {
+        memory.take(m);
+        m.clk = 1;
+        m.eval();
+    }
+};

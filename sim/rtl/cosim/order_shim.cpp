@@ -20,16 +20,7 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
     context.randSeed(static_cast<int>(seed));
     MODEL m{&context, "top"};
     Memory memory{words, size, picture->latency, picture->pauses, seed};
-    const auto tick = [&] {
-        memory.offer(m);
-        m.clk = 0;
-        m.eval();
-    };
-    const auto edge = [&] {
-        memory.take(m);
-        m.clk = 1;
-        m.eval();
-    };
+    Clocked<MODEL> clocked{m, memory};
     m.base_a = picture->base_a;
     m.base_b = picture->base_b;
     m.base_lists = picture->base_lists;
@@ -38,12 +29,12 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
     m.most = picture->most;
     m.begins = m.in_valid = m.ends = 0;
     m.rst = 1;
-    for (int i = 0; i < 4; i++) tick(), edge(), memory.reset();
+    for (int i = 0; i < 4; i++) clocked.tick(), clocked.edge(), memory.reset();
     m.rst = 0;
     *out = Outcome{};
     for (uint32_t round = 0; round < picture->rounds; round++) {
         m.begins = 1;
-        tick(), edge();
+        clocked.tick(), clocked.edge();
         m.begins = 0;
         const uint64_t start = memory.now, read = memory.read, written = memory.written;
         uint64_t taken = 0, next = 0, patience = 1u << 17;
@@ -54,10 +45,10 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
             m.in_valid = taken < count && memory.now >= next;
             m.ends = taken == count;
             if (m.in_valid) std::memcpy(&m.in, splats + 4 * taken, 16);
-            tick();
+            clocked.tick();
             const bool goes = m.in_valid && m.in_ready, done = m.done;
             const uint64_t moved = memory.read + memory.written;
-            edge();
+            clocked.edge();
             if (goes) {
                 taken++;
                 next = memory.now - 1 + picture->interval;
@@ -76,7 +67,7 @@ extern "C" void order_run(uint32_t seed, const Picture* picture, const uint32_t*
     }
     for (uint32_t tile = 0; tile < picture->tiles; tile++) {
         m.end_tile = tile;
-        tick(), edge();
+        clocked.tick(), clocked.edge();
         ends[tile] = m.end_place;
     }
     out->splats = m.splats;

@@ -1,4 +1,4 @@
-//! The verilated machine and its memory behind a safe function. One of the few places with foreign code.
+//! The verilated machine and its memory behind a safe function.
 #![allow(unsafe_code)]
 
 use anyhow::{Context, Result, ensure};

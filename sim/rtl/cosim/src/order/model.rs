@@ -1,4 +1,4 @@
-//! The verilated sorter and its memory behind a safe function. With src/model.rs and the setup unit's model the only place with foreign code.
+//! The verilated sorter and its memory behind a safe function.
 #![allow(unsafe_code)]
 
 use anyhow::{Context, Result, ensure};

@@ -1,4 +1,4 @@
-//! The verilated setup unit behind a safe handle. With src/model.rs the only place with foreign code.
+//! The verilated setup unit behind a safe handle.
 #![allow(unsafe_code)]
 
 use anyhow::{Context, Result};
