@@ -9,12 +9,14 @@ mod digest;
 use std::path::{Path, PathBuf};
 
 /// What the program is made of: the kernel, this crate, and the versions of what both depend on.
-const PARTS: [&str; 7] = [
+const PARTS: [&str; 9] = [
     "../src",
     "../Cargo.toml",
     "../Cargo.lock",
     "reference/src",
     "reference/Cargo.toml",
+    "engine/src",
+    "engine/Cargo.toml",
     "src",
     "Cargo.toml",
 ];
@@ -30,7 +32,6 @@ fn main() {
         "has_formats",
         Path::new("../../shared/data/formats").is_dir(),
     );
-    build_tools::cfg("has_avx512", has_avx512());
     build_tools::cfg("has_iverilog", build_tools::has_tool("iverilog"));
     let root = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
     let mut digest = digest::Digest::default();
@@ -47,20 +48,6 @@ fn main() {
         }
     }
     println!("cargo::rustc-env=SPLATLINE_SOURCES={}", digest.finish());
-}
-
-/// Whether this processor has what the fused and narrow cells are made of. Tests that compare their instructions with the portable model would
-/// compare the model with itself where it has not.
-fn has_avx512() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512bw")
-        && is_x86_feature_detected!("avx512dq")
-        && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("avx512cd")
-        && is_x86_feature_detected!("avx512ifma");
-    #[cfg(not(target_arch = "x86_64"))]
-    false
 }
 
 fn collect(path: &Path, files: &mut Vec<PathBuf>) {

@@ -2,10 +2,11 @@
 //! are held against a float reference.
 //!
 //! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is seen by a [`camera`]
-//! under [`rules`]); [`fixed`] draws it through the kernel, a [`Renderer`] many frames of it fast, and [`reference`](mod@reference) in double precision, both into a [`picture`];
+//! under [`rules`]); the engine's crate draws it through the kernel ([`fixed`], a [`Renderer`] many frames of it), and [`reference`](mod@reference) in double precision, both into a [`picture`];
 //! [`metrics`] compares two pictures; [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
 //! what other tools read, and [`report`] and the live [`page`] tell people about it. [`cli`] is the command line over all of them.
 
+pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
 pub use splatline_reference::engines as reference;
 pub use splatline_reference::{
     atomic, camera, cameras, framing, hybrid, input, metrics, picture, rules, scene, sheets,
@@ -13,23 +14,16 @@ pub use splatline_reference::{
 };
 
 pub mod cli;
-pub mod design;
 pub mod difference;
 pub mod digest;
 pub mod explore;
-pub mod fast;
-pub mod fixed;
 pub mod machine;
 pub mod memory;
 pub mod page;
 pub mod plan;
 pub mod progress;
-pub mod renderer;
 pub mod report;
 pub mod stability;
 pub mod systems;
-mod threads;
 pub mod trace;
 pub mod vectors;
-
-pub use renderer::Renderer;

@@ -19,7 +19,7 @@ use splatline_reference::{camera, metrics, rules, scene};
 #[path = "../../src/page/bytes.rs"]
 mod bytes;
 #[allow(dead_code)]
-#[path = "../../src/fixed/quantise.rs"]
+#[path = "../../engine/src/fixed/quantise.rs"]
 mod quantise;
 #[allow(dead_code)]
 #[path = "../../src/report/scale.rs"]

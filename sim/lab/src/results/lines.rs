@@ -9,7 +9,12 @@ use std::collections::BTreeMap;
 use std::process::Command;
 
 /// The crates' sources, as columns.
-const ROOTS: [&str; 3] = ["sim/src", "sim/reference/src", "sim/lab/src"];
+const ROOTS: [&str; 4] = [
+    "sim/src",
+    "sim/engine/src",
+    "sim/reference/src",
+    "sim/lab/src",
+];
 
 /// Lines by folder; files that stand in no folder are counted under `.`.
 type Folders = BTreeMap<String, usize>;
@@ -39,7 +44,8 @@ pub fn compared(before: &str) -> Result<String> {
         folders.values().sum::<usize>().to_string()
     }));
     let earlier = format!("{} at {before}", ROOTS[0]);
-    let headings = ["folder", &earlier, ROOTS[0], ROOTS[1], ROOTS[2]];
+    let mut headings = vec!["folder", &earlier];
+    headings.extend(ROOTS);
     Ok(table(&headings, &rows))
 }
 

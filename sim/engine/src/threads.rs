@@ -7,12 +7,12 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 const STACK: usize = 16 << 20;
 
 /// A pool of so many threads.
-pub(crate) fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
+pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
     let builder = ThreadPoolBuilder::new().stack_size(STACK);
     builder.num_threads(threads.max(1)).build()
 }
 
 /// Gives the same stacks to the pool of all that ask for no pool of their own. A program that has started that pool already keeps it.
-pub(crate) fn deepen_global_stacks() {
+pub fn deepen_global_stacks() {
     let _ = ThreadPoolBuilder::new().stack_size(STACK).build_global();
 }

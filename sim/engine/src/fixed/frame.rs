@@ -104,18 +104,14 @@ fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
 }
 
 /// The footprint table's entries for the rules' kernel.
-pub(crate) fn table_entries(widths: &Widths, rules: &kernel::Rules) -> Vec<u32> {
+pub fn table_entries(widths: &Widths, rules: &kernel::Rules) -> Vec<u32> {
     let mut memory = vec![0; entries(widths)];
     fill(&mut memory, widths, rules.table_range, rules.kernel);
     memory
 }
 
 /// The table over [`table_entries`].
-pub(crate) fn table<'a>(
-    memory: &'a [u32],
-    widths: &Widths,
-    rules: &kernel::Rules,
-) -> FootprintTable<'a> {
+pub fn table<'a>(memory: &'a [u32], widths: &Widths, rules: &kernel::Rules) -> FootprintTable<'a> {
     match FootprintTable::new(memory, widths, rules.table_range) {
         Ok(table) => table,
         Err(_) => unreachable!("the entries have been made for these widths"),
@@ -221,7 +217,7 @@ pub(super) fn to_picture(
 const CONVERTED: usize = 16384;
 
 /// Gives a pixel's colour and 1 - T in units of 1.0. The units are powers of two, so that products with their inverses are exact.
-pub(crate) fn converter(
+pub fn converter(
     widths: &Widths,
     colour_log2: i32,
 ) -> impl Fn(&Pixel) -> [f64; 4] + Send + Sync + use<> {

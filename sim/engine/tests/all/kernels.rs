@@ -2,16 +2,16 @@
 //! against first principles.
 
 use splatline::setup::{Ellipse, Index as KernelIndex};
-use splatline_sim::camera::Camera;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed;
-use splatline_sim::hybrid::{Hybrid, Points, rules_for_points, spacing};
-use splatline_sim::metrics::compare;
-use splatline_sim::picture::Picture;
-use splatline_sim::reference::sphere::{Index, Shape};
-use splatline_sim::reference::{self, exact, float};
-use splatline_sim::rules::{Antialias, Compositing, Kernel, Rules};
-use splatline_sim::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use splatline_engine::camera::Camera;
+use splatline_engine::design::DesignChoice;
+use splatline_engine::fixed;
+use splatline_engine::hybrid::{Hybrid, Points, rules_for_points, spacing};
+use splatline_engine::metrics::compare;
+use splatline_engine::picture::Picture;
+use splatline_engine::rules::{Antialias, Compositing, Kernel, Rules};
+use splatline_engine::scene::{Scene, Skipped, SortOrder, Splat, Weight};
+use splatline_reference::engines::sphere::{Index, Shape};
+use splatline_reference::engines::{self as reference, exact, float};
 
 /// The bars of every system: PSNR against its own float counterpart, and bias.
 const LEAST_PSNR: f64 = 60.0;

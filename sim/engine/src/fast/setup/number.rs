@@ -9,7 +9,9 @@ use splatline::math::{LN_2, LOGARITHMS, REST, ROOTS, fraction};
 /// `mantissa * 2^exponent` per word.
 #[derive(Clone, Copy)]
 pub struct Number<W: Wide> {
+    /// Its integers.
     pub mantissa: W::Word,
+    /// Powers of two.
     pub exponent: W::Word,
 }
 
@@ -35,6 +37,7 @@ const TURN: i64 = i64::MIN;
 /// Arithmetic on [`Number`]s. The design's widths come as arguments, constants for named designs.
 #[derive(Clone, Copy)]
 pub struct Arithmetic<W: Wide> {
+    /// The instructions.
     pub lanes: W,
 }
 
@@ -42,51 +45,61 @@ type Truth<W> = <W as Wide>::Truth;
 type Word<W> = <W as Wide>::Word;
 
 impl<W: Wide> Arithmetic<W> {
+    /// The same word everywhere.
     #[inline(always)]
     pub fn splat(self, value: i64) -> Word<W> {
         self.lanes.wide_splat(value)
     }
 
+    /// a + b, wrapping.
     #[inline(always)]
     pub fn add(self, a: Word<W>, b: Word<W>) -> Word<W> {
         self.lanes.wide_add(a, b)
     }
 
+    /// a - b, wrapping.
     #[inline(always)]
     pub fn sub(self, a: Word<W>, b: Word<W>) -> Word<W> {
         self.lanes.wide_sub(a, b)
     }
 
+    /// a + b, wrapping, of a constant.
     #[inline(always)]
     pub fn plus(self, a: Word<W>, b: i64) -> Word<W> {
         self.lanes.wide_add(a, self.splat(b))
     }
 
+    /// -a, wrapping.
     #[inline(always)]
     pub fn negate(self, a: Word<W>) -> Word<W> {
         self.sub(self.splat(0), a)
     }
 
+    /// b where it is true, else a.
     #[inline(always)]
     pub fn select(self, a: Word<W>, b: Word<W>, truth: Truth<W>) -> Word<W> {
         self.lanes.wide_select(a, b, truth)
     }
 
+    /// a > b with the sign.
     #[inline(always)]
     pub fn greater(self, a: Word<W>, b: Word<W>) -> Truth<W> {
         self.lanes.wide_greater(a, b)
     }
 
+    /// The lesser, with the sign.
     #[inline(always)]
     pub fn min(self, a: Word<W>, b: Word<W>) -> Word<W> {
         self.select(a, b, self.greater(a, b))
     }
 
+    /// The greater, with the sign.
     #[inline(always)]
     pub fn max(self, a: Word<W>, b: Word<W>) -> Word<W> {
         self.select(a, b, self.greater(b, a))
     }
 
+    /// |a|; the least word stays what it is.
     #[inline(always)]
     pub fn magnitude(self, a: Word<W>) -> Word<W> {
         self.max(a, self.negate(a))
@@ -98,21 +111,25 @@ impl<W: Wide> Arithmetic<W> {
         self.lanes.wide_sar(a, self.splat(by))
     }
 
+    /// a << by.
     #[inline(always)]
     pub fn shl(self, a: Word<W>, by: i64) -> Word<W> {
         self.lanes.wide_shl(a, self.splat(by))
     }
 
+    /// a >> by without the sign.
     #[inline(always)]
     pub fn shr(self, a: Word<W>, by: i64) -> Word<W> {
         self.lanes.wide_shr(a, self.splat(by))
     }
 
+    /// The bits of `mask`.
     #[inline(always)]
     pub fn and(self, a: Word<W>, mask: i64) -> Word<W> {
         self.lanes.wide_and(a, self.splat(mask))
     }
 
+    /// a b, wrapping.
     #[inline(always)]
     pub fn mul(self, a: Word<W>, b: Word<W>) -> Word<W> {
         self.lanes.wide_mul(a, b)

@@ -15,7 +15,7 @@ pub mod sheets;
 mod sphere;
 pub mod surface;
 
-pub(crate) use frame::{converter, table, table_entries};
+pub use frame::{converter, table, table_entries};
 pub use harmonics::harmonic_colours;
 pub use hybrid::{HybridDrawing, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
@@ -23,5 +23,5 @@ pub use render::{
     Drawing, Engine, Options, Times, best_engine, conics, culls, draw, draw_quantised,
     draw_with_footprints, footprints, variances,
 };
-pub(crate) use render::{painter, set_up_part};
+pub use render::{painter, set_up_part};
 pub use sphere::draw_spheres;

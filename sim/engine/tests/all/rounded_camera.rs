@@ -1,7 +1,7 @@
 //! The camera's rotation as a file rounds it, seen by both engines.
 
-use splatline_sim::camera::Camera;
-use splatline_sim::scene::synthetic;
+use splatline_engine::camera::Camera;
+use splatline_engine::scene::synthetic;
 
 fn file_of(rotation: [[f64; 3]; 3], translation: [f64; 3]) -> String {
     let row = |i: usize| {
@@ -18,8 +18,9 @@ fn file_of(rotation: [[f64; 3]; 3], translation: [f64; 3]) -> String {
 /// Both engines draw what the file means: with the rotation as it stands, fixed and float were 93 dB apart.
 #[test]
 fn both_engines_see_the_same_view_of_a_rounded_rotation() {
-    use splatline_sim::rules::{Compositing, Rules};
-    use splatline_sim::{design::DesignChoice, fixed, metrics, reference::float};
+    use splatline_engine::rules::{Compositing, Rules};
+    use splatline_engine::{design::DesignChoice, fixed, metrics};
+    use splatline_reference::engines::float;
     let scene = synthetic::random_gaussians(400, 5, 3.0);
     let exact = synthetic::camera(96, 96);
     let turned = Camera::look_at([3.1, -2.2, -3.3], [0.0; 3], [0.1, -1.0, 0.2], 60.0, 96, 96);

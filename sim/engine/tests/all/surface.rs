@@ -1,16 +1,16 @@
 //! Surface splats: the reference against other ways to the same thing, and the kernel against the reference.
 
 use splatline::format::Traversal;
-use splatline_sim::camera::Camera;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::metrics::compare;
-use splatline_sim::reference::surface::{
+use splatline_engine::camera::Camera;
+use splatline_engine::design::DesignChoice;
+use splatline_engine::metrics::compare;
+use splatline_engine::scene::points::synthetic::{Paint, scene, sheet, sphere};
+use splatline_engine::scene::points::{self, SurfaceScene};
+use splatline_engine::surface::{Buffer, Style};
+use splatline_engine::{fixed, vector};
+use splatline_reference::engines::surface::{
     draw, exact_depth, inverse_jacobian, overlapping_layers, project,
 };
-use splatline_sim::scene::points::synthetic::{Paint, scene, sheet, sphere};
-use splatline_sim::scene::points::{self, SurfaceScene};
-use splatline_sim::surface::{Buffer, Style};
-use splatline_sim::{fixed, vector};
 use std::path::Path;
 
 /// Least PSNR (dB) and largest bias of colour and alpha against the reference, by design.
@@ -198,7 +198,7 @@ fn backfaces_go_and_take_the_fringe_along() {
     let share = culled.counts.backfaces as f64 / scene.points.len() as f64;
     assert!((0.5..0.75).contains(&share), "{share}");
     // The same ball far finer is what both should look like inside its outline.
-    let covered = |picture: &splatline_sim::picture::Picture| {
+    let covered = |picture: &splatline_engine::picture::Picture| {
         picture.pixels.iter().filter(|p| p[3] > 0.0).count()
     };
     assert!(covered(&culled.picture) <= covered(&kept.picture));
@@ -361,7 +361,7 @@ fn a_ball_has_no_hole_near_and_far() {
 fn scanned_clouds_load() {
     let folder = Path::new(concat!(
         env!("CARGO_MANIFEST_DIR"),
-        "/../../shared/data/points"
+        "/../../../shared/data/points"
     ));
     let kitten = points::load(&folder.join("cgal_kitten.xyz")).unwrap();
     assert_eq!(
@@ -380,9 +380,9 @@ fn scanned_clouds_load() {
 /// enough to cull some points.
 #[test]
 fn surfaces_drawn_by_vectors_are_the_kernels() {
-    use splatline_sim::fast::lanes::VectorLevel;
-    use splatline_sim::fixed::Engine;
-    use splatline_sim::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
+    use splatline_engine::fast::lanes::VectorLevel;
+    use splatline_engine::fixed::Engine;
+    use splatline_engine::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
     let scene = ball_and_sheet();
     let near = Camera::look_at([0.3, -0.9, -0.4], [0.0; 3], [0.0, -1.0, 0.0], 70.0, 157, 93);
     for camera in [camera(160), near.unwrap()] {

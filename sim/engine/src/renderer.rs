@@ -1,9 +1,9 @@
 //! Drawing many frames of one scene fast, from a program.
 //!
 //! ```
-//! use splatline_sim::renderer::{Renderer, Settings};
-//! use splatline_sim::rules::Rules;
-//! use splatline_sim::scene::synthetic;
+//! use splatline_engine::renderer::{Renderer, Settings};
+//! use splatline_engine::rules::Rules;
+//! use splatline_engine::scene::synthetic;
 //!
 //! let scene = synthetic::random_gaussians(1000, 1, 1.0);
 //! let camera = synthetic::camera(160, 120);

@@ -2,17 +2,17 @@
 
 use rayon::ThreadPoolBuilder;
 use splatline::format::Traversal;
-use splatline_sim::camera::Camera;
-use splatline_sim::design::{DesignChoice, NAMES};
-use splatline_sim::fast::lanes::VectorLevel;
-use splatline_sim::fixed::Engine;
-use splatline_sim::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
-use splatline_sim::picture::Picture;
-use splatline_sim::renderer::{Renderer, Settings};
-use splatline_sim::rules::Rules;
-use splatline_sim::scene::points::synthetic::{Paint, sphere};
-use splatline_sim::scene::{points, synthetic};
-use splatline_sim::surface::Style;
+use splatline_engine::camera::Camera;
+use splatline_engine::design::{DesignChoice, NAMES};
+use splatline_engine::fast::lanes::VectorLevel;
+use splatline_engine::fixed::Engine;
+use splatline_engine::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
+use splatline_engine::picture::Picture;
+use splatline_engine::renderer::{Renderer, Settings};
+use splatline_engine::rules::Rules;
+use splatline_engine::scene::points::synthetic::{Paint, sphere};
+use splatline_engine::scene::{points, synthetic};
+use splatline_engine::surface::Style;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 

@@ -157,7 +157,7 @@ fn kernel_variances(
 }
 
 /// Setup of some of the scene's splats into as many places, with the keys that the scene is sorted by.
-pub(crate) fn set_up_part<D: Design>(
+pub fn set_up_part<D: Design>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
@@ -206,7 +206,7 @@ pub(super) fn seen<D: Design + Send + Sync>(
 const BATCH: usize = 1024;
 
 /// Setup of the scene, a splat a place.
-pub(crate) fn set_up<D: Design + Send + Sync>(
+pub fn set_up<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
@@ -296,7 +296,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
 }
 
 /// What paints tiles under these options.
-pub(crate) fn painter<D: Design + Send + Sync + 'static>(
+pub fn painter<D: Design + Send + Sync + 'static>(
     design: D,
     rules: &kernel::Rules,
     options: &Options,

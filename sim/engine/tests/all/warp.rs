@@ -1,18 +1,18 @@
 //! Depth images and textured planes drawn from elsewhere as points and splats.
 
-use splatline_sim::camera::Camera;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::{HybridDrawing, Options, draw_hybrid};
-use splatline_sim::hybrid::{Points, spacing};
-use splatline_sim::metrics::compare;
-use splatline_sim::picture::Picture;
-use splatline_sim::reference::{self, warp::reproject};
-use splatline_sim::rules::Compositing;
-use splatline_sim::scene::Scene;
-use splatline_sim::scene::points::synthetic::{Paint, scene, sphere};
-use splatline_sim::surface::Style;
-use splatline_sim::texture::Texture;
-use splatline_sim::texture::warp::{DepthImage, hybrid, rules, textured_plane};
+use splatline_engine::camera::Camera;
+use splatline_engine::design::DesignChoice;
+use splatline_engine::fixed::{HybridDrawing, Options, draw_hybrid};
+use splatline_engine::hybrid::{Points, spacing};
+use splatline_engine::metrics::compare;
+use splatline_engine::picture::Picture;
+use splatline_engine::rules::Compositing;
+use splatline_engine::scene::Scene;
+use splatline_engine::scene::points::synthetic::{Paint, scene, sphere};
+use splatline_engine::surface::Style;
+use splatline_engine::texture::Texture;
+use splatline_engine::texture::warp::{DepthImage, hybrid, rules, textured_plane};
+use splatline_reference::engines::{self as reference, warp::reproject};
 
 fn camera(eye: [f64; 3], size: usize) -> Camera {
     Camera::look_at(eye, [0.0; 3], [0.0, 0.0, 1.0], 40.0, size, size).unwrap()

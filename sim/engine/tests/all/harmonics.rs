@@ -1,9 +1,9 @@
 //! View-dependent colours by the kernel's unit against the reference's in double precision.
 
-use splatline_sim::camera::Camera;
-use splatline_sim::design::DesignChoice;
-use splatline_sim::fixed::harmonic_colours;
-use splatline_sim::scene::{Scene, synthetic};
+use splatline_engine::camera::Camera;
+use splatline_engine::design::DesignChoice;
+use splatline_engine::fixed::harmonic_colours;
+use splatline_engine::scene::{Scene, synthetic};
 
 /// The largest difference of a channel.
 fn largest(scene: &Scene, camera: &Camera, design: &str) -> f64 {

@@ -128,12 +128,16 @@ impl Spans {
     }
 }
 
-/// A run as vectors leave it: first column and one past the last, radial index and first difference not cut to the lanes' word yet.
+/// A run as vectors leave it: the seeds are not cut to the lanes' word yet.
 #[derive(Clone, Copy, Debug)]
 pub struct RunWords {
+    /// First column.
     pub x: i64,
+    /// One past the last.
     pub end: i64,
+    /// Radial index at the first column.
     pub radial: i64,
+    /// First difference there.
     pub first: i64,
 }
 
@@ -147,7 +151,7 @@ pub struct RowBatch {
 
 impl RowBatch {
     /// No rows.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         RowBatch {
             recurrences: Recurrences::new(),
             blocks: std::array::from_fn(|_| Spans::new()),

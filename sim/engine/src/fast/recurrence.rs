@@ -13,7 +13,9 @@ const WORDS: usize = 8;
 
 /// xc - 1/2 and C dy^2 of some rows, and what leads to the next ones.
 pub struct RowVectors<L: Wide> {
+    /// xc - 1/2 of each row.
     pub centre: L::Word,
+    /// C dy^2 of each row.
     pub vertical: L::Word,
     slope: L::Word,
     change: L::Word,
