@@ -140,9 +140,8 @@ impl<S: Borrow<Scene>> Renderer<S> {
     pub fn new(scene: S, camera: &Camera, settings: Settings) -> Self {
         let quantised = QuantisedScene::new(scene.borrow(), camera, &settings.rules);
         let rules = quantised.rules(&settings.rules);
-        let job = PainterJob(&rules, &settings);
         Renderer {
-            painter: settings.design.dispatch(job),
+            painter: painter_of(&rules, &settings),
             scene,
             quantised,
             rules,
@@ -241,20 +240,7 @@ impl<S: Borrow<Scene>> Renderer<S> {
         } = self;
         let painter = &**painter;
         let work = || {
-            let job = FrameJob {
-                quantised,
-                memory,
-                plan: FramePlan {
-                    viewport: quantised.view.viewport,
-                    back_to_front: settings.compositing == Compositing::BackToFront,
-                    set_up: &|_, _| {},
-                    painter,
-                    progress,
-                },
-                rules,
-                engine: settings.engine,
-            };
-            let facts = settings.design.dispatch(job)?;
+            let facts = draw_frame(settings, quantised, rules, painter, memory, progress)?;
             let started = Instant::now();
             memory.copy(frame, convert);
             let convert = started.elapsed().as_secs_f64();
@@ -267,6 +253,11 @@ impl<S: Borrow<Scene>> Renderer<S> {
     }
 }
 
+/// What paints a tile. It does not know how the scene is held, and is therefore compiled here, for every design, and not again by whoever draws.
+fn painter_of(rules: &kernel::Rules, settings: &Settings) -> Box<dyn TilePainter> {
+    settings.design.dispatch(PainterJob(rules, settings))
+}
+
 struct PainterJob<'a>(&'a kernel::Rules, &'a Settings);
 
 impl DesignJob for PainterJob<'_> {
@@ -276,6 +267,30 @@ impl DesignJob for PainterJob<'_> {
         let Settings { engine, counts, .. } = *self.1;
         painter(design, self.0, &self.1.options(), engine, counts)
     }
+}
+
+/// A frame in the renderer's memory; compiled here for every design, as [`painter_of`].
+fn draw_frame(
+    settings: &Settings,
+    quantised: &QuantisedScene,
+    rules: &kernel::Rules,
+    painter: &dyn TilePainter,
+    memory: &mut FrameMemory,
+    progress: &Progress,
+) -> Result<FrameFacts, Cancelled> {
+    settings.design.dispatch(FrameJob {
+        quantised,
+        memory,
+        plan: FramePlan {
+            viewport: quantised.view.viewport,
+            back_to_front: settings.compositing == Compositing::BackToFront,
+            set_up: &|_, _| {},
+            painter,
+            progress,
+        },
+        rules,
+        engine: settings.engine,
+    })
 }
 
 /// A frame whose setup depends on the design's type.

@@ -73,6 +73,11 @@ impl SurfaceFacts {
 pub struct SurfaceRenderer<'a, P = QuantisedPoints> {
     points: P,
     camera: &'a Camera,
+    frames: SurfaceFrames<'a>,
+}
+
+/// What does not know how the points are held, and is therefore compiled here, for every design, and not again by whoever draws.
+struct SurfaceFrames<'a> {
     options: SurfaceOptions<'a>,
     rules: kernel::Rules,
     table: TableMemory,
@@ -100,6 +105,54 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
         camera: &'a Camera,
         options: &SurfaceOptions<'a>,
     ) -> Self {
+        let frames = SurfaceFrames::new(points.borrow(), scene, options);
+        SurfaceRenderer {
+            points,
+            camera,
+            frames,
+        }
+    }
+
+    /// Draws a frame, which [`copy`](SurfaceRenderer::copy) hands out.
+    pub fn draw(&mut self) -> SurfaceFacts {
+        self.frames.draw(self.points.borrow(), self.camera)
+    }
+
+    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is replaced.
+    pub fn draw_picture(&mut self, picture: &mut Picture) -> SurfaceFacts {
+        let started = Instant::now();
+        let facts = self.draw();
+        let Camera { width, height, .. } = *self.camera;
+        if [picture.width, picture.height] != [width, height] {
+            *picture = Picture::new(width, height);
+        }
+        let convert = converter(&self.frames.options.design.widths, 0);
+        self.copy(&mut picture.pixels, |pixel, _| convert(pixel));
+        let [setup, lists, _] = facts.times;
+        let rest = started.elapsed().as_secs_f64() - setup - lists;
+        SurfaceFacts {
+            times: [setup, lists, rest],
+            ..facts
+        }
+    }
+
+    /// The last frame's pixels, row by row, as the caller wants them; `convert` is given a pixel and its weight sums, in units of 1.0.
+    pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
+        let unit = exp2(-i32::from(sum_fraction(&self.frames.options.design.widths)));
+        let viewport = self.points.borrow().view.viewport;
+        let of_pixel =
+            |Resolved { pixel, weight }: &Resolved| convert(pixel, *weight as f64 * unit);
+        copy_tiles(&self.frames.memory.resolved, viewport, frame, of_pixel);
+    }
+
+    /// Points of which a coordinate was clamped to its format.
+    pub fn clamped(&self) -> usize {
+        self.points.borrow().clamped
+    }
+}
+
+impl<'a> SurfaceFrames<'a> {
+    fn new(points: &QuantisedPoints, scene: &SurfaceScene, options: &SurfaceOptions<'a>) -> Self {
         let SurfaceOptions {
             style,
             design,
@@ -108,7 +161,7 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
         } = *options;
         let rules = kernel_rules(style);
         let table = TableMemory::new(&design.widths, &rules);
-        let threshold = (style.threshold * exp2(points.borrow().scale_log2 + 23)).round() as u32;
+        let threshold = (style.threshold * exp2(points.scale_log2 + 23)).round() as u32;
         let numbers = match (engine, traversal) {
             (Engine::Vectors(_), Traversal::Spans) => GatherNumbers::new(
                 &design.widths,
@@ -119,9 +172,7 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
             ),
             _ => None,
         };
-        SurfaceRenderer {
-            points,
-            camera,
+        SurfaceFrames {
             options: *options,
             rules,
             table,
@@ -132,11 +183,8 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
         }
     }
 
-    /// Draws a frame, which [`copy`](SurfaceRenderer::copy) hands out.
-    pub fn draw(&mut self) -> SurfaceFacts {
-        let SurfaceRenderer {
-            points,
-            camera,
+    fn draw(&mut self, points: &QuantisedPoints, camera: &Camera) -> SurfaceFacts {
+        let SurfaceFrames {
             options,
             rules,
             table,
@@ -146,7 +194,6 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
             threshold,
         } = self;
         let SurfaceOptions { style, design, .. } = *options;
-        let points = (*points).borrow();
         let gather = WeightedSum::new(&design.widths, *threshold);
         let shading = style.light.map(|light| {
             let light = direction(camera, light);
@@ -171,38 +218,6 @@ impl<'a, P: Borrow<QuantisedPoints>> SurfaceRenderer<'a, P> {
             },
             memory,
         })
-    }
-
-    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is replaced.
-    pub fn draw_picture(&mut self, picture: &mut Picture) -> SurfaceFacts {
-        let started = Instant::now();
-        let facts = self.draw();
-        let Camera { width, height, .. } = *self.camera;
-        if [picture.width, picture.height] != [width, height] {
-            *picture = Picture::new(width, height);
-        }
-        let convert = converter(&self.options.design.widths, 0);
-        self.copy(&mut picture.pixels, |pixel, _| convert(pixel));
-        let [setup, lists, _] = facts.times;
-        let rest = started.elapsed().as_secs_f64() - setup - lists;
-        SurfaceFacts {
-            times: [setup, lists, rest],
-            ..facts
-        }
-    }
-
-    /// The last frame's pixels, row by row, as the caller wants them; `convert` is given a pixel and its weight sums, in units of 1.0.
-    pub fn copy<T: Send>(&self, frame: &mut [T], convert: impl Fn(&Pixel, f64) -> T + Sync) {
-        let unit = exp2(-i32::from(sum_fraction(&self.options.design.widths)));
-        let viewport = self.points.borrow().view.viewport;
-        let of_pixel =
-            |Resolved { pixel, weight }: &Resolved| convert(pixel, *weight as f64 * unit);
-        copy_tiles(&self.memory.resolved, viewport, frame, of_pixel);
-    }
-
-    /// Points of which a coordinate was clamped to its format.
-    pub fn clamped(&self) -> usize {
-        self.points.borrow().clamped
     }
 }
 
