@@ -4,13 +4,12 @@
 //! [`Backdrop`] or with straight (not premultiplied) alpha, as PNG demands; `.npy` and `.exr` for measuring, see `floats`.
 
 mod floats;
-
-use std::io::Cursor;
-use std::path::Path;
-
-use image::{DynamicImage, ImageBuffer, ImageFormat, ImageReader};
+pub mod png;
 
 use crate::atomic;
+use ::png::{BitDepth, ColorType};
+use png::{PngError, PngSamples};
+use std::path::Path;
 
 /// What a PNG file shows behind the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -93,7 +92,7 @@ pub enum PictureError {
         /// The file, or a description where there is none.
         file: String,
         /// What the PNG library said.
-        source: image::ImageError,
+        source: PngError,
     },
     /// The picture's size and its number of pixels contradict each other, or do not fit a PNG.
     #[error("a picture of {width} x {height} with {pixels} pixels cannot be written")]
@@ -140,8 +139,6 @@ impl Picture {
     }
 
     fn encode_png(&self, depth: Depth, backdrop: Backdrop) -> Result<Vec<u8>, PictureError> {
-        let width = u32::try_from(self.width).map_err(|_| self.size_error())?;
-        let height = u32::try_from(self.height).map_err(|_| self.size_error())?;
         let steps = match depth {
             Depth::Eight => 255.0,
             Depth::Sixteen => 65535.0,
@@ -157,30 +154,33 @@ impl Picture {
                 self.pixels.iter().flat_map(straight).collect()
             }
         };
-        let bytes = || values.iter().map(|value| *value as u8).collect();
-        let image = match (depth, backdrop) {
-            (Depth::Eight, Backdrop::Colour(_)) => {
-                ImageBuffer::from_raw(width, height, bytes()).map(DynamicImage::ImageRgb8)
-            }
-            (Depth::Eight, Backdrop::Transparent) => {
-                ImageBuffer::from_raw(width, height, bytes()).map(DynamicImage::ImageRgba8)
-            }
-            (Depth::Sixteen, Backdrop::Colour(_)) => {
-                ImageBuffer::from_raw(width, height, values).map(DynamicImage::ImageRgb16)
-            }
-            (Depth::Sixteen, Backdrop::Transparent) => {
-                ImageBuffer::from_raw(width, height, values).map(DynamicImage::ImageRgba16)
-            }
-        }
-        .ok_or_else(|| self.size_error())?;
-        let mut bytes = Cursor::new(Vec::new());
-        image
-            .write_to(&mut bytes, ImageFormat::Png)
-            .map_err(|source| PictureError::Png {
-                file: "(in memory)".to_string(),
-                source,
-            })?;
-        Ok(bytes.into_inner())
+        let colour = match backdrop {
+            Backdrop::Colour(_) => ColorType::Rgb,
+            Backdrop::Transparent => ColorType::Rgba,
+        };
+        let (depth, bytes): (_, Vec<u8>) = match depth {
+            Depth::Eight => (
+                BitDepth::Eight,
+                values.iter().map(|value| *value as u8).collect(),
+            ),
+            Depth::Sixteen => (
+                BitDepth::Sixteen,
+                values
+                    .iter()
+                    .flat_map(|value| value.to_be_bytes())
+                    .collect(),
+            ),
+        };
+        let samples = PngSamples {
+            size: [self.width, self.height],
+            colour,
+            depth,
+            bytes: &bytes,
+        };
+        samples.encode().map_err(|source| PictureError::Png {
+            file: "(in memory)".to_string(),
+            source,
+        })
     }
 
     fn size_error(&self) -> PictureError {
@@ -217,21 +217,16 @@ impl Picture {
             file: file(),
             source,
         })?;
-        let image = ImageReader::with_format(Cursor::new(bytes), ImageFormat::Png)
-            .decode()
-            .map_err(|source| PictureError::Png {
-                file: file(),
-                source,
-            })?;
-        // 16 bits hold an 8-bit value without loss: v / 255 = 257 v / 65535.
-        let image = image.into_rgba16();
+        let image = png::decode(&bytes).map_err(|source| PictureError::Png {
+            file: file(),
+            source,
+        })?;
+        let share = |pixel: &[u16; 4]| pixel.map(|value| f64::from(value) / 65535.0);
+        let pixels = image.pixels.iter().map(|pixel| premultiplied(share(pixel)));
         Ok(Picture {
-            width: image.width() as usize,
-            height: image.height() as usize,
-            pixels: image
-                .pixels()
-                .map(|pixel| premultiplied(pixel.0.map(|value| f64::from(value) / 65535.0)))
-                .collect(),
+            width: image.width,
+            height: image.height,
+            pixels: pixels.collect(),
         })
     }
 }

@@ -13,18 +13,18 @@ use super::table::{self, HEADINGS, WORD_COLUMNS};
 use super::viewer;
 use super::{ChannelFacts, ErrorFacts, Report, Row};
 use crate::picture::Picture;
+use crate::picture::png::PngError;
 use crate::scene::SortOrder;
 use crate::systems::SystemVerdict;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::ImageError;
 
 /// Why a page could not be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     /// A picture could not be encoded.
     #[error("cannot encode a picture of the report: {0}")]
-    Picture(#[from] ImageError),
+    Picture(#[from] PngError),
     /// The plot could not be drawn.
     #[error(transparent)]
     Plot(#[from] PlotError),

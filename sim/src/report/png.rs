@@ -2,7 +2,7 @@
 
 use crate::metrics::stored;
 use crate::picture::Picture;
-use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
+use crate::picture::png::{PngError, PngSamples};
 
 /// Opaque 8-bit RGB, row-major.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,24 +33,7 @@ impl Rgb {
     }
 
     /// The bytes of a PNG file.
-    pub fn to_png(&self) -> Result<Vec<u8>, ImageError> {
-        let mut file = Vec::new();
-        // Sizes beyond 32 bits cannot be allocated; saturation makes the encoder refuse them.
-        let width = u32::try_from(self.width).unwrap_or(u32::MAX);
-        let height = u32::try_from(self.height).unwrap_or(u32::MAX);
-        if self.bytes.len() as u64 != u64::from(width) * u64::from(height) * 3 {
-            let reason = format!(
-                "{} bytes do not make a {width}x{height} RGB picture",
-                self.bytes.len()
-            );
-            return Err(ImageError::IoError(std::io::Error::other(reason)));
-        }
-        PngEncoder::new(&mut file).write_image(
-            &self.bytes,
-            width,
-            height,
-            ExtendedColorType::Rgb8,
-        )?;
-        Ok(file)
+    pub fn to_png(&self) -> Result<Vec<u8>, PngError> {
+        PngSamples::rgb8([self.width, self.height], &self.bytes).encode()
     }
 }

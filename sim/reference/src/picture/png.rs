@@ -1,0 +1,179 @@
+//! PNG files by the crate `png`: written with given samples, and read whatever their depth and colour type.
+
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
+use std::io::Cursor;
+
+/// Bytes of pixels of a file at most; what it claims is not set aside beyond that.
+const LARGEST: usize = 512 << 20;
+
+/// Why a picture is not written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum PngError {
+    /// The file is damaged.
+    #[error(transparent)]
+    Decoding(#[from] png::DecodingError),
+    /// The pixels make no file.
+    #[error(transparent)]
+    Encoding(#[from] png::EncodingError),
+    /// Its pixels take more memory than anybody's picture.
+    #[error("{0} x {1} pixels are more than 512 MB")]
+    TooLarge(u32, u32),
+}
+
+/// A picture's samples as they stand in a file, most significant byte first.
+pub struct PngSamples<'a> {
+    /// Columns and rows.
+    pub size: [usize; 2],
+    /// What a pixel has.
+    pub colour: ColorType,
+    /// Bits of a sample.
+    pub depth: BitDepth,
+    /// Row by row.
+    pub bytes: &'a [u8],
+}
+
+impl PngSamples<'_> {
+    /// Opaque pixels of three bytes.
+    pub fn rgb8(size: [usize; 2], bytes: &[u8]) -> PngSamples<'_> {
+        PngSamples {
+            size,
+            colour: ColorType::Rgb,
+            depth: BitDepth::Eight,
+            bytes,
+        }
+    }
+
+    /// The bytes of a file; samples that are too few or too many for the size are an error.
+    pub fn encode(&self) -> Result<Vec<u8>, PngError> {
+        // Sizes beyond 32 bits cannot be allocated; saturation makes the encoder refuse them.
+        let [width, height] = self
+            .size
+            .map(|side| u32::try_from(side).unwrap_or(u32::MAX));
+        let mut file = Vec::new();
+        let mut encoder = Encoder::new(&mut file, width, height);
+        encoder.set_color(self.colour);
+        encoder.set_depth(self.depth);
+        encoder.set_compression(Compression::Fast);
+        encoder.set_filter(png::Filter::Adaptive);
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.bytes)?;
+        writer.finish()?;
+        Ok(file)
+    }
+}
+
+/// A file's pixels: red, green, blue and opacity of 16 bits, which hold 8-bit values without loss (v / 255 = 257 v / 65535).
+pub struct PngPixels {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row by row, colours not premultiplied.
+    pub pixels: Vec<[u16; 4]>,
+}
+
+/// Reads a file of any depth and colour type.
+pub fn decode(file: &[u8]) -> Result<PngPixels, PngError> {
+    let limits = Limits { bytes: LARGEST };
+    let mut decoder = Decoder::new_with_limits(Cursor::new(file), limits);
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info()?;
+    let [width, height] = [reader.info().width, reader.info().height];
+    let bytes = reader.output_buffer_size().filter(|size| *size <= LARGEST);
+    let mut samples = vec![0; bytes.ok_or(PngError::TooLarge(width, height))?];
+    let frame = reader.next_frame(&mut samples)?;
+    let channels = frame.color_type.samples();
+    let pixels = match frame.bit_depth {
+        BitDepth::Sixteen => samples
+            .chunks_exact(2 * channels)
+            .map(|pixel| {
+                rgba(channels, |c| {
+                    u16::from_be_bytes([pixel[2 * c], pixel[2 * c + 1]])
+                })
+            })
+            .collect(),
+        _ => samples
+            .chunks_exact(channels)
+            .map(|pixel| rgba(channels, |c| 257 * u16::from(pixel[c])))
+            .collect(),
+    };
+    Ok(PngPixels {
+        width: width as usize,
+        height: height as usize,
+        pixels,
+    })
+}
+
+/// One channel is grey, an even number of them has opacity last.
+fn rgba(channels: usize, sample: impl Fn(usize) -> u16) -> [u16; 4] {
+    match channels {
+        1 => [sample(0), sample(0), sample(0), u16::MAX],
+        2 => [sample(0), sample(0), sample(0), sample(1)],
+        3 => [sample(0), sample(1), sample(2), u16::MAX],
+        _ => [sample(0), sample(1), sample(2), sample(3)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{DynamicImage, ImageFormat};
+
+    /// Files by another writer, of every kind that it writes, are read as that writer's own crate reads them.
+    #[test]
+    fn every_kind_is_read_as_others_read_it() {
+        let ramp = |x: u32, y: u32| {
+            [
+                9000 * x as u16,
+                65535 - 5000 * y as u16,
+                77,
+                41 * (x * y) as u16,
+            ]
+        };
+        let picture = DynamicImage::ImageRgba16(image::ImageBuffer::from_fn(7, 5, |x, y| {
+            image::Rgba(ramp(x, y))
+        }));
+        let kinds = [
+            DynamicImage::from(picture.to_luma8()),
+            picture.to_luma16().into(),
+            picture.to_luma_alpha8().into(),
+            picture.to_luma_alpha16().into(),
+            picture.to_rgb8().into(),
+            picture.to_rgb16().into(),
+            picture.to_rgba8().into(),
+            picture,
+        ];
+        for kind in kinds {
+            let mut file = Cursor::new(Vec::new());
+            kind.write_to(&mut file, ImageFormat::Png).unwrap();
+            let read = decode(file.get_ref()).unwrap();
+            assert_eq!([read.width, read.height], [7, 5]);
+            let expected: Vec<[u16; 4]> = kind.to_rgba16().pixels().map(|pixel| pixel.0).collect();
+            assert_eq!(read.pixels, expected, "{:?}", kind.color());
+        }
+    }
+
+    #[test]
+    fn what_others_read_of_a_file_is_what_was_written() {
+        let bytes: Vec<u8> = (0..36).map(|byte| 7 * byte).collect();
+        let file = PngSamples::rgb8([4, 3], &bytes).encode().unwrap();
+        let read = image::load_from_memory_with_format(&file, ImageFormat::Png).unwrap();
+        assert_eq!(read.into_rgb8().into_raw(), bytes);
+        assert!(PngSamples::rgb8([4, 4], &bytes).encode().is_err());
+        assert!(PngSamples::rgb8([4, 2], &bytes).encode().is_err());
+        assert!(PngSamples::rgb8([0, 0], &[]).encode().is_err());
+    }
+
+    /// A header that claims 17 GB.
+    #[test]
+    fn claims_are_not_believed() {
+        let mut file = Vec::new();
+        let mut encoder = Encoder::new(&mut file, 1 << 16, 1 << 16);
+        encoder.set_color(ColorType::Rgba);
+        let mut writer = encoder.write_header().unwrap();
+        writer.write_chunk(png::chunk::IDAT, &[0x78, 0x9c]).unwrap();
+        drop(writer);
+        let message = decode(&file).err().unwrap().to_string();
+        assert!(message.contains("512 MB"), "{message}");
+    }
+}
