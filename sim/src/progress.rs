@@ -7,28 +7,28 @@ use std::io::IsTerminal;
 use std::time::Duration;
 
 /// Steps of a long task. The bar goes away when this is dropped.
-pub struct Progress(ProgressBar);
+pub struct ProgressMeter(ProgressBar);
 
 /// Positions of the bar per step, so that it can move within one.
 const FINENESS: u64 = 1000;
 
-impl Progress {
+impl ProgressMeter {
     /// A bar over so many steps; hidden unless stderr is a terminal.
-    pub fn new(steps: usize) -> Progress {
-        Progress::with_style(
+    pub fn new(steps: usize) -> ProgressMeter {
+        ProgressMeter::with_style(
             steps,
             "{spinner} {bar:24} {percent:>3} % {elapsed} {wide_msg}",
         )
     }
 
     /// A task of unknown length: something turns, with the seconds beside it.
-    pub fn spinner(what: impl Into<String>) -> Progress {
-        let progress = Progress::with_style(1, "{spinner} {elapsed} {wide_msg}");
+    pub fn spinner(what: impl Into<String>) -> ProgressMeter {
+        let progress = ProgressMeter::with_style(1, "{spinner} {elapsed} {wide_msg}");
         progress.doing(what);
         progress
     }
 
-    fn with_style(steps: usize, template: &str) -> Progress {
+    fn with_style(steps: usize, template: &str) -> ProgressMeter {
         let target = if std::io::stderr().is_terminal() {
             ProgressDrawTarget::stderr()
         } else {
@@ -39,7 +39,7 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(120));
-        Progress(bar)
+        ProgressMeter(bar)
     }
 
     /// Says what is being done now.
@@ -68,7 +68,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressMeter {
     fn drop(&mut self) {
         #[cfg(test)]
         heard::note(format!(

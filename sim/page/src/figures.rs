@@ -4,7 +4,7 @@
 //! with it.
 
 use crate::draw::{FixedPicture, FloatPicture};
-use crate::scale::{Scale, colour};
+use crate::scale::{ErrorScale, colour};
 
 /// What [`Compared::figures`] holds, in this order; the page's script reads them by place.
 pub const NAMES: [&str; 16] = [
@@ -37,7 +37,7 @@ pub struct Compared {
     pub histogram: Vec<f64>,
     pub rgba: Vec<u8>,
     errors: [f64; 7],
-    scale: Scale,
+    scale: ErrorScale,
 }
 
 impl Compared {
@@ -48,7 +48,7 @@ impl Compared {
         limit: f64,
     ) -> Compared {
         let (differences, errors) = errors(fixed, float);
-        let mut scale = Scale::of(&differences, percentile);
+        let mut scale = ErrorScale::of(&differences, percentile);
         if limit > 0.0 && scale.limit > 0.0 {
             scale.limit = limit;
             scale.knee = scale.knee.min(limit);

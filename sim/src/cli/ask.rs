@@ -10,7 +10,7 @@ use crate::explore::space::Space;
 use crate::machine::area::synthesis;
 use crate::machine::{Config, config};
 use crate::plan::Engine;
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use serde_json::json;
 use splatline::format::Traversal;
 use std::path::Path;
@@ -107,7 +107,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         }
         None => usual_space(&question.design, &question.machine, errors)?,
     };
-    let progress = Progress::spinner("searching");
+    let progress = ProgressMeter::spinner("searching");
     let answer = ask(&question, &space, &|what| progress.doing(what))?;
     drop(progress);
     let names: Vec<&str> = frames

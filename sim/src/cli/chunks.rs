@@ -7,7 +7,7 @@ use super::say::{Failure, print_result, warn};
 use crate::fixed::chunks::{BYTES, ChunkDrawing, draw_in_chunks};
 use crate::fixed::{Engine, Options, best_engine};
 use crate::memory;
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::scene::GaussianFile;
 use crate::threads;
 use std::time::Instant;
@@ -34,7 +34,7 @@ fn draw(
     asked: &Chunked,
     size: usize,
 ) -> Result<ChunkDrawing, Failure> {
-    let progress = Progress::spinner(format!("reading {}", file.name()));
+    let progress = ProgressMeter::spinner(format!("reading {}", file.name()));
     let doing = |chunk: usize| progress.doing(format!("drawing {}, chunk {chunk}", file.name()));
     let effort = options.drawing.effort();
     let engine = effort.vectors.map_or(best_engine(), Engine::Vectors);

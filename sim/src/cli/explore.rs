@@ -3,19 +3,21 @@
 use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
-use super::resolve::{Asked, COMPARED, Frame, KEPT, calibration, energy_table, room_for_picture};
+use super::resolve::{
+    Asked, COMPARED, KEPT, NamedFrame, calibration, energy_table, room_for_picture,
+};
 use super::say::{Failure, print_result, warn};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
 use crate::explore::plot::{self, Sweep};
 use crate::explore::space::Space;
-use crate::explore::sweep::{self, Shard, Subject};
+use crate::explore::sweep::{self, Shard, SweepSubject};
 use crate::explore::table::{ResultTable, heading};
 use crate::machine::Config;
 use crate::machine::area::synthesis;
 use crate::plan::Engine;
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use anyhow::anyhow;
 use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
@@ -38,7 +40,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
     let mut references = Vec::with_capacity(frames.len());
-    for Frame { prepared, .. } in &frames {
+    for NamedFrame { prepared, .. } in &frames {
         warn(&prepared.setup_warnings()?);
         if options.no_error {
             references.push(None);
@@ -59,7 +61,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
     let prepared = &frames[0].prepared;
     let entry = &prepared.plan.entry;
     let recorded = options.view.from.is_some().then_some(entry.traversal);
-    let subject = Subject {
+    let subject = SweepSubject {
         splats,
         design: entry.design.clone(),
         // What nobody asked for, each design of the space decides.
@@ -79,7 +81,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
         .filter(|point| options.shard.holds(*point, space.points.len()))
         .count();
     let before = done.lines.len();
-    let progress = Progress::new(mine.saturating_sub(before));
+    let progress = ProgressMeter::new(mine.saturating_sub(before));
     progress.doing(format!("{} points", mine));
     let started = Instant::now();
     sweep::run(&subject, &space, options.shard, &done, &out, &|| {

@@ -2,12 +2,12 @@
 
 use super::machine_args::FitOptions;
 use super::output::{self, write};
-use super::resolve::{Asked, COMPARED, Frame, KEPT, room_for_picture};
+use super::resolve::{Asked, COMPARED, KEPT, NamedFrame, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::explore::fit::{Fit, Fitness, Metric, Task, design_toml, fit};
 use crate::plan::{Engine, Entry};
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use anyhow::anyhow;
 use splatline::format::WIDTH_RANGES;
 use std::fmt::Write;
@@ -40,10 +40,10 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
 }
 
 /// Fits what is planned for all frames, starting from their design.
-pub fn fitted(frames: &[Frame], metric: Metric, budget: f64) -> Result<Fit, Failure> {
+pub fn fitted(frames: &[NamedFrame], metric: Metric, budget: f64) -> Result<Fit, Failure> {
     let Entry { design, traversal } = &frames[0].prepared.plan.entry;
     let mut references = Vec::with_capacity(frames.len());
-    for Frame { prepared, .. } in frames {
+    for NamedFrame { prepared, .. } in frames {
         room_for_picture(&prepared.plan.camera, COMPARED + KEPT * frames.len() as u64)?;
         references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
     }
@@ -64,7 +64,7 @@ pub fn fitted(frames: &[Frame], metric: Metric, budget: f64) -> Result<Fit, Fail
         metric,
         budget,
     };
-    let progress = Progress::new(60);
+    let progress = ProgressMeter::new(60);
     let (fitted, error) = fit(&task, design, &|width| {
         progress.doing(width);
         progress.advance();

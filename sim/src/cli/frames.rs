@@ -4,14 +4,14 @@ use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
 use super::output::{self, create_folder, write};
 use super::render::{check_room, inputs, write_picture};
-use super::resolve::{Asked, COMPARED, Frame, room_for_picture};
+use super::resolve::{Asked, COMPARED, NamedFrame, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::view_args::MoreScenes;
 use crate::machine::summary::Spread;
 use crate::picture::EXTENSIONS;
 use crate::plan::compare_all;
 use crate::plan::measure::draw_alone;
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::report::frames::{FrameRow, page};
 use serde_json::json;
 use std::collections::BTreeSet;
@@ -33,7 +33,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     for number in 1..=frames.len() {
         output::check(&numbered(&options.output, number), &EXTENSIONS, &inputs)?;
     }
-    let (progress, mut warnings) = (Progress::new(frames.len()), BTreeSet::new());
+    let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let (mut rows, mut seconds) = (Vec::new(), Vec::new());
     for (number, frame) in (1..).zip(&frames) {
         let prepared = &frame.prepared;
@@ -70,9 +70,9 @@ pub fn compare(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
     let frames = asked.frames(&options.path, &MoreScenes::default())?;
-    let (progress, mut warnings) = (Progress::new(frames.len()), BTreeSet::new());
+    let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(frames.len());
-    for (number, Frame { name, prepared }) in (1..).zip(frames) {
+    for (number, NamedFrame { name, prepared }) in (1..).zip(frames) {
         progress.doing(&name);
         let mut prepared = prepared;
         prepared.plan = against_reference(prepared.plan)?;

@@ -2,7 +2,7 @@
 //!
 //! Each picture whose order is kept is drawn and simulated twice, in the kept order and sorted anew, so that gain and error are of the same picture.
 
-use super::resolve::Frame;
+use super::resolve::NamedFrame;
 use super::say::Failure;
 use crate::explore::fit::Fitness;
 use crate::machine::simulate_alone;
@@ -44,7 +44,7 @@ pub struct KeptOrder {
 
 impl KeptOrder {
     /// The work of the next picture, and what keeping its order is worth if it is kept.
-    pub fn next(&mut self, frame: &Frame) -> Result<(Workload, Option<KeptFrame>), Failure> {
+    pub fn next(&mut self, frame: &NamedFrame) -> Result<(Workload, Option<KeptFrame>), Failure> {
         let prepared = &frame.prepared;
         let plan = &prepared.plan;
         let size = [plan.camera.width, plan.camera.height];

@@ -3,7 +3,9 @@
 use super::kept::{self, KeptFrame, KeptOrder};
 use super::machine_args::{AreaOptions, ModelOptions};
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, Frame, calibration, energy_table, machine, part, refuse_kept_order};
+use super::resolve::{
+    Asked, NamedFrame, calibration, energy_table, machine, part, refuse_kept_order,
+};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, Calibration, synthesis};
@@ -19,7 +21,7 @@ use crate::machine::workload::{TableOptions, Workload, read_table};
 use crate::machine::{Config, others, simulate, simulate_alone};
 use crate::metrics::median;
 use crate::plan::Entry;
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
 use crate::scene::Scene;
 use anyhow::anyhow;
@@ -193,9 +195,9 @@ fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(
 }
 
 /// Several pictures: the worst of them, the 95th percentile and the mean.
-fn several(frames: &[Frame], priced: &Priced, options: &ModelOptions) -> Result<(), Failure> {
+fn several(frames: &[NamedFrame], priced: &Priced, options: &ModelOptions) -> Result<(), Failure> {
     let started = Instant::now();
-    let progress = Progress::new(frames.len());
+    let progress = ProgressMeter::new(frames.len());
     let mut paces = Vec::with_capacity(frames.len());
     let mut told = Vec::with_capacity(frames.len());
     let mut kept: Vec<KeptFrame> = Vec::new();
@@ -297,17 +299,17 @@ fn estimate_area(
 }
 
 /// Says what of a frame the kernel does not take as it is, and what the machine reads nothing for.
-fn announce(frame: &Frame) -> Result<(), Failure> {
+fn announce(frame: &NamedFrame) -> Result<(), Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let scene = prepared.splats()?.scene;
     print_result(&uncharged(scene, &prepared.plan.machine))
 }
 
-fn from_scene(frame: &Frame) -> Result<Modelled, Failure> {
+fn from_scene(frame: &NamedFrame) -> Result<Modelled, Failure> {
     let prepared = &frame.prepared;
     announce(frame)?;
-    let progress = Progress::spinner("walking the rows of every tile");
+    let progress = ProgressMeter::spinner("walking the rows of every tile");
     let workload = prepared.workload()?;
     drop(progress);
     Ok(Modelled {

@@ -3,13 +3,13 @@
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::output::{self, write};
-use super::resolve::{Asked, Frame};
+use super::resolve::{Asked, NamedFrame};
 use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
 use crate::plan::{Prepared, Subject};
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
 use serde_json::{Map, json};
 use std::fmt::Write;
@@ -40,7 +40,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
 }
 
 /// What one frame needs, which is also said.
-fn one(frame: &Frame, options: &NeedsOptions) -> Result<serde_json::Value, Failure> {
+fn one(frame: &NamedFrame, options: &NeedsOptions) -> Result<serde_json::Value, Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let (name, systems) = (frame.name.as_str(), prepared.systems());
@@ -84,7 +84,7 @@ fn one(frame: &Frame, options: &NeedsOptions) -> Result<serde_json::Value, Failu
 /// Units, ranges and FIFO depths of splats.
 fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
     let (splats, plan) = (prepared.splats()?, &prepared.plan);
-    let progress = Progress::spinner("setting up every splat");
+    let progress = ProgressMeter::spinner("setting up every splat");
     let options = splats.options(&plan.entry);
     let footprints: Vec<_> = fixed::footprints(splats.scene, splats.camera, &options)
         .into_iter()

@@ -3,7 +3,7 @@
 use super::output;
 use super::resolve::Asked;
 use super::say::{Failure, print_result, warn};
-use super::values::{DesignName, TraversalChoice, Vector};
+use super::values::{DesignName, TraversalChoice, VectorValue};
 use super::view_args::ViewOptions;
 use crate::camera::Camera;
 use crate::framing::Frame;
@@ -65,7 +65,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     let camera = &prepared.plan.camera;
     check_size(camera.width, camera.height)?;
     warn(&prepared.warnings);
-    let up = options.view.up.map(|Vector(up)| up);
+    let up = options.view.up.map(|VectorValue(up)| up);
     let bytes = write_page(&prepared, up, &options.output)?;
     let AnyScene::Splats(scene) = &*prepared.scene else {
         return Ok(());

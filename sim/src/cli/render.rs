@@ -10,7 +10,7 @@ use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::picture::{EXTENSIONS, Format, Picture};
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Look, Prepared};
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use std::path::{Path, PathBuf};
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
@@ -35,7 +35,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     }
     let prepared = Asked::drawing(&options.view, drawing).prepare()?;
     check_room(&prepared)?;
-    let progress = Progress::new(1);
+    let progress = ProgressMeter::new(1);
     progress.doing(format!("drawing {}", prepared.scene.name()));
     let (measured, report) = draw_alone(&prepared, &drawing.effort(), &progress)?;
     let picture = &measured.drawing.picture;

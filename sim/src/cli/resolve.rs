@@ -12,13 +12,13 @@ use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
 use super::output::read_settings;
 use super::say::{Failure, print_error, print_result};
 use super::values::{
-    AntialiasChoice, Backfaces, DesignName, OrbitChoice, PictureSize, TraversalChoice, Vector,
+    AntialiasChoice, Backfaces, DesignName, OrbitChoice, PictureSize, TraversalChoice, VectorValue,
 };
-use super::view_args::{MoreScenes, PathOptions, SurfaceOptions, ViewOptions};
+use super::view_args::{MoreScenes, PathOptions, SurfaceArgs, ViewOptions};
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
 use crate::cameras::{self, CameraPose};
 use crate::design::DesignChoice;
-use crate::framing::{Ball, Frame as SceneFrame, USUAL_FOV, orbited};
+use crate::framing::{Ball, Frame, USUAL_FOV, orbited};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
@@ -27,7 +27,7 @@ use crate::machine::parts::{Part, Parts};
 use crate::memory;
 use crate::plan::path::{self, CameraPath};
 use crate::plan::{AnyScene, Engine, Entry, Look, Plan, Prepared, Source, Taken};
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::rules::{Antialias, Compositing, Kernel, Rules};
 use crate::scene::Scene;
 use crate::scene::points::SurfaceScene;
@@ -65,17 +65,17 @@ pub struct Asked<'a> {
 }
 
 /// One picture of several, with what it is called.
-pub struct Frame {
+pub struct NamedFrame {
     /// The scene, and the camera where there are several.
     pub name: String,
     /// Its plan.
     pub prepared: Prepared,
 }
 
-impl Frame {
+impl NamedFrame {
     /// The only picture of its scene.
-    pub fn only(prepared: Prepared) -> Frame {
-        Frame {
+    pub fn only(prepared: Prepared) -> NamedFrame {
+        NamedFrame {
             name: prepared.scene.name().to_owned(),
             prepared,
         }
@@ -150,7 +150,11 @@ impl<'a> Asked<'a> {
     }
 
     /// A plan for every frame: of each scene, by each camera of the path.
-    pub fn frames(&self, path: &PathOptions, more: &MoreScenes) -> Result<Vec<Frame>, Failure> {
+    pub fn frames(
+        &self,
+        path: &PathOptions,
+        more: &MoreScenes,
+    ) -> Result<Vec<NamedFrame>, Failure> {
         let size = self.view.size.map(|size| [size.width, size.height]);
         let path = match &path.camera_path {
             Some(file) => {
@@ -163,18 +167,18 @@ impl<'a> Asked<'a> {
             None => None,
         };
         if self.view.from.is_some() {
-            return Ok(vec![Frame::only(self.prepare()?)]);
+            return Ok(vec![NamedFrame::only(self.prepare()?)]);
         }
         let scenes = std::iter::once(scene_of(self.view)?).chain(&more.others);
         let mut frames = Vec::new();
         for scene in scenes {
             let prepared = self.read_options(scene, path.as_ref())?;
             let Some(path) = &path else {
-                frames.push(Frame::only(prepared));
+                frames.push(NamedFrame::only(prepared));
                 continue;
             };
             for (name, camera) in path.cameras(prepared.scene.up(), self.path_size())? {
-                frames.push(Frame {
+                frames.push(NamedFrame {
                     name: format!("{}, {name}", prepared.scene.name()),
                     prepared: prepared.seen_by(camera),
                 });
@@ -191,7 +195,7 @@ impl<'a> Asked<'a> {
 
     /// A report's plan; the machine's options may change its machine, which no picture depends on.
     fn read_report(&self, report: &Path) -> Result<Prepared, Failure> {
-        let progress = Progress::spinner(format!("loading what {} records", report.display()));
+        let progress = ProgressMeter::spinner(format!("loading what {} records", report.display()));
         let mut prepared = Prepared::from_report(report, &|what| progress.doing(what))?;
         if let Some(options) = self.machine {
             prepared.plan.machine = change_machine(options, prepared.plan.machine)?;
@@ -210,9 +214,9 @@ impl<'a> Asked<'a> {
         self.check_order(&machine)?;
         let design = DesignChoice::load(&self.design.0)?;
         let entry = Entry::new(design, self.traversal.map(Traversal::from));
-        let progress = Progress::spinner(format!("loading {}", source.path.display()));
+        let progress = ProgressMeter::spinner(format!("loading {}", source.path.display()));
         let loaded = source.load(&|what| progress.doing(what))?;
-        let frame = || loaded.scene.frame(view.up.map(|Vector(up)| up));
+        let frame = || loaded.scene.frame(view.up.map(|VectorValue(up)| up));
         let (camera, warnings) = match path {
             Some(path) => {
                 let cameras = path.cameras(loaded.scene.up(), self.path_size())?;
@@ -253,7 +257,7 @@ impl<'a> Asked<'a> {
         let taken = match surface.kind {
             None => Taken::Splats {
                 transfer: view.transfer.clone(),
-                light: view.light.map(|Vector(direction)| direction),
+                light: view.light.map(|VectorValue(direction)| direction),
             },
             Some(_) => {
                 self.refuse_volume_options()?;
@@ -334,7 +338,7 @@ pub fn scene_of(view: &ViewOptions) -> Result<&PathBuf, Failure> {
         .ok_or_else(|| Failure::Usage(message.to_owned()))
 }
 
-fn refuse_height_field_options(path: &Path, surface: &SurfaceOptions) -> Result<(), Failure> {
+fn refuse_height_field_options(path: &Path, surface: &SurfaceArgs) -> Result<(), Failure> {
     let refused = [
         (surface.texture.is_some(), "--texture"),
         (surface.spacing.is_some(), "--spacing"),
@@ -367,7 +371,7 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
         edge: options.edges.then_some(USUAL_EDGE),
         light: view
             .light
-            .map(|Vector(light)| light)
+            .map(|VectorValue(light)| light)
             .or((!scene.coloured).then_some(USUAL_LIGHT)),
         cull_backfaces: culls_backfaces(options, scene),
         ..Style::opaque(threshold)
@@ -375,7 +379,7 @@ fn style(view: &ViewOptions, scene: &SurfaceScene) -> Style {
 }
 
 /// As the options say, or else where the cloud's normals allow it. Of a body that one can see through the backs are wanted.
-fn culls_backfaces(options: &SurfaceOptions, scene: &SurfaceScene) -> bool {
+fn culls_backfaces(options: &SurfaceArgs, scene: &SurfaceScene) -> bool {
     match options.backfaces() {
         Backfaces::On => true,
         Backfaces::Off => false,
@@ -465,11 +469,11 @@ fn camera(
     options: &ViewOptions,
     up: [f64; 3],
     scene: &Path,
-    frame: impl FnOnce() -> SceneFrame,
+    frame: impl FnOnce() -> Frame,
 ) -> Result<(Camera, Vec<String>), Failure> {
     let (camera, warnings) = match (&options.camera, options.eye, options.target) {
         (Some(path), ..) => camera_from_file(path, options)?,
-        (None, Some(Vector(eye)), Some(Vector(target))) => {
+        (None, Some(VectorValue(eye)), Some(VectorValue(target))) => {
             (camera_from_eye(eye, target, up, options)?, Vec::new())
         }
         _ => (framed(&frame(), scene, options)?, Vec::new()),
@@ -515,7 +519,7 @@ fn camera_from_eye(
     options: &ViewOptions,
 ) -> Result<Camera, Failure> {
     let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
-    let up = options.up.map_or(up, |Vector(up)| up);
+    let up = options.up.map_or(up, |VectorValue(up)| up);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let eye = match options.orbit {
         Some(OrbitChoice(orbit)) => orbited(eye, target, up, orbit),
@@ -560,12 +564,12 @@ pub const DRAWN: u64 = 64;
 pub const COMPARED: u64 = 192;
 
 /// The whole scene, and a line that tells by which rule.
-fn framed(frame: &SceneFrame, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
+fn framed(frame: &Frame, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
     let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
     let scene = scene.display().to_string();
-    let place = |frame: &SceneFrame| frame.camera(orbit, fov, width, height);
+    let place = |frame: &Frame| frame.camera(orbit, fov, width, height);
     let camera = match place(frame) {
         Ok(camera) => sound_camera(camera, &scene)?,
         Err(error) => return Err(why_not_framed(error, frame, &scene, place)),
@@ -577,11 +581,11 @@ fn framed(frame: &SceneFrame, scene: &Path, options: &ViewOptions) -> Result<Cam
 /// Whose fault it is: of the scene if a ball of usual size can be framed, of the options otherwise.
 fn why_not_framed(
     error: CameraError,
-    frame: &SceneFrame,
+    frame: &Frame,
     scene: &str,
-    place: impl Fn(&SceneFrame) -> Result<Camera, CameraError>,
+    place: impl Fn(&Frame) -> Result<Camera, CameraError>,
 ) -> Failure {
-    let usual = SceneFrame {
+    let usual = Frame {
         ball: Ball {
             centre: [0.0; 3],
             radius: 1.0,

@@ -4,7 +4,7 @@ use super::output::write;
 use super::say::{Failure, print_result};
 use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
 use crate::stability::{Extent, StabilityLine, measure, steps, table};
@@ -35,7 +35,7 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
         cases: Vec::new(),
         scenes: Vec::new(),
     };
-    let progress = Progress::spinner("stability");
+    let progress = ProgressMeter::spinner("stability");
     let (mut page, mut summary) = (String::new(), String::new());
     if wants(StabilitySection::Scenes) {
         let size = if options.quick {

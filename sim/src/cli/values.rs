@@ -169,7 +169,7 @@ pub fn colour(text: &str) -> Result<Colour, String> {
         "black" => Ok(Colour([0.0; 3])),
         "white" => Ok(Colour([1.0; 3])),
         _ => match text.parse() {
-            Ok(Vector(parts)) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => {
+            Ok(VectorValue(parts)) if parts.iter().all(|part| (0.0..=1.0).contains(part)) => {
                 Ok(Colour(parts))
             }
             _ => Err(expected.to_owned()),
@@ -230,9 +230,9 @@ pub enum AntialiasChoice {
 
 /// Three finite numbers parted by commas.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Vector(pub [f64; 3]);
+pub struct VectorValue(pub [f64; 3]);
 
-impl FromStr for Vector {
+impl FromStr for VectorValue {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
@@ -243,7 +243,7 @@ impl FromStr for Vector {
         let count = parts.len();
         let three = <[f64; 3]>::try_from(parts)
             .map_err(|_| format!("expected x,y,z but found {count} numbers"))?;
-        Ok(Vector(three))
+        Ok(VectorValue(three))
     }
 }
 

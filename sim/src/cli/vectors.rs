@@ -6,7 +6,7 @@ use super::verification_args::{VectorsAction, VectorsExportOptions};
 use crate::design::DesignChoice;
 use crate::fixed::QuantisedScene;
 use crate::scene::{self, LoadOptions, SortOrder};
-use crate::vectors::{self, Subject};
+use crate::vectors::{self, VectorSubject};
 use std::path::Path;
 
 pub fn run(action: &VectorsAction) -> Result<(), Failure> {
@@ -51,7 +51,7 @@ fn export(options: &VectorsExportOptions) -> Result<(), Failure> {
             (quantised.view, quantised.splats, rules)
         }
     };
-    let subject = Subject {
+    let subject = VectorSubject {
         design,
         rules: options.rules.unwrap_or(rules),
         compositing: options.compositing,

@@ -2,7 +2,7 @@
 
 use super::output;
 use super::values::{
-    AntialiasChoice, Backfaces, KERNELS, OrbitChoice, PictureSize, SceneKind, Vector,
+    AntialiasChoice, Backfaces, KERNELS, OrbitChoice, PictureSize, SceneKind, VectorValue,
     field_of_view, layers, one_of, positive,
 };
 use crate::rules::{Kernel, Rules};
@@ -40,7 +40,7 @@ pub struct ViewOptions {
         allow_hyphen_values = true,
         requires = "target"
     )]
-    pub eye: Option<Vector>,
+    pub eye: Option<VectorValue>,
     /// Point in the middle of the picture
     #[arg(
         long,
@@ -49,7 +49,7 @@ pub struct ViewOptions {
         allow_hyphen_values = true,
         requires = "eye"
     )]
-    pub target: Option<Vector>,
+    pub target: Option<VectorValue>,
     /// Direction that is up in the picture [default: the scene's]
     #[arg(
         long,
@@ -57,7 +57,7 @@ pub struct ViewOptions {
         help_heading = "Camera",
         allow_hyphen_values = true
     )]
-    pub up: Option<Vector>,
+    pub up: Option<VectorValue>,
     /// Vertical field of view in degrees [default: 45]
     #[arg(long, value_name = "deg", help_heading = "Camera", value_parser = field_of_view)]
     pub fov: Option<f64>,
@@ -94,9 +94,9 @@ pub struct ViewOptions {
         help_heading = "Splats",
         allow_hyphen_values = true
     )]
-    pub light: Option<Vector>,
+    pub light: Option<VectorValue>,
     #[command(flatten)]
-    pub surface: SurfaceOptions,
+    pub surface: SurfaceArgs,
 }
 
 impl ViewOptions {
@@ -134,7 +134,7 @@ pub struct MoreScenes {
 /// How a point cloud is drawn as a surface.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Surfaces")]
-pub struct SurfaceOptions {
+pub struct SurfaceArgs {
     /// What the scene's points are: `surface` draws a .ply, .xyz, .obj, .las or .laz cloud or a height field (.csv) as surface splats
     #[arg(long = "as", value_name = "surface", value_enum)]
     pub kind: Option<SceneKind>,
@@ -164,7 +164,7 @@ pub struct SurfaceOptions {
     pub no_cull_backfaces: bool,
 }
 
-impl SurfaceOptions {
+impl SurfaceArgs {
     /// Whether backs are left out, from both options.
     pub fn backfaces(&self) -> Backfaces {
         match self.no_cull_backfaces {

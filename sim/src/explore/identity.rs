@@ -6,7 +6,7 @@
 //! values. Results may share a table only if all of it is equal, and where it is not, the message says what differs.
 
 use super::space::{Space, SpaceError};
-use super::sweep::Subject;
+use super::sweep::SweepSubject;
 use crate::design::traversal_name;
 use crate::difference::{Difference, differences};
 use crate::digest::Digest;
@@ -35,7 +35,7 @@ pub struct SettingsText {
 
 impl Identity {
     /// Of a sweep over the space of this text.
-    pub fn new(subject: &Subject, space: &str, settings: &[SettingsText]) -> Result<Identity> {
+    pub fn new(subject: &SweepSubject, space: &str, settings: &[SettingsText]) -> Result<Identity> {
         let files: serde_json::Map<String, Value> = settings
             .iter()
             .map(|file| (file.role.to_owned(), of_bytes(file.text.as_bytes()).into()))
@@ -121,7 +121,7 @@ impl Identity {
 }
 
 /// Scene and camera of every further frame; the digest of a scene that many frames share is made once.
-fn more_frames(subject: &Subject) -> Result<Vec<Value>> {
+fn more_frames(subject: &SweepSubject) -> Result<Vec<Value>> {
     let mut known: Option<(*const Scene, String)> = None;
     let mut all = Vec::with_capacity(subject.more.len());
     for (splats, _) in &subject.more {

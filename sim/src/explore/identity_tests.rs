@@ -62,7 +62,7 @@ impl Facts {
             height: 1,
             pixels: vec![[0.0; 4]],
         };
-        let subject = Subject {
+        let subject = SweepSubject {
             splats: Splats {
                 scene: &self.scene,
                 camera: &self.camera,

@@ -25,7 +25,7 @@ use std::sync::{Mutex, MutexGuard};
 use toml::Value;
 
 /// What is swept over: everything that the points have in common.
-pub struct Subject<'a> {
+pub struct SweepSubject<'a> {
     /// The splats, from where and how they are drawn.
     pub splats: Splats<'a>,
     /// The design that points start from.
@@ -44,7 +44,7 @@ pub struct Subject<'a> {
     pub more: Vec<(Splats<'a>, Option<&'a Picture>)>,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> SweepSubject<'a> {
     /// All frames.
     fn frames(&self) -> Vec<(&Splats<'a>, Option<&'a Picture>)> {
         let more = self.more.iter().map(|(splats, picture)| (splats, *picture));
@@ -111,7 +111,7 @@ type SweepPoint<'a> = (usize, &'a [usize]);
 
 /// Runs all points of the shard that `done` does not hold yet. `progress` is told of every finished point.
 pub fn run(
-    subject: &Subject,
+    subject: &SweepSubject,
     space: &Space,
     shard: Shard,
     done: &ResultTable,
@@ -135,7 +135,7 @@ pub fn run(
             for (place, (splats, _)) in frames.iter().enumerate() {
                 let options = options(splats, &design, traversal);
                 let workload = extract_if_room(splats.scene, splats.camera, &options, tile)?;
-                let run = Run {
+                let run = SharedWorkload {
                     subject,
                     space,
                     options: &options,
@@ -190,7 +190,7 @@ fn same(space: &Space, a: &[usize], b: &[usize], part: SpacePart) -> bool {
         .all(|(axis, (a, b))| axis.part > part || a == b)
 }
 
-fn design_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
+fn design_of(subject: &SweepSubject, space: &Space, point: &[usize]) -> Result<DesignChoice> {
     let settings = space.settings(point, |part| part == SpacePart::Design);
     changed(&subject.design, &settings)
 }
@@ -216,7 +216,7 @@ pub(super) fn changed(start: &DesignChoice, settings: &[(&str, &Value)]) -> Resu
 }
 
 fn traversal_of(
-    subject: &Subject,
+    subject: &SweepSubject,
     space: &Space,
     point: &[usize],
     design: &DesignChoice,
@@ -242,7 +242,7 @@ fn options<'a>(splats: &Splats<'a>, design: &'a DesignChoice, traversal: Travers
     }
 }
 
-fn machine_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Config> {
+fn machine_of(subject: &SweepSubject, space: &Space, point: &[usize]) -> Result<Config> {
     let mut config = subject.machine;
     for (key, value) in space.settings(point, |part| part != SpacePart::Design) {
         config.set("space", key, value)?;
@@ -250,14 +250,14 @@ fn machine_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<Confi
     Ok(config)
 }
 
-fn tile_of(subject: &Subject, space: &Space, point: &[usize]) -> Result<[u16; 2]> {
+fn tile_of(subject: &SweepSubject, space: &Space, point: &[usize]) -> Result<[u16; 2]> {
     let config = machine_of(subject, space, point)?;
     Ok([config.tile_width, config.tile_height])
 }
 
 /// Points with the same workload.
-struct Run<'a> {
-    subject: &'a Subject<'a>,
+struct SharedWorkload<'a> {
+    subject: &'a SweepSubject<'a>,
     space: &'a Space,
     options: &'a Options<'a>,
     error: Option<&'a SweepError>,
@@ -270,7 +270,7 @@ struct Run<'a> {
     progress: &'a (dyn Fn() + Sync),
 }
 
-impl Run<'_> {
+impl SharedWorkload<'_> {
     /// Points with the same lane shape.
     fn points(&self, points: &[SweepPoint]) -> Result<()> {
         let first = machine_of(self.subject, self.space, points[0].1)?;
@@ -429,7 +429,7 @@ mod tests {
             Compositing::FrontToBack,
         )
         .picture;
-        let subject = Subject {
+        let subject = SweepSubject {
             splats: Splats {
                 scene: &scene,
                 camera: &camera,

@@ -7,10 +7,10 @@ mod fields;
 mod parse;
 mod sorter;
 
-use super::memory::parts::{PARTS, Part};
+use super::memory::parts::{DramPart, PARTS};
 use super::primitive;
 
-pub use fields::{FIELDS, Field, Range, field};
+pub use fields::{ConfigField, FIELDS, Range, field};
 pub use parse::{ConfigError, from_file, from_toml, known, line_of, to_toml};
 
 /// How the lanes lie on the screen; see `docs/hardware-model.md`.
@@ -77,7 +77,7 @@ pub enum Sorter {
 
 /// The order in which tiles are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TileOrder {
+pub enum TileWalk {
     /// Row by row, each from the left.
     Raster,
     /// Row by row, to the right and back in turn.
@@ -187,7 +187,7 @@ pub struct Config {
     /// Packets that a raster unit keeps, so that a splat over several tiles is read less often; 0: none.
     pub packet_cache: u32,
     /// The order in which tiles are drawn.
-    pub tile_order: TileOrder,
+    pub tile_order: TileWalk,
     /// Clock in megahertz; 0 takes that of the nearest circuit that was placed, except for a memory part, which needs one.
     pub clock_mhz: u32,
     /// Pictures in work at the same time: with two, one is set up and sorted while another is drawn; with three, each phase has one.
@@ -251,7 +251,7 @@ impl Default for Config {
             write_back_cycles: 4,
             clear_cycles: 0,
             packet_cache: 0,
-            tile_order: TileOrder::Raster,
+            tile_order: TileWalk::Raster,
             clock_mhz: 0,
             overlap_frames: 1,
             memory_part: 0,
@@ -315,7 +315,7 @@ impl Config {
     }
 
     /// The memory part, if it is not the two channels.
-    pub fn memory_part(&self) -> Option<&'static Part> {
+    pub fn memory_part(&self) -> Option<&'static DramPart> {
         let index = (self.memory_part as usize).checked_sub(1)?;
         PARTS.get(index)
     }

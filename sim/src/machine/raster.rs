@@ -14,7 +14,7 @@ use super::accounts::{Account, Cause, Fifo};
 use super::cache::PacketCache;
 use super::config::{Config, Layout, Overlap};
 use super::lanes::{Band, PairWork};
-use super::memory::{Buffer, Memory, TileWrite, Wanted};
+use super::memory::{Memory, TileBuffer, TileWrite, Wanted};
 use super::observe::{Event, Observer, Stage};
 use super::primitive::{LaneRun, PrimitiveClock};
 use super::sequencer::{Sequencer, Steps, VisitCosts};
@@ -51,7 +51,7 @@ pub(super) struct RasterUnit {
     /// Its clock where it is the circuit of `sim/rtl`.
     primitive: PrimitiveClock,
     /// Tile buffers by when they become free, oldest first.
-    buffers: VecDeque<Buffer>,
+    buffers: VecDeque<TileBuffer>,
     /// Cycles for which backgrounds that are not written yet will keep the write channel.
     owed: u64,
     /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the number of buffers. The first tile's
@@ -77,14 +77,14 @@ pub(super) struct TileJob<'a> {
 }
 
 /// How far a tile has been drawn.
-pub(super) struct Drawing {
+pub(super) struct TileDrawing {
     /// When its buffer was free.
     buffer: u64,
     pair: usize,
     band: usize,
 }
 
-impl Drawing {
+impl TileDrawing {
     /// Has its last pair been drawn?
     pub fn is_over(&self, job: &TileJob) -> bool {
         self.pair >= job.pairs.len()
@@ -135,7 +135,7 @@ impl RasterUnit {
                 0,
             ),
             buffers: VecDeque::from(vec![
-                Buffer::Free(config.clear_cycles.into());
+                TileBuffer::Free(config.clear_cycles.into());
                 config.tile_buffers as usize
             ]),
             owed: 0,
@@ -207,15 +207,15 @@ impl RasterUnit {
     }
 
     /// Takes the tile buffer that is free first.
-    pub fn begin<M: Memory>(&mut self, job: &TileJob, memory: &mut M) -> Drawing {
-        let oldest = self.buffers.pop_front().unwrap_or(Buffer::Free(0));
+    pub fn begin<M: Memory>(&mut self, job: &TileJob, memory: &mut M) -> TileDrawing {
+        let oldest = self.buffers.pop_front().unwrap_or(TileBuffer::Free(0));
         let mut buffer = memory.buffer(&mut self.write_back, oldest);
         if self.costs.overlap == Overlap::Primitive {
             buffer = buffer.max(self.handed_over);
         }
         // Another tile's pixels lie in another buffer.
         self.sequencers.iter_mut().for_each(Sequencer::begin_tile);
-        Drawing {
+        TileDrawing {
             buffer,
             pair: 0,
             band: job.first_band,
@@ -240,7 +240,7 @@ impl RasterUnit {
     pub fn draw_pair<O: Observer, M: Memory>(
         &mut self,
         job: &TileJob,
-        drawing: &mut Drawing,
+        drawing: &mut TileDrawing,
         observer: &mut O,
         memory: &mut M,
     ) {
@@ -265,7 +265,7 @@ impl RasterUnit {
     pub fn end<O: Observer, M: Memory>(
         &mut self,
         job: &TileJob,
-        drawing: &Drawing,
+        drawing: &TileDrawing,
         observer: &mut O,
         memory: &mut M,
     ) {

@@ -1,9 +1,9 @@
 //! The order in which tiles are drawn. No picture depends on it; what a packet cache finds does.
 
-use super::config::TileOrder;
+use super::config::TileWalk;
 
 /// The tiles of a screen with so many columns of them, in this order; `columns` 0 is one row.
-pub(super) fn sequence(order: TileOrder, columns: u32, tiles: usize) -> Vec<usize> {
+pub(super) fn sequence(order: TileWalk, columns: u32, tiles: usize) -> Vec<usize> {
     let columns = match columns {
         0 => tiles.max(1),
         columns => columns as usize,
@@ -13,15 +13,15 @@ pub(super) fn sequence(order: TileOrder, columns: u32, tiles: usize) -> Vec<usiz
     let key = |tile: usize| -> u64 {
         let [x, y] = [(tile % columns) as u64, (tile / columns) as u64];
         match order {
-            TileOrder::Raster => tile as u64,
-            TileOrder::Serpentine if y % 2 == 1 => (y + 1) * columns as u64 - 1 - x,
-            TileOrder::Serpentine => tile as u64,
-            TileOrder::Morton => spread(x) | spread(y) << 1,
-            TileOrder::Hilbert => along_hilbert(x, y, side),
+            TileWalk::Raster => tile as u64,
+            TileWalk::Serpentine if y % 2 == 1 => (y + 1) * columns as u64 - 1 - x,
+            TileWalk::Serpentine => tile as u64,
+            TileWalk::Morton => spread(x) | spread(y) << 1,
+            TileWalk::Hilbert => along_hilbert(x, y, side),
         }
     };
     let mut all: Vec<usize> = (0..tiles).collect();
-    if order != TileOrder::Raster {
+    if order != TileWalk::Raster {
         all.sort_by_cached_key(|tile| key(*tile));
     }
     all
@@ -55,11 +55,11 @@ fn along_hilbert(mut x: u64, mut y: u64, side: u64) -> u64 {
 mod tests {
     use super::*;
 
-    const ALL: [TileOrder; 4] = [
-        TileOrder::Raster,
-        TileOrder::Serpentine,
-        TileOrder::Morton,
-        TileOrder::Hilbert,
+    const ALL: [TileWalk; 4] = [
+        TileWalk::Raster,
+        TileWalk::Serpentine,
+        TileWalk::Morton,
+        TileWalk::Hilbert,
     ];
 
     #[test]
@@ -84,7 +84,7 @@ mod tests {
     /// Serpentine and, over a square of a power of two, Hilbert only ever step to a neighbour.
     #[test]
     fn curves_step_to_neighbours() {
-        for order in [TileOrder::Serpentine, TileOrder::Hilbert] {
+        for order in [TileWalk::Serpentine, TileWalk::Hilbert] {
             for steps in sequence(order, 16, 256).windows(2) {
                 let apart = |axis: fn(usize) -> usize| axis(steps[0]).abs_diff(axis(steps[1]));
                 assert_eq!(
@@ -94,6 +94,6 @@ mod tests {
                 );
             }
         }
-        assert_eq!(sequence(TileOrder::Morton, 4, 8), [0, 1, 4, 5, 2, 3, 6, 7]);
+        assert_eq!(sequence(TileWalk::Morton, 4, 8), [0, 1, 4, 5, 2, 3, 6, 7]);
     }
 }

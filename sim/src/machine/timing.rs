@@ -8,11 +8,11 @@ use super::accounts::{Account, Cause, Fifo, UnitTime};
 use super::config::{Assignment, Config, Sorter};
 use super::geometry::Geometry;
 use super::lanes::{LaneShape, LaneWork};
-use super::memory::parts::Part;
+use super::memory::parts::DramPart;
 use super::memory::{Access, Channels, Memory, MemoryFacts, Shared};
 use super::observe::{Blind, Observer};
 use super::order::SortStep;
-use super::raster::{Drawing, RasterUnit, TileJob};
+use super::raster::{RasterUnit, TileDrawing, TileJob};
 use super::tile_order::sequence;
 use super::workload::Workload;
 use serde::Serialize;
@@ -193,7 +193,7 @@ fn shared(
     workload: &Workload,
     config: &Config,
     packet_bytes: u32,
-    part: &'static Part,
+    part: &'static DramPart,
     traced: bool,
 ) -> Shared {
     let splats = workload.splats.len() as u64;
@@ -324,7 +324,7 @@ impl Raster {
         memory: &mut M,
     ) {
         let count = self.units.len();
-        let mut drawn: Vec<Option<(TileJob, Drawing)>> = (0..count).map(|_| None).collect();
+        let mut drawn: Vec<Option<(TileJob, TileDrawing)>> = (0..count).map(|_| None).collect();
         // The next tile of each unit, or of all of them where tiles are not assigned beforehand.
         let mut next: Vec<usize> = match tiles.config.assignment {
             Assignment::Static => (0..count).collect(),

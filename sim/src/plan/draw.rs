@@ -15,7 +15,7 @@ use crate::reference::compositor::{self, Progress as Rows};
 use crate::reference::{self, Culled, PixelBox, exact, float, formats};
 use crate::renderer::{Drawn, Renderer, Settings};
 use crate::report::facts::{Counts, SceneFacts};
-use crate::report::{HostTimes, Pixels};
+use crate::report::{HostTimes, PixelCounts};
 use crate::rules::{self, Compositing};
 use crate::scene::Scene;
 use crate::surface::Style;
@@ -40,7 +40,7 @@ pub struct Drawing {
     /// Unit of the kernel's colours as a power of two.
     pub colour_log2: i32,
     /// Work of the rasterizer; nothing for engines that do not count it.
-    pub pixels: Option<Pixels>,
+    pub pixels: Option<PixelCounts>,
     /// Pixels at which more layers met than the style keeps.
     pub merged: usize,
     /// Seconds of this run, as the engine divides them; an engine that does not tell stages apart leaves them 0. The
@@ -86,12 +86,12 @@ impl Prepared {
         &'a self,
         entry: &'a Entry,
         vectors: Option<VectorLevel>,
-    ) -> Result<Kernel<'a>> {
+    ) -> Result<KernelDrawing<'a>> {
         let engine = vectors.map_or(fixed::best_engine(), fixed::Engine::Vectors);
         Ok(match self.subject()? {
             Subject::Splats(splats) => match splats.hybrid {
-                Some(hybrid) => Kernel::Hybrid(splats, entry, hybrid),
-                None => Kernel::splats(splats, entry, engine),
+                Some(hybrid) => KernelDrawing::Hybrid(splats, entry, hybrid),
+                None => KernelDrawing::splats(splats, entry, engine),
             },
             Subject::Surface(scene, style) => {
                 let options = SurfaceOptions {
@@ -103,7 +103,7 @@ impl Prepared {
                 let camera = &self.plan.camera;
                 let points = QuantisedPoints::new(scene, camera);
                 let renderer = SurfaceRenderer::new(points, scene, camera, &options);
-                Kernel::Surface(Box::new(renderer), style, Picture::new(0, 0))
+                KernelDrawing::Surface(Box::new(renderer), style, Picture::new(0, 0))
             }
         })
     }
@@ -331,7 +331,7 @@ fn draw_hybrid_reference(
 }
 
 /// A scene in the kernel's formats, to be drawn again and again.
-pub enum Kernel<'a> {
+pub enum KernelDrawing<'a> {
     /// Splats, into a picture that is used again.
     Splats(Box<Renderer<&'a Scene>>, Picture),
     /// Points and splats.
@@ -340,7 +340,7 @@ pub enum Kernel<'a> {
     Surface(Box<SurfaceRenderer<'a>>, &'a Style, Picture),
 }
 
-impl<'a> Kernel<'a> {
+impl<'a> KernelDrawing<'a> {
     fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::Engine) -> Self {
         let settings = Settings {
             rules: *splats.rules,
@@ -351,27 +351,29 @@ impl<'a> Kernel<'a> {
             counts: true,
         };
         let renderer = Renderer::new(splats.scene, splats.camera, settings);
-        Kernel::Splats(Box::new(renderer), Picture::new(0, 0))
+        KernelDrawing::Splats(Box::new(renderer), Picture::new(0, 0))
     }
 
-    /// Draws once. The drawing lacks its picture and footprints until it is [finished](Kernel::finish).
+    /// Draws once. The drawing lacks its picture and footprints until it is [finished](KernelDrawing::finish).
     pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
         match self {
-            Kernel::Splats(renderer, picture) => draw_splats(renderer, picture, progress),
-            Kernel::Hybrid(splats, entry, hybrid) => draw_hybrid(*splats, entry, hybrid),
-            Kernel::Surface(renderer, style, picture) => Ok(draw_surface(renderer, style, picture)),
+            KernelDrawing::Splats(renderer, picture) => draw_splats(renderer, picture, progress),
+            KernelDrawing::Hybrid(splats, entry, hybrid) => draw_hybrid(*splats, entry, hybrid),
+            KernelDrawing::Surface(renderer, style, picture) => {
+                Ok(draw_surface(renderer, style, picture))
+            }
         }
     }
 
     /// Gives the last drawing what was kept for the next one.
     pub fn finish(self, drawing: &mut Drawing) {
         match self {
-            Kernel::Splats(renderer, picture) => {
+            KernelDrawing::Splats(renderer, picture) => {
                 drawing.picture = picture;
                 drawing.footprints = renderer.into_outcomes();
             }
-            Kernel::Hybrid(..) => {}
-            Kernel::Surface(_, _, picture) => drawing.picture = picture,
+            KernelDrawing::Hybrid(..) => {}
+            KernelDrawing::Surface(_, _, picture) => drawing.picture = picture,
         }
     }
 }
@@ -453,8 +455,8 @@ fn pixels(
     Coverage {
         covered, visited, ..
     }: Coverage,
-) -> Pixels {
-    Pixels { covered, visited }
+) -> PixelCounts {
+    PixelCounts { covered, visited }
 }
 
 fn line(

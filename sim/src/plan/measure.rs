@@ -11,9 +11,9 @@ use crate::machine::area::Family;
 use crate::machine::clock::{Clock, Pace};
 use crate::metrics::{Errors, compare};
 use crate::picture::{Backdrop, Depth, Picture};
-use crate::progress::Progress;
+use crate::progress::ProgressMeter;
 use crate::report::error_map::ErrorMap;
-use crate::report::{ErrorFacts, FormatRow, HostTimes, Report, Row, ScaleFacts, html};
+use crate::report::{ErrorFacts, FormatRow, HostTimes, Report, ReportRow, ScaleFacts, html};
 use anyhow::{Context, Result};
 use splatline::format::Traversal;
 use std::num::NonZero;
@@ -68,7 +68,7 @@ pub struct Comparison {
 /// Runs `draw` as often as asked and keeps the last drawing.
 fn measure(
     effort: &Effort,
-    progress: &Progress,
+    progress: &ProgressMeter,
     mut draw: impl FnMut() -> Result<Drawing> + Send,
 ) -> Result<Measured> {
     let mut runs = Vec::with_capacity(effort.repeat);
@@ -95,7 +95,7 @@ fn measure(
 pub fn draw_alone(
     prepared: &Prepared,
     effort: &Effort,
-    progress: &Progress,
+    progress: &ProgressMeter,
 ) -> Result<(Measured, Report)> {
     let plan = &prepared.plan;
     if plan.engine == Engine::Fixed {
@@ -113,7 +113,7 @@ fn measure_fixed(
     prepared: &Prepared,
     effort: &Effort,
     entry: &Entry,
-    progress: &Progress,
+    progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
     let prepare = || prepared.kernel(entry, effort.vectors);
@@ -135,7 +135,7 @@ fn measure_reference(
     prepared: &Prepared,
     effort: &Effort,
     engine: Engine,
-    progress: &Progress,
+    progress: &ProgressMeter,
 ) -> Result<Measured> {
     let rows = |done, of| progress.part(done, of);
     measure(effort, progress, || prepared.draw_reference(engine, &rows))
@@ -181,7 +181,7 @@ pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Re
     let chosen = &prepared.plan.entry;
     let reference = prepared.plan.reference.unwrap_or(Engine::Float);
     let entries = entries(chosen, others);
-    let progress = Progress::new(entries.len() + 1);
+    let progress = ProgressMeter::new(entries.len() + 1);
     progress.doing(format!("{} reference", reference.name()));
     // Once is enough: the reference's time is not reported.
     let once = Effort {
@@ -200,14 +200,14 @@ pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Re
         let (errors, cycles) = judge(prepared, effort.threads, entry, &measured.drawing, &float)?;
         let pixels = measured.drawing.pixels.unwrap_or_default();
         let traversal = prepared.traversal_name(entry);
-        let row = Row::new(
+        let row = ReportRow::new(
             &entry.design.name,
             traversal,
             &errors,
             pixels,
             measured.host,
         );
-        table.push(Row {
+        table.push(ReportRow {
             cycles: cycles.as_ref().map(|cycles| cycles.total),
             ..row
         });

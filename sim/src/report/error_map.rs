@@ -1,10 +1,10 @@
 //! The signed error map: where fixed point is brighter than the reference (warm) and where it is darker (cool).
 //!
-//! Each pixel shows the one colour channel that differs most, with its sign. The colours are those of a [`Scale`] that is chosen from the errors.
+//! Each pixel shows the one colour channel that differs most, with its sign. The colours are those of a [`ErrorScale`] that is chosen from the errors.
 
 use super::png::Rgb;
 pub use super::scale::colour;
-use super::scale::{PERCENTILE, Scale};
+use super::scale::{ErrorScale, PERCENTILE};
 use crate::metrics::stored;
 use crate::picture::Picture;
 
@@ -18,7 +18,7 @@ pub struct ErrorMap {
     /// Fixed minus float, of the channel that differs most, in units of 1.0.
     pub differences: Vec<f64>,
     /// Their colours; its limit is 0 for identical pictures.
-    pub scale: Scale,
+    pub scale: ErrorScale,
 }
 
 impl ErrorMap {
@@ -33,7 +33,7 @@ impl ErrorMap {
         ErrorMap {
             width: fixed.width,
             height: fixed.height,
-            scale: Scale::of(&differences, PERCENTILE),
+            scale: ErrorScale::of(&differences, PERCENTILE),
             differences,
         }
     }

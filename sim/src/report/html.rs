@@ -11,7 +11,7 @@ use super::png::Rgb;
 use super::scale::PERCENTILE;
 use super::table::{self, HEADINGS, WORD_COLUMNS};
 use super::viewer;
-use super::{ChannelFacts, ErrorFacts, Report, Row};
+use super::{ChannelFacts, ErrorFacts, Report, ReportRow};
 use crate::picture::Picture;
 use crate::picture::png::PngError;
 use crate::scene::SortOrder;
@@ -503,7 +503,7 @@ fn sweep_table(report: &Report) -> String {
         .enumerate()
         .map(|(column, text)| format!("<th{}>{text}</th>", class(column)))
         .collect();
-    let line = |(index, row): (usize, &Row)| {
+    let line = |(index, row): (usize, &ReportRow)| {
         let cells: String = table::cells(row)
             .iter()
             .enumerate()
@@ -520,7 +520,7 @@ fn sweep_table(report: &Report) -> String {
     format!("<table id=\"designs\">\n<tr>{headings}</tr>\n{lines}</table>")
 }
 
-fn is_chosen(report: &Report, row: &Row) -> bool {
+fn is_chosen(report: &Report, row: &ReportRow) -> bool {
     row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref()
 }
 

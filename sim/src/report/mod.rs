@@ -66,11 +66,11 @@ pub struct Report {
     #[serde(default)]
     pub pace: Option<serde_json::Value>,
     /// Work of the rasterizer; null for a float engine, which counts no visits.
-    pub pixels: Option<Pixels>,
+    pub pixels: Option<PixelCounts>,
     /// Time on this machine.
     pub host: HostTimes,
     /// The sweep of designs and traversals; empty if only one was drawn.
-    pub table: Vec<Row>,
+    pub table: Vec<ReportRow>,
     /// Floating-point datapaths on the same picture, if they were asked for.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub formats: Vec<FormatRow>,
@@ -155,7 +155,7 @@ pub struct SampleAt {
 
 /// Work of the rasterizer, each pixel counted once per splat.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Pixels {
+pub struct PixelCounts {
     /// Inside the footprint.
     pub covered: u64,
     /// Stepped over by the traversal.
@@ -198,7 +198,7 @@ pub struct FormatRow {
 
 /// One line of the speed-against-error sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub struct ReportRow {
     /// Name of the design.
     pub design: String,
     /// `box` or `spans`.
@@ -303,17 +303,17 @@ impl HostTimes {
     }
 }
 
-impl Row {
+impl ReportRow {
     /// A line of the sweep.
     pub fn new(
         design: &str,
         traversal: &str,
         errors: &Errors,
-        pixels: Pixels,
+        pixels: PixelCounts,
         host: HostTimes,
-    ) -> Row {
-        let Pixels { covered, visited } = pixels;
-        Row {
+    ) -> ReportRow {
+        let PixelCounts { covered, visited } = pixels;
+        ReportRow {
             design: design.to_owned(),
             traversal: traversal.to_owned(),
             error: (&errors.colour).into(),

@@ -4,7 +4,7 @@
 //! axes are drawn by hand on plotters' SVG back end, because its own logarithmic axis leaves narrow ranges without
 //! numbers. Every colour is one of a few constants, so that a page can restyle the picture for a dark screen.
 
-use super::Row;
+use super::ReportRow;
 use super::labels::{self, Rectangle};
 use super::table;
 use plotters::prelude::*;
@@ -98,7 +98,7 @@ impl Across {
     }
 
     /// Decadic logarithm of a row's milliseconds or million cycles.
-    fn log(self, row: &Row) -> f64 {
+    fn log(self, row: &ReportRow) -> f64 {
         match self {
             Across::HostTime => log_milliseconds(row),
             Across::Cycles => (row.cycles.unwrap_or(0).max(1) as f64 / 1e6).log10(),
@@ -107,13 +107,13 @@ impl Across {
 }
 
 /// Draws the sweep against host time as an SVG document of the given size in pixels.
-pub fn svg(rows: &[Row], width: u32, height: u32) -> Result<String, PlotError> {
+pub fn svg(rows: &[ReportRow], width: u32, height: u32) -> Result<String, PlotError> {
     svg_across(rows, Across::HostTime, width, height)
 }
 
 /// Draws the sweep as an SVG document of the given size in pixels.
 pub fn svg_across(
-    rows: &[Row],
+    rows: &[ReportRow],
     across: Across,
     width: u32,
     height: u32,
@@ -133,9 +133,9 @@ pub fn svg_across(
 }
 
 /// Over every marker a circle that tells its row, for the pointer and for the page's script, which lights row and marker together.
-fn places(rows: &[Row], across: Across, frame: Rectangle) -> String {
+fn places(rows: &[ReportRow], across: Across, frame: Rectangle) -> String {
     let axes = Axes::new(rows, across, frame);
-    let place = |(index, row): (usize, &Row)| {
+    let place = |(index, row): (usize, &ReportRow)| {
         let (x, y) = axes.point(row);
         format!(
             "<circle class=\"place\" data-row=\"{index}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"11\"><title>{} by {}: {} dB, {:.1} ms</title></circle>\n",
@@ -160,7 +160,7 @@ fn frame_of(width: f64, height: f64) -> Rectangle {
 
 fn draw(
     canvas: &Canvas,
-    rows: &[Row],
+    rows: &[ReportRow],
     across: Across,
     width: f64,
     height: f64,
@@ -190,7 +190,7 @@ struct Axes {
 }
 
 impl Axes {
-    fn new(rows: &[Row], measure: Across, frame: Rectangle) -> Axes {
+    fn new(rows: &[ReportRow], measure: Across, frame: Rectangle) -> Axes {
         let (fastest, slowest) =
             range(rows.iter().map(|row| measure.log(row))).unwrap_or((0.0, 1.0));
         // At least a factor of two, so that equal times do not blow noise up to the width of the picture.
@@ -225,7 +225,7 @@ impl Axes {
         self.frame.top + (1.0 - part) * self.frame.height
     }
 
-    fn point(&self, row: &Row) -> (f64, f64) {
+    fn point(&self, row: &ReportRow) -> (f64, f64) {
         let decibels = row.error.psnr_db.or(self.identical).unwrap_or(self.up.1);
         (self.x(self.measure.log(row)), self.y(decibels))
     }
@@ -324,7 +324,7 @@ fn draw_grid(canvas: &Canvas, axes: &Axes) -> Result<(), String> {
 }
 
 /// Shapes of the traversals, at the upper right.
-fn draw_legend(canvas: &Canvas, rows: &[Row], axes: &Axes) -> Result<(), String> {
+fn draw_legend(canvas: &Canvas, rows: &[ReportRow], axes: &Axes) -> Result<(), String> {
     let traversals = distinct(rows.iter().map(|row| row.traversal.as_str()));
     let mut right = axes.frame.left + axes.frame.width;
     for traversal in traversals.iter().rev() {
@@ -339,12 +339,12 @@ fn draw_legend(canvas: &Canvas, rows: &[Row], axes: &Axes) -> Result<(), String>
 
 fn draw_design(
     canvas: &Canvas,
-    rows: &[Row],
+    rows: &[ReportRow],
     design: &str,
     tone: Tone,
     axes: &Axes,
 ) -> Result<(), String> {
-    let own: Vec<&Row> = rows.iter().filter(|row| row.design == design).collect();
+    let own: Vec<&ReportRow> = rows.iter().filter(|row| row.design == design).collect();
     let points: Vec<(f64, f64)> = own.iter().map(|row| axes.point(row)).collect();
     line(canvas, &points, tone, 1)?;
     own.iter()
@@ -353,7 +353,12 @@ fn draw_design(
 }
 
 /// One label per design, at its fastest traversal.
-fn draw_labels(canvas: &Canvas, rows: &[Row], designs: &[&str], axes: &Axes) -> Result<(), String> {
+fn draw_labels(
+    canvas: &Canvas,
+    rows: &[ReportRow],
+    designs: &[&str],
+    axes: &Axes,
+) -> Result<(), String> {
     let drawn: Vec<Rectangle> = designs
         .iter()
         .flat_map(|design| occupied(rows, design, axes))
@@ -383,7 +388,7 @@ fn draw_labels(canvas: &Canvas, rows: &[Row], designs: &[&str], axes: &Axes) -> 
 }
 
 /// What a design's markers and its joining line cover, the line as a chain of small squares.
-fn occupied(rows: &[Row], design: &str, axes: &Axes) -> Vec<Rectangle> {
+fn occupied(rows: &[ReportRow], design: &str, axes: &Axes) -> Vec<Rectangle> {
     let points: Vec<(f64, f64)> = rows
         .iter()
         .filter(|row| row.design == design)
@@ -404,7 +409,7 @@ fn occupied(rows: &[Row], design: &str, axes: &Axes) -> Vec<Rectangle> {
 }
 
 /// The leftmost point of a design.
-fn fastest(rows: &[Row], design: &str, axes: &Axes) -> (f64, f64) {
+fn fastest(rows: &[ReportRow], design: &str, axes: &Axes) -> (f64, f64) {
     rows.iter()
         .filter(|row| row.design == design)
         .map(|row| axes.point(row))
@@ -474,7 +479,7 @@ fn text_width(text: &str) -> f64 {
     text.chars().count() as f64 * TEXT * LETTER
 }
 
-fn log_milliseconds(row: &Row) -> f64 {
+fn log_milliseconds(row: &ReportRow) -> f64 {
     let seconds = if row.host.total_s.is_finite() {
         row.host.total_s
     } else {

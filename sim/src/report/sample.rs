@@ -45,7 +45,7 @@ pub fn times(total_s: f64) -> HostTimes {
 }
 
 /// Eight rows like those of the demo.
-pub fn rows() -> Vec<Row> {
+pub fn rows() -> Vec<ReportRow> {
     let covered = 18_204_331;
     let row = |design: &str, traversal: &str, psnr: f64, bias: f64, visited, total_s| {
         let rms = 10f64.powf(-psnr / 20.0);
@@ -67,7 +67,7 @@ pub fn rows() -> Vec<Row> {
                 ssim: 1.0 - rms * 6.0,
             },
         };
-        Row {
+        ReportRow {
             design: design.to_owned(),
             traversal: traversal.to_owned(),
             error,
@@ -132,7 +132,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         error_map: Some(ScaleFacts::from(&ErrorMap::new(fixed, float))),
         cycles: None,
         pace: None,
-        pixels: Some(Pixels {
+        pixels: Some(PixelCounts {
             covered: 18_204_331,
             visited: 18_931_002,
         }),

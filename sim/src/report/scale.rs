@@ -31,7 +31,7 @@ const SMALLEST_KNEE: f64 = 1e-8;
 
 /// Where the colour scale ends and bends.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Scale {
+pub struct ErrorScale {
     /// The absolute difference of full colour; 0 for identical pictures.
     pub limit: f64,
     /// The absolute difference at which the scale turns from linear to logarithmic; 0 for identical pictures.
@@ -42,9 +42,9 @@ pub struct Scale {
     pub outliers: usize,
 }
 
-impl Scale {
+impl ErrorScale {
     /// A scale that ends at a percentile of the differences that are not zero.
-    pub fn of(differences: &[f64], percentile: f64) -> Scale {
+    pub fn of(differences: &[f64], percentile: f64) -> ErrorScale {
         let mut sizes: Vec<f64> = differences
             .iter()
             .map(|difference| difference.abs())
@@ -52,7 +52,7 @@ impl Scale {
             .collect();
         let count = sizes.len();
         if count == 0 {
-            return Scale::default();
+            return ErrorScale::default();
         }
         let rank = (percentile / 100.0 * count as f64).ceil() as usize;
         let rank = rank.clamp(1, count) - 1;
@@ -61,7 +61,7 @@ impl Scale {
         let outliers = sizes[rank..].iter().filter(|&&size| size > limit).count();
         let largest = sizes[rank..].iter().fold(0.0f64, |m, &size| m.max(size));
         let median = *sizes.select_nth_unstable_by(count / 2, f64::total_cmp).1;
-        Scale {
+        ErrorScale {
             limit,
             knee: KNEE * median.max(limit * SMALLEST_KNEE),
             largest,
@@ -78,7 +78,7 @@ impl Scale {
         }
     }
 
-    /// The difference that stands at a position of the scale: the inverse of [`Scale::position`].
+    /// The difference that stands at a position of the scale: the inverse of [`ErrorScale::position`].
     pub fn difference_at(&self, position: f64) -> f64 {
         if self.limit > 0.0 {
             self.knee * (position * self.range()).sinh()

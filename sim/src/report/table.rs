@@ -1,6 +1,6 @@
 //! The sweep's table: one set of cells for the terminal, for Markdown and for the page.
 
-use super::{Report, Row};
+use super::{Report, ReportRow};
 
 /// Number of columns.
 pub const COLUMNS: usize = 16;
@@ -29,7 +29,7 @@ pub const HEADINGS: [&str; COLUMNS] = [
 pub const WORD_COLUMNS: usize = 2;
 
 /// One line as text; `cov` is over covered pixels alone.
-pub fn cells(row: &Row) -> [String; COLUMNS] {
+pub fn cells(row: &ReportRow) -> [String; COLUMNS] {
     [
         row.design.clone(),
         row.traversal.clone(),
@@ -72,7 +72,7 @@ pub fn pace_text(report: &Report) -> String {
 }
 
 /// Aligned plain text for a terminal.
-pub fn plain(rows: &[Row]) -> String {
+pub fn plain(rows: &[ReportRow]) -> String {
     let lines: Vec<[String; COLUMNS]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = plain_line(&HEADINGS, &widths);
@@ -85,7 +85,7 @@ pub fn plain(rows: &[Row]) -> String {
 }
 
 /// A Markdown table, aligned in the source as well.
-pub fn markdown(rows: &[Row]) -> String {
+pub fn markdown(rows: &[ReportRow]) -> String {
     let lines: Vec<[String; COLUMNS]> = rows.iter().map(cells).collect();
     let widths = widths(&lines);
     let mut text = markdown_line(&HEADINGS, &widths);

@@ -1,7 +1,7 @@
 //! The report's forms: round trip, no infinity in JSON, nothing external in the page, the text table as a snapshot.
 
 use super::error_map::ErrorMap;
-use super::scale::Scale;
+use super::scale::ErrorScale;
 use super::*;
 use crate::picture::Picture;
 use proptest::prelude::*;
@@ -95,11 +95,11 @@ fn medians_are_taken_field_by_field() {
 fn nothing_covered_gives_no_ratio() {
     let (fixed, float) = sample::pictures(8, 8);
     let errors = crate::metrics::compare(&fixed, &float).unwrap();
-    let row = Row::new(
+    let row = ReportRow::new(
         "lean18",
         "box",
         &errors,
-        Pixels::default(),
+        PixelCounts::default(),
         HostTimes::default(),
     );
     assert_eq!(row.visited_per_covered, None);
@@ -186,7 +186,7 @@ fn one_design_has_a_row_and_no_plot() {
 #[test]
 fn the_scale_ends_at_a_percentile_and_counts_what_is_beyond() {
     let differences: Vec<f64> = (1..=1000).map(f64::from).chain([-1e6, 0.0]).collect();
-    let scale = Scale::of(&differences, 99.9);
+    let scale = ErrorScale::of(&differences, 99.9);
     assert_eq!(
         (scale.limit, scale.outliers, scale.largest),
         (1000.0, 1, 1e6)
@@ -196,9 +196,9 @@ fn the_scale_ends_at_a_percentile_and_counts_what_is_beyond() {
         error_map::colour(scale.position(-1e6)),
         error_map::colour(-1.0)
     );
-    let whole = Scale::of(&differences, 100.0);
+    let whole = ErrorScale::of(&differences, 100.0);
     assert_eq!((whole.limit, whole.outliers), (1e6, 0));
-    assert_eq!(Scale::of(&[0.0; 3], 99.9), Scale::default());
+    assert_eq!(ErrorScale::of(&[0.0; 3], 99.9), ErrorScale::default());
 }
 
 #[test]
@@ -292,7 +292,7 @@ proptest! {
             (proptest::option::of(-50.0..400.0f64), 0.0..1e5f64, any::<u64>(), any::<u64>()), 0..12),
         width in 1u32..900, height in 1u32..700,
     ) {
-        let rows: Vec<Row> = figures.iter().enumerate().map(|(index, &(psnr_db, total_s, visited, covered))| {
+        let rows: Vec<ReportRow> = figures.iter().enumerate().map(|(index, &(psnr_db, total_s, visited, covered))| {
             let mut row = sample::rows()[index % 8].clone();
             row.error.psnr_db = psnr_db;
             row.error.identical = psnr_db.is_none();

@@ -5,7 +5,7 @@
 
 use super::error_map::{ErrorMap, colour};
 use super::html::ReportError;
-use super::scale::{PERCENTILE, Scale};
+use super::scale::{ErrorScale, PERCENTILE};
 use crate::metrics::stored;
 use crate::picture::Picture;
 use base64::Engine;
@@ -41,7 +41,7 @@ pub fn script(
         "percentile": PERCENTILE,
         "percentiles": PERCENTILES,
         // The page's own errors have two digits, so that a few too many or too few of them would lie beyond.
-        "outliers": PERCENTILES.map(|percentile| Scale::of(&differences, percentile).outliers),
+        "outliers": PERCENTILES.map(|percentile| ErrorScale::of(&differences, percentile).outliers),
         "colours": (0..SHADES).map(shade).collect::<Vec<_>>(),
         "most": MOST_PIXELS,
     });

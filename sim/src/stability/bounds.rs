@@ -13,7 +13,7 @@ use splatline::raster::BLOCK;
 
 /// Bounds of the steps for one splat.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bounds {
+pub(super) struct ErrorBounds {
     pub centre: f64,
     pub depth: f64,
     pub peak: f64,
@@ -35,13 +35,13 @@ fn half(bits: u8) -> f64 {
     (-f64::from(bits) - 1.0).exp2()
 }
 
-impl Bounds {
+impl ErrorBounds {
     pub fn new(
         widths: &Widths,
         footprint: &ExactFootprint,
         camera: &Camera,
         normalised: bool,
-    ) -> Bounds {
+    ) -> ErrorBounds {
         let u = 2.0 * half(widths.mantissa);
         let middle = [(camera.cx, camera.fx), (camera.cy, camera.fy)];
         let offset = [0, 1].map(|i| (footprint.centre[i] - middle[i].0).abs());
@@ -65,7 +65,7 @@ impl Bounds {
             true => 0.5 * determinant + 10.0 * u + 2.0 * near,
             false => half(30),
         };
-        Bounds {
+        ErrorBounds {
             centre: half(widths.subpixel) + half(31) + centre[0].max(centre[1]),
             depth: 2.0 * near + 2.0 * half(MANTISSA as u8),
             peak: scaled + half(widths.peak) / footprint.peak,

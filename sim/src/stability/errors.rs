@@ -1,6 +1,6 @@
 //! The errors of one engine in one case, stage by stage, and how each is measured.
 
-use super::bounds::Bounds;
+use super::bounds::ErrorBounds;
 use super::exact::ExactFootprint;
 use splatline::footprint::Footprint;
 use splatline::math::SoftFloat;
@@ -117,7 +117,7 @@ impl StageErrors {
     }
 
     /// Takes the errors of one splat as shares of its bounds; r and the picture have their own, pixel by pixel.
-    pub(super) fn compare(&mut self, bounds: &Bounds) {
+    pub(super) fn compare(&mut self, bounds: &ErrorBounds) {
         let shares = [
             self.centre / bounds.centre,
             self.depth / bounds.depth,

@@ -26,14 +26,14 @@ use crate::design::{DesignChoice, DesignJob};
 use crate::fixed;
 pub use crate::reference::{rational as exact, single};
 use crate::rules::Compositing;
-use bounds::Bounds;
+use bounds::ErrorBounds;
 pub use splatline_reference::hard::cases;
 
 use cases::Case;
 pub use errors::{BOUNDED, StageErrors};
 use errors::{form_error_of_conic, form_error_of_ldl, value, worse};
 use exact::ExactFootprint;
-use pictures::Truth;
+use pictures::TruePictures;
 use rayon::prelude::*;
 use splatline::footprint::{Footprint, depth};
 use splatline::format::{Design, Traversal};
@@ -145,7 +145,7 @@ fn single_errors(
     case: &Case,
     weights: &[f64],
     truth: &[Option<ExactFootprint>],
-    exact: &Truth,
+    exact: &TruePictures,
 ) -> StageErrors {
     let projected = project_all(case, weights, single::project);
     let mut errors = pictures::errors(pictures::single(case, &projected), exact);
@@ -175,7 +175,7 @@ fn fixed_errors(
     case: &Case,
     design: &DesignChoice,
     truth: &[Option<ExactFootprint>],
-    exact: &Truth,
+    exact: &TruePictures,
 ) -> StageErrors {
     let options = fixed::Options {
         rules: &case.rules,
@@ -185,11 +185,11 @@ fn fixed_errors(
     };
     let drawing = fixed::draw(&case.scene, &case.camera, &options);
     let bounded = design.traversal == Traversal::Spans;
-    let bounds: Vec<Option<Bounds>> = truth
+    let bounds: Vec<Option<ErrorBounds>> = truth
         .iter()
         .map(|truth| {
             let normalised = case.rules.normalised;
-            let of = |t| Bounds::new(&design.widths, t, &case.camera, normalised);
+            let of = |t| ErrorBounds::new(&design.widths, t, &case.camera, normalised);
             truth.as_ref().filter(|_| bounded).map(of)
         })
         .collect();
@@ -257,7 +257,7 @@ fn worsen_radial(
     design: &DesignChoice,
     footprint: &Footprint,
     truth: &ExactFootprint,
-    bounds: Option<&Bounds>,
+    bounds: Option<&ErrorBounds>,
 ) {
     let window = Window {
         first: [0, 0],

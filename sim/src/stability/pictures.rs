@@ -4,7 +4,7 @@
 //! is discontinuous, and any error at all, however small, can decide otherwise. Which pixels lie on such an edge follows from
 //! the truth alone; at those the wrong decisions are counted, and the largest difference is taken over all others.
 
-use super::bounds::Bounds;
+use super::bounds::ErrorBounds;
 use super::cases::Case;
 use super::errors::worse;
 use super::exact::ExactFootprint;
@@ -27,14 +27,14 @@ const DECIDED: f64 = 1.0 / 8_192.0;
 
 /// The truth's picture.
 #[derive(Clone, Debug)]
-pub(super) struct Truth {
+pub(super) struct TruePictures {
     picture: Picture,
     /// Pixels on an edge of the rules, row-major.
     edges: Vec<bool>,
 }
 
 /// The errors of `picture`, which has the truth's size.
-pub(super) fn errors(mut picture: Picture, truth: &Truth) -> StageErrors {
+pub(super) fn errors(mut picture: Picture, truth: &TruePictures) -> StageErrors {
     let exact = &truth.picture;
     let mut decided_wrongly = 0;
     for (index, _) in truth.edges.iter().enumerate().filter(|(_, edge)| **edge) {
@@ -126,7 +126,7 @@ fn composite(
 }
 
 /// The truth's picture, composited in double precision.
-pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> Truth {
+pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> TruePictures {
     let order = by_depth(projected, |f| f.depth);
     let mut picture = Picture::new(case.camera.width, case.camera.height);
     let mut edges = vec![false; picture.pixels.len()];
@@ -148,7 +148,7 @@ pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> Truth 
         *edge = on_edge;
         *pixel = [sum[0], sum[1], sum[2], 1.0 - clear];
     }
-    Truth { picture, edges }
+    TruePictures { picture, edges }
 }
 
 /// The largest share of its bound that a pixel's error takes, but for pixels on an edge as wide as the design's own bounds; 0 for a design
@@ -159,9 +159,9 @@ pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> Truth 
 pub(super) fn share_of_bound(
     case: &Case,
     picture: &Picture,
-    truth: &Truth,
+    truth: &TruePictures,
     projected: &[Option<ExactFootprint>],
-    bounds: &[Option<Bounds>],
+    bounds: &[Option<ErrorBounds>],
 ) -> f64 {
     let order = by_depth(projected, |f| f.depth);
     let range = fixed::kernel_rules(&case.rules).table_range;

@@ -9,10 +9,10 @@ pub const JUDGED: &str = "standard24";
 const NEEDLE_BAR: f64 = 10.0;
 
 /// A stage's name and its error.
-pub type Stage = (&'static str, fn(&StageErrors) -> f64);
+pub type StageColumn = (&'static str, fn(&StageErrors) -> f64);
 
 /// Stages in the order of the columns.
-pub const STAGES: [Stage; 8] = [
+pub const STAGES: [StageColumn; 8] = [
     ("centre", |e| e.centre),
     ("depth", |e| e.depth),
     ("peak", |e| e.peak),

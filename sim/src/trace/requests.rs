@@ -8,7 +8,7 @@
 //! The three phases of a picture follow each other. Ramulator's format has no cycles: it is asked as fast as it takes requests.
 
 use crate::machine::memory::Access;
-use crate::machine::memory::parts::Part;
+use crate::machine::memory::parts::DramPart;
 use std::fmt::Write;
 
 fn in_order(accesses: &[Access]) -> Vec<Access> {
@@ -29,7 +29,7 @@ pub fn ramulator2(accesses: &[Access]) -> String {
 }
 
 /// For DRAMsim3; a machine with this clock and part.
-pub fn dramsim3(accesses: &[Access], part: &Part, clock_mhz: u32) -> String {
+pub fn dramsim3(accesses: &[Access], part: &DramPart, clock_mhz: u32) -> String {
     let mut text = String::new();
     let machine = 1000 * u128::from(clock_mhz.max(1));
     for access in in_order(accesses) {
@@ -53,7 +53,7 @@ mod tests {
         };
         let all = [access(7, 0x40, true), access(2, 0x1c0, false)];
         assert_eq!(ramulator2(&all), "LD 0x1c0\nST 0x40\n");
-        let part = Part::named("ddr3-1600-x16").unwrap();
+        let part = DramPart::named("ddr3-1600-x16").unwrap();
         assert_eq!(dramsim3(&all, part, 200), "0x1c0 READ 8\n0x40 WRITE 28\n");
     }
 }

@@ -1,6 +1,6 @@
 //! Every stage of the kernel, run one after the other, with what crosses each boundary written down.
 
-use super::{Stage, Subject};
+use super::{VectorStage, VectorSubject};
 use crate::design::DesignJob;
 use crate::fixed::{kernel_compositing, kernel_rules};
 use crate::rules::Compositing as Order;
@@ -18,18 +18,18 @@ use splatline::setup::{self, Cull};
 use splatline::splat::VolumeSplat;
 
 /// All stages in the order of the data flow. The records of one stage refer to those of another by number.
-pub fn compute(subject: &Subject) -> Vec<Stage> {
-    struct StagesJob<'a>(&'a Subject);
+pub fn compute(subject: &VectorSubject) -> Vec<VectorStage> {
+    struct StagesJob<'a>(&'a VectorSubject);
     impl DesignJob for StagesJob<'_> {
-        type Output = Vec<Stage>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Vec<Stage> {
+        type Output = Vec<VectorStage>;
+        fn run<D: Design + Send + Sync>(self, design: D) -> Vec<VectorStage> {
             compute_with(design, self.0)
         }
     }
     subject.design.dispatch(StagesJob(subject))
 }
 
-fn compute_with<D: Design>(design: D, subject: &Subject) -> Vec<Stage> {
+fn compute_with<D: Design>(design: D, subject: &VectorSubject) -> Vec<VectorStage> {
     let widths = design.widths();
     let rules = kernel_rules(&subject.rules);
     let mut setup = SetupStages::new(&widths);
@@ -99,10 +99,10 @@ fn values(numbers: impl IntoIterator<Item = SoftFloat>) -> impl Iterator<Item = 
 
 /// One record per splat each.
 struct SetupStages {
-    splats: Stage,
-    projected: Stage,
-    columns: Stage,
-    variance: Stage,
+    splats: VectorStage,
+    projected: VectorStage,
+    columns: VectorStage,
+    variance: VectorStage,
 }
 
 /// The `culled` field: 0, or the place of the reason in [`Cull::ALL`] counted from 1.
@@ -118,7 +118,7 @@ impl SetupStages {
         let subpixel = widths.subpixel;
         let centre = 28 + usize::from(subpixel);
         SetupStages {
-            splats: Stage::new(
+            splats: VectorStage::new(
                 "splats",
                 "one input splat a record",
                 numbers(["x", "y", "z"])
@@ -129,7 +129,7 @@ impl SetupStages {
                     .chain(number("weight"))
                     .chain(["red", "green", "blue"].map(|n| field(n, 32, false, 28))),
             ),
-            projected: Stage::new(
+            projected: VectorStage::new(
                 "projected",
                 "one splat a record; culled: 0 drawn, 1 near, 2 far, 3 range, 4 degenerate, 5 transparent, 6 outside; zeros from 1 to 3",
                 [
@@ -141,12 +141,12 @@ impl SetupStages {
                 .into_iter()
                 .chain(numbers(["ratio_x", "ratio_y", "gain_x", "gain_y"])),
             ),
-            columns: Stage::new(
+            columns: VectorStage::new(
                 "columns",
                 "M = J W A, one splat a record; zeros if it was culled before",
                 numbers(["a_x", "a_y", "b_x", "b_y", "c_x", "c_y"]),
             ),
-            variance: Stage::new(
+            variance: VectorStage::new(
                 "variance",
                 "V' + V^h and its determinant, one splat a record; zeros if it was culled before",
                 numbers(["xx", "xy", "yy", "determinant"]),
@@ -157,7 +157,7 @@ impl SetupStages {
     fn record<D: Design>(
         &mut self,
         design: D,
-        subject: &Subject,
+        subject: &VectorSubject,
         rules: &Rules,
         index: usize,
         splat: &VolumeSplat,
@@ -200,7 +200,7 @@ fn splat_values(splat: &VolumeSplat) -> Vec<i64> {
     record
 }
 
-fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> Stage {
+fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> VectorStage {
     let layout = Layout::new(widths);
     let fields = layout
         .fields()
@@ -208,7 +208,7 @@ fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> Stage {
         .map(|f| field(f.name, f.width.into(), f.signed, f.fraction));
     // Behind the packet proper, so that its bits keep their places.
     let fields = fields.chain([field("splat", 32, false, 0)]);
-    let mut stage = Stage::new(
+    let mut stage = VectorStage::new(
         "packets",
         "footprint packets in the order of drawing, then the splat's number",
         fields,
@@ -238,9 +238,9 @@ fn packet_stage(widths: &Widths, visible: &[(usize, Footprint)]) -> Stage {
     stage
 }
 
-fn table_stage(widths: &Widths, range: u8) -> Stage {
+fn table_stage(widths: &Widths, range: u8) -> VectorStage {
     let bits = usize::from(widths.weight) + 1;
-    let mut stage = Stage::new(
+    let mut stage = VectorStage::new(
         "table",
         "entries of the footprint table",
         [field("entry", bits, false, widths.weight)],
@@ -260,12 +260,12 @@ struct RasterStages<D> {
     range: u8,
     window: Window,
     picture: Vec<Pixel>,
-    runs: Stage,
-    pixels: Stage,
+    runs: VectorStage,
+    pixels: VectorStage,
 }
 
 impl<D: Design> RasterStages<D> {
-    fn new(design: D, subject: &Subject, rules: &Rules) -> Self {
+    fn new(design: D, subject: &VectorSubject, rules: &Rules) -> Self {
         let widths = design.widths();
         let mut table = vec![0; entries(&widths)];
         fill_gaussian(&mut table, &widths, rules.table_range);
@@ -288,7 +288,7 @@ impl<D: Design> RasterStages<D> {
             range: rules.table_range,
             window,
             picture: vec![Pixel::clear(&widths); count],
-            runs: Stage::new(
+            runs: VectorStage::new(
                 "runs",
                 "runs of adjacent pixels: radial index at the first, its difference, the difference's difference",
                 place
@@ -297,7 +297,7 @@ impl<D: Design> RasterStages<D> {
                     .chain([field("length", 16, false, 0)])
                     .chain(["radial", "first", "second"].map(|n| field(n, lane, true, fraction))),
             ),
-            pixels: Stage::new(
+            pixels: VectorStage::new(
                 "pixels",
                 "pixels inside a footprint: radial index, opacity (0: skipped), and the pixel's word afterwards",
                 place.into_iter().chain([
@@ -377,9 +377,9 @@ impl<D: Design> RasterStages<D> {
         self.pixels.records.push(record);
     }
 
-    fn tile(&self) -> Stage {
+    fn tile(&self) -> VectorStage {
         let widths = self.design.widths();
-        let mut stage = Stage::new(
+        let mut stage = VectorStage::new(
             "tile",
             "the finished picture, row by row",
             ["red", "green", "blue"]

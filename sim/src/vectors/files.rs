@@ -2,7 +2,7 @@
 
 use super::manifest::{Manifest, StageRecord, digest};
 use super::work::room_for;
-use super::{Stage, Subject, compute};
+use super::{VectorStage, VectorSubject, compute};
 use crate::difference::differences;
 use crate::memory::TooLarge;
 use crate::{atomic, input};
@@ -62,7 +62,7 @@ pub struct Verified {
 }
 
 /// Writes the manifest and one file per stage into `folder`, which is made if need be.
-pub fn export(folder: &Path, subject: &Subject) -> Result<Manifest, VectorError> {
+pub fn export(folder: &Path, subject: &VectorSubject) -> Result<Manifest, VectorError> {
     fs::create_dir_all(folder).map_err(|source| VectorError::File {
         file: folder.to_owned(),
         source,
@@ -177,7 +177,7 @@ fn refuse_absurd_picture(
 fn read_splats(
     folder: &Path,
     manifest: &Manifest,
-    stage: &Stage,
+    stage: &VectorStage,
 ) -> Result<Vec<VolumeSplat>, VectorError> {
     let file = folder.join("splats.hex");
     let text = read(&file)?;
@@ -221,7 +221,7 @@ struct Owners {
 }
 
 impl Owners {
-    fn new(stages: &[Stage]) -> Self {
+    fn new(stages: &[VectorStage]) -> Self {
         let packets = stages.iter().find(|stage| stage.name == "packets");
         let splat = |record: &Vec<i64>| record.last().copied().unwrap_or(-1);
         Owners {
@@ -231,7 +231,7 @@ impl Owners {
         }
     }
 
-    fn describe(&self, stage: &Stage, index: usize) -> String {
+    fn describe(&self, stage: &VectorStage, index: usize) -> String {
         let splat = match stage.name {
             "table" => return String::new(),
             "tile" => return String::new(),
@@ -246,7 +246,7 @@ impl Owners {
     }
 }
 
-fn compare(stage: &Stage, got: &[Vec<i64>], owners: &Owners) -> Result<(), String> {
+fn compare(stage: &VectorStage, got: &[Vec<i64>], owners: &Owners) -> Result<(), String> {
     for (index, (expected, got)) in stage.records.iter().zip(got).enumerate() {
         let mut values = stage.fields.iter().zip(expected.iter().zip(got));
         if let Some((field, (expected, got))) = values.find(|(_, (expected, got))| expected != got)

@@ -1,6 +1,6 @@
 //! The manifest: `manifest.json`, which says what the files hold and what they were computed from.
 
-use super::{Field, Stage, Subject};
+use super::{RecordField, VectorStage, VectorSubject};
 use crate::design::{DesignChoice, ResolvedDesign};
 use crate::rules::{Compositing, Rules};
 use fixed::types::{I2F30, I32F32};
@@ -68,7 +68,7 @@ pub struct StageRecord {
     /// FNV-1a, 64 bits, of the file's bytes.
     pub digest: String,
     /// The fields of a record.
-    pub fields: Vec<Field>,
+    pub fields: Vec<RecordField>,
 }
 
 /// FNV-1a: not against forgery, but for finding out that a file has changed.
@@ -79,8 +79,8 @@ pub fn digest(bytes: &[u8]) -> String {
 
 impl Manifest {
     /// Describes the stages of a subject.
-    pub fn new(subject: &Subject, stages: &[Stage]) -> Self {
-        let record = |stage: &Stage| StageRecord {
+    pub fn new(subject: &VectorSubject, stages: &[VectorStage]) -> Self {
+        let record = |stage: &VectorStage| StageRecord {
             name: stage.name.to_owned(),
             about: stage.about.to_owned(),
             file: format!("{}.hex", stage.name),
@@ -107,14 +107,14 @@ impl Manifest {
     }
 
     /// The subject again, without its splats. The message names the field that is wrong.
-    pub fn subject(&self) -> Result<Subject, String> {
+    pub fn subject(&self) -> Result<VectorSubject, String> {
         if self.format_version != FORMAT_VERSION {
             return Err(format!(
                 "format_version is {}, expected {FORMAT_VERSION}: export the vectors again with this version",
                 self.format_version
             ));
         }
-        Ok(Subject {
+        Ok(VectorSubject {
             design: DesignChoice::try_from(self.design.clone())
                 .map_err(|error| error.to_string())?,
             rules: Rules::from_str(&self.rules).map_err(|error| format!("rules: {error}"))?,

@@ -21,7 +21,7 @@ pub use builtin::hard_cases;
 pub use compute::compute;
 pub use files::{VectorError, Verified, export, verify};
 pub use manifest::{FORMAT_VERSION, Manifest};
-pub use stage::{Field, Stage};
+pub use stage::{RecordField, VectorStage};
 pub use work::room_for_splats;
 
 use crate::design::DesignChoice;
@@ -31,7 +31,7 @@ use splatline::view::View;
 
 /// What the vectors are computed from.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct VectorSubject {
     /// Widths and traversal.
     pub design: DesignChoice,
     /// Rules of blending.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 /// A field of a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Field {
+pub struct RecordField {
     /// Name.
     pub name: String,
     /// First bit, counted from the record's least significant.
@@ -20,18 +20,18 @@ pub struct Field {
 
 /// A stage's table.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Stage {
+pub struct VectorStage {
     /// Name; the file is `NAME.hex`.
     pub name: &'static str,
     /// What a record is.
     pub about: &'static str,
     /// The fields.
-    pub fields: Vec<Field>,
+    pub fields: Vec<RecordField>,
     /// One value per field and record.
     pub records: Vec<Vec<i64>>,
 }
 
-impl Stage {
+impl VectorStage {
     /// A stage without records; fields are `(name, bits, signed, fraction)` in order.
     pub fn new(
         name: &'static str,
@@ -40,7 +40,7 @@ impl Stage {
     ) -> Self {
         let mut offset = 0;
         let place = |(name, bits, signed, fraction)| {
-            let field = Field {
+            let field = RecordField {
                 name,
                 offset,
                 bits,
@@ -50,7 +50,7 @@ impl Stage {
             offset += bits;
             field
         };
-        Stage {
+        VectorStage {
             name,
             about,
             fields: fields.into_iter().map(place).collect(),
@@ -120,7 +120,7 @@ impl Stage {
             return Err(format!("the record has more than {} bits", self.bits()));
         }
         let bit = |at: usize| i64::from(bits.get(at).copied().unwrap_or(false));
-        let value = |field: &Field| {
+        let value = |field: &RecordField| {
             let value = (0..field.bits).fold(0i64, |v, at| v | bit(field.offset + at) << at);
             let spare = 64 - field.bits as u32;
             if field.signed {
@@ -137,9 +137,9 @@ impl Stage {
 mod tests {
     use super::*;
 
-    fn stage() -> Stage {
+    fn stage() -> VectorStage {
         let fields = [("a", 3, true, 0), ("b", 64, true, 0), ("c", 5, false, 2)];
-        Stage::new(
+        VectorStage::new(
             "test",
             "",
             fields.map(|(n, b, s, f)| (n.to_owned(), b, s, f)),

@@ -2,7 +2,7 @@
 //!
 //! Setup is run once for its boxes, which bound the pixels of runs and records from above; nothing is kept of it.
 
-use super::Subject;
+use super::VectorSubject;
 use crate::design::DesignJob;
 use crate::fixed::kernel_rules;
 use crate::memory::{self, TooLarge};
@@ -17,7 +17,7 @@ const PICTURE_BYTES: u64 = 350;
 const PIXEL_BYTES: u64 = 350;
 
 /// Refuses a subject whose vectors do not fit into memory.
-pub fn room_for(subject: &Subject) -> Result<(), TooLarge> {
+pub fn room_for(subject: &VectorSubject) -> Result<(), TooLarge> {
     const FIX: &str = "ask for fewer splats or a smaller picture";
     room_for_splats(subject.splats.len())?;
     memory::room_for(bytes(subject), "the test vectors", FIX)
@@ -29,8 +29,8 @@ pub fn room_for_splats(count: usize) -> Result<(), TooLarge> {
     memory::room_for(bytes, "the splats' test vectors", "ask for fewer splats")
 }
 
-fn bytes(subject: &Subject) -> u64 {
-    struct WorkJob<'a>(&'a Subject);
+fn bytes(subject: &VectorSubject) -> u64 {
+    struct WorkJob<'a>(&'a VectorSubject);
     impl DesignJob for WorkJob<'_> {
         type Output = u64;
         fn run<D: Design + Send + Sync>(self, design: D) -> u64 {

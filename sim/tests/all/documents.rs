@@ -168,7 +168,7 @@ fn unknown_keys_are_answered_by_those_of_the_page() {
         assert!(told.contains(&format!("[{section}] has ")), "{told}");
         let key = |word: &&&str| word.contains('_') || FIELDS.iter().any(|f| f.key == **word);
         for word in words.iter().filter(key) {
-            let of = |field: &&config::Field| field.key == *word;
+            let of = |field: &&config::ConfigField| field.key == *word;
             assert!(
                 FIELDS.iter().any(|f| of(&f)),
                 "docs/files.md, [{section}]: {word}"

@@ -10,15 +10,20 @@ use splatline::target::Target;
 use splatline_sim::design::{DesignChoice, DesignJob};
 use splatline_sim::fixed::{kernel_compositing, kernel_rules};
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::vectors::{Subject, compute, export, hard_cases, verify};
+use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases, verify};
 use std::fs;
 use std::path::Path;
 
-fn subject(design: &str, traversal: Traversal, rules: Rules, compositing: Compositing) -> Subject {
+fn subject(
+    design: &str,
+    traversal: Traversal,
+    rules: Rules,
+    compositing: Compositing,
+) -> VectorSubject {
     let mut design = DesignChoice::named(design).unwrap();
     design.traversal = traversal;
     let (view, splats) = hard_cases(72, [80, 40], 3);
-    Subject {
+    VectorSubject {
         design,
         rules,
         compositing,
@@ -27,7 +32,7 @@ fn subject(design: &str, traversal: Traversal, rules: Rules, compositing: Compos
     }
 }
 
-fn small() -> Subject {
+fn small() -> VectorSubject {
     subject(
         "lean18",
         Traversal::Spans,
@@ -37,7 +42,7 @@ fn small() -> Subject {
 }
 
 /// The picture by the painter, whole footprints at a time.
-struct Painted<'a>(&'a Subject);
+struct Painted<'a>(&'a VectorSubject);
 
 impl DesignJob for Painted<'_> {
     type Output = Vec<[i64; 5]>;

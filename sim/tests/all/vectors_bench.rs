@@ -4,7 +4,7 @@
 use splatline::format::Traversal;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::rules::{Compositing, Rules};
-use splatline_sim::vectors::{Subject, compute, export, hard_cases};
+use splatline_sim::vectors::{VectorSubject, compute, export, hard_cases};
 use std::path::Path;
 use std::process::Command;
 
@@ -15,7 +15,7 @@ use std::process::Command;
 )]
 fn a_simulator_steps_exported_runs_to_the_same_radial_indices() {
     let (view, splats) = hard_cases(72, [80, 40], 5);
-    let subject = Subject {
+    let subject = VectorSubject {
         design: DesignChoice::named("standard24").unwrap(),
         rules: Rules::GAUSSIAN_3D,
         compositing: Compositing::FrontToBack,
@@ -65,7 +65,7 @@ fn a_simulator_steps_exported_runs_to_the_same_radial_indices() {
 }
 
 /// Two additions per pixel, in the lane's 32 bits.
-fn expected(subject: &Subject) -> String {
+fn expected(subject: &VectorSubject) -> String {
     let stages = compute(subject);
     let runs = stages.iter().find(|stage| stage.name == "runs").unwrap();
     let mut text = String::new();

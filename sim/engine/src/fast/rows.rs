@@ -319,7 +319,7 @@ pub fn is_tame(constants: &RowConstants<i64>) -> bool {
         && constants.fraction < VERTICAL_FRACTION
 }
 
-/// Is 1 / A small enough for [`SquaredWidth`]?
+/// Is 1 / A small enough for `SquaredWidth`?
 #[inline(always)]
 pub fn has_short_squared_width(constants: &RowConstants<i64>) -> bool {
     // Designs of at most 15 bits multiply the root's argument in two halves.

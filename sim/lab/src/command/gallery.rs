@@ -6,7 +6,7 @@ use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::picture::Depth;
-use splatline_sim::progress::Progress;
+use splatline_sim::progress::ProgressMeter;
 use std::path::{Path, PathBuf};
 
 pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
@@ -28,7 +28,7 @@ pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
 fn make(options: &GalleryOptions, collection: Collection, folder: &Path) -> Result<(), Failure> {
     let groups = chosen_groups(options, collection)?;
     create_folder(folder)?;
-    let progress = Progress::new(groups.len());
+    let progress = ProgressMeter::new(groups.len());
     let mut exhibits = Vec::new();
     for group in groups {
         progress.doing(format!("{group} exhibits"));

@@ -5,7 +5,7 @@ pub mod options;
 mod results;
 
 use clap::Parser;
-use options::{Command, Lab};
+use options::{Lab, LabCommand};
 use splatline_lab::results::lines::compared;
 use splatline_sim::cli::{Failure, finish, print_result};
 use std::process::ExitCode;
@@ -13,11 +13,11 @@ use std::process::ExitCode;
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
 pub fn run() -> ExitCode {
     finish(match Lab::parse().command {
-        Command::Gallery(options) => gallery::run(&options),
-        Command::Results(options) => results::run(&options),
-        Command::DrawOnce(options) => results::host::draw_once(&options),
-        Command::DrawScaled(options) => results::scale::draw_scaled(&options),
-        Command::Lines(options) => compared(&options.before)
+        LabCommand::Gallery(options) => gallery::run(&options),
+        LabCommand::Results(options) => results::run(&options),
+        LabCommand::DrawOnce(options) => results::host::draw_once(&options),
+        LabCommand::DrawScaled(options) => results::scale::draw_scaled(&options),
+        LabCommand::Lines(options) => compared(&options.before)
             .map_err(Failure::from)
             .and_then(|table| print_result(&table)),
     })

@@ -9,11 +9,11 @@ use std::path::PathBuf;
 #[command(name = "splatline-lab", version)]
 pub struct Lab {
     #[command(subcommand)]
-    pub command: Command,
+    pub command: LabCommand,
 }
 
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub enum LabCommand {
     /// Draw the exhibits that show each system, with their numbers beside the pictures.
     #[command(after_help = GALLERY_EXAMPLES)]
     Gallery(GalleryOptions),

@@ -1,7 +1,7 @@
 //! Fixed point against float on real scenes: every design by both traversals, held against the bars.
 
 use super::views::{CapturedView, DEEP_STACK};
-use super::{Page, opening, table, verdict};
+use super::{ResultPage, opening, table, verdict};
 use anyhow::Result;
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
@@ -135,7 +135,7 @@ pub fn measure(view: &CapturedView) -> Result<Vec<Measurement>> {
 }
 
 /// The page of all measurements.
-pub fn page(measurements: &[Measurement]) -> Page {
+pub fn page(measurements: &[Measurement]) -> ResultPage {
     let mut text = opening("Accuracy: fixed point against float");
     text.push_str(
         "Both engines draw the same scene by the same rules, 512x512, front to back. PSNR, largest error and bias (fixed minus float) are the \
@@ -184,7 +184,7 @@ pub fn page(measurements: &[Measurement]) -> Page {
         rows.push(row(measurement));
     }
     flush(&mut text, &headings, &mut rows);
-    Page {
+    ResultPage {
         file: "accuracy.md",
         text,
     }

@@ -1,6 +1,6 @@
 //! View-dependent colour in fixed point: spherical harmonics by the kernel's unit against double precision, splat by splat and in pictures.
 
-use super::{Page, opening, table};
+use super::{ResultPage, opening, table};
 use anyhow::Result;
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
@@ -25,7 +25,7 @@ const CAPTURED: [(&str, &str, ColourPlace); 1] = [(
 )];
 
 /// The page about random harmonics of every degree and, if they are at hand, captured scenes.
-pub fn page(data: &Path) -> Result<Page> {
+pub fn page(data: &Path) -> Result<ResultPage> {
     let mut rows = Vec::new();
     for degree in 1..=4 {
         let scene = synthetic::random_harmonics(5000, 1, degree);
@@ -64,7 +64,7 @@ pub fn page(data: &Path) -> Result<Page> {
         ],
         &rows,
     ));
-    Ok(Page {
+    Ok(ResultPage {
         file: "colour.md",
         text,
     })

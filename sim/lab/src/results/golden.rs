@@ -1,6 +1,6 @@
 //! Both engines against data of independent origin: golden_a's 60-digit conics and pictures, and golden/tiny.
 
-use super::{Page, opening, table, verdict};
+use super::{ResultPage, opening, table, verdict};
 use anyhow::{Context, Result};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
@@ -103,7 +103,7 @@ pub fn tiny(folder: &Path) -> Result<Vec<(String, f64)>> {
 }
 
 /// The page; `folder` holds tiny.
-pub fn page(folder: &Path) -> Result<Page> {
+pub fn page(folder: &Path) -> Result<ResultPage> {
     let golden = GoldenA::load(&archive()).context("golden_a")?;
     let mut text = opening("Agreement with data of independent origin");
     text.push_str("golden_a: 256 hard Gaussians, projected by other code, with conics in 60-digit arithmetic and 64x64 pictures in double precision.\n\n## Engine `float`\n\n");
@@ -157,7 +157,7 @@ pub fn page(folder: &Path) -> Result<Page> {
         .map(|(name, db)| vec![name.clone(), format!("{db:.2}"), verdict(*db >= TINY_DB)])
         .collect();
     text.push_str(&table(&["engine or design", "PSNR dB", "bar"], &rows));
-    Ok(Page {
+    Ok(ResultPage {
         file: "golden.md",
         text,
     })

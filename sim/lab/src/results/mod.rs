@@ -31,7 +31,7 @@ pub const COMMAND: &str = "cargo run --release -p splatline-lab -- results";
 
 /// A page of results in Markdown.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Page {
+pub struct ResultPage {
     /// File name.
     pub file: &'static str,
     /// Its text.

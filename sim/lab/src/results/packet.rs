@@ -1,11 +1,11 @@
 //! The footprint packet's bit layout, printed from the kernel's own table.
 
-use super::{Page, opening, table};
+use super::{ResultPage, opening, table};
 use splatline::footprint::packet::{Layout, VERSION};
 use splatline_sim::design::DesignChoice;
 
 /// The page: one table with the offsets of every design.
-pub fn page() -> Page {
+pub fn page() -> ResultPage {
     let mut text = opening("The footprint packet");
     text.push_str(&format!(
         "Layout version {VERSION}. Fields follow each other without padding, least significant bit first, in 32-bit words. `offset:width` in bits; fraction \
@@ -39,7 +39,7 @@ pub fn page() -> Page {
     );
     rows.push(total);
     text.push_str(&table(&headings, &rows));
-    Page {
+    ResultPage {
         file: "packet.md",
         text,
     }

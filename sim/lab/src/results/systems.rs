@@ -1,6 +1,6 @@
 //! The page of systems: where each lives, and its error in fixed point against float as the gallery measures it.
 
-use super::{COMMAND, Page};
+use super::{COMMAND, ResultPage};
 use crate::gallery::Exhibit;
 use crate::gallery::surface::GalleryError;
 use crate::gallery::{deep, kernels, surface, texture};
@@ -12,7 +12,7 @@ use std::path::Path;
 const BARS: (f64, f64) = (60.0, 5e-4);
 
 /// Makes all exhibits and reads every system's worst comparison from them.
-pub fn page(data: &Path) -> Result<Page, GalleryError> {
+pub fn page(data: &Path) -> Result<ResultPage, GalleryError> {
     let mut exhibits = surface::surface(data)?;
     exhibits.extend(kernels::kernels(data));
     for name in deep::NAMES {
@@ -21,7 +21,7 @@ pub fn page(data: &Path) -> Result<Page, GalleryError> {
     for name in texture::NAMES {
         exhibits.extend(texture::some(data, name)?);
     }
-    Ok(Page {
+    Ok(ResultPage {
         file: "systems.md",
         text: text(&exhibits),
     })

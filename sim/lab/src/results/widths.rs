@@ -4,7 +4,7 @@
 //! stage alone costs; the last column has all of them narrow at once.
 
 use super::views::{CapturedView, DEEP_STACK};
-use super::{Page, opening, table};
+use super::{ResultPage, opening, table};
 use anyhow::Result;
 use splatline::format::{Traversal, WIDTH_RANGES};
 use splatline_sim::design::DesignChoice;
@@ -158,7 +158,7 @@ fn formats_table(view: &CapturedView, reference: &Picture) -> Result<String> {
 }
 
 /// The page over the views that are measured.
-pub fn page(views: &[CapturedView]) -> Result<Page> {
+pub fn page(views: &[CapturedView]) -> Result<ResultPage> {
     let mut text = opening("Error against width");
     let _ = writeln!(
         text,
@@ -180,7 +180,7 @@ pub fn page(views: &[CapturedView]) -> Result<Page> {
             formats_table(view, &reference)?
         );
     }
-    Ok(Page {
+    Ok(ResultPage {
         file: "widths.md",
         text,
     })

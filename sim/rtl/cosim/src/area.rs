@@ -9,7 +9,9 @@ use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use splatline::format::Widths;
 use splatline_sim::atomic;
-use splatline_sim::machine::area::synthesis::{Part, Subject, Synthesised, subjects, to_csv};
+use splatline_sim::machine::area::synthesis::{
+    Subject, Synthesised, SynthesisedPart, subjects, to_csv,
+};
 use splatline_sim::machine::area::{Calibration, Fabric, Family};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -202,12 +204,12 @@ fn circuits(subject: &Subject) -> Result<Vec<Synthesised>> {
         };
         let [setup, rows] = SHARED.map(|unit| synthesise(subject, family, unit, None, &[]));
         let (setup, rows) = (setup?, rows?);
-        keep(Part::Setup, setup);
-        keep(Part::Rows, rows);
+        keep(SynthesisedPart::Setup, setup);
+        keep(SynthesisedPart::Rows, rows);
         for lanes in LANES {
             let rest = synthesise(subject, family, "splat_primitive", Some(lanes), &SHARED)?;
             ensure!(rest.luts > 0, "yosys counts no look-up tables");
-            keep(Part::Lanes(lanes), rest + setup + rows);
+            keep(SynthesisedPart::Lanes(lanes), rest + setup + rows);
         }
     }
     Ok(found)
@@ -216,10 +218,10 @@ fn circuits(subject: &Subject) -> Result<Vec<Synthesised>> {
 fn line(found: &Synthesised, calibration: &Calibration) -> String {
     let seen = if found.fitted() { "" } else { " ." };
     let part = match found.part {
-        Part::Setup => "of it setup".to_owned(),
-        Part::Rows => "of it rows".to_owned(),
-        Part::Lanes(1) => format!("1 lane{seen}"),
-        Part::Lanes(lanes) => format!("{lanes} lanes{seen}"),
+        SynthesisedPart::Setup => "of it setup".to_owned(),
+        SynthesisedPart::Rows => "of it rows".to_owned(),
+        SynthesisedPart::Lanes(1) => format!("1 lane{seen}"),
+        SynthesisedPart::Lanes(lanes) => format!("{lanes} lanes{seen}"),
     };
     let estimate = found.estimate(calibration);
     let cells = (0..4).map(|i| {

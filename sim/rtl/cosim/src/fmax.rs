@@ -9,7 +9,7 @@ use crate::setup;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use splatline_sim::atomic;
-use splatline_sim::machine::area::synthesis::{Part, Subject, subjects};
+use splatline_sim::machine::area::synthesis::{Subject, SynthesisedPart, subjects};
 use splatline_sim::machine::area::{Fabric, Family};
 use std::fmt::Write;
 use std::fs;
@@ -281,7 +281,7 @@ fn place(circuit: &PlacedCircuit, device: &Device) -> Result<Placement> {
         let known = counts()?.into_iter().find(|line| {
             line.design == circuit.subject.name
                 && line.family == device.family
-                && line.part == Part::Lanes(lanes)
+                && line.part == SynthesisedPart::Lanes(lanes)
         });
         if let Some(known) = known.filter(|known| too_large(&known.fabric, device)) {
             return Ok(Placement::TooLarge(known.fabric));

@@ -58,10 +58,10 @@ fn negative_coordinates_parse() {
     let Some(Command::Render(options)) = cli.command else {
         panic!("not render")
     };
-    assert_eq!(options.view.eye, Some(Vector([-1.0, 2.0, -3.5])));
-    assert_eq!(options.view.target, Some(Vector([0.0, -0.5, 10.0])));
-    assert_eq!(options.view.up, Some(Vector([0.0, -1.0, 0.0])));
-    assert_eq!(options.view.light, Some(Vector([-1.0, -1.0, 0.0])));
+    assert_eq!(options.view.eye, Some(VectorValue([-1.0, 2.0, -3.5])));
+    assert_eq!(options.view.target, Some(VectorValue([0.0, -0.5, 10.0])));
+    assert_eq!(options.view.up, Some(VectorValue([0.0, -1.0, 0.0])));
+    assert_eq!(options.view.light, Some(VectorValue([-1.0, -1.0, 0.0])));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::limits::{Limit, Quantity};
 use super::*;
 use crate::camera::Camera;
 use crate::explore::folder::Appender;
-use crate::explore::sweep::{self, Shard, Subject};
+use crate::explore::sweep::{self, Shard, SweepSubject};
 use crate::explore::table::{ResultTable, heading};
 use crate::machine::area::Calibration;
 use crate::machine::energy::EnergyTable;
@@ -64,7 +64,7 @@ impl Subjects {
     fn swept(&self, space: &Space) -> Vec<[f64; 5]> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("points.csv");
-        let subject = Subject {
+        let subject = SweepSubject {
             splats: self.splats(&self.camera),
             design: DesignChoice::named("standard24").unwrap(),
             traversal: None,

@@ -6,7 +6,7 @@
 
 use super::Fabric;
 use super::circuit::Bits;
-use super::synthesis::{Part, Synthesised, synthesised};
+use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
 use serde::{Deserialize, Serialize};
 
 /// A family of devices.
@@ -191,7 +191,8 @@ impl Calibration {
             row_multipliers: 0,
             shapes: sheet.shapes.to_vec(),
             block_kbit: sheet.block_kbit,
-            root_kbit: of_part(&found, Part::Rows).map_or(0, |line| line.fabric.memory_kbit),
+            root_kbit: of_part(&found, SynthesisedPart::Rows)
+                .map_or(0, |line| line.fabric.memory_kbit),
             lut_memory: sheet.lut_memory,
             luts_per_dsp: sheet.device[0] / sheet.device[1],
             luts_per_kbit: sheet.device[0] / sheet.device[2],
@@ -207,8 +208,10 @@ impl Calibration {
                 .collect::<Vec<_>>();
             mean(&beyond).max(0.0).round() as u64
         };
-        let setup = fixed(Part::Setup, |bits| bits.setup_products().to_vec());
-        let rows = fixed(Part::Rows, |bits| bits.row_products().to_vec());
+        let setup = fixed(SynthesisedPart::Setup, |bits| {
+            bits.setup_products().to_vec()
+        });
+        let rows = fixed(SynthesisedPart::Rows, |bits| bits.row_products().to_vec());
         (calibration.setup_multipliers, calibration.row_multipliers) = (setup, rows);
         calibration
     }
@@ -265,7 +268,7 @@ impl PriceLine {
 
 /// Lines through the two designs that are fitted.
 fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
-    let points = |part: Part, bits: fn(&Bits) -> u64| -> Vec<[f64; 2]> {
+    let points = |part: SynthesisedPart, bits: fn(&Bits) -> u64| -> Vec<[f64; 2]> {
         let lines = found.iter().filter(|line| line.part == part);
         lines
             .map(|line| {
@@ -274,10 +277,10 @@ fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
             })
             .collect()
     };
-    let setup = points(Part::Setup, |bits| bits.mantissa);
-    let rows = points(Part::Rows, |bits| bits.mantissa);
-    let one = points(Part::Lanes(1), |bits| bits.lane);
-    let four = points(Part::Lanes(4), |bits| bits.lane);
+    let setup = points(SynthesisedPart::Setup, |bits| bits.mantissa);
+    let rows = points(SynthesisedPart::Rows, |bits| bits.mantissa);
+    let one = points(SynthesisedPart::Lanes(1), |bits| bits.lane);
+    let four = points(SynthesisedPart::Lanes(4), |bits| bits.lane);
     let lane: Vec<[f64; 2]> = one
         .iter()
         .zip(&four)
@@ -294,7 +297,7 @@ fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
     }
 }
 
-fn of_part(found: &[Synthesised], part: Part) -> Option<&Synthesised> {
+fn of_part(found: &[Synthesised], part: SynthesisedPart) -> Option<&Synthesised> {
     found.iter().find(|line| line.part == part)
 }
 

@@ -126,28 +126,28 @@ impl Bits {
 
 /// Geometry setup, counted: projection (9 products of position and rotation, 27 where they have two parts, and 4 of ratios and focal length),
 /// columns of J W S (27 + 12), variance (15), LDL and conic (10), peak and cut-off (4), reciprocals and roots by table and a product or two (8).
-pub struct Geometry {
+pub struct GeometryCircuit {
     /// Position relative to the eye, and its rotation: what a splat takes before it can be culled.
-    pub rotation: Stage,
+    pub rotation: SetupStage,
     /// Everything after that.
-    pub footprint: Stage,
+    pub footprint: SetupStage,
     /// Bits of a word of either table.
     pub table_bits: u64,
 }
 
 /// Products and adders of a part of geometry setup, and its look-ups.
-pub struct Stage {
+pub struct SetupStage {
     pub products: Vec<[u64; 2]>,
     pub operators: Operators,
     pub lookups: u64,
 }
 
-impl Geometry {
+impl GeometryCircuit {
     /// Words of each of the two tables, for reciprocals and for roots.
     pub const TABLE_WORDS: u64 = 256;
 
     /// Of a design.
-    pub fn new(widths: &Widths) -> Geometry {
+    pub fn new(widths: &Widths) -> GeometryCircuit {
         let [position, view, m] = [widths.position, widths.view, widths.mantissa].map(u64::from);
         // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
         let low = position.saturating_sub(30);
@@ -161,8 +161,8 @@ impl Geometry {
             vec![[view + 1, m + 1]; 27],
             vec![[m + 1, m + 1]; 12 + 15 + 10 + 4 + 8],
         ];
-        Geometry {
-            rotation: Stage {
+        GeometryCircuit {
+            rotation: SetupStage {
                 products: rotation.concat(),
                 operators: Operators {
                     // Alignment of splat and eye in 61 bits, the difference, its block exponent and the rotation's sums come first.
@@ -171,7 +171,7 @@ impl Geometry {
                 },
                 lookups: 0,
             },
-            footprint: Stage {
+            footprint: SetupStage {
                 products: footprint.concat(),
                 operators: Operators {
                     adder_bits: 60 * (m + 2),

@@ -16,7 +16,7 @@ pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
 
 use super::config::{Config, Layout, Overlap, Termination};
 use super::primitive::QUEUE;
-use circuit::{Bits, Geometry, Operators};
+use circuit::{Bits, GeometryCircuit, Operators};
 use serde::Serialize;
 use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
@@ -178,7 +178,7 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
 /// saturation, special cases); geometry setup is taken to be short by the same factor.
 fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
     let m = u64::from(widths.mantissa);
-    let geometry = Geometry::new(widths);
+    let geometry = GeometryCircuit::new(widths);
     let written = Bits::new(widths).operators();
     let written: f64 = written.iter().map(Operators::luts).sum();
     let logic = |lines: &Lines| {
@@ -189,7 +189,7 @@ fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) ->
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
         dsps: shared(&geometry.products(), config.setup_interval, calibration),
-        memory_kbit: 2 * calibration.memory(Geometry::TABLE_WORDS, geometry.table_bits),
+        memory_kbit: 2 * calibration.memory(GeometryCircuit::TABLE_WORDS, geometry.table_bits),
     }
 }
 

@@ -16,7 +16,7 @@ const HEADING: &str = "design,widths,family,part,luts,flip_flops,dsps,memory_kbi
 
 /// What was synthesised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum SynthesisedPart {
     /// The splat setup alone.
     Setup,
     /// The row generator alone.
@@ -44,7 +44,7 @@ pub struct Synthesised {
     /// For which devices.
     pub family: Family,
     /// What of it.
-    pub part: Part,
+    pub part: SynthesisedPart,
     /// The counts.
     pub fabric: Fabric,
 }
@@ -103,9 +103,9 @@ fn parse_line(line: &str) -> Option<Synthesised> {
         .map(|width| width.parse().ok())
         .collect::<Option<_>>()?;
     let part = match part {
-        "setup" => Part::Setup,
-        "rows" => Part::Rows,
-        lanes => Part::Lanes(lanes.parse().ok()?),
+        "setup" => SynthesisedPart::Setup,
+        "rows" => SynthesisedPart::Rows,
+        lanes => SynthesisedPart::Lanes(lanes.parse().ok()?),
     };
     Some(Synthesised {
         design: design.to_owned(),
@@ -140,9 +140,9 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
             .map(ToString::to_string)
             .collect();
         let part = match line.part {
-            Part::Setup => "setup".to_owned(),
-            Part::Rows => "rows".to_owned(),
-            Part::Lanes(lanes) => lanes.to_string(),
+            SynthesisedPart::Setup => "setup".to_owned(),
+            SynthesisedPart::Rows => "rows".to_owned(),
+            SynthesisedPart::Lanes(lanes) => lanes.to_string(),
         };
         let Fabric {
             luts,
@@ -169,12 +169,12 @@ impl Synthesised {
             .iter()
             .take(2)
             .any(|subject| subject.name == self.design);
-        named && self.part != Part::Lanes(2)
+        named && self.part != SynthesisedPart::Lanes(2)
     }
 
     /// The estimate of the same circuit, if it is a whole one.
     pub fn estimate(&self, calibration: &Calibration) -> Option<Fabric> {
-        let Part::Lanes(lanes) = self.part else {
+        let SynthesisedPart::Lanes(lanes) = self.part else {
             return None;
         };
         let config = counted(lanes);
@@ -198,7 +198,7 @@ pub fn counted(lanes: u32) -> Config {
 
 /// By how much a family's own estimate misses synthesis at worst, of LUT, FF, DSP and memory; as parts of 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Errors {
+pub struct AreaErrors {
     /// Circuits that the lines go through.
     pub fitted: f64,
     /// Circuits that the fit has not seen; none if none was synthesised.
@@ -206,7 +206,7 @@ pub struct Errors {
 }
 
 /// Holds a family's estimate against its synthesis.
-pub fn errors(family: Family) -> Errors {
+pub fn errors(family: Family) -> AreaErrors {
     let calibration = family.calibration();
     let (mut fitted, mut unseen) = (0.0, None);
     for line in synthesised().iter().filter(|line| line.family == family) {
@@ -220,7 +220,7 @@ pub fn errors(family: Family) -> Errors {
             unseen = Some(f64::max(unseen.unwrap_or(0.0), worst));
         }
     }
-    Errors { fitted, unseen }
+    AreaErrors { fitted, unseen }
 }
 
 /// What a reader of an estimate must know: for which devices it is, and how well it met synthesis.
@@ -231,7 +231,7 @@ pub fn statement(calibration: &Calibration) -> String {
             "area by prices of your own, begun from those of {name}; not held against any synthesis"
         );
     }
-    let Errors { fitted, unseen } = errors(calibration.family);
+    let AreaErrors { fitted, unseen } = errors(calibration.family);
     let unseen = unseen.map_or(String::new(), |unseen| {
         format!(
             " and {:.1} % of circuits that the calibration has not seen",
@@ -273,7 +273,12 @@ mod tests {
         }
         for family in Family::ALL {
             for design in ["lean18", "standard24"] {
-                for part in [Part::Setup, Part::Rows, Part::Lanes(1), Part::Lanes(4)] {
+                for part in [
+                    SynthesisedPart::Setup,
+                    SynthesisedPart::Rows,
+                    SynthesisedPart::Lanes(1),
+                    SynthesisedPart::Lanes(4),
+                ] {
                     assert!(lines.iter().any(|line| line.design == design
                         && line.family == family
                         && line.part == part));
@@ -286,7 +291,7 @@ mod tests {
     #[test]
     fn estimates_are_within_a_tenth_of_synthesis() {
         for family in Family::ALL {
-            let Errors { fitted, unseen } = errors(family);
+            let AreaErrors { fitted, unseen } = errors(family);
             assert!(
                 fitted < 0.1 && unseen.is_none_or(|unseen| unseen < 0.1),
                 "{family:?}: {fitted}, {unseen:?}"

@@ -70,7 +70,7 @@ fn intervals_share_multipliers() {
 fn the_estimate_of_a_machine_is_that_of_its_circuits() {
     let widths = Lean18::WIDTHS;
     for line in synthesis::synthesised() {
-        let synthesis::Part::Lanes(lanes) = line.part else {
+        let synthesis::SynthesisedPart::Lanes(lanes) = line.part else {
             continue;
         };
         if line.widths != widths {

@@ -1,6 +1,6 @@
 //! The table of fields: section, key, range, meaning, and how to read and write it in a [`Config`].
 
-use super::{Assignment, Binning, Config, Layout, Overlap, Sorter, Termination, TileOrder};
+use super::{Assignment, Binning, Config, Layout, Overlap, Sorter, Termination, TileWalk};
 use crate::machine::memory::parts::PARTS;
 
 /// What a field may hold. Values are passed as integers; a choice is its index.
@@ -16,7 +16,7 @@ pub enum Range {
 
 /// One field of the configuration.
 #[derive(Clone, Copy, Debug)]
-pub struct Field {
+pub struct ConfigField {
     /// Section of the TOML file.
     pub section: &'static str,
     /// Key in the section.
@@ -31,7 +31,7 @@ pub struct Field {
     pub set: fn(&mut Config, u32),
 }
 
-impl Field {
+impl ConfigField {
     /// `section.key`.
     pub fn path(&self) -> String {
         format!("{}.{}", self.section, self.key)
@@ -39,7 +39,7 @@ impl Field {
 }
 
 /// The field called `section.key`, or `key` alone, since no key occurs twice.
-pub fn field(name: &str) -> Option<&'static Field> {
+pub fn field(name: &str) -> Option<&'static ConfigField> {
     FIELDS
         .iter()
         .find(|field| field.key == name || field.path() == name)
@@ -57,11 +57,11 @@ const LAYOUTS: [Layout; 4] = [Layout::Run, Layout::Aligned, Layout::Quad, Layout
 const OVERLAPS: [Overlap; 3] = [Overlap::Serial, Overlap::Pipelined, Overlap::Primitive];
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Static, Assignment::Dynamic];
 const TERMINATIONS: [Termination; 2] = [Termination::Discard, Termination::Skip];
-const TILE_ORDERS: [TileOrder; 4] = [
-    TileOrder::Raster,
-    TileOrder::Serpentine,
-    TileOrder::Morton,
-    TileOrder::Hilbert,
+const TILE_ORDERS: [TileWalk; 4] = [
+    TileWalk::Raster,
+    TileWalk::Serpentine,
+    TileWalk::Morton,
+    TileWalk::Hilbert,
 ];
 const CACHES: Range = Range::OneOf(&[
     0, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16_384, 32_768, 65_536,
@@ -87,7 +87,7 @@ fn index<T: PartialEq>(list: &[T], value: &T) -> u32 {
 
 /// All fields, in the order of the file.
 #[rustfmt::skip]
-pub const FIELDS: [Field; 53] = [
+pub const FIELDS: [ConfigField; 53] = [
     entry("tile", "tile_width", WIDTHS, "columns of a tile", |c| c.tile_width.into(), |c, v| c.tile_width = v as u16),
     entry("tile", "tile_height", Range::Number(1, 64), "rows of a tile", |c| c.tile_height.into(), |c, v| c.tile_height = v as u16),
     entry("memory", "splat_bytes", BYTES, "bytes of a splat in the scene", |c| c.splat_bytes, |c, v| c.splat_bytes = v),
@@ -150,8 +150,8 @@ const fn entry(
     about: &'static str,
     get: fn(&Config) -> u32,
     set: fn(&mut Config, u32),
-) -> Field {
-    Field {
+) -> ConfigField {
+    ConfigField {
         section,
         key,
         range,

@@ -1,6 +1,6 @@
 //! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
 
-use super::fields::{FIELDS, Field, Range, field};
+use super::fields::{ConfigField, FIELDS, Range, field};
 use super::{Config, Layout, Overlap, primitive};
 use crate::input;
 use std::fmt::Write;
@@ -259,8 +259,8 @@ impl Config {
     }
 }
 
-impl Field {
-    /// The value as the integer that [`Field::set`] takes, if it is allowed.
+impl ConfigField {
+    /// The value as the integer that [`ConfigField::set`] takes, if it is allowed.
     pub fn accept(&self, value: &toml::Value) -> Option<u32> {
         let number = value
             .as_integer()
@@ -307,7 +307,7 @@ impl Field {
 
 impl From<Config> for toml::Table {
     fn from(config: Config) -> toml::Table {
-        let value = |field: &Field| {
+        let value = |field: &ConfigField| {
             let number = (field.get)(&config);
             match field.range {
                 Range::Choice(_) => toml::Value::String(field.show(&config)),

@@ -4,7 +4,7 @@
 //! passed through it: geometry setup by splats, splat setup by pairs, the row generator by rows, lanes and blend by pixels, queues by entries,
 //! the memory interface by bytes.
 
-use super::super::area::circuit::{Bits, Geometry, Stage};
+use super::super::area::circuit::{Bits, GeometryCircuit, SetupStage};
 use super::super::config::{Config, Overlap};
 use super::super::timing::Timing;
 use super::EnergyTable;
@@ -29,15 +29,15 @@ pub struct Action {
 
 /// All actions of one unit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unit<'a> {
+pub struct UnitActions<'a> {
     pub name: &'static str,
     pub actions: Vec<Action>,
     table: &'a EnergyTable,
 }
 
-impl<'a> Unit<'a> {
-    pub fn new(name: &'static str, table: &'a EnergyTable) -> Unit<'a> {
-        Unit {
+impl<'a> UnitActions<'a> {
+    pub fn new(name: &'static str, table: &'a EnergyTable) -> UnitActions<'a> {
+        UnitActions {
             name,
             actions: Vec::new(),
             table,
@@ -123,7 +123,7 @@ impl<'a> Unit<'a> {
         self.add("dram", action, [8, 8], bytes, self.table.dram_byte());
     }
 
-    fn stage(&mut self, stage: &Stage, tables: [u64; 2], count: u64) {
+    fn stage(&mut self, stage: &SetupStage, tables: [u64; 2], count: u64) {
         self.products(&stage.products, count);
         self.adder_bits(stage.operators.adder_bits, count);
         let [words, bits] = tables;
@@ -138,7 +138,7 @@ pub fn of<'a>(
     config: &Config,
     timing: &Timing,
     table: &'a EnergyTable,
-) -> Vec<Unit<'a>> {
+) -> Vec<UnitActions<'a>> {
     let picture = CountedPicture {
         bits: Bits::new(widths),
         packet: packet::Layout::new(widths).bits() as u64,
@@ -161,7 +161,7 @@ pub fn of<'a>(
     units.extend([picture.lanes(), picture.blend(), picture.write_back()]);
     if let Some(memory) = &timing.memory {
         // Bursts are moved whole: what nobody wanted of them takes as much.
-        let mut unit = Unit::new("port", table);
+        let mut unit = UnitActions::new("port", table);
         let wanted = timing.bytes.all();
         unit.dram("fill", memory.bytes_moved.saturating_sub(wanted));
         units.push(unit);
@@ -181,11 +181,11 @@ struct CountedPicture<'a, 't> {
 }
 
 impl<'t> CountedPicture<'_, 't> {
-    fn unit(&self, name: &'static str) -> Unit<'t> {
-        Unit::new(name, self.table)
+    fn unit(&self, name: &'static str) -> UnitActions<'t> {
+        UnitActions::new(name, self.table)
     }
 
-    fn fetch(&self) -> Unit<'t> {
+    fn fetch(&self) -> UnitActions<'t> {
         let mut unit = self.unit("fetch");
         let bytes = &self.timing.bytes;
         unit.dram("read", bytes.splats_read + bytes.harmonics_read);
@@ -195,9 +195,9 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// Every splat is brought before the eye; only those that are seen go on.
-    fn setup(&self, widths: &Widths) -> Unit<'t> {
-        let geometry = Geometry::new(widths);
-        let tables = [Geometry::TABLE_WORDS, geometry.table_bits];
+    fn setup(&self, widths: &Widths) -> UnitActions<'t> {
+        let geometry = GeometryCircuit::new(widths);
+        let tables = [GeometryCircuit::TABLE_WORDS, geometry.table_bits];
         let mut unit = self.unit("setup");
         unit.stage(&geometry.rotation, tables, self.timing.splats.fetched);
         unit.stage(&geometry.footprint, tables, self.timing.splats.visible);
@@ -205,7 +205,7 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// Two comparisons a tile, a counter an entry.
-    fn binning(&self) -> Unit<'t> {
+    fn binning(&self) -> UnitActions<'t> {
         let splats = &self.timing.splats;
         let mut unit = self.unit("binning");
         unit.queue(self.config.bin_fifo, self.packet, splats.visible);
@@ -215,7 +215,7 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// A pass reads every entry, counts it in a table of its digit and writes it.
-    fn sort(&self) -> Unit<'t> {
+    fn sort(&self) -> UnitActions<'t> {
         let moves = self.timing.splats.sorted;
         let mut unit = self.unit("sort");
         unit.adders(32, moves);
@@ -226,7 +226,7 @@ impl<'t> CountedPicture<'_, 't> {
         unit
     }
 
-    fn packet_fetch(&self) -> Unit<'t> {
+    fn packet_fetch(&self) -> UnitActions<'t> {
         let mut unit = self.unit("packet_fetch");
         unit.dram("read", self.timing.bytes.packets_read);
         unit.queue(
@@ -237,7 +237,7 @@ impl<'t> CountedPicture<'_, 't> {
         unit
     }
 
-    fn splat_setup(&self) -> Unit<'t> {
+    fn splat_setup(&self) -> UnitActions<'t> {
         let pairs = self.timing.pixels.pairs;
         let mut unit = self.unit("splat_setup");
         let m = self.bits.mantissa;
@@ -253,7 +253,7 @@ impl<'t> CountedPicture<'_, 't> {
         unit
     }
 
-    fn row_generator(&self, widths: &Widths) -> Unit<'t> {
+    fn row_generator(&self, widths: &Widths) -> UnitActions<'t> {
         let pixels = &self.timing.pixels;
         let mut unit = self.unit("row_generator");
         match self.traversal {
@@ -262,7 +262,12 @@ impl<'t> CountedPicture<'_, 't> {
                 unit.products(&self.bits.row_products(), pixels.rows);
                 unit.adder_bits(row.adder_bits, pixels.rows);
                 let bits = u64::from(widths.mantissa.min(18));
-                unit.memory("table", Geometry::TABLE_WORDS, bits, [pixels.rows, 0]);
+                unit.memory(
+                    "table",
+                    GeometryCircuit::TABLE_WORDS,
+                    bits,
+                    [pixels.rows, 0],
+                );
             }
             Traversal::Box => unit.adders(63, 4 * pixels.rows),
         }
@@ -271,7 +276,7 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// Two additions and the comparison with the cut-off a visited pixel; table and opacity where it is inside.
-    fn lanes(&self) -> Unit<'t> {
+    fn lanes(&self) -> UnitActions<'t> {
         let pixels = &self.timing.pixels;
         let mut unit = self.unit("lanes");
         unit.adders(self.bits.radial + 5, 3 * pixels.visited);
@@ -287,7 +292,7 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// Transmittance is read where a pixel is inside; what has not finished is blended and written.
-    fn blend(&self) -> Unit<'t> {
+    fn blend(&self) -> UnitActions<'t> {
         let pixels = &self.timing.pixels;
         let mut unit = self.unit("blend");
         let [_, share, colour] = self.bits.blend_products();
@@ -307,7 +312,7 @@ impl<'t> CountedPicture<'_, 't> {
     }
 
     /// Every pixel is read, and cleared for the next tile.
-    fn write_back(&self) -> Unit<'t> {
+    fn write_back(&self) -> UnitActions<'t> {
         let written = self.timing.bytes.pixels_written / u64::from(self.config.pixel_bytes);
         let mut unit = self.unit("write_back");
         for bits in self.bits.pixel {

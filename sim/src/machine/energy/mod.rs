@@ -74,7 +74,7 @@ pub fn estimate(
 
 /// Adds up units. Sums stay at the largest number of 64 bits, which is 18 J a picture.
 pub(crate) fn sum(
-    units: Vec<actions::Unit>,
+    units: Vec<actions::UnitActions>,
     [pixels, splats, blends]: [u64; 3],
     table: &EnergyTable,
 ) -> Energy {
@@ -104,7 +104,7 @@ impl Action {
 }
 
 impl UnitEnergy {
-    fn new(unit: actions::Unit) -> UnitEnergy {
+    fn new(unit: actions::UnitActions) -> UnitEnergy {
         let of_dram = |action: &&Action| action.component == "dram";
         UnitEnergy {
             unit: unit.name,

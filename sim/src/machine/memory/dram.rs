@@ -13,7 +13,7 @@
 //!
 //! Left out: conflicts on the command bus, groups of banks, reordering, power-down, reading levels.
 
-use super::parts::Part;
+use super::parts::DramPart;
 
 /// What a channel did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -68,7 +68,7 @@ pub struct Transfer {
 /// The channel.
 #[derive(Clone, Debug)]
 pub struct Dram {
-    part: &'static Part,
+    part: &'static DramPart,
     banks: Vec<Bank>,
     /// The last four activations, oldest first, plus one; 0 before there were any.
     activations: [u64; 4],
@@ -85,7 +85,7 @@ pub struct Dram {
 /// A command to the part.
 #[cfg(test)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Command {
+pub(super) enum DramCommand {
     Activate,
     Precharge,
     Read,
@@ -98,14 +98,14 @@ pub(super) enum Command {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Issued {
     pub at: u64,
-    pub command: Command,
+    pub command: DramCommand,
     pub bank: u64,
     pub row: u64,
 }
 
 impl Dram {
     /// A channel with all rows closed.
-    pub fn new(part: &'static Part) -> Dram {
+    pub fn new(part: &'static DramPart) -> Dram {
         Dram {
             part,
             banks: vec![Bank::default(); part.banks as usize],
@@ -140,7 +140,11 @@ impl Dram {
         #[cfg(test)]
         self.issue(
             command,
-            if write { Command::Write } else { Command::Read },
+            if write {
+                DramCommand::Write
+            } else {
+                DramCommand::Read
+            },
             number,
             row,
         );
@@ -156,7 +160,7 @@ impl Dram {
     }
 
     #[cfg(test)]
-    fn issue(&mut self, at: u64, command: Command, bank: u64, row: u64) {
+    fn issue(&mut self, at: u64, command: DramCommand, bank: u64, row: u64) {
         if let Some(log) = &mut self.log {
             log.push(Issued {
                 at,
@@ -200,9 +204,9 @@ impl Dram {
         #[cfg(test)]
         {
             if let Some((at, before)) = closed {
-                self.issue(at, Command::Precharge, number as u64, before);
+                self.issue(at, DramCommand::Precharge, number as u64, before);
             }
-            self.issue(activate, Command::Activate, number as u64, row);
+            self.issue(activate, DramCommand::Activate, number as u64, row);
         }
         command
     }
@@ -246,14 +250,14 @@ impl Dram {
         for bank in 0..self.banks.len() {
             if let Some(row) = self.banks[bank].open {
                 let at = self.banks[bank].precharge.max(begin);
-                self.issue(at, Command::Precharge, bank as u64, row);
+                self.issue(at, DramCommand::Precharge, bank as u64, row);
             }
         }
         let open = self.banks.iter().filter(|bank| bank.open.is_some());
         let closed = open.map(|bank| bank.precharge.max(begin) + part.rp).max();
         let end = closed.unwrap_or(begin).max(begin) + part.rfc;
         #[cfg(test)]
-        self.issue(end - part.rfc, Command::Refresh, 0, 0);
+        self.issue(end - part.rfc, DramCommand::Refresh, 0, 0);
         for bank in &mut self.banks {
             bank.open = None;
             bank.activate = bank.activate.max(end);

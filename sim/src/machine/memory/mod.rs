@@ -44,7 +44,7 @@ pub(super) struct Wanted {
 
 /// A tile buffer that is being written back: free in a cycle, or when a write of the port is over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Buffer {
+pub(super) enum TileBuffer {
     Free(u64),
     Written {
         id: WriteId,
@@ -83,12 +83,12 @@ pub(super) trait Memory {
     /// Packets that were on their way when their tile had finished.
     fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]);
     /// A tile's pixels; gives when writing them begins, and the buffer that becomes free.
-    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, Buffer);
+    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, TileBuffer);
     /// The background of a tile without splats, for which nobody waits; gives the cycles for which it keeps the unit's write channel, which it takes when
     /// nobody else wants it. A port finds the time by itself.
     fn background(&mut self, write_back: &Account, tile: u32, pixels: u32) -> u64;
     /// When a buffer is free.
-    fn buffer(&mut self, write_back: &mut Account, buffer: Buffer) -> u64;
+    fn buffer(&mut self, write_back: &mut Account, buffer: TileBuffer) -> u64;
     /// Ends a phase in which the units took so many cycles; gives the cycle in which the memory is idle. The next phase starts from 0 again.
     fn end_of_phase(&mut self, cycles: u64) -> u64;
     /// What a part did in a picture of so many cycles, if there is one.
@@ -233,13 +233,13 @@ impl Memory for Channels {
         fetch.work(pairs.len() as u64 * self.packet);
     }
 
-    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, Buffer) {
+    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, TileBuffer) {
         write_back.wait(Cause::Lanes, tile.blended);
         let start = write_back.at();
         let bytes = u64::from(tile.pixels) * self.pixel_bytes;
         let transfer = bytes.div_ceil(self.write_bandwidth).max(tile.least);
         write_back.work(tile.begin + transfer);
-        (start, Buffer::Free(write_back.at() + tile.clear))
+        (start, TileBuffer::Free(write_back.at() + tile.clear))
     }
 
     fn background(&mut self, _: &Account, _: u32, pixels: u32) -> u64 {
@@ -248,11 +248,11 @@ impl Memory for Channels {
     }
 
     #[inline(always)]
-    fn buffer(&mut self, _: &mut Account, buffer: Buffer) -> u64 {
+    fn buffer(&mut self, _: &mut Account, buffer: TileBuffer) -> u64 {
         match buffer {
-            Buffer::Free(at) => at,
+            TileBuffer::Free(at) => at,
             // No buffer of these channels waits for a port.
-            Buffer::Written { blended, .. } => blended,
+            TileBuffer::Written { blended, .. } => blended,
         }
     }
 

@@ -5,7 +5,7 @@
 
 /// One memory part on one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct DramPart {
     /// Name in a machine file.
     pub name: &'static str,
     /// What it is, and where its figures stand.
@@ -51,8 +51,8 @@ pub struct Part {
 }
 
 /// All parts.
-pub const PARTS: [Part; 3] = [
-    Part {
+pub const PARTS: [DramPart; 3] = [
+    DramPart {
         name: "sdr-166-x16",
         source: "256 Mbit SDRAM, 4 banks x 8192 rows x 512 columns x 16, -6A at 166 MHz: Micron MT48LC16M16A2 data sheet, tables of AC characteristics; \
                  bursts of 8; 8192 refreshes in 64 ms",
@@ -76,7 +76,7 @@ pub const PARTS: [Part; 3] = [
         refi: 1302,
         rfc: 10,
     },
-    Part {
+    DramPart {
         name: "ddr3-1600-x16",
         source: "4 Gbit DDR3-1600K (11-11-11), 8 banks x 32768 rows x 1024 columns x 16: JEDEC JESD79-3F, tables of speed bins and of timing parameters \
                  (2 KB page); Micron MT41K256M16 data sheet",
@@ -100,7 +100,7 @@ pub const PARTS: [Part; 3] = [
         refi: 6240,
         rfc: 208,
     },
-    Part {
+    DramPart {
         name: "lpddr4-3200-x32",
         source: "two channels of 8 Gbit x 16 in lockstep, LPDDR4-3200, 8 banks x 2 KB a channel, bursts of 16, read latency 28 and write latency 14 (set A, no DBI): \
                  JEDEC JESD209-4B, tables of core AC timing and of refresh",
@@ -126,9 +126,9 @@ pub const PARTS: [Part; 3] = [
     },
 ];
 
-impl Part {
+impl DramPart {
     /// The part of that name.
-    pub fn named(name: &str) -> Option<&'static Part> {
+    pub fn named(name: &str) -> Option<&'static DramPart> {
         PARTS.iter().find(|part| part.name == name)
     }
 

@@ -7,7 +7,7 @@
 //! A unit that reads a stream keeps the last burst, so that what lies in it is not read again. A write of less than a burst takes a whole one.
 
 use super::dram::{Dram, DramCounts};
-use super::parts::Part;
+use super::parts::DramPart;
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap};
 
@@ -54,7 +54,7 @@ struct Write {
 /// The port.
 #[derive(Clone, Debug)]
 pub struct Port {
-    part: &'static Part,
+    part: &'static DramPart,
     dram: Dram,
     clock_khz: u64,
     queue: usize,
@@ -67,7 +67,7 @@ pub struct Port {
 
 impl Port {
     /// A port of a machine with this clock, whose queue holds so many writes.
-    pub fn new(part: &'static Part, clock_mhz: u32, queue: u32) -> Port {
+    pub fn new(part: &'static DramPart, clock_mhz: u32, queue: u32) -> Port {
         Port {
             part,
             dram: Dram::new(part),

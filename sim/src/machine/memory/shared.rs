@@ -1,8 +1,8 @@
 //! A memory part behind one port, as the units of a machine see it: where everything lies, and whose request is whose.
 
-use super::parts::Part;
+use super::parts::DramPart;
 use super::port::{Access, Port, Stream};
-use super::{Buffer, Memory, MemoryFacts, Read, Sort, TileWrite, Wanted};
+use super::{Memory, MemoryFacts, Read, Sort, TileBuffer, TileWrite, Wanted};
 use crate::machine::accounts::{Account, Cause};
 use crate::machine::config::Config;
 use crate::machine::lanes::PairWork;
@@ -58,7 +58,7 @@ struct SharedReader {
 
 /// The part and all that wait for it.
 pub struct Shared {
-    part: &'static Part,
+    part: &'static DramPart,
     port: Port,
     config: Config,
     map: Map,
@@ -80,7 +80,7 @@ pub struct Shared {
 impl Shared {
     /// A part for a machine and a picture of so many splats and list entries.
     pub fn new(
-        part: &'static Part,
+        part: &'static DramPart,
         config: &Config,
         packet_bytes: u32,
         splats: u64,
@@ -230,12 +230,12 @@ impl Memory for Shared {
         }
     }
 
-    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, Buffer) {
+    fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, TileBuffer) {
         let bytes = u64::from(tile.pixels) * u64::from(self.config.pixel_bytes);
         let address = Map::of(self.map.tile, tile.tile.into());
         let start = tile.blended.max(write_back.at());
         let id = self.port.write_kept(start + tile.begin, address, bytes);
-        let buffer = Buffer::Written {
+        let buffer = TileBuffer::Written {
             id,
             blended: tile.blended,
             least: tile.begin + tile.least,
@@ -250,11 +250,11 @@ impl Memory for Shared {
         0
     }
 
-    fn buffer(&mut self, write_back: &mut Account, buffer: Buffer) -> u64 {
+    fn buffer(&mut self, write_back: &mut Account, buffer: TileBuffer) -> u64 {
         let clear = u64::from(self.config.clear_cycles);
         match buffer {
-            Buffer::Free(at) => at,
-            Buffer::Written { id, blended, least } => {
+            TileBuffer::Free(at) => at,
+            TileBuffer::Written { id, blended, least } => {
                 let served = self.port.completed(id);
                 write_back.wait(Cause::Lanes, blended);
                 let least = write_back.at() + least;

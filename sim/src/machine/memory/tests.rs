@@ -1,5 +1,5 @@
-use super::dram::{Command, Dram, Issued};
-use super::parts::{PARTS, Part};
+use super::dram::{Dram, DramCommand, Issued};
+use super::parts::{DramPart, PARTS};
 use super::port::{Port, Stream};
 use crate::machine::config::{Config, Sorter};
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -8,12 +8,12 @@ use crate::machine::timing::{accesses, simulate_alone};
 use crate::machine::workload::SplatWork;
 use proptest::prelude::*;
 
-fn part(name: &str) -> &'static Part {
-    Part::named(name).unwrap()
+fn part(name: &str) -> &'static DramPart {
+    DramPart::named(name).unwrap()
 }
 
 /// Nanoseconds of a part's clocks.
-fn ns(part: &Part, clocks: u64) -> f64 {
+fn ns(part: &DramPart, clocks: u64) -> f64 {
     clocks as f64 * 1e6 / part.khz as f64
 }
 
@@ -150,35 +150,40 @@ fn a_stream_has_the_peak_bandwidth_less_refresh() {
 }
 
 /// What the rules say about two commands, looked up for every pair of them.
-fn check_rules(part: &Part, log: &[Issued]) -> Result<(), TestCaseError> {
+fn check_rules(part: &DramPart, log: &[Issued]) -> Result<(), TestCaseError> {
     let bursts = part.burst_clocks();
     for (index, later) in log.iter().enumerate() {
         for earlier in &log[..index] {
             let (a, b) = (earlier.command, later.command);
             let same = earlier.bank == later.bank;
             let gap = match (a, b) {
-                (Command::Activate, Command::Activate) if same => part.ras + part.rp,
-                (Command::Activate, Command::Activate) => part.rrd,
-                (Command::Activate, Command::Read | Command::Write) if same => part.rcd,
-                (Command::Activate, Command::Precharge) if same => part.ras,
-                (Command::Precharge, Command::Activate) if same => part.rp,
-                (Command::Read, Command::Precharge) if same => part.rtp,
-                (Command::Write, Command::Precharge) if same => part.cwl + bursts + part.wr,
-                (Command::Read, Command::Read) | (Command::Write, Command::Write) => part.ccd,
-                (Command::Write, Command::Read) => part.cwl + bursts + part.wtr,
-                (Command::Read, Command::Write) => (part.cl + bursts).saturating_sub(part.cwl),
-                (Command::Refresh, Command::Activate) => part.rfc,
-                (Command::Precharge, Command::Refresh) => part.rp,
+                (DramCommand::Activate, DramCommand::Activate) if same => part.ras + part.rp,
+                (DramCommand::Activate, DramCommand::Activate) => part.rrd,
+                (DramCommand::Activate, DramCommand::Read | DramCommand::Write) if same => part.rcd,
+                (DramCommand::Activate, DramCommand::Precharge) if same => part.ras,
+                (DramCommand::Precharge, DramCommand::Activate) if same => part.rp,
+                (DramCommand::Read, DramCommand::Precharge) if same => part.rtp,
+                (DramCommand::Write, DramCommand::Precharge) if same => part.cwl + bursts + part.wr,
+                (DramCommand::Read, DramCommand::Read)
+                | (DramCommand::Write, DramCommand::Write) => part.ccd,
+                (DramCommand::Write, DramCommand::Read) => part.cwl + bursts + part.wtr,
+                (DramCommand::Read, DramCommand::Write) => {
+                    (part.cl + bursts).saturating_sub(part.cwl)
+                }
+                (DramCommand::Refresh, DramCommand::Activate) => part.rfc,
+                (DramCommand::Precharge, DramCommand::Refresh) => part.rp,
                 _ => 0,
             };
             // A bank's rules run in the order of its commands, which are logged in that order; banks may overtake each other.
-            let ordered = same
-                || matches!((a, b), (Command::Refresh, _) | (_, Command::Refresh))
-                || (a != Command::Activate
-                    && b != Command::Activate
-                    && a != Command::Precharge
-                    && b != Command::Precharge)
-                || (a, b) == (Command::Activate, Command::Activate);
+            let ordered =
+                same || matches!(
+                    (a, b),
+                    (DramCommand::Refresh, _) | (_, DramCommand::Refresh)
+                ) || (a != DramCommand::Activate
+                    && b != DramCommand::Activate
+                    && a != DramCommand::Precharge
+                    && b != DramCommand::Precharge)
+                    || (a, b) == (DramCommand::Activate, DramCommand::Activate);
             prop_assert!(
                 !ordered || later.at >= earlier.at + gap,
                 "{}: {earlier:?} then {later:?}, {gap} clocks apart",
@@ -187,7 +192,7 @@ fn check_rules(part: &Part, log: &[Issued]) -> Result<(), TestCaseError> {
         }
         let activations: Vec<u64> = log[..=index]
             .iter()
-            .filter(|found| found.command == Command::Activate)
+            .filter(|found| found.command == DramCommand::Activate)
             .map(|found| found.at)
             .collect();
         if let [.., fifth, _, _, _, last] = activations[..] {
@@ -198,21 +203,21 @@ fn check_rules(part: &Part, log: &[Issued]) -> Result<(), TestCaseError> {
 }
 
 /// Reads and writes find their row open, told from the log alone.
-fn check_rows(part: &Part, log: &[Issued]) -> Result<(), TestCaseError> {
+fn check_rows(part: &DramPart, log: &[Issued]) -> Result<(), TestCaseError> {
     let mut open: Vec<Option<u64>> = vec![None; part.banks as usize];
     for issued in log {
         let bank = issued.bank as usize;
         match issued.command {
-            Command::Activate => {
+            DramCommand::Activate => {
                 prop_assert_eq!(open[bank], None);
                 open[bank] = Some(issued.row);
             }
-            Command::Precharge => {
+            DramCommand::Precharge => {
                 prop_assert!(open[bank].is_some());
                 open[bank] = None;
             }
-            Command::Refresh => prop_assert!(open.iter().all(Option::is_none)),
-            Command::Read | Command::Write => prop_assert_eq!(open[bank], Some(issued.row)),
+            DramCommand::Refresh => prop_assert!(open.iter().all(Option::is_none)),
+            DramCommand::Read | DramCommand::Write => prop_assert_eq!(open[bank], Some(issued.row)),
         }
     }
     Ok(())

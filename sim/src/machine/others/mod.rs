@@ -19,7 +19,7 @@ mod tests;
 pub use pixels::tested;
 
 use super::config::{Config, Layout};
-use super::energy::actions::{Unit, of};
+use super::energy::actions::{UnitActions, of};
 use super::energy::{Energy, EnergyTable, sum};
 use super::timing::{Timing, simulate_alone};
 use super::workload::{Workload, extract_if_room};
@@ -259,7 +259,7 @@ pub fn outcome(
 
 /// Puts floating-point units into the places of the kernel's. A pixel has four numbers.
 fn replace<'t>(
-    units: &mut [Unit<'t>],
+    units: &mut [UnitActions<'t>],
     operations: &Operations,
     timing: &Timing,
     table: &'t EnergyTable,
@@ -267,7 +267,7 @@ fn replace<'t>(
     let pixels = &timing.pixels;
     let bits = operations.bits;
     let mut put = |name: &'static str, count: u64, [additions, products]: [u64; 2]| {
-        let mut unit = Unit::new(name, table);
+        let mut unit = UnitActions::new(name, table);
         unit.float(bits, additions * count, products * count);
         if let Some(place) = units.iter_mut().find(|unit| unit.name == name) {
             *place = unit;

@@ -1,6 +1,6 @@
 //! Closed forms where they exist, conservation, monotonicity, and safety of the interlock pixel by pixel.
 
-use super::super::config::{Assignment, Config, FIELDS, Layout, Overlap, Termination, TileOrder};
+use super::super::config::{Assignment, Config, FIELDS, Layout, Overlap, Termination, TileWalk};
 use super::super::lanes::{LaneShape, LaneWork};
 use super::super::observe::{Event, Stage};
 use super::super::timing::PixelWork;
@@ -60,7 +60,7 @@ proptest! {
     fn a_cache_saves_what_it_says(mut workload in workload(), config in machine(), order in 0usize..4) {
         workload.pairs.iter_mut().for_each(|pair| pair.splat %= 3);
         workload.columns = 2;
-        let orders = [TileOrder::Raster, TileOrder::Serpentine, TileOrder::Morton, TileOrder::Hilbert];
+        let orders = [TileWalk::Raster, TileWalk::Serpentine, TileWalk::Morton, TileWalk::Hilbert];
         let without = Config { raster_units: 1, tile_order: orders[order], ..config };
         let with = Config { packet_cache: 16, ..without };
         let [before, after] = [without, with].map(|config| simulate_alone(&workload, &config));
@@ -71,7 +71,7 @@ proptest! {
             live_per_cycle_and_lane: after.pixels.live_per_cycle_and_lane, ..before.pixels });
         let misses = before.pixels.pairs - after.bytes.packets_cached / u64::from(workload.packet_bytes);
         prop_assert!(misses <= 3, "{} misses of three splats", misses);
-        let raster = simulate_alone(&workload, &Config { tile_order: TileOrder::Raster, ..without });
+        let raster = simulate_alone(&workload, &Config { tile_order: TileWalk::Raster, ..without });
         prop_assert_eq!(raster.pixels.pairs, before.pixels.pairs);
         prop_assert_eq!(raster.bytes, before.bytes);
     }

@@ -44,7 +44,7 @@ pub enum TableError {
     },
     /// A field cannot be read.
     #[error("line {line}: {column} = '{value}': {expected}")]
-    Field {
+    ConfigField {
         /// Line, counted from 1.
         line: usize,
         /// Column's name.
@@ -176,7 +176,7 @@ impl TableReader<'_> {
     }
 
     fn wrong(&self, column: &'static str, value: &str, expected: &'static str) -> TableError {
-        TableError::Field {
+        TableError::ConfigField {
             line: self.line,
             column,
             value: value.to_owned(),

@@ -4,7 +4,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
-use splatline_sim::explore::sweep::Subject;
+use splatline_sim::explore::sweep::SweepSubject;
 use splatline_sim::explore::table::heading;
 use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::config::{self, Config};
@@ -150,7 +150,7 @@ fn sweep() -> String {
     let text = "[machine]\nlanes = [1, 2, 4]\n";
     let scene = synthetic::random_gaussians(3, 1, 2.0);
     let space = Space::from_toml("space.toml", text).expect("a sound space");
-    let subject = Subject {
+    let subject = SweepSubject {
         splats: Splats {
             scene: &scene,
             camera: &synthetic::camera(16, 16),
@@ -176,9 +176,9 @@ fn sweep() -> String {
 }
 
 /// Vectors of two splats.
-pub fn few_vectors(size: [u16; 2]) -> vectors::Subject {
+pub fn few_vectors(size: [u16; 2]) -> vectors::VectorSubject {
     let (view, splats) = hard_cases(2, size, 3);
-    vectors::Subject {
+    vectors::VectorSubject {
         design: DesignChoice::named("lean18").expect("a named design"),
         rules: Rules::GAUSSIAN_3D,
         compositing: Compositing::FrontToBack,

@@ -1,4 +1,4 @@
-//! The kernel's integers on vectors, one splat or row per word; its normalised numbers are [`Real`](super::real::Real)s.
+//! The kernel's integers on vectors, one splat or row per word; its normalised numbers are `Real`s (`real`).
 //!
 //! A right shift that rounds, `(v + 2^(s-1)) >> s`, is `((v >> (s-1)) + 1) >> 1` and cannot overflow, and a word of 0 needs no case of its
 //! own: it stays 0 under every shift.

@@ -7,7 +7,7 @@ use anyhow::Result;
 use splatline_sim::camera::Camera;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
-use splatline_sim::progress::Progress;
+use splatline_sim::progress::ProgressMeter;
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::points::SurfaceScene;
 use splatline_sim::scene::points::{self, spheres};
@@ -91,7 +91,7 @@ const fn seen(
 /// Writes the tables of throughput and designs into `output`.
 pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
     let (subjects, missing) = subjects(data)?;
-    let progress = Progress::new(subjects.len());
+    let progress = ProgressMeter::new(subjects.len());
     let tables = throughput::measure(&subjects, &progress)?;
     drop(progress);
     let text = throughput::text(&tables, &missing);

@@ -17,7 +17,7 @@ use splatline_sim::fixed::{Engine, Times};
 use splatline_sim::metrics::{self, ChannelError};
 use splatline_sim::picture::Picture;
 use splatline_sim::plan::draw::on_threads;
-use splatline_sim::progress::Progress;
+use splatline_sim::progress::ProgressMeter;
 use splatline_sim::reference::float;
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::{Compositing, Rules};
@@ -110,7 +110,7 @@ pub fn run(data: &Path, asked: &[VectorLevel]) -> Result<String, Failure> {
         asked => asked.to_vec(),
     };
     let subjects = subjects(data)?;
-    let progress = Progress::new(subjects.len() * levels.len());
+    let progress = ProgressMeter::new(subjects.len() * levels.len());
     let (mut text, mut tables) = (opening(&levels), String::new());
     for choice in levels {
         let name = lanes::name(choice);

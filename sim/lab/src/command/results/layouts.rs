@@ -85,7 +85,7 @@ pub fn sweep_of(
         .with_context(|| format!("cannot create '{}'", folder.display()))?;
     let path = folder.join("points.csv");
     let (out, _) = Appender::open(&path, &heading(space))?;
-    let task = sweep::Subject {
+    let task = sweep::SweepSubject {
         splats: Splats {
             scene: &subject.scene,
             camera: &subject.camera,

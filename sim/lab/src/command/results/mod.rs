@@ -15,13 +15,13 @@ use clap::ValueEnum;
 use hardware::HardwareScene;
 use splatline_lab::results::check::differences;
 use splatline_lab::results::{
-    COMMAND, Page, accuracy, colour, formats, golden, packet, picture, systems, views, widths,
+    COMMAND, ResultPage, accuracy, colour, formats, golden, packet, picture, systems, views, widths,
 };
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::fast::lanes::VectorLevel;
-use splatline_sim::progress::Progress;
+use splatline_sim::progress::ProgressMeter;
 use std::path::Path;
 
 pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
@@ -35,7 +35,7 @@ pub fn run(options: &ResultsOptions) -> Result<(), Failure> {
     }
     let asked = |page: &&ResultsPage| options.only.is_empty() || options.only.contains(page);
     for page in ResultsPage::value_variants().iter().filter(asked) {
-        if let Some(Page { file, text }) = measure(*page, options)? {
+        if let Some(ResultPage { file, text }) = measure(*page, options)? {
             write(&options.output.join(file), text.as_bytes())?;
             print_result(&format!("{text}\n"))?;
         }
@@ -93,7 +93,7 @@ fn compare_folders(committed: &Path, again: &Path) -> anyhow::Result<Vec<String>
 }
 
 /// The page's text, unless it writes its files itself.
-fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, Failure> {
+fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<ResultPage>, Failure> {
     match page {
         ResultsPage::Accuracy => Ok(Some(measure_accuracy(options)?)),
         ResultsPage::Colour => Ok(Some(colour::page(&options.data)?)),
@@ -111,7 +111,7 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         }
         ResultsPage::Host => {
             let text = host::run(&options.data, &options.vectors)?;
-            Ok(Some(Page {
+            Ok(Some(ResultPage {
                 file: "fast.md",
                 text,
             }))
@@ -119,14 +119,14 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
         ResultsPage::Scale => {
             let (text, plot) = scale::run(first_level(options))?;
             write(&options.output.join("scale.svg"), plot.as_bytes())?;
-            Ok(Some(Page {
+            Ok(Some(ResultPage {
                 file: "scale.md",
                 text,
             }))
         }
         ResultsPage::Drawing => {
             let text = drawing::run(&options.data, first_level(options))?;
-            Ok(Some(Page {
+            Ok(Some(ResultPage {
                 file: "drawing.md",
                 text,
             }))
@@ -140,14 +140,14 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<Page>, 
             for (file, plot) in files {
                 write(&options.output.join(file), plot.as_bytes())?;
             }
-            Ok(Some(Page {
+            Ok(Some(ResultPage {
                 file: "machines.md",
                 text,
             }))
         }
         ResultsPage::Speed => {
             let text = speed::run(&|| hardware::guitar(&options.data))?;
-            Ok(Some(Page {
+            Ok(Some(ResultPage {
                 file: "speed.md",
                 text,
             }))
@@ -162,9 +162,9 @@ fn first_level(options: &ResultsOptions) -> VectorLevel {
     asked.or_else(usual).unwrap_or(VectorLevel::Portable)
 }
 
-fn measure_accuracy(options: &ResultsOptions) -> Result<Page, Failure> {
+fn measure_accuracy(options: &ResultsOptions) -> Result<ResultPage, Failure> {
     let views = views::load_all(&options.data, 512)?;
-    let progress = Progress::new(views.len());
+    let progress = ProgressMeter::new(views.len());
     let mut measurements = Vec::new();
     for view in &views {
         progress.doing(view.name.to_owned());

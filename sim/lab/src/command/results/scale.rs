@@ -14,7 +14,7 @@ use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::fast::lanes::{self, VectorLevel};
 use splatline_sim::fixed::Engine;
 use splatline_sim::memory;
-use splatline_sim::progress::Progress;
+use splatline_sim::progress::ProgressMeter;
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::report::plot::{DESIGNS, Tone};
 use splatline_sim::rules::Rules;
@@ -52,7 +52,7 @@ struct ScaleRow {
 pub fn run(choice: VectorLevel) -> Result<(String, String), Failure> {
     let mut asked: Vec<(usize, [usize; 2])> = SPLATS.map(|splats| (splats, SIZES[0])).into();
     asked.extend(SIZES[1..].iter().map(|size| (OF_SIZES, *size)));
-    let progress = Progress::new(2 * asked.len());
+    let progress = ProgressMeter::new(2 * asked.len());
     let mut measured = Vec::new();
     for threads in [1, 2] {
         for (splats, size) in &asked {

@@ -7,7 +7,7 @@ use splatline_sim::design::{DesignChoice, traversal_name};
 use splatline_sim::fixed::Options;
 use splatline_sim::machine::workload::{Workload, extract};
 use splatline_sim::machine::{Config, Timing, simulate_alone};
-use splatline_sim::progress::Progress;
+use splatline_sim::progress::ProgressMeter;
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 use std::time::Instant;
@@ -67,7 +67,10 @@ pub struct ThroughputTable {
     lines: Vec<ThroughputLine>,
 }
 
-pub fn measure(subjects: &[HardwareScene], progress: &Progress) -> Result<Vec<ThroughputTable>> {
+pub fn measure(
+    subjects: &[HardwareScene],
+    progress: &ProgressMeter,
+) -> Result<Vec<ThroughputTable>> {
     subjects
         .iter()
         .map(|subject| {

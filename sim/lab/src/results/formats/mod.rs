@@ -6,7 +6,7 @@
 mod trained;
 mod writers;
 
-use super::{Page, opening, table};
+use super::{ResultPage, opening, table};
 use anyhow::{Context, Result, ensure};
 use splatline_sim::camera::Camera;
 use splatline_sim::framing::{Frame, USUAL_FOV};
@@ -188,7 +188,7 @@ fn others(data: &Path, originals: &[Original]) -> Result<String> {
 }
 
 /// The page.
-pub fn page(data: &Path) -> Result<Page> {
+pub fn page(data: &Path) -> Result<ResultPage> {
     let originals = SCENES.map(|name| Original::load(data, name));
     let originals: Vec<Original> = originals.into_iter().collect::<Result<_>>()?;
     let [width, height] = SIZE;
@@ -207,7 +207,7 @@ pub fn page(data: &Path) -> Result<Page> {
         written(&originals)?,
         others(data, &originals)?,
     );
-    Ok(Page {
+    Ok(ResultPage {
         file: "formats.md",
         text,
     })

@@ -8,7 +8,7 @@ use crate::package;
 use anyhow::{Context, Result};
 use splatline::format::Widths;
 use splatline_sim::atomic;
-use splatline_sim::machine::area::synthesis::{Part, Subject, subjects, synthesised};
+use splatline_sim::machine::area::synthesis::{Subject, SynthesisedPart, subjects, synthesised};
 use splatline_sim::machine::area::{Fabric, Family};
 use std::fmt::Write;
 use std::fs;
@@ -149,7 +149,9 @@ fn held(
     let setup = estimate(units, family, widths.mantissa, cores).context("lines")?;
     let lanes = synthesised()
         .into_iter()
-        .find(|line| line.design == name && line.family == family && line.part == Part::Lanes(4))
+        .find(|line| {
+            line.design == name && line.family == family && line.part == SynthesisedPart::Lanes(4)
+        })
         .context("the primitive's counts")?;
     let together = setup + lanes.fabric;
     let numbers = |fabric: &Fabric| [fabric.luts, fabric.dsps, fabric.memory_kbit];
