@@ -193,18 +193,23 @@ fn accounts(timing: &Timing) -> String {
         );
     }
     let base = top + step * timing.units.len() as f64 + 10.0;
+    let (words, height) = legend(&used, base);
     svg(
-        base + 24.0,
-        &format!("{marks}{}", legend(&used, base)),
+        base + height + 6.0,
+        &format!("{marks}{words}"),
         "busy, stalled and idle cycles of every unit",
     )
 }
 
-/// Coloured squares with their words.
-fn legend(entries: &[(&str, &str)], y: f64) -> String {
-    let mut x = LEFT;
+/// Coloured squares with their words, and the height of their lines: a line is full where the picture ends.
+fn legend(entries: &[(&str, &str)], top: f64) -> (String, f64) {
+    let (mut x, mut y) = (LEFT, top);
     let mut text = String::new();
     for (word, colour) in entries {
+        let width = 24.0 + 7.0 * word.len() as f64;
+        if x > LEFT && x + width > WIDTH {
+            (x, y) = (LEFT, y + LEGEND_LINE);
+        }
         // Writing to a String cannot fail.
         let _ = write!(
             text,
@@ -212,10 +217,13 @@ fn legend(entries: &[(&str, &str)], y: f64) -> String {
             x + 14.0,
             y + 10.0
         );
-        x += 24.0 + 7.0 * word.len() as f64;
+        x += width;
     }
-    text
+    (text, y + LEGEND_LINE - top)
 }
+
+/// Between the tops of two lines of a legend.
+const LEGEND_LINE: f64 = 18.0;
 
 /// Busy part of the stages over the raster phase.
 fn over_time(timing: &Timing, watched: &Watched) -> String {
@@ -262,9 +270,11 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
         base + 14.0,
         timing.raster
     );
+    // Three words, one line.
+    let (words, _) = legend(&names, base + 18.0);
     svg(
         height,
-        &format!("{axes}{lines}{}", legend(&names, base + 18.0)),
+        &format!("{axes}{lines}{words}"),
         "part of each stage that works, over the raster phase",
     )
 }
@@ -442,5 +452,18 @@ mod tests {
         let percent = roof[3].svg.split(" % of the roof").next().unwrap();
         let percent: f64 = percent.rsplit(' ').next().unwrap().parse().unwrap();
         assert!(percent > 0.0 && percent <= 100.0, "{percent}");
+    }
+
+    #[test]
+    fn a_legend_stays_within_the_picture() {
+        let words: Vec<(&str, &str)> = CAUSES.iter().map(|(_, word)| (*word, "#000")).collect();
+        let (text, height) = legend(&words, 100.0);
+        assert!(height > LEGEND_LINE, "one line: {height}");
+        let ends = words.iter().map(|(word, _)| {
+            let at = text.find(&format!(">{word}</text>")).unwrap();
+            let x = text[..at].rsplit("<text x=\"").next().unwrap();
+            x.split('"').next().unwrap().parse::<f64>().unwrap() + 7.0 * word.len() as f64
+        });
+        assert!(ends.fold(0.0, f64::max) <= WIDTH);
     }
 }
