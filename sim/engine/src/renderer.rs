@@ -284,7 +284,7 @@ fn draw_frame(
         plan: FramePlan {
             viewport: quantised.view.viewport,
             back_to_front: settings.compositing == Compositing::BackToFront,
-            set_up: &|_, _| {},
+            set_up: &|_, _, _| {},
             painter,
             progress,
         },
@@ -313,7 +313,7 @@ impl DesignJob for FrameJob<'_> {
             rules,
             engine,
         } = self;
-        let set_up = |splats: &[VolumeSplat], outcomes: &mut [Outcome]| {
+        let set_up = |_: usize, splats: &[VolumeSplat], outcomes: &mut [Outcome]| {
             set_up_part(design, quantised, rules, engine, (splats, outcomes));
         };
         let set_up = &set_up;

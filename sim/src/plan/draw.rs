@@ -2,8 +2,8 @@
 
 use super::{Engine, Entry, Prepared, Splats, Subject};
 use crate::fast::lanes::VectorLevel;
-use crate::fixed;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
+use crate::fixed::{self, HybridRenderer};
 use crate::hybrid::Hybrid;
 use crate::machine::config::Binning;
 use crate::machine::workload::{
@@ -25,8 +25,9 @@ use rayon::prelude::*;
 use splatline::draw::Coverage;
 use splatline::footprint::surface::SurfaceFootprint;
 use splatline::footprint::{Footprint, depth};
-use splatline::format::{Traversal, Widths};
+use splatline::format::Widths;
 use splatline::setup::Cull;
+use std::time::Instant;
 
 /// One drawn picture and what drawing it took.
 #[derive(Clone, Debug)]
@@ -75,23 +76,30 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 impl Prepared {
     /// Draws through the kernel.
     pub fn draw_fixed(&self, entry: &Entry) -> Result<Drawing> {
-        let mut kernel = self.kernel(entry, None)?;
+        let mut kernel = self.kernel(entry, None, true)?;
         let mut drawing = kernel.draw(&|_, _| ())?;
         kernel.finish(&mut drawing);
         Ok(drawing)
     }
 
-    /// What draws through the kernel again and again: the scene in its formats.
+    /// What draws through the kernel again and again: the scene in its formats. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
         &'a self,
         entry: &'a Entry,
         vectors: Option<VectorLevel>,
+        counts: bool,
     ) -> Result<KernelDrawing<'a>> {
         let engine = vectors.map_or(fixed::best_engine(), fixed::Engine::Vectors);
         Ok(match self.subject()? {
             Subject::Splats(splats) => match splats.hybrid {
-                Some(hybrid) => KernelDrawing::Hybrid(splats, entry, hybrid),
-                None => KernelDrawing::splats(splats, entry, engine),
+                Some(hybrid) => {
+                    let (Splats { scene, camera, .. }, options) = (splats, splats.options(entry));
+                    let renderer =
+                        HybridRenderer::new(scene, camera, options, hybrid, (engine, counts));
+                    let renderer = renderer.map_err(Error::msg)?;
+                    KernelDrawing::Hybrid(Box::new(renderer), Picture::new(0, 0))
+                }
+                None => KernelDrawing::splats(splats, entry, engine, counts),
             },
             Subject::Surface(scene, style) => {
                 let options = SurfaceOptions {
@@ -99,6 +107,7 @@ impl Prepared {
                     design: &entry.design,
                     traversal: entry.traversal,
                     engine,
+                    counts,
                 };
                 let camera = &self.plan.camera;
                 let points = QuantisedPoints::new(scene, camera);
@@ -334,21 +343,21 @@ fn draw_hybrid_reference(
 pub enum KernelDrawing<'a> {
     /// Splats, into a picture that is used again.
     Splats(Box<Renderer<&'a Scene>>, Picture),
-    /// Points and splats.
-    Hybrid(Splats<'a>, &'a Entry, &'a Hybrid),
+    /// Points and splats, into a picture that is used again.
+    Hybrid(Box<HybridRenderer<'a>>, Picture),
     /// Points of a surface, into a picture that is used again.
     Surface(Box<SurfaceRenderer<'a>>, &'a Style, Picture),
 }
 
 impl<'a> KernelDrawing<'a> {
-    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::Engine) -> Self {
+    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::Engine, counts: bool) -> Self {
         let settings = Settings {
             rules: *splats.rules,
             compositing: splats.compositing,
             design: entry.design.clone(),
             traversal: entry.traversal,
             engine,
-            counts: true,
+            counts,
         };
         let renderer = Renderer::new(splats.scene, splats.camera, settings);
         KernelDrawing::Splats(Box::new(renderer), Picture::new(0, 0))
@@ -358,7 +367,7 @@ impl<'a> KernelDrawing<'a> {
     pub fn draw(&mut self, progress: Rows) -> Result<Drawing> {
         match self {
             KernelDrawing::Splats(renderer, picture) => draw_splats(renderer, picture, progress),
-            KernelDrawing::Hybrid(splats, entry, hybrid) => draw_hybrid(*splats, entry, hybrid),
+            KernelDrawing::Hybrid(renderer, picture) => draw_hybrid(renderer, picture),
             KernelDrawing::Surface(renderer, style, picture) => {
                 Ok(draw_surface(renderer, style, picture))
             }
@@ -372,8 +381,9 @@ impl<'a> KernelDrawing<'a> {
                 drawing.picture = picture;
                 drawing.footprints = renderer.into_outcomes();
             }
-            KernelDrawing::Hybrid(..) => {}
-            KernelDrawing::Surface(_, _, picture) => drawing.picture = picture,
+            KernelDrawing::Hybrid(_, picture) | KernelDrawing::Surface(_, _, picture) => {
+                drawing.picture = picture;
+            }
         }
     }
 }
@@ -402,13 +412,23 @@ fn draw_splats(
     })
 }
 
-fn draw_hybrid(splats: Splats, entry: &Entry, hybrid: &Hybrid) -> Result<Drawing> {
-    let options = fixed::Options {
-        traversal: Traversal::Spans,
-        ..splats.options(entry)
-    };
-    let drawn = fixed::draw_hybrid(splats.scene, splats.camera, &options, hybrid);
-    Ok(described(drawn.map_err(Error::msg)?.drawing))
+fn draw_hybrid(renderer: &mut HybridRenderer, picture: &mut Picture) -> Result<Drawing> {
+    let started = Instant::now();
+    let facts = renderer.draw_picture(picture).map_err(Error::msg)?.frame;
+    let times = facts.times;
+    let drawn_s = times.setup + times.sort + times.raster;
+    let quantised = renderer.quantised();
+    Ok(Drawing {
+        culled: cull_counts(facts.culled),
+        clamped: quantised.clamped as u64,
+        colour_log2: quantised.colour_log2,
+        pixels: Some(pixels(facts.coverage)),
+        stages: HostTimes {
+            convert_s: started.elapsed().as_secs_f64() - drawn_s,
+            ..stages(times)
+        },
+        ..plain(Picture::new(0, 0))
+    })
 }
 
 fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Picture) -> Drawing {
@@ -427,18 +447,6 @@ fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Pic
             ..HostTimes::default()
         },
         ..plain(Picture::new(0, 0))
-    }
-}
-
-/// The kernel's drawing in these terms.
-fn described(drawing: fixed::Drawing) -> Drawing {
-    Drawing {
-        culled: cull_counts(drawing.culled),
-        clamped: drawing.clamped as u64,
-        colour_log2: drawing.colour_log2,
-        pixels: Some(pixels(drawing.coverage)),
-        stages: stages(drawing.times),
-        ..plain(drawing.picture)
     }
 }
 

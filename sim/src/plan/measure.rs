@@ -116,7 +116,7 @@ fn measure_fixed(
     progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
-    let prepare = || prepared.kernel(entry, effort.vectors);
+    let prepare = || prepared.kernel(entry, effort.vectors, true);
     let mut kernel = on_threads(effort.threads, prepare)??;
     let prepare_s = started.elapsed().as_secs_f64();
     let mut measured = measure(effort, progress, || {

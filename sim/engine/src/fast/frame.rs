@@ -70,8 +70,8 @@ pub struct FramePlan<'a> {
     pub viewport: [u16; 2],
     /// Are the farthest splats painted first?
     pub back_to_front: bool,
-    /// Setup of some splats into as many places.
-    pub set_up: &'a (dyn Fn(&[VolumeSplat], &mut [Outcome]) + Sync),
+    /// Setup of some splats, numbered from the first, into as many places.
+    pub set_up: &'a (dyn Fn(usize, &[VolumeSplat], &mut [Outcome]) + Sync),
     /// Paints a tile.
     pub painter: &'a dyn TilePainter,
     /// Is told about the frame's progress.
@@ -187,7 +187,7 @@ impl FrameMemory {
             &mut self.outcomes,
             &|work| steps.step(work),
             &|splats, outcomes, first, keys| {
-                (plan.set_up)(splats, outcomes);
+                (plan.set_up)(first, splats, outcomes);
                 note(outcomes, first, keys)
             },
             |mut sum, part| {
@@ -209,7 +209,8 @@ impl FrameMemory {
         } = self;
         *viewport = plan.viewport;
         pixels.resize(grid.len() * AREA, Pixel::default());
-        let tiles = pixels.par_chunks_mut(AREA).enumerate();
+        // One by one: a thread that has drawn its own empty ones takes over from another's full ones.
+        let tiles = pixels.par_chunks_mut(AREA).enumerate().with_max_len(1);
         tiles
             .map(|(tile, pixels)| {
                 let window = grid.window(tile);

@@ -42,6 +42,8 @@ pub type SetUpBatch<'a, S, O, F> = dyn Fn(&[S], &mut [O], usize, &mut Vec<Key>) 
 pub struct Grid {
     viewport: [u16; 2],
     tile: [u16; 2],
+    /// 2^32 over the tile's columns and rows, and a bit more: a product in the place of a division, exact for 16 bits.
+    inverse: [u64; 2],
     columns: usize,
     rows: usize,
 }
@@ -53,6 +55,7 @@ impl Grid {
         Grid {
             viewport,
             tile,
+            inverse: tile.map(|size| (1 << 32) / u64::from(size) + 1),
             columns: count(0),
             rows: count(1),
         }
@@ -102,7 +105,7 @@ impl Grid {
     /// Calls `each` with every tile that the bounds touch.
     #[inline(always)]
     pub fn touched(&self, bounds: &Window, mut each: impl FnMut(usize)) {
-        let tile = |pixel: u16, axis: usize| usize::from(pixel / self.tile[axis]);
+        let tile = |pixel: u16, axis: usize| (u64::from(pixel) * self.inverse[axis] >> 32) as usize;
         let (left, right) = (tile(bounds.first[0], 0), tile(bounds.end[0] - 1, 0));
         for y in tile(bounds.first[1], 1)..=tile(bounds.end[1] - 1, 1) {
             for x in left..=right {
@@ -122,15 +125,18 @@ struct Packing {
     dropped: u32,
     /// First of the bits, at most 32, that the radix sort looks at.
     first: u32,
+    /// Are all splats equally near? Then lists are in order as they are.
+    flat: bool,
 }
 
 impl Packing {
     fn new(parts: &[Part]) -> Self {
-        let keys = || parts.iter().flat_map(|part| &part.keys);
         let bits = |largest: u64| u64::BITS - largest.leading_zeros();
-        let nearest = keys().map(|key| key.depth).min().unwrap_or(0);
-        let farthest = keys().map(|key| key.depth).max().unwrap_or(0);
-        let index = bits(keys().map(|key| key.index).max().unwrap_or(0).into());
+        let ranges = parts.par_iter().with_max_len(1).flat_map_iter(Part::depths);
+        let both = |[a, b]: [u64; 2], [c, d]: [u64; 2]| [a.min(c), b.max(d)];
+        let [nearest, farthest] = ranges.reduce_with(both).unwrap_or_default();
+        let last = parts.iter().filter_map(|part| part.keys.last());
+        let index = bits(last.map(|key| key.index).max().unwrap_or(0).into());
         let depth = bits(farthest - nearest);
         let dropped = depth.saturating_sub(u64::BITS - index);
         Packing {
@@ -138,6 +144,7 @@ impl Packing {
             index,
             dropped,
             first: index + (depth - dropped).saturating_sub(u32::BITS),
+            flat: nearest == farthest,
         }
     }
 
@@ -194,6 +201,13 @@ pub struct Part {
 }
 
 impl Part {
+    /// The depths of the nearest and the farthest splat, if there is one.
+    fn depths(&self) -> Option<[u64; 2]> {
+        let first = self.keys.first()?.depth;
+        let both = |[a, b]: [u64; 2], key: &Key| [a.min(key.depth), b.max(key.depth)];
+        Some(self.keys.iter().fold([first; 2], both))
+    }
+
     /// Bins the keys in two passes: counting, then placing.
     fn bin(&mut self, grid: &Grid, packing: Packing) {
         let Part {
@@ -260,21 +274,24 @@ impl TileOrder {
         let work = parts
             .par_iter_mut()
             .zip(outcomes.par_chunks_mut(length).zip(of_splats));
-        let counted = work
-            .enumerate()
-            .map(|(number, (part, (outcomes, splats)))| {
-                part.keys.clear();
-                let mut counts = F::default();
-                step(&mut || {
-                    let mut first = number * length;
-                    for (outcomes, splats) in outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH)) {
-                        let batch = set_up(splats, outcomes, first, &mut part.keys);
-                        counts = add(std::mem::take(&mut counts), batch);
-                        first += splats.len();
-                    }
+        let counted =
+            work.enumerate()
+                .with_max_len(1)
+                .map(|(number, (part, (outcomes, splats)))| {
+                    part.keys.clear();
+                    let mut counts = F::default();
+                    step(&mut || {
+                        let mut first = number * length;
+                        for (outcomes, splats) in
+                            outcomes.chunks_mut(BATCH).zip(splats.chunks(BATCH))
+                        {
+                            let batch = set_up(splats, outcomes, first, &mut part.keys);
+                            counts = add(std::mem::take(&mut counts), batch);
+                            first += splats.len();
+                        }
+                    });
+                    counts
                 });
-                counts
-            });
         counted.reduce(F::default, add)
     }
 
@@ -282,12 +299,12 @@ impl TileOrder {
     pub fn sort(&mut self, grid: &Grid) {
         let TileOrder { parts, lists } = self;
         let packing = Packing::new(parts);
-        parts
-            .par_iter_mut()
-            .for_each(|part| part.bin(grid, packing));
+        let each = parts.par_iter_mut().with_max_len(1);
+        each.for_each(|part| part.bin(grid, packing));
         lists.resize_with(grid.len(), List::default);
         let parts = &*parts;
-        lists.par_iter_mut().enumerate().for_each(|(tile, list)| {
+        let each = lists.par_iter_mut().enumerate().with_max_len(1);
+        each.for_each(|(tile, list)| {
             let List {
                 entries,
                 spare,
@@ -298,8 +315,10 @@ impl TileOrder {
             for part in parts {
                 entries.extend_from_slice(part.of(tile));
             }
-            sort_by_depth(entries, spare, packing.first);
-            packing.settle(entries, parts);
+            if !packing.flat {
+                sort_by_depth(entries, spare, packing.first);
+                packing.settle(entries, parts);
+            }
             indices.clear();
             indices.extend(entries.iter().map(|entry| packing.index(*entry)));
         });
@@ -401,6 +420,18 @@ mod tests {
             let [top, bottom] = [a.1.min(b.1), a.1.max(b.1) + 1];
             (depth, [left, top, right, bottom])
         })
+    }
+
+    proptest! {
+        #[test]
+        fn a_pixel_touches_the_tile_that_it_lies_in(x in 0..u16::MAX, y in 0..u16::MAX, columns in 1..=u16::MAX, rows in 1..=u16::MAX, multiple: bool) {
+            // Anywhere, or at a tile's first pixel.
+            let [x, y] = if multiple { [x - x % columns, y - y % rows] } else { [x, y] };
+            let grid = Grid::new([u16::MAX; 2], [columns, rows]);
+            let expected = usize::from(y / rows) * grid.columns + usize::from(x / columns);
+            let bounds = Window { first: [x, y], end: [x + 1, y + 1] };
+            grid.touched(&bounds, |tile| assert_eq!(tile, expected));
+        }
     }
 
     proptest! {

@@ -142,6 +142,7 @@ pub(super) fn paint_frame<P: Clone + Send, S, Answer: Send>(
         .into_par_iter()
         .zip(&tiles.lists)
         .enumerate()
+        .with_max_len(1)
         .map_init(scratch, |scratch, (tile, (mut rows, list))| {
             paint(scratch, tiles.grid.window(tile), list, &mut rows)
         })

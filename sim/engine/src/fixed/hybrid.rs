@@ -1,12 +1,15 @@
-//! Points and splats through the kernel: choice, setup, order, slabs, stamps.
+//! Points and splats through the kernel, frame after frame in the same memory: choice, setup, order, slabs, stamps.
 
-use super::frame::{TileLists, paint_apart, paint_tiles, table, table_entries, to_picture, total};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{Drawing, Options, Times, best_engine, culls, painter};
+use super::render::{CHECK_INTERVAL, Drawing, Engine, Options, best_engine, painter};
 use crate::camera::Camera;
 use crate::design::DesignJob;
-use crate::fast::Scratch;
+use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
+use crate::fast::setup::{self as fast, Outcome};
+use crate::fast::{Results, Scratch, TableMemory, TilePainter};
+use crate::fixed::frame::converter;
 use crate::hybrid::{Hybrid, Points, deviation};
+use crate::picture::Picture;
 use crate::scene::Scene;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
@@ -15,24 +18,32 @@ use splatline::draw::{Coverage, Painter, PointSettings};
 use splatline::footprint::Footprint;
 use splatline::format::{Design, Traversal};
 use splatline::kernel::FootprintTable;
-use splatline::raster::{Stamp, StampShape, fill_stamps};
+use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::rules as kernel;
-use splatline::setup::{Cull, PointFilter, is_minified, setup, setup_point};
+use splatline::setup::{PointFilter, is_minified, setup, setup_point};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
-use std::cell::RefCell;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-
-thread_local! {
-    /// A thread's memory for the tile that it paints.
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
-}
 
 /// A drawing with the share of points.
 #[derive(Clone, Debug)]
 pub struct HybridDrawing {
     /// The drawing.
     pub drawing: Drawing,
+    /// Footprints drawn as points.
+    pub points: usize,
+    /// Footprints in all.
+    pub drawn: usize,
+    /// Words of stamp memory.
+    pub stamp_words: usize,
+}
+
+/// What a frame did beside its pixels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct HybridFacts {
+    /// Splats culled, pixels covered, and times of the stages.
+    pub frame: FrameFacts,
     /// Footprints drawn as points.
     pub points: usize,
     /// Footprints in all.
@@ -50,208 +61,344 @@ pub fn draw_hybrid(
     options: &Options,
     hybrid: &Hybrid,
 ) -> Result<HybridDrawing, String> {
-    struct HybridJob<'a>(
-        &'a Hybrid,
-        &'a QuantisedScene,
-        &'a Camera,
-        &'a Options<'a>,
-        f64,
-    );
-    impl DesignJob for HybridJob<'_> {
-        type Output = Result<HybridDrawing, String>;
-        fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
-            let HybridJob(hybrid, quantised, camera, options, deviation) = self;
-            let rules = quantised.rules(options.rules);
-            let deviation = scaled(deviation).scaled_by(quantised.scale_log2);
-            let filter = PointFilter::new(&design.widths(), &rules, deviation).ok_or(
-                "points need rules with a spacing and a constant cut-off, such as 'ewa' with --antialias swan",
-            )?;
-            let engine = HybridEngine {
-                design,
-                quantised,
-                rules,
-                filter,
-                hybrid,
-            };
-            engine.draw(camera, options)
-        }
-    }
-    let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
-    let job = HybridJob(hybrid, &quantised, camera, options, deviation(scene));
-    options.design.dispatch(job)
+    let engine = (best_engine(), true);
+    let mut renderer = HybridRenderer::new(scene, camera, options.clone(), hybrid, engine)?;
+    let mut picture = Picture::new(camera.width, camera.height);
+    let facts = renderer.draw_picture(&mut picture)?;
+    let mut pixels = vec![Pixel::default(); picture.pixels.len()];
+    renderer.memory.copy(&mut pixels, |pixel| *pixel);
+    let quantised = &renderer.quantised;
+    Ok(HybridDrawing {
+        points: facts.points,
+        drawn: facts.drawn,
+        stamp_words: facts.stamp_words,
+        drawing: Drawing {
+            picture,
+            pixels,
+            splats: quantised.splats.len(),
+            culled: facts.frame.culled,
+            clamped: quantised.clamped,
+            colour_log2: quantised.colour_log2,
+            coverage: facts.frame.coverage,
+            times: facts.frame.times,
+        },
+    })
 }
 
-/// A footprint and whether it is the point filter's.
-type SplatOrPoint = (Footprint, bool);
-
-struct HybridEngine<'a, D> {
-    design: D,
-    quantised: &'a QuantisedScene,
+/// A scene of spherical kernels with all that its frames need.
+pub struct HybridRenderer<'a> {
+    camera: &'a Camera,
+    options: Options<'a>,
+    hybrid: &'a Hybrid,
+    engine: Engine,
+    quantised: QuantisedScene,
     rules: kernel::Rules,
     filter: PointFilter,
-    hybrid: &'a Hybrid,
+    table: TableMemory,
+    /// Draws where points are splats like others.
+    painter: Box<dyn TilePainter>,
+    memory: FrameMemory,
+    /// Is a splat a point? Written by the thread that sets it up.
+    is_point: Vec<AtomicBool>,
 }
 
-impl<D: Design + Send + Sync + 'static> HybridEngine<'_, D> {
-    fn draw(&self, camera: &Camera, options: &Options) -> Result<HybridDrawing, String> {
-        let widths = self.design.widths();
-        let started = Instant::now();
-        let results = self.set_up();
-        let culled = culls(&results);
-        let (mut footprints, mut is_point): (Vec<_>, Vec<_>) =
-            results.into_iter().flatten().unzip();
-        let memory = table_entries(&widths, &self.rules);
-        let table = table(&memory, &widths, &self.rules);
-        let first_point = is_point.iter().position(|point| *point);
-        let stamps = self.stamps(&table, first_point.map(|index| &footprints[index]))?;
-        if let Some((_, shape)) = &stamps {
-            self.move_to_phases(shape, &mut footprints, &mut is_point);
-        }
-        let set_up_at = started.elapsed().as_secs_f64();
-        let viewport = self.quantised.view.viewport;
-        let tiles = TileLists::by_depth(&footprints, options.compositing, viewport);
-        let sorted_at = started.elapsed().as_secs_f64();
-        let plain = stamps.is_none() && self.hybrid.depth_range.is_none();
-        let (pixels, coverage) = if plain {
-            self.paint_plain(options, &footprints, &tiles)
-        } else {
-            let list = footprints.iter().copied().zip(is_point.iter().copied());
-            let drawn: Vec<SplatOrPoint> = list.collect();
-            self.paint_points(options, (table, stamps.as_ref()), &drawn, &tiles)
-        };
-        let times = Times {
-            setup: set_up_at,
-            sort: sorted_at - set_up_at,
-            raster: started.elapsed().as_secs_f64() - sorted_at,
-        };
-        Ok(HybridDrawing {
-            points: is_point.iter().filter(|point| **point).count(),
-            drawn: footprints.len(),
-            stamp_words: stamps.map_or(0, |(words, _)| words.len()),
-            drawing: Drawing {
-                picture: to_picture(&pixels, camera, &widths, self.quantised.colour_log2),
-                pixels,
-                splats: self.quantised.splats.len(),
-                culled,
-                clamped: self.quantised.clamped,
-                colour_log2: self.quantised.colour_log2,
-                coverage,
-                times,
-            },
-        })
-    }
-
-    /// Without stamps and slabs points are splats like others, which the fast engine draws.
-    fn paint_plain(
-        &self,
-        options: &Options,
-        footprints: &[Footprint],
-        tiles: &TileLists,
-    ) -> (Vec<Pixel>, Coverage) {
+impl<'a> HybridRenderer<'a> {
+    /// The scene in the kernel's formats, drawn by an engine that counts pixels or not. Frames are drawn by the rayon pool that they are asked for in.
+    /// The error says what the rules lack.
+    pub fn new(
+        scene: &Scene,
+        camera: &'a Camera,
+        options: Options<'a>,
+        hybrid: &'a Hybrid,
+        (engine, counts): (Engine, bool),
+    ) -> Result<Self, String> {
+        let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
+        let rules = quantised.rules(options.rules);
+        let widths = &options.design.widths;
+        let deviation = scaled(deviation(scene)).scaled_by(quantised.scale_log2);
+        let filter = PointFilter::new(widths, &rules, deviation).ok_or(
+            "points need rules with a spacing and a constant cut-off, such as 'ewa' with --antialias swan",
+        )?;
         let options = Options {
             traversal: Traversal::Spans,
-            ..options.clone()
+            ..options
         };
-        let painter = painter(self.design, &self.rules, &options, best_engine(), true);
-        let outcomes: Vec<_> = footprints.iter().map(|footprint| Ok(*footprint)).collect();
-        let clear = Pixel::clear(&self.design.widths());
-        let (pixels, parts) = paint_apart(clear, tiles, |window, list, pixels| {
-            SCRATCH
-                .with_borrow_mut(|scratch| painter.paint(scratch, window, &outcomes, list, pixels))
-        });
-        (pixels, total(parts))
-    }
-
-    fn paint_points(
-        &self,
-        options: &Options,
-        (table, stamps): (FootprintTable, Option<&(Vec<u32>, StampShape)>),
-        drawn: &[SplatOrPoint],
-        tiles: &TileLists,
-    ) -> (Vec<Pixel>, Coverage) {
-        let order = kernel_compositing(options.compositing);
-        let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
-        let gathering = PointSettings {
-            range: self.depth_range(),
-            stamp: stamps.and_then(|(words, shape)| Stamp::new(words, *shape)),
-        };
-        paint_tiles(&self.design.widths(), tiles, |list, target| {
-            let list = list.iter().map(|index| {
-                let (footprint, is_point) = &drawn[*index as usize];
-                (footprint, *is_point)
-            });
-            match self.hybrid.depth_range {
-                Some(_) => gather_tile(&painter, &gathering, list, target),
-                None => stamp_tile(&painter, &gathering, list, target),
-            }
+        Ok(HybridRenderer {
+            camera,
+            hybrid,
+            engine,
+            filter,
+            table: TableMemory::new(widths, &rules),
+            painter: options
+                .design
+                .dispatch(PainterJob(&rules, &options, engine, counts)),
+            memory: FrameMemory::default(),
+            is_point: quantised.splats.iter().map(|_| false.into()).collect(),
+            options,
+            quantised,
+            rules,
         })
     }
 
-    fn set_up(&self) -> Vec<Result<SplatOrPoint, Cull>> {
-        let splats = self.quantised.splats.par_iter();
-        splats.map(|splat| self.set_up_one(splat)).collect()
+    /// The scene in the kernel's formats.
+    pub fn quantised(&self) -> &QuantisedScene {
+        &self.quantised
     }
 
-    fn set_up_one(&self, splat: &VolumeSplat) -> Result<SplatOrPoint, Cull> {
-        let (view, widths) = (&self.quantised.view, self.design.widths());
-        let as_point = match self.hybrid.points {
+    /// Draws a frame as a picture in double precision, converted without further rounding; one of another size is replaced. The error says that
+    /// footprints are too large for a stamp.
+    pub fn draw_picture(&mut self, picture: &mut Picture) -> Result<HybridFacts, String> {
+        let design = self.options.design;
+        let facts = design.dispatch(HybridFrameJob(self))?;
+        let Camera { width, height, .. } = *self.camera;
+        if [picture.width, picture.height] != [width, height] {
+            *picture = Picture::new(width, height);
+        }
+        let convert = converter(&design.widths, self.quantised.colour_log2);
+        self.memory.copy(&mut picture.pixels, convert);
+        Ok(facts)
+    }
+
+    /// Footprints drawn as points, and footprints in all.
+    fn counts(&self) -> [usize; 2] {
+        let outcomes = self.memory.outcomes().par_iter().zip(&self.is_point);
+        let count = |(outcome, is_point): (&Outcome, &AtomicBool)| match outcome {
+            Ok(footprint) if !Window::of(footprint).is_empty() => {
+                [is_point.load(Ordering::Relaxed).into(), 1]
+            }
+            _ => [0, 0],
+        };
+        outcomes
+            .map(count)
+            .reduce(|| [0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
+    }
+}
+
+struct PainterJob<'a>(&'a kernel::Rules, &'a Options<'a>, Engine, bool);
+
+impl DesignJob for PainterJob<'_> {
+    type Output = Box<dyn TilePainter>;
+
+    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Box<dyn TilePainter> {
+        painter(design, self.0, self.1, self.2, self.3)
+    }
+}
+
+/// A frame by a design's own type.
+struct HybridFrameJob<'r, 'a>(&'r mut HybridRenderer<'a>);
+
+impl DesignJob for HybridFrameJob<'_, '_> {
+    type Output = Result<HybridFacts, String>;
+
+    fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Result<HybridFacts, String> {
+        let HybridRenderer {
+            options,
+            hybrid,
+            engine,
+            quantised,
+            rules,
+            filter,
+            table,
+            painter,
+            memory,
+            is_point,
+            ..
+        } = &mut *self.0;
+        let started = Instant::now();
+        let table = table.table();
+        let setup = HybridSetup {
+            design,
+            quantised,
+            rules,
+            filter,
+            points: hybrid.points,
+            engine: *engine,
+            is_point,
+        };
+        let stamps = match hybrid.phase_bits {
+            Some(bits) => setup.stamps(&table, bits)?,
+            None => None,
+        };
+        let stamped_at = started.elapsed().as_secs_f64();
+        let shape = stamps.as_ref().map(|(_, shape)| shape);
+        let order = kernel_compositing(options.compositing);
+        let among_points = PointTiles {
+            painter: Painter::new(design, rules, table, order, Traversal::Spans),
+            gathering: PointSettings {
+                range: depth_range(hybrid, quantised),
+                stamp: (stamps.as_ref()).and_then(|(words, shape)| Stamp::new(words, *shape)),
+            },
+            gathers: hybrid.depth_range.is_some(),
+            clear: Pixel::clear(&design.widths()),
+            is_point,
+        };
+        // Without stamps and slabs points are splats like others, which the fast engine draws.
+        let plain = stamps.is_none() && hybrid.depth_range.is_none();
+        let plan = FramePlan {
+            viewport: quantised.view.viewport,
+            back_to_front: options.compositing == crate::rules::Compositing::BackToFront,
+            set_up: &|first, splats, outcomes| setup.set_up(first, splats, outcomes, shape),
+            painter: if plain { &**painter } else { &among_points },
+            progress: &|_, _| true,
+        };
+        let Ok(mut frame) = memory.draw(&quantised.splats, &plan) else {
+            unreachable!("nobody cancels")
+        };
+        frame.times.setup += stamped_at;
+        let stamp_words = stamps.map_or(0, |(words, _)| words.len());
+        let [points, drawn] = self.0.counts();
+        Ok(HybridFacts {
+            frame,
+            points,
+            drawn,
+            stamp_words,
+        })
+    }
+}
+
+/// The depth range in the footprints' UQ9.23.
+fn depth_range(hybrid: &Hybrid, quantised: &QuantisedScene) -> u32 {
+    let range = hybrid.depth_range.unwrap_or(0.0);
+    let unit = f64::from(quantised.scale_log2 + 23).exp2();
+    (range * unit) as u32
+}
+
+/// Setup of points and splats.
+struct HybridSetup<'a, D> {
+    design: D,
+    quantised: &'a QuantisedScene,
+    rules: &'a kernel::Rules,
+    filter: &'a PointFilter,
+    points: Points,
+    engine: Engine,
+    is_point: &'a [AtomicBool],
+}
+
+impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
+    /// Sets up splats numbered from `first`. With stamps, boxes of points become those of their stamps: empty ones are not drawn.
+    fn set_up(
+        &self,
+        first: usize,
+        splats: &[VolumeSplat],
+        outcomes: &mut [Outcome],
+        shape: Option<&StampShape>,
+    ) {
+        let flags = self.is_point.get(first..).unwrap_or_default();
+        let mut points = 0;
+        for (flag, splat) in flags.iter().zip(splats) {
+            let is_point = self.is_point(splat);
+            flag.store(is_point, Ordering::Relaxed);
+            points += usize::from(is_point);
+        }
+        if points < splats.len() {
+            self.set_up_splats(splats, outcomes);
+        }
+        if points == 0 {
+            return;
+        }
+        for ((flag, splat), outcome) in flags.iter().zip(splats).zip(outcomes) {
+            if flag.load(Ordering::Relaxed) {
+                *outcome = self.set_up_point(splat);
+                if let (Some(shape), Ok(footprint)) = (shape, outcome) {
+                    self.move_to_phase(shape, footprint);
+                }
+            }
+        }
+    }
+
+    fn is_point(&self, splat: &VolumeSplat) -> bool {
+        match self.points {
             Points::All => true,
             Points::None => false,
-            Points::Auto => is_minified(&widths, view, &self.rules, splat),
-        };
-        let footprint = if as_point {
-            setup_point(self.design, view, &self.rules, splat, &self.filter)
-        } else {
-            setup(self.design, view, &self.rules, splat)
-        };
-        footprint.map(|footprint| (footprint, as_point))
-    }
-
-    /// Boxes of points become those of their stamps; a stamp that leaves the viewport is dropped.
-    fn move_to_phases(
-        &self,
-        shape: &StampShape,
-        footprints: &mut Vec<Footprint>,
-        is_point: &mut Vec<bool>,
-    ) {
-        let subpixel = self.design.widths().subpixel;
-        let viewport = self.quantised.view.viewport;
-        for (footprint, _) in footprints.iter_mut().zip(&*is_point).filter(|(_, p)| **p) {
-            let placement = shape.place(footprint.centre, subpixel);
-            let bounds = shape.bounds(&placement, viewport);
-            (footprint.first, footprint.end) = (bounds.first, bounds.end);
+            Points::Auto => {
+                let QuantisedScene { view, .. } = self.quantised;
+                is_minified(&self.design.widths(), view, self.rules, splat)
+            }
         }
-        let visible = |f: &Footprint| f.first[0] < f.end[0] && f.first[1] < f.end[1];
-        let kept: Vec<bool> = footprints.iter().map(visible).collect();
-        let mut at = kept.iter();
-        footprints.retain(|_| at.next().copied().unwrap_or(false));
-        let mut at = kept.iter();
-        is_point.retain(|_| at.next().copied().unwrap_or(false));
     }
 
-    /// The depth range in the footprints' UQ9.23.
-    fn depth_range(&self) -> u32 {
-        let range = self.hybrid.depth_range.unwrap_or(0.0);
-        let unit = f64::from(self.quantised.scale_log2 + 23).exp2();
-        (range * unit) as u32
+    /// All as splats.
+    fn set_up_splats(&self, splats: &[VolumeSplat], outcomes: &mut [Outcome]) {
+        let (design, view, rules) = (self.design, &self.quantised.view, self.rules);
+        match self.engine {
+            Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
+            Engine::Scalar => {
+                for (splat, outcome) in splats.iter().zip(outcomes) {
+                    *outcome = setup(design, view, rules, splat);
+                }
+            }
+        }
     }
 
-    /// Stamp memory and shape, if stamps are asked for and there is a point to stamp.
+    fn set_up_point(&self, splat: &VolumeSplat) -> Outcome {
+        let QuantisedScene { view, .. } = self.quantised;
+        setup_point(self.design, view, self.rules, splat, self.filter)
+    }
+
+    /// The box of a point becomes that of its stamp.
+    fn move_to_phase(&self, shape: &StampShape, footprint: &mut Footprint) {
+        let placement = shape.place(footprint.centre, self.design.widths().subpixel);
+        let bounds = shape.bounds(&placement, self.quantised.view.viewport);
+        (footprint.first, footprint.end) = (bounds.first, bounds.end);
+    }
+
+    /// Stamp memory and shape, if there is a point to stamp.
     fn stamps(
         &self,
         table: &FootprintTable,
-        point: Option<&Footprint>,
+        bits: u8,
     ) -> Result<Option<(Vec<u32>, StampShape)>, String> {
-        let (Some(bits), Some(point)) = (self.hybrid.phase_bits, point) else {
+        let point = |splat| match self.is_point(splat) {
+            true => self.set_up_point(splat).ok(),
+            false => None,
+        };
+        let splats = self.quantised.splats.par_iter();
+        let Some(point) = splats.find_map_first(point) else {
             return Ok(None);
         };
-        let shape = StampShape::new(point, bits).map_err(|error| {
+        let shape = StampShape::new(&point, bits).map_err(|error| {
             let [columns, rows] = error.side;
             format!("no stamp of {columns}x{rows} pixels at 2^{} phases: choose a smaller spacing or fewer phases", error.phase_bits)
         })?;
         let mut words = vec![0; shape.words()];
-        fill_stamps(&mut words, self.design, table, &shape, point);
+        fill_stamps(&mut words, self.design, table, &shape, &point);
         Ok(Some((words, shape)))
+    }
+}
+
+/// Paints tiles in which points are gathered or stamped.
+struct PointTiles<'a, D> {
+    painter: Painter<'a, D>,
+    gathering: PointSettings<'a>,
+    /// Are points gathered within a depth range?
+    gathers: bool,
+    clear: Pixel,
+    is_point: &'a [AtomicBool],
+}
+
+impl<D: Design + Send + Sync> TilePainter for PointTiles<'_, D> {
+    fn paint(
+        &self,
+        _: &mut Scratch,
+        window: Window,
+        footprints: &Results,
+        list: &[u32],
+        pixels: &mut [Pixel],
+    ) -> Coverage {
+        pixels.fill(self.clear);
+        let columns = usize::from(window.columns());
+        let Ok(mut target) = Target::new(pixels, window, columns) else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
+        let drawn = list.iter().filter_map(|index| {
+            let footprint = footprints[*index as usize].as_ref().ok()?;
+            let is_point = self.is_point[*index as usize].load(Ordering::Relaxed);
+            Some((footprint, is_point))
+        });
+        match self.gathers {
+            true => gather_tile(&self.painter, &self.gathering, drawn, &mut target),
+            false => stamp_tile(&self.painter, &self.gathering, drawn, &mut target),
+        }
     }
 }
 
@@ -276,7 +423,7 @@ fn gather_tile<'a, D: Design>(
         } else {
             painter.draw_among_points(footprint, target, &mut slabs)
         };
-        if number % super::render::CHECK_INTERVAL == 0 && target.is_finished() {
+        if number % CHECK_INTERVAL == 0 && target.is_finished() {
             break;
         }
     }
@@ -297,7 +444,7 @@ fn stamp_tile<'a, D: Design>(
             Some(stamp) if is_point => painter.draw_stamp(stamp, footprint, target),
             _ => painter.draw(footprint, target),
         };
-        if number % super::render::CHECK_INTERVAL == 0 && target.is_finished() {
+        if number % CHECK_INTERVAL == 0 && target.is_finished() {
             break;
         }
     }

@@ -17,7 +17,7 @@ pub mod surface;
 
 pub use frame::{converter, table, table_entries};
 pub use harmonics::harmonic_colours;
-pub use hybrid::{HybridDrawing, draw_hybrid};
+pub use hybrid::{HybridDrawing, HybridFacts, HybridRenderer, draw_hybrid};
 pub use quantise::{QuantisedScene, kernel_compositing, kernel_rules, scaled};
 pub use render::{
     Drawing, Engine, Options, Times, best_engine, conics, culls, draw, draw_quantised,

@@ -270,7 +270,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     let plan = FramePlan {
         viewport: view.viewport,
         back_to_front: options.compositing == Compositing::BackToFront,
-        set_up: &|splats, outcomes| {
+        set_up: &|_, splats, outcomes| {
             set_up_part(design, quantised, &rules, engine, (splats, outcomes));
         },
         painter: &*painter,

@@ -104,6 +104,7 @@ fn surfaces_frames_after_the_first_allocate_nothing() {
             design: &DesignChoice::named(name).unwrap(),
             traversal: Traversal::Spans,
             engine: Engine::Vectors(VectorLevel::Best),
+            counts: true,
         };
         let mut renderer = SurfaceRenderer::new(&quantised, &scene, &camera, &options);
         let mut picture = Picture::new(0, 0);

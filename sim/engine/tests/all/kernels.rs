@@ -4,7 +4,8 @@
 use splatline::setup::{Ellipse, Index as KernelIndex};
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
-use splatline_engine::fixed;
+use splatline_engine::fast::lanes::VectorLevel;
+use splatline_engine::fixed::{self, Engine, HybridRenderer};
 use splatline_engine::hybrid::{Hybrid, Points, rules_for_points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
@@ -142,6 +143,57 @@ fn points_and_stamps_meet_the_bars() {
                     meets_the_bars(&what, &drawn.drawing.picture, &expected.picture);
                 }
             }
+        }
+    }
+}
+
+/// Frame after frame in the same memory, by vectors or the kernel, counted or not: the same bits.
+#[test]
+fn frames_of_points_and_splats_are_the_kernels() {
+    let (mut scene, design) = (volume(), standard24());
+    // More than one part of a scene, so that splats are numbered across parts.
+    scene.splats.extend_from_within(..);
+    scene.splats.extend_from_within(..);
+    let rules = rules_for_points(&scene, &Rules::EWA);
+    let ways = [
+        (Points::None, None, None),
+        (Points::Auto, None, None),
+        (Points::Auto, Some(2.3), Some(2)),
+        (Points::Auto, None, Some(3)),
+        (Points::All, None, Some(3)),
+    ];
+    for (points, depth_range, phase_bits) in ways {
+        let hybrid = Hybrid {
+            points,
+            depth_range,
+            phase_bits,
+        };
+        let camera = camera(61.0, false);
+        let frames = |engine, counts| {
+            let options = options(&rules, &design);
+            let engine = (engine, counts);
+            let mut renderer =
+                HybridRenderer::new(&scene, &camera, options, &hybrid, engine).unwrap();
+            let mut frame = || {
+                let mut picture = Picture::new(0, 0);
+                let facts = renderer.draw_picture(&mut picture).unwrap();
+                let counted = counts.then_some(facts.frame.coverage);
+                let culled = facts.frame.culled;
+                (picture.pixels, [facts.points, facts.drawn], culled, counted)
+            };
+            let [first, second] = [frame(), frame()];
+            assert!(first == second, "{hybrid:?}, {engine:?}");
+            first
+        };
+        let expected = frames(Engine::Scalar, true);
+        assert!(expected.1[1] > 3_000);
+        for level in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
+            let engine = Engine::Vectors(level);
+            assert!(frames(engine, true) == expected, "{hybrid:?}, {level:?}");
+            assert!(
+                frames(engine, false).0 == expected.0,
+                "{hybrid:?}, {level:?}"
+            );
         }
     }
 }

@@ -405,21 +405,25 @@ fn surfaces_drawn_by_vectors_are_the_kernels() {
                 cull_backfaces,
                 ..style
             };
-            let draw = |engine| {
+            let draw = |engine, counts| {
                 let options = SurfaceOptions {
                     style: &style,
                     design: &design,
                     traversal: Traversal::Spans,
                     engine,
+                    counts,
                 };
                 draw_quantised(&points, &scene, &camera, &options)
             };
-            let expected = draw(Engine::Scalar);
+            let expected = draw(Engine::Scalar, true);
             for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
-                let drawn = draw(Engine::Vectors(choice));
                 let what = format!("{name}, {choice:?}");
-                assert!(drawn.pixels == expected.pixels, "{what}");
-                assert!(drawn.weights == expected.weights, "{what}");
+                let uncounted = draw(Engine::Vectors(choice), false);
+                let drawn = draw(Engine::Vectors(choice), true);
+                for drawn in [&uncounted, &drawn] {
+                    assert!(drawn.pixels == expected.pixels, "{what}");
+                    assert!(drawn.weights == expected.weights, "{what}");
+                }
                 assert_eq!(drawn.facts.culled, expected.facts.culled, "{what}");
                 assert_eq!(drawn.facts.backfaces, expected.facts.backfaces, "{what}");
                 assert_eq!(drawn.facts.coverage, expected.facts.coverage, "{what}");

@@ -78,7 +78,7 @@ fn a_single_picture_moves_the_bar() {
     let steps = Mutex::new(Vec::new());
     let told = |done, of| steps.lock().unwrap().push((done, of));
     let kernel = || {
-        let mut kernel = prepared.kernel(&prepared.plan.entry, None)?;
+        let mut kernel = prepared.kernel(&prepared.plan.entry, None, true)?;
         kernel.draw(&told)
     };
     on_threads(2, kernel).unwrap().unwrap();

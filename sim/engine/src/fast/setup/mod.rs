@@ -6,7 +6,7 @@
 //!
 //! Setup is 60 normalisations a splat, each a count of leading zeros and two shifts by amounts that no two splats share. In double
 //! precision they are an addition and a mask (`real.rs`), for four or eight splats without a branch. What vectors do not cover is left to the
-//! kernel: parallel projection, distance scaling, splats far from unit size, and those of which the last bit is in doubt.
+//! kernel: parallel projection, splats far from unit size, and those of which the last bit is in doubt.
 
 pub mod number;
 mod position;
@@ -86,11 +86,10 @@ pub fn set_up<D: Design, S: Batched>(
 
 /// Can vectors set up under this view and these rules?
 fn covers(view: &View, rules: &Rules) -> bool {
-    // Focal lengths of 2^-20 to 2^30 pixels, a filter of 2^-100 to 2^30.
+    // Focal lengths of 2^-20 to 2^30 pixels, a filter of 2^-100 to 2^30, samples 2^-30 to 2^30 apart.
     let between = |number: SoftFloat, least: i32, most: i32| {
         number.mantissa > 0 && (least..most).contains(&number.leading())
     };
-    let spaced = rules.spacing.mantissa > 0;
     let by_opacity = rules.cutoff == Cutoff::Opacity;
     let gaussian = rules.kernel == splatline::kernel::Kernel::Gaussian;
     view.projection == Projection::Perspective
@@ -101,7 +100,7 @@ fn covers(view: &View, rules: &Rules) -> bool {
             .all(|p| p.to_bits().unsigned_abs() < 1 << 57)
         && position::covers(view)
         && (rules.low_pass.mantissa == 0 || between(rules.low_pass, -100, 30))
-        && !spaced
+        && (rules.spacing.mantissa <= 0 || between(rules.spacing, -30, 30))
         && (gaussian || !by_opacity)
         && (rules.alpha_min > 1 || !by_opacity)
 }

@@ -54,6 +54,9 @@ const RATIOS: [f64; 2] = [(1u64 << 18) as f64, 1.0 / (1u64 << 60) as f64];
 /// Variances and determinants below this may have lost terms below the range of doubles: 2^-900.
 const LEAST_VARIANCE: f64 = f64::from_bits((1023 - 900) << 52);
 
+/// Splats that distance enlarges by more than 2^20 are in doubt: their determinants might leave the range of doubles.
+const LEAST_DISTANCE: f64 = 1.0 / (1u64 << 20) as f64;
+
 /// Exponents of axes, of which products of eight come near the ends of doubles, and of coordinates.
 const AXES: [i64; 2] = [-45, 40];
 const COORDINATES: [i64; 2] = [-200, 200];
@@ -102,16 +105,20 @@ impl<W: Doubles> Stages<'_, W> {
         let mut culled = self.math.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
-        let columns = [
+        let mut columns = [
             self.column(splats, 0, &projected),
             self.column(splats, 1, &projected),
             self.column(splats, 2, &projected),
         ];
+        let mut weight = splats.weight;
+        if self.rules.spacing.mantissa > 0 {
+            weight = self.enlarge(&mut columns, weight, &projected);
+        }
         let variance = self.variance(&columns);
         let inverse = self.reals.reciprocal(variance.determinant, self.bits());
         let ldl = self.ldl(&variance, inverse, &mut culled);
         let (conic, conic_exponent) = self.conic(&variance, ldl[0], inverse, &mut culled);
-        let peak = self.peak(splats.weight, &projected, inverse);
+        let peak = self.peak(weight, &projected, inverse);
         let cutoff = self.cutoff(peak, &mut culled);
         let mut first = [self.math.splat(0); 2];
         let mut last = first;
@@ -349,6 +356,35 @@ impl<W: Doubles> Stages<'_, W> {
         let (reals, bits) = (self.reals, self.bits());
         let along = reals.opposite(reals.times(projected.ratio[axis], z));
         reals.multiply(reals.sum([across, along], bits), projected.gain[axis], bits)
+    }
+
+    /// `distance::enlarge` of columns, and `distance::dim` of a weight.
+    #[inline(always)]
+    fn enlarge(
+        &self,
+        columns: &mut [[Real<W>; 2]; 3],
+        weight: Real<W>,
+        projected: &Projected<W>,
+    ) -> Real<W> {
+        let (math, reals, bits) = (self.math, self.reals, self.bits());
+        let [across, down] = projected.gain;
+        let gain = Real(math.lanes.double_min(across.0, down.0));
+        let distance = reals.multiply(reals.number(self.rules.spacing), gain, bits);
+        let one = reals.constant(1.0);
+        let far = math.lanes.double_greater(one, distance.0);
+        reals.doubt_unless_greater(distance.0, LEAST_DISTANCE);
+        // A column times 1 is the column, which has been rounded to as many bits.
+        let factor = reals.reciprocal(distance, bits);
+        let factor = Real(math.select(one, factor.0, far));
+        for part in columns.iter_mut().flatten() {
+            *part = reals.multiply(*part, factor, bits);
+        }
+        if self.rules.normalised {
+            return weight;
+        }
+        let inverse = reals.reciprocal(factor, bits);
+        let dimmed = reals.multiply(reals.multiply(weight, inverse, bits), inverse, bits);
+        Real(math.select(weight.0, dimmed.0, far))
     }
 
     #[inline(always)]

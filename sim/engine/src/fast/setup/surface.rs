@@ -10,8 +10,7 @@ use crate::fast::lanes::{Doubles, Lanes, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
-use splatline::format::{Design, Widths};
-use splatline::math::shift_unsigned;
+use splatline::format::{Design, Rounding, Widths};
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup_surface};
 use splatline::splat::surface::SurfaceSplat;
@@ -240,6 +239,29 @@ impl<W: Doubles> Stages<'_, W> {
     }
 }
 
+/// Bits dropped of numbers that have room for a rounding: `shift_unsigned` without its cases.
+#[derive(Clone, Copy)]
+struct BitDrop {
+    by: u32,
+    half: u64,
+}
+
+impl BitDrop {
+    #[inline(always)]
+    fn new(by: u32, rounding: Rounding) -> Self {
+        let half = match rounding {
+            Rounding::Nearest => (1u64 << by) >> 1,
+            Rounding::Truncate => 0,
+        };
+        BitDrop { by, half }
+    }
+
+    #[inline(always)]
+    fn of(self, value: u64) -> u64 {
+        (value + self.half) >> self.by
+    }
+}
+
 /// Words to surface footprints.
 pub struct SurfaceLists {
     footprints: Lists,
@@ -266,19 +288,27 @@ impl SurfaceLists {
     #[inline(always)]
     fn outcome(&self, k: usize, splat: &SurfaceSplat, widths: &Widths) -> SurfaceOutcome {
         self.footprints.reason(k)?;
-        let fraction = i32::from(attribute_fraction(widths));
+        let fraction = u32::from(attribute_fraction(widths));
         let one = 1u64 << fraction;
-        let unit = |value: u32| {
-            let value = shift_unsigned(value.into(), 28 - fraction, widths.rounding);
-            value.min(one)
-        };
-        let opacity = unit(splat.opacity.to_bits());
-        let colour = splat.colour.map(|channel| {
-            let product = unit(channel.to_bits()) * opacity;
-            shift_unsigned(product, fraction, widths.rounding) as u32
-        });
-        let drop = fraction - i32::from(widths.colour);
-        let rounded = colour.map(|c| shift_unsigned(c.into(), drop, widths.rounding) as u32);
+        let drops = [
+            28 - fraction,
+            fraction,
+            fraction.saturating_sub(widths.colour.into()),
+        ];
+        let [to_unit, to_colour, to_footprint] = [
+            BitDrop::new(drops[0], widths.rounding),
+            BitDrop::new(drops[1], widths.rounding),
+            BitDrop::new(drops[2], widths.rounding),
+        ];
+        let opacity = to_unit.of(splat.opacity.to_bits().into()).min(one);
+        // Loops, because closures of arrays are calls here.
+        let [mut colour, mut rounded] = [[0; 3]; 2];
+        for (channel, value) in splat.colour.iter().enumerate() {
+            let unit = to_unit.of(value.to_bits().into()).min(one);
+            let product = to_colour.of(unit * opacity);
+            colour[channel] = product as u32;
+            rounded[channel] = to_footprint.of(product) as u32;
+        }
         let [depth, across, down] = [0, 1, 2].map(|part| self.origin[part][k]);
         Ok(SurfaceFootprint {
             footprint: self.footprints.footprint(k, rounded),

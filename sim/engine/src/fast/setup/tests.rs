@@ -139,13 +139,25 @@ fn normal() -> impl Strategy<Value = SoftFloat> {
 
 proptest! {
     #[test]
-    fn arbitrary_bits(splats in prop::collection::vec(splat(), 8..40), normalised: bool) {
+    fn arbitrary_bits(splats in prop::collection::vec(splat(), 8..40), normalised: bool, spacing in spacing()) {
         let rules = kernel_rules(if normalised { &rules::Rules::EWA } else { &rules::Rules::GAUSSIAN_3D });
         check(Classic8, &splats, &rules);
         check(Lean18, &splats, &rules);
         check(Standard24, &splats, &rules);
         check(Deep32, &splats, &rules);
+        // Enlarged by their distance: all, some, none of the splats of usual depths.
+        let spaced = Rules { spacing, ..rules };
+        check(Classic8, &splats, &spaced);
+        check(Standard24, &splats, &spaced);
+        check(Deep32, &splats, &spaced);
     }
+}
+
+/// Distances between samples, some beyond what vectors take.
+fn spacing() -> impl Strategy<Value = SoftFloat> {
+    let exponent = prop_oneof![8 => -50i32..-26, 1 => -80i32..20];
+    (1i32 << 30..=i32::MAX, exponent)
+        .prop_map(|(mantissa, exponent)| SoftFloat { mantissa, exponent })
 }
 
 /// A surface splat of a volume splat's bits: two of its axes, and the third as the normal.
@@ -202,7 +214,10 @@ fn ordinary_surfaces() {
 fn ordinary_splats() {
     let scene = synthetic::random_gaussians(4_000, 5, 3.0);
     let camera = synthetic::camera(320, 200);
-    for rules in [rules::Rules::EWA, rules::Rules::GAUSSIAN_3D] {
+    let ways = [rules::Rules::EWA, rules::Rules::GAUSSIAN_3D];
+    // Of about a pixel's distance, so that some splats are enlarged and some are not.
+    let spaced = ways.map(|rules| rules.with_antialias(rules::Antialias::Swan(0.012)));
+    for rules in ways.into_iter().chain(spaced) {
         let quantised = QuantisedScene::new(&scene, &camera, &rules);
         check(Standard24, &quantised.splats, &kernel_rules(&rules));
     }

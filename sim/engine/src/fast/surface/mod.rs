@@ -5,6 +5,7 @@
 
 mod tile;
 
+use super::CHECK_INTERVAL;
 use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
 use super::lanes::words::{PixelTask, dispatch_pixels};
@@ -16,7 +17,7 @@ use super::words::{AHEAD, columns};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
 use splatline::footprint::surface::{
-    Attributes, DEPTH_FRACTION, SurfaceFootprint, attribute_fraction,
+    Attributes, DEPTH_FRACTION, SurfaceFootprint, attribute_fraction, depth_in_pixel,
 };
 use splatline::format::{Rounding, RuntimeWidths, Widths};
 use splatline::kernel::FootprintTable;
@@ -149,6 +150,8 @@ pub struct GatherTask<'a, 'g> {
     pub record: &'a Record<'a>,
     /// Takes what they can.
     pub gather: Gather<'g>,
+    /// Are pixels counted? If not, footprints that nobody sees may be left out, and the counts are anything.
+    pub counts: bool,
 }
 
 impl GatherTask<'_, '_> {
@@ -205,6 +208,12 @@ impl PixelTask for GatherTask<'_, '_> {
             let Ok(footprint) = &footprints[*index as usize] else {
                 continue;
             };
+            if number % CHECK_INTERVAL == 0 {
+                self.look();
+            }
+            if self.is_hidden(footprint) {
+                continue;
+            }
             let values = numbers.attributes(&footprint.attributes)?;
             let attributes = words.splat(lanes, &values, numbers, footprint.attributes.material);
             let rows = numbers.rows(footprint, &self.window);
@@ -214,9 +223,11 @@ impl PixelTask for GatherTask<'_, '_> {
                 coverage += self.recorded(footprint, |task, place, Recorded { weight, depth }| {
                     let mut alone = [0; 8];
                     alone[0] = weight.into();
+                    let depths = lanes.wide_splat(depth.into());
+                    let seen = task.seen(lanes, place, depths, &attributes, lanes.first(1));
                     let samples = SampleWords {
-                        weights: lanes.wide_load(&alone),
-                        depths: lanes.wide_splat(depth.into()),
+                        weights: lanes.keep(lanes.wide_load(&alone), seen),
+                        depths,
                     };
                     task.take(lanes, footprint, place, &samples, &attributes);
                 });
@@ -265,16 +276,72 @@ impl GatherTask<'_, '_> {
         for from in (0..pixels.length).step_by(L::WIDE) {
             let inside = path.inside(splat, radial[0], pixels.length - from);
             covered += u64::from(lanes.flags(inside).count_ones());
-            let samples = SampleWords {
-                weights: words.weight(lanes, path.alpha(splat, radial[0], inside)),
-                depths: words.in_pixel(lanes, depth),
-            };
+            let depths = words.in_pixel(lanes, depth);
             let place = [run.x as u16 + from as u16, y];
-            self.take(lanes, painted.footprint, place, &samples, &painted.words);
+            let seen = self.seen(lanes, place, depths, &painted.words, inside);
+            // Half of a closed surface's samples are hidden: they need no opacity.
+            if lanes.flags(seen) != 0 {
+                let samples = SampleWords {
+                    weights: words.weight(lanes, path.alpha(splat, radial[0], seen)),
+                    depths,
+                };
+                self.take(lanes, painted.footprint, place, &samples, &painted.words);
+            }
             radial = path.step(splat, radial);
             depth = lanes.wide_add(depth, lanes.wide_splat(step.wrapping_mul(L::WIDE as i64)));
         }
         covered
+    }
+
+    /// Looks at the tile for what [`Self::is_hidden`] needs.
+    #[inline(always)]
+    fn look(&mut self) {
+        match &mut self.gather {
+            Gather::Sums(tile) if !self.counts => tile.look(),
+            _ => {}
+        }
+    }
+
+    /// Is the footprint known to lie behind all of its pixels, whatever its shape?
+    #[inline(always)]
+    fn is_hidden(&self, footprint: &SurfaceFootprint) -> bool {
+        let Gather::Sums(tile) = &self.gather else {
+            return false;
+        };
+        if self.counts || !is_near(footprint) {
+            return false;
+        }
+        let pixels = Window::of(&footprint.footprint).intersect(&self.window);
+        if pixels.is_empty() {
+            return false;
+        }
+        let [x, y] = pixels.first;
+        let [across, down] = [pixels.columns(), pixels.rows()].map(|count| i64::from(count) - 1);
+        let [step_x, step_y] = footprint.plane.step;
+        let least = footprint.depth_at(x, y) + (across * step_x).min(0) + (down * step_y).min(0);
+        tile.hides(&pixels, depth_in_pixel(least), self.numbers.threshold)
+    }
+
+    /// Which of the samples may change a pixel?
+    #[inline(always)]
+    fn seen<L: PixelSums>(
+        &self,
+        lanes: L,
+        place: [u16; 2],
+        depths: L::Word,
+        words: &AttributeWords<L>,
+        samples: L::Truth,
+    ) -> L::Truth {
+        match &self.gather {
+            Gather::Sums(tile) => tile.seen(lanes, self.in_tile(place), depths, words, samples),
+            Gather::Samples(_) => samples,
+        }
+    }
+
+    /// Column of the tile, row of the screen.
+    #[inline(always)]
+    fn in_tile(&self, [x, y]: [u16; 2]) -> [usize; 2] {
+        [usize::from(x - self.window.first[0]), y.into()]
     }
 
     /// Hands samples on.
@@ -283,21 +350,19 @@ impl GatherTask<'_, '_> {
         &mut self,
         lanes: L,
         footprint: &SurfaceFootprint,
-        [x, y]: [u16; 2],
+        place: [u16; 2],
         samples: &SampleWords<L>,
         words: &AttributeWords<L>,
     ) {
+        let in_tile = self.in_tile(place);
         match &mut self.gather {
-            Gather::Sums(tile) => {
-                let place = [usize::from(x - self.window.first[0]), y.into()];
-                tile.add(lanes, place, samples, words);
-            }
+            Gather::Sums(tile) => tile.add(lanes, in_tile, samples, words),
             Gather::Samples(take) => {
                 let [mut weights, mut depths] = [[0; 8]; 2];
                 lanes.wide_store(&mut weights, samples.weights);
                 lanes.wide_store(&mut depths, samples.depths);
                 let attributes = &footprint.attributes;
-                take(attributes, [x, y], &weights[..L::WIDE], &depths[..L::WIDE]);
+                take(attributes, place, &weights[..L::WIDE], &depths[..L::WIDE]);
             }
         }
     }

@@ -19,6 +19,12 @@ const STRIDE: usize = TILE[0] as usize + SPARE;
 /// Rows of a tile.
 const ROWS: usize = TILE[1] as usize;
 
+/// Columns and rows of a block, whose farthest pixel is known.
+const BLOCK: usize = 8;
+
+/// Blocks of a tile: columns and rows.
+const BLOCKS: [usize; 2] = [TILE[0] as usize / BLOCK, ROWS / BLOCK];
+
 /// Bits of a key below its depth.
 const MATERIAL: i64 = 8;
 
@@ -36,6 +42,8 @@ struct SumRow {
 #[derive(Clone, Debug)]
 pub struct SumTile {
     rows: Box<[SumRow]>,
+    /// What no pixel of a block was farther than when it was [looked at](SumTile::look).
+    farthest: [[i64; BLOCKS[0]]; BLOCKS[1]],
     window: Window,
 }
 
@@ -47,6 +55,7 @@ impl Default for SumTile {
         };
         SumTile {
             rows: vec![row; ROWS].into(),
+            farthest: [[i64::MAX; BLOCKS[0]]; BLOCKS[1]],
             window: Window {
                 first: [0; 2],
                 end: [0; 2],
@@ -76,24 +85,78 @@ impl SumTile {
     /// Makes it the empty pixels of `window`, which is at most a [`TILE`].
     pub fn open(&mut self, window: Window) {
         self.window = window;
+        self.farthest = [[i64::MAX; BLOCKS[0]]; BLOCKS[1]];
         for row in self.rows.iter_mut().take(window.rows().into()) {
             row.keys.fill(EMPTY);
             row.sums.fill([0; 8]);
         }
     }
 
-    /// Adds samples to the pixels from column `x` of the tile on, in row `y` of the screen.
+    /// Notes each block's farthest pixel. Pixels come only nearer, so that what is hidden from a block's farthest depth now is hidden later.
+    #[inline(always)]
+    pub fn look(&mut self) {
+        let columns = usize::from(self.window.columns()).min(TILE[0].into());
+        let rows = self.rows.iter().take(self.window.rows().into());
+        self.farthest = [[0; BLOCKS[0]]; BLOCKS[1]];
+        for (y, row) in rows.enumerate() {
+            let blocks = row.keys[..columns].chunks(BLOCK);
+            for (farthest, keys) in self.farthest[y / BLOCK % BLOCKS[1]].iter_mut().zip(blocks) {
+                let near = keys.iter().fold(0, |far, key| far.max(*key as i64));
+                *farthest = near.max(*farthest);
+            }
+        }
+        let blocks = self.farthest.iter_mut().flatten();
+        blocks.for_each(|farthest| *farthest >>= MATERIAL);
+    }
+
+    /// Would every sample in these pixels of the tile, none of them nearer than `depth`, be dropped for being farther than its pixel?
+    #[inline(always)]
+    pub fn hides(&self, pixels: &Window, depth: u32, threshold: u32) -> bool {
+        let blocks = |axis: usize| {
+            let place = |pixel: u16| usize::from(pixel - self.window.first[axis]) / BLOCK;
+            place(pixels.first[axis])..=place(pixels.end[axis] - 1).min(BLOCKS[axis] - 1)
+        };
+        let farthest = blocks(1).flat_map(|y| self.farthest[y][blocks(0)].iter());
+        let farthest = farthest.fold(0, |far, block| far.max(*block));
+        i64::from(depth) > farthest.saturating_add(threshold.into())
+    }
+
+    /// Which of the samples in the pixels from column `x` of the tile on, in row `y` of the screen, are not dropped for being farther than their pixel?
+    #[inline(always)]
+    pub fn seen<L: PixelSums>(
+        &self,
+        lanes: L,
+        place: [usize; 2],
+        depths: L::Word,
+        splat: &AttributeWords<L>,
+        samples: L::Truth,
+    ) -> L::Truth {
+        let (x, row) = self.place(place);
+        let near = lanes.wide_shr(
+            lanes.read(&self.rows[row].keys, x),
+            lanes.wide_splat(MATERIAL),
+        );
+        let behind = lanes.wide_greater(depths, lanes.wide_add(near, splat.threshold));
+        lanes.except(samples, behind)
+    }
+
+    /// Column and row of the tile. Never changes them; tells the compiler that a vector fits.
+    #[inline(always)]
+    fn place(&self, [x, y]: [usize; 2]) -> (usize, usize) {
+        let row = (y - usize::from(self.window.first[1])) % ROWS;
+        (x % usize::from(TILE[0]), row)
+    }
+
+    /// Adds samples that are [seen](SumTile::seen) to the pixels from column `x` of the tile on, in row `y` of the screen.
     #[inline(always)]
     pub fn add<L: PixelSums>(
         &mut self,
         lanes: L,
-        [x, y]: [usize; 2],
+        place: [usize; 2],
         samples: &SampleWords<L>,
         splat: &AttributeWords<L>,
     ) {
-        // Never change them; tell the compiler that a vector fits.
-        let x = x % usize::from(TILE[0]);
-        let row = (y - usize::from(self.window.first[1])) % ROWS;
+        let (x, row) = self.place(place);
         let Some(SumRow { keys, sums }) = self.rows.get_mut(row) else {
             return;
         };
@@ -101,8 +164,7 @@ impl SumTile {
         let old = lanes.read(keys, x);
         let near = lanes.wide_shr(old, material);
         let SampleWords { weights, depths } = *samples;
-        let behind = lanes.wide_greater(depths, lanes.wide_add(near, splat.threshold));
-        let drawn = lanes.except(lanes.wide_greater(weights, none), behind);
+        let drawn = lanes.wide_greater(weights, none);
         if lanes.flags(drawn) == 0 {
             return;
         }
@@ -121,7 +183,7 @@ impl SumTile {
         let nearest = lanes.wide_select(compared, key, lanes.wide_greater(compared, key));
         lanes.write(keys, x, lanes.wide_select(old, nearest, drawn));
         let mut words = [0; 8];
-        lanes.wide_store(&mut words, lanes.keep(weights, drawn));
+        lanes.wide_store(&mut words, weights);
         for (k, weight) in words.iter().enumerate().take(L::WIDE) {
             if !lanes.add_shares(&mut sums[x + k], weight, &splat.attributes) {
                 // A full pixel stays as it is.

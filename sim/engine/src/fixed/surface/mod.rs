@@ -133,6 +133,7 @@ pub fn draw(
         design,
         traversal,
         engine: best_engine(),
+        counts: true,
     };
     draw_quantised(&points, scene, camera, &options)
 }
@@ -148,6 +149,8 @@ pub struct SurfaceOptions<'a> {
     pub traversal: Traversal,
     /// Which implementation draws; all give the same bits.
     pub engine: Engine,
+    /// Are visited and covered pixels counted? If not, footprints behind others may be left out, and the counts are anything.
+    pub counts: bool,
 }
 
 /// Draws points of `scene` that have been quantised for `camera`.

@@ -158,6 +158,7 @@ impl<'a> SurfaceFrames<'a> {
             design,
             traversal,
             engine,
+            counts: _,
         } = *options;
         let rules = kernel_rules(style);
         let table = TableMemory::new(&design.widths, &rules);
@@ -215,6 +216,7 @@ impl<'a> SurfaceFrames<'a> {
                 gather,
                 resolve: Resolve::new(&design.widths, gather, shading, edges),
                 numbers: numbers.as_ref().zip(engine),
+                counts: options.counts,
             },
             memory,
         })
@@ -350,7 +352,8 @@ impl SurfaceFrameMemory {
             resolved,
         } = self;
         resolved.resize(grid.len() * AREA, Resolved::default());
-        let tiles = resolved.par_chunks_mut(AREA).enumerate();
+        // One by one: a thread that has drawn its own empty ones takes over from another's full ones.
+        let tiles = resolved.par_chunks_mut(AREA).enumerate().with_max_len(1);
         tiles
             .map(|(tile, resolved)| {
                 let window = grid.window(tile);

@@ -88,6 +88,8 @@ pub struct TileConstants<'a> {
     pub resolve: Resolve<'a>,
     /// What vectors gather by, and which ones do.
     pub numbers: Option<(&'a GatherNumbers, VectorLevel)>,
+    /// Are pixels counted?
+    pub counts: bool,
 }
 
 impl TileConstants<'_> {
@@ -202,6 +204,7 @@ impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
             window,
             record: &|footprint, window, cells| self.record(footprint, window, cells),
             gather,
+            counts: self.constants.counts,
         };
         task.paint(choice)
     }

@@ -74,7 +74,7 @@ pub fn run(data: &Path, choice: VectorLevel) -> Result<String, Failure> {
     }
     Ok(format!(
         "# Drawing each system on the host\n\nPrinted by `{COMMAND} --only drawing`; do not edit. {SIZE} x {SIZE} pixels, standard24, vectors of {}; medians of \
-         {FRAMES} frames after one; setup, sort and raster of the last one. Volumes are the demo's, surfaces the scanned lion{}. \"whole\": the frame includes bringing the scene into the kernel's formats. \
+         {FRAMES} frames after one; setup, sort and raster of the last one. Covered pixels were counted by a frame of their own. Volumes are the demo's, surfaces the scanned lion{}. \"whole\": the frame includes bringing the scene into the kernel's formats. \
          Systems 3, 13 and 17 make splats or points before anything is drawn, which are then drawn as 2, 9 or 14.\n\n{}",
         lanes::name(choice),
         if lion.is_some() {
@@ -195,7 +195,11 @@ fn surface_plans(
 /// Drawn as every command draws it.
 fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) -> Result<Way<'a>> {
     let entry: &'a Entry = &prepared.plan.entry;
-    let mut kernel = prepared.kernel(entry, Some(choice))?;
+    let counted = prepared
+        .kernel(entry, Some(choice), true)?
+        .draw(&|_, _| ())?;
+    let covered = counted.pixels.map(|pixels| pixels.covered);
+    let mut kernel = prepared.kernel(entry, Some(choice), false)?;
     let splats = match &*prepared.scene {
         AnyScene::Splats(scene) => scene.splats.len(),
         AnyScene::Surface { scene, .. } => scene.points.len(),
@@ -209,7 +213,7 @@ fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) 
             ..
         } = drawing.stages;
         Ok(TimedFrame {
-            covered: drawing.pixels.map(|pixels| pixels.covered),
+            covered,
             stages: Some([setup_s, sort_s, raster_s]),
         })
     });
