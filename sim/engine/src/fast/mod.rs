@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The scalar painter ([`Painter`](splatline::draw::Painter)) stays the definition. What is fast here is tested against it word for word,
-//! pixels and counts, and what the vectors cannot do is left to it: other traversals and orders, and footprints whose words lie outside their
+//! pixels and counts, and what the vectors cannot do is left to it: other traversals, and footprints whose words lie outside their
 //! formats.
 
 mod cells;

@@ -55,7 +55,7 @@ pub struct Scratch {
 /// What setup made of every splat, in the scene's order.
 pub type Results = [Result<Footprint, Cull>];
 
-/// Paints tiles front to back along spans, whatever the design.
+/// Paints tiles along spans, whatever the design.
 pub trait TilePainter: Send + Sync {
     /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `pixels`, row by row.
     fn paint(
@@ -79,9 +79,9 @@ pub fn tile_painter<D: Design + Send + Sync + 'static>(
     choice: Option<VectorLevel>,
     counts: bool,
 ) -> Box<dyn TilePainter> {
-    let usual = (order, traversal) == (Compositing::FrontToBack, Traversal::Spans);
-    let vectors = choice.filter(|_| usual);
-    if let Some(painter) = vectors.and_then(|choice| on_vectors(design, rules, choice, counts)) {
+    let vectors = choice.filter(|_| traversal == Traversal::Spans);
+    let of_level = |choice| on_vectors(design, rules, order, choice, counts);
+    if let Some(painter) = vectors.and_then(of_level) {
         return painter;
     }
     Box::new(ScalarPainter {
@@ -93,20 +93,22 @@ pub fn tile_painter<D: Design + Send + Sync + 'static>(
     })
 }
 
-/// A painter front to back along spans; `None` where only the kernel's can.
+/// A painter along spans; `None` where only the kernel's can. Other orders than front to back have the words alone.
 fn on_vectors<D: Design + Send + Sync + 'static>(
     design: D,
     rules: &Rules,
+    order: Compositing,
     choice: VectorLevel,
     counts: bool,
 ) -> Option<Box<dyn TilePainter>> {
-    if let Some(painter) = NarrowPainter::new(design, rules, choice) {
+    let cells = Some(choice).filter(|_| order == Compositing::FrontToBack);
+    if let Some(painter) = cells.and_then(|choice| NarrowPainter::new(design, rules, choice)) {
         return Some(Box::new(painter));
     }
-    if let Some(painter) = FusedPainter::new(design, rules, choice) {
+    if let Some(painter) = cells.and_then(|choice| FusedPainter::new(design, rules, choice)) {
         return Some(Box::new(painter));
     }
-    let painter = WordPainter::new(design, rules, choice, counts)?;
+    let painter = WordPainter::new(design, rules, order, choice, counts)?;
     Some(Box::new(painter))
 }
 

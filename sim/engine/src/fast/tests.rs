@@ -218,7 +218,9 @@ fn agree(
         (VectorLevel::Portable, true),
         (VectorLevel::Portable, false),
     ] {
-        let Some(painter) = WordPainter::new(AnyNarrow(widths), rules, choice, counts) else {
+        let order = Compositing::FrontToBack;
+        let Some(painter) = WordPainter::new(AnyNarrow(widths), rules, order, choice, counts)
+        else {
             return false;
         };
         let (got, coverage) = painted(&painter, window, footprints);
@@ -239,6 +241,44 @@ fn agree(
     for (got, coverage) in narrow.into_iter().flatten() {
         assert_same(&got, &pixels, "narrow");
         assert_eq!(coverage, expected, "narrow");
+    }
+    true
+}
+
+/// Draws by words and by the kernel in the orders in which no pixel finishes; `false` if vectors do not draw.
+fn agree_in_other_orders(
+    widths: Widths,
+    rules: &Rules,
+    footprints: &[Result<Footprint, Cull>],
+    tile: [u16; 2],
+) -> bool {
+    let memory = table_entries(&widths, rules);
+    let first = [tile[0] * TILE[0], tile[1] * TILE[1]];
+    let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(VIEWPORT[axis]));
+    let window = Window { first, end };
+    for order in [Compositing::BackToFront, Compositing::XRay] {
+        let mut pixels = vec![Pixel::clear(&widths); window.pixels()];
+        let columns = usize::from(window.columns());
+        let mut target = Target::new(&mut pixels, window, columns).unwrap();
+        let table = table(&memory, &widths, rules);
+        let scalar = Painter::new(AnyNarrow(widths), rules, table, order, Traversal::Spans);
+        let mut expected = Coverage::default();
+        for footprint in footprints.iter().flatten() {
+            expected += scalar.draw(footprint, &mut target);
+        }
+        for (choice, counts) in [
+            (VectorLevel::Avx2, true),
+            (VectorLevel::Avx2, false),
+            (VectorLevel::Portable, true),
+        ] {
+            let painter = WordPainter::new(AnyNarrow(widths), rules, order, choice, counts);
+            let Some(painter) = painter else {
+                return false;
+            };
+            let (got, coverage) = painted(&painter, window, footprints);
+            assert_same(&got, &pixels, &format!("{order:?}, {choice:?}, {counts}"));
+            assert!(!counts || coverage == expected, "{order:?}, {choice:?}");
+        }
     }
     true
 }
@@ -271,7 +311,9 @@ proptest! {
         widths in widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, tile in (0u16..3, 0u16..2),
     ) {
         let rules = rules_of(ewa);
-        agree(widths, &rules, &ordinary(widths, &rules, seed, multiplier), [tile.0, tile.1]);
+        let footprints = ordinary(widths, &rules, seed, multiplier);
+        agree(widths, &rules, &footprints, [tile.0, tile.1]);
+        agree_in_other_orders(widths, &rules, &footprints, [tile.0, tile.1]);
     }
 
     #[test]
@@ -279,7 +321,9 @@ proptest! {
         widths in usual_widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, tile in (0u16..3, 0u16..2),
     ) {
         let rules = rules_of(ewa);
-        prop_assert!(agree(widths, &rules, &ordinary(widths, &rules, seed, multiplier), [tile.0, tile.1]));
+        let footprints = ordinary(widths, &rules, seed, multiplier);
+        prop_assert!(agree(widths, &rules, &footprints, [tile.0, tile.1]));
+        prop_assert!(agree_in_other_orders(widths, &rules, &footprints, [tile.0, tile.1]));
     }
 
     #[test]
@@ -301,5 +345,6 @@ proptest! {
     ) {
         let footprints: Vec<_> = footprints.into_iter().map(Ok).collect();
         prop_assert!(agree(widths, &rules_of(ewa), &footprints, [tile.0, tile.1]));
+        prop_assert!(agree_in_other_orders(widths, &rules_of(ewa), &footprints, [tile.0, tile.1]));
     }
 }

@@ -12,7 +12,7 @@ use super::lanes::words::{PixelTask, dispatch_pixels};
 use super::lanes::{VectorLevel, words::PixelWords};
 use super::rows::{RowBatch, RunWords};
 use super::setup::SurfaceOutcome;
-use super::words::path::{PathNumbers, SplatWords, WordPixels};
+use super::words::path::{DRAW_FINISHING, PathNumbers, SplatWords, WordPixels};
 use super::words::{AHEAD, columns};
 use splatline::blend::surface::{Cell, Sample, WeightedSum, sum_fraction};
 use splatline::draw::Coverage;
@@ -195,7 +195,7 @@ impl PixelTask for GatherTask<'_, '_> {
     #[inline(always)]
     fn run<L: PixelSums>(mut self, lanes: L) -> Option<Coverage> {
         let numbers = self.numbers;
-        let path = WordPixels::<L, false>::new(lanes, &numbers.path);
+        let path = WordPixels::<L, DRAW_FINISHING>::new(lanes, &numbers.path);
         let words = DepthWords::new(lanes, numbers);
         let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
@@ -257,7 +257,7 @@ impl GatherTask<'_, '_> {
     #[inline(always)]
     fn run_of<L: PixelSums>(
         &mut self,
-        path: &WordPixels<L, false>,
+        path: &WordPixels<L, DRAW_FINISHING>,
         words: &DepthWords<L>,
         painted: &Painted<L>,
         y: u16,

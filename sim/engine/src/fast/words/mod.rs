@@ -13,7 +13,8 @@ use super::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
 use super::lanes::{VectorLevel, prefetch};
 use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
-use path::{PathNumbers, Pixels, SplatNumbers, WordPixels};
+use path::{BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, Pixels, SplatNumbers};
+use path::{WordPixels, X_RAY};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::format::{Design, Lane, Traversal};
@@ -30,6 +31,7 @@ pub(super) const AHEAD: usize = 4;
 pub struct WordPainter<D> {
     design: D,
     rules: Rules,
+    order: Compositing,
     table: TableMemory,
     numbers: PathNumbers,
     choice: VectorLevel,
@@ -37,14 +39,22 @@ pub struct WordPainter<D> {
 }
 
 impl<D: Design> WordPainter<D> {
-    /// A painter for a design and rules; `None` where only the kernel's can. Pixels are counted if `counts` asks for it.
-    pub fn new(design: D, rules: &Rules, choice: VectorLevel, counts: bool) -> Option<Self> {
+    /// A painter for a design and rules, of lists in this order; `None` where only the kernel's can. Pixels are counted if `counts` asks for it.
+    pub fn new(
+        design: D,
+        rules: &Rules,
+        order: Compositing,
+        choice: VectorLevel,
+        counts: bool,
+    ) -> Option<Self> {
         let widths = design.widths();
         let table = TableMemory::new(&widths, rules);
         let numbers = PathNumbers::new(&widths, rules, &table.table(), D::Lane::BITS)?;
+        let numbers = numbers.in_order(order, widths.rounding)?;
         Some(WordPainter {
             design,
             rules: *rules,
+            order,
             table,
             numbers,
             choice,
@@ -76,7 +86,7 @@ impl<D: Design> WordPainter<D> {
     #[cold]
     #[inline(never)]
     fn paint_scalar(&self, footprints: &Results, index: u32, tile: &mut WordTile) -> Coverage {
-        let (table, order) = (self.table.table(), Compositing::FrontToBack);
+        let (table, order) = (self.table.table(), self.order);
         let painter = Painter::new(self.design, &self.rules, table, order, Traversal::Spans);
         let mut pixels = tile.to_pixels();
         let window = tile.window();
@@ -146,17 +156,18 @@ impl PixelTask for WordPainting<'_> {
 
     #[inline(always)]
     fn run<L: PixelSums>(self, lanes: L) -> Coverage {
-        if self.numbers.omit_finishing {
-            self.paint::<L, true>(lanes)
-        } else {
-            self.paint::<L, false>(lanes)
+        match self.numbers.operator {
+            OMIT_FINISHING => self.paint::<L, OMIT_FINISHING>(lanes),
+            BACK_TO_FRONT => self.paint::<L, BACK_TO_FRONT>(lanes),
+            X_RAY => self.paint::<L, X_RAY>(lanes),
+            _ => self.paint::<L, DRAW_FINISHING>(lanes),
         }
     }
 }
 
 impl WordPainting<'_> {
     #[inline(always)]
-    fn paint<L: PixelWords, const STOP_BEFORE: bool>(self, lanes: L) -> Coverage {
+    fn paint<L: PixelWords, const OPERATOR: u8>(self, lanes: L) -> Coverage {
         let WordPainting {
             numbers,
             prepare,
@@ -165,7 +176,7 @@ impl WordPainting<'_> {
             list,
             counts,
         } = self;
-        let path = WordPixels::<L, STOP_BEFORE>::new(lanes, numbers);
+        let path = WordPixels::<L, OPERATOR>::new(lanes, numbers);
         let mut batch = RowBatch::new();
         let mut coverage = Coverage::default();
         let mut window = tile.window();

@@ -1,6 +1,6 @@
-//! The pixel path on 64-bit words: radial index, footprint table, opacity, "over" front to back.
+//! The pixel path on 64-bit words: radial index, footprint table, opacity, and "over" front to back or one of the two operators without an end.
 //!
-//! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] give, pixel by pixel, for values within
+//! Bit for bit what [`FootprintTable::weight`], [`Blend::opacity`] and [`Blend::front_to_back`] (or `back_to_front`, `x_ray`) give, pixel by pixel, for values within
 //! their formats. Four things make it short:
 //!
 //! - r(x + w) = r(x) + w f(x) + w (w - 1) / 2 s with the differences f and s: w pixels on, the radial index still costs two additions,
@@ -20,7 +20,16 @@ use splatline::draw::Coverage;
 use splatline::footprint::Footprint;
 use splatline::format::{Rounding, Widths};
 use splatline::kernel::FootprintTable;
-use splatline::rules::Rules;
+use splatline::rules::{Compositing, Rules};
+
+/// How a layer and a pixel become a pixel, a constant of each compiled copy. Front to back; the layer that finishes a pixel is drawn.
+pub const DRAW_FINISHING: u8 = 0;
+/// Front to back; the layer that would finish a pixel is left out.
+pub const OMIT_FINISHING: u8 = 1;
+/// Back to front; no pixel finishes.
+pub const BACK_TO_FRONT: u8 = 2;
+/// Summation; no pixel finishes.
+pub const X_RAY: u8 = 3;
 
 /// A product's right shift, and what rounds it.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +67,12 @@ pub struct PathNumbers {
     opacity_min: i64,
     /// Transmittances below this finish a pixel.
     stop: i64,
-    pub omit_finishing: bool,
+    /// One of the four ways.
+    pub operator: u8,
+    /// Opacity times colour, where a layer does not lie behind others.
+    layer: Option<Shift>,
+    /// Left shift, half of a unit and right shift from an opacity to the transmittance's format.
+    light: [u64; 3],
 }
 
 /// What a footprint's pixels need beside its rows.
@@ -92,8 +106,41 @@ impl PathNumbers {
             alpha_max: constants.alpha_max,
             opacity_min: i64::try_from(constants.opacity_min).ok()?,
             stop: i64::from(constants.minimum_transmittance) + 1,
-            omit_finishing: constants.omit_finishing,
+            operator: match constants.omit_finishing {
+                true => OMIT_FINISHING,
+                false => DRAW_FINISHING,
+            },
+            layer: None,
+            light: [0; 3],
             reach,
+        })
+    }
+
+    /// The same in another order; `None` where a sum of layers might leave what words can do.
+    pub fn in_order(self, order: Compositing, rounding: Rounding) -> Option<Self> {
+        let operator = match order {
+            Compositing::FrontToBack => return Some(self),
+            Compositing::BackToFront => BACK_TO_FRONT,
+            Compositing::XRay => X_RAY,
+        };
+        let [alpha, transmittance, colour, accumulator] = [
+            self.widths.alpha,
+            self.widths.transmittance,
+            self.widths.colour,
+            self.widths.accumulator,
+        ]
+        .map(i32::from);
+        // A layer is at most 16, which has no place in 32 bits otherwise.
+        if accumulator > 27 {
+            return None;
+        }
+        let down = Shift::new((alpha - transmittance).max(0), rounding)?;
+        let up = (transmittance - alpha).max(0) as u64;
+        Some(PathNumbers {
+            operator,
+            layer: Some(Shift::new(alpha + colour - accumulator, rounding)?),
+            light: [up, down.half, down.by.into()],
+            ..self
         })
     }
 
@@ -117,7 +164,7 @@ impl PathNumbers {
 
 /// The same on vectors.
 #[derive(Clone, Copy)]
-pub struct WordPixels<'a, L: PixelWords, const STOP_BEFORE: bool> {
+pub struct WordPixels<'a, L: PixelWords, const OPERATOR: u8> {
     lanes: L,
     falls: &'a Falls,
     raise: u32,
@@ -137,6 +184,9 @@ pub struct WordPixels<'a, L: PixelWords, const STOP_BEFORE: bool> {
     opacity_min: L::Word,
     stop: L::Word,
     mark: L::Word,
+    layer: [L::Word; 2],
+    light: [L::Word; 3],
+    last: L::Word,
 }
 
 /// What is constant for a footprint.
@@ -177,7 +227,7 @@ impl Pixels {
     }
 }
 
-impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> {
+impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
     /// On these vectors.
     #[inline(always)]
     pub fn new(lanes: L, numbers: &'a PathNumbers) -> Self {
@@ -202,6 +252,9 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
             opacity_min: lanes.wide_splat(numbers.opacity_min),
             stop: lanes.wide_splat(numbers.stop),
             mark: word(super::tile::MARK),
+            layer: numbers.layer.map_or([word(0); 2], shift),
+            light: numbers.light.map(word),
+            last: word(u32::MAX.into()),
         }
     }
 
@@ -324,11 +377,15 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
             return;
         }
         let alpha = self.alpha(splat, radial, live);
+        if OPERATOR == BACK_TO_FRONT || OPERATOR == X_RAY {
+            self.layer(splat, alpha, live, x, row);
+            return;
+        }
         let share = self.rounded(lanes.wide_mul_unsigned(light, alpha), self.share);
         let rest = lanes.wide_sub(light, share);
         let stop = lanes.wide_greater(self.stop, rest);
         let marks = lanes.keep(self.mark, stop);
-        let (share, after) = if STOP_BEFORE {
+        let (share, after) = if OPERATOR == OMIT_FINISHING {
             let share = lanes.clear(share, stop);
             (share, lanes.wide_sub(light, share))
         } else {
@@ -339,6 +396,44 @@ impl<'a, L: PixelWords, const STOP_BEFORE: bool> WordPixels<'a, L, STOP_BEFORE> 
             let layer = self.rounded(lanes.wide_mul_unsigned(share, colour), self.colour);
             let sum = lanes.wide_add(lanes.read(plane, x), layer);
             lanes.write(plane, x, sum);
+        }
+    }
+
+    /// [`Blend::back_to_front`] or [`Blend::x_ray`]: opacities are at most 1, so that what a layer hides of a sum is at most the sum.
+    #[inline(always)]
+    fn layer(
+        &self,
+        splat: &SplatWords<L>,
+        alpha: L::Word,
+        inside: L::Truth,
+        x: usize,
+        row: &mut Row,
+    ) {
+        let lanes = self.lanes;
+        let hidden = |word: L::Word| self.rounded(lanes.wide_mul_unsigned(word, alpha), self.share);
+        let [plane_of_light, colours @ ..] = row;
+        let light = lanes.read(plane_of_light, x);
+        let rest = if OPERATOR == X_RAY {
+            let [up, half, down] = self.light;
+            let taken = lanes.wide_add(lanes.wide_shl(alpha, up), half);
+            let rest = lanes.wide_sub(light, lanes.wide_shr(taken, down));
+            lanes.clear(rest, lanes.marked(rest))
+        } else {
+            lanes.wide_sub(light, hidden(light))
+        };
+        // Marks beyond the tile stay.
+        lanes.write(plane_of_light, x, lanes.wide_select(light, rest, inside));
+        for (plane, colour) in colours.iter_mut().zip(splat.colour) {
+            let layer = self.rounded(lanes.wide_mul_unsigned(alpha, colour), self.layer);
+            let sum = lanes.read(plane, x);
+            let sum = if OPERATOR == X_RAY {
+                sum
+            } else {
+                lanes.wide_sub(sum, hidden(sum))
+            };
+            let sum = lanes.wide_add(sum, layer);
+            let full = lanes.wide_greater(sum, self.last);
+            lanes.write(plane, x, lanes.wide_select(sum, self.last, full));
         }
     }
 
