@@ -63,6 +63,9 @@ pub struct Cancelled;
 /// Is told how many of how many steps are done; `false` leaves the rest of the frame undone. Called from any thread.
 pub type Progress<'a> = dyn Fn(usize, usize) -> bool + Sync + 'a;
 
+/// Sets up some splats, numbered from the first, into as many places.
+pub type SetUpPart<'a> = dyn Fn(usize, &[VolumeSplat], &mut [Outcome]) + Sync + 'a;
+
 /// How splats become pixels: the same for all frames of a scene but for the view.
 #[derive(Clone, Copy)]
 pub struct FramePlan<'a> {
@@ -71,7 +74,7 @@ pub struct FramePlan<'a> {
     /// Are the farthest splats painted first?
     pub back_to_front: bool,
     /// Setup of some splats, numbered from the first, into as many places.
-    pub set_up: &'a (dyn Fn(usize, &[VolumeSplat], &mut [Outcome]) + Sync),
+    pub set_up: &'a SetUpPart<'a>,
     /// Paints a tile.
     pub painter: &'a dyn TilePainter,
     /// Is told about the frame's progress.

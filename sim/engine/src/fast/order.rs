@@ -105,7 +105,8 @@ impl Grid {
     /// Calls `each` with every tile that the bounds touch.
     #[inline(always)]
     pub fn touched(&self, bounds: &Window, mut each: impl FnMut(usize)) {
-        let tile = |pixel: u16, axis: usize| (u64::from(pixel) * self.inverse[axis] >> 32) as usize;
+        let tile =
+            |pixel: u16, axis: usize| ((u64::from(pixel) * self.inverse[axis]) >> 32) as usize;
         let (left, right) = (tile(bounds.first[0], 0), tile(bounds.end[0] - 1, 0));
         for y in tile(bounds.first[1], 1)..=tile(bounds.end[1] - 1, 1) {
             for x in left..=right {
