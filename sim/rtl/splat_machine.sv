@@ -2,7 +2,7 @@
 //
 //   records -> setup_unit -> packets -> memory
 //                        `-> splat_order <-> memory -> lists -> memory
-//   lists -> packet_fetch <- packets; -> splat_primitive -> frame
+//   lists -> packet_fetch <- packets; -> splat_primitive -> frame <- tile_background
 //
 // Camera and rules are written beforehand (`constant_*`, `rules`, `table_*`), and where everything lies is held steady while a frame is drawn. Three
 // phases, one after the other: no tile can be drawn in the order of depths before the last splat is binned. One port to memory, which reads and writes
@@ -68,7 +68,6 @@ module splat_machine #(
     IDLE,
     GEOMETRY,
     ORDER,
-    LOOK,
     TILE,
     DRAW,
     FINISH,
@@ -179,7 +178,7 @@ module splat_machine #(
   logic [127:0] order_word;
   logic [3:0] order_strobe;
   logic [TILE_BITS-1:0] end_tile;
-  logic [23:0] end_place;
+  logic [23:0] end_place;  // where the list of `end_tile` ended that was held out a cycle before
   splat_order #(
       .DIGIT(DIGIT),
       .TILE_BITS(TILE_BITS)
@@ -244,11 +243,56 @@ module splat_machine #(
       .packet
   );
 
+  // Tile after tile of those that have splats. The next one is looked for while one is drawn, the others' background is written meanwhile.
+  logic found, finder_asks, background_valid, background_ready;
+  logic [TILE_BITS:0] found_tile, turn, drawn_tile;
+  logic [TILE_BITS-1:0] background_tile;
+  logic [31:0] found_first, drawn_first, background_place;
+  logic [23:0] found_entries;
   logic tile_ready, primitive_ready, finish_ready, pixel_valid, pixel_ready;
   splatline_pkg::window_t window;
+  assign end_tile = finder_asks ? found_tile[TILE_BITS-1:0] : background_tile;
+  assign turn = state == DRAW || state == FINISH ? drawn_tile : found_tile;
+  tile_finder #(
+      .TILE_BITS(TILE_BITS)
+  ) drawn (
+      .clk,
+      .rst,
+      .begins(raster_begins),
+      .columns,
+      .rows,
+      .tiles,
+      .asks(finder_asks),
+      .answered(1'b1),
+      .end_place,
+      .tile(found_tile),
+      .valid(found),
+      .ready(state == TILE && tile_ready),
+      .window,
+      .first(found_first),
+      .entries(found_entries)
+  );
+  tile_background #(
+      .TILE_BITS(TILE_BITS)
+  ) background (
+      .clk,
+      .rst,
+      .begins(raster_begins),
+      .columns,
+      .rows,
+      .tiles,
+      .turn,
+      .answered(!finder_asks),
+      .end_tile(background_tile),
+      .end_place,
+      .pixel_valid(background_valid),
+      .pixel_ready(background_ready),
+      .place(background_place)
+  );
+
   logic [splatline_pkg::TRANSMITTANCE+1:0] transmittance;
   logic [3*SUM-1:0] colour;
-  logic [23:0] left, begun, ended;
+  logic [23:0] left;
   assign packet_ready = state == DRAW && left != 0 && primitive_ready;
   splat_primitive #(
       .LANES(LANES)
@@ -260,7 +304,7 @@ module splat_machine #(
       .table_index,
       .table_low,
       .table_step,
-      .tile_valid(state == TILE),
+      .tile_valid(state == TILE && found),
       .tile_ready,
       .tile(window),
       .packet_valid(state == DRAW && left != 0 && packet_valid),
@@ -278,22 +322,7 @@ module splat_machine #(
       .foreign_packets()
   );
 
-  // Tile after tile. Where the next one's list ends is looked up while one is drawn.
-  logic [11:0] column, row;
-  logic [1:0] looked;
   logic [31:0] pixels, pixels_left;
-  function automatic logic [15:0] edge_of(input logic [11:0] tile, input int bits, input logic [15:0] limit);
-    logic [27:0] place;
-    place = 28'({16'd0, tile} + 28'd1) << bits;
-    edge_of = place > 28'(limit) ? limit : place[15:0];
-  endfunction
-  always_comb begin
-    window.first_column = 16'(column) << COLUMN_BITS;
-    window.first_row = 16'(row) << ROW_BITS;
-    window.last_column = edge_of(column, COLUMN_BITS, columns);
-    window.last_row = edge_of(row, ROW_BITS, rows);
-  end
-  assign end_tile = TILE_BITS'(ended);
   assign phase = state == IDLE ? 2'd0 : state == GEOMETRY ? 2'd1 : state == ORDER ? 2'd2 : 2'd3;
 
   always_ff @(posedge clk) begin
@@ -301,43 +330,32 @@ module splat_machine #(
       IDLE: if (begins) state <= GEOMETRY;
       GEOMETRY: if (number == records) state <= ORDER;
       ORDER: begin
-        if (order_done) state <= full ? IDLE : LOOK;
-        {column, row, looked, begun, ended} <= 0;
-        pixels <= 0;
+        if (order_done) state <= full ? IDLE : TILE;
         pixels_left <= columns * rows;
       end
-      LOOK: begin
-        looked <= looked + 1'b1;
-        if (looked == 2) state <= TILE;
-      end
-      TILE:
-      if (tile_ready) begin
-        state <= end_place == begun ? FINISH : DRAW;
-        left <= end_place - begun;
-        begun <= end_place;
-        ended <= ended + 1'b1;
+      TILE: begin
+        if (found && tile_ready) state <= DRAW;
+        if (found_tile == tiles) state <= DRAIN;
+        left <= found_entries;
+        drawn_tile <= found_tile;
+        drawn_first <= found_first;
       end
       DRAW:
       if (packet_valid && packet_ready) begin
         left <= left - 1'b1;
         if (left == 1) state <= FINISH;
       end
+      // The tile before has been read out.
       FINISH:
       if (finish_ready) begin
-        column <= column + 1'b1;
-        if (column + 1'b1 == tile_columns) begin
-          column <= 0;
-          row <= row + 1'b1;
-        end
-        state <= (TILE_BITS + 1)'(ended) == tiles ? DRAIN : TILE;
+        state <= TILE;
+        pixels <= drawn_first;
       end
       DRAIN: if (pixels_left == 0 && settled) state <= IDLE;
       default: ;
     endcase
-    if (pixel_valid && pixel_ready) begin
-      pixels <= pixels + 1'b1;
-      pixels_left <= pixels_left - 1'b1;
-    end
+    if (pixel_valid && pixel_ready) pixels <= pixels + 1'b1;
+    if ((pixel_valid || background_valid) && write_ready) pixels_left <= pixels_left - 1'b1;
     if (rst) state <= IDLE;
   end
 
@@ -363,9 +381,10 @@ module splat_machine #(
   logic [31:0] transmittance_word;
   assign transmittance_word = {transmittance[splatline_pkg::TRANSMITTANCE+1], 31'(transmittance[splatline_pkg::TRANSMITTANCE:0])};
   assign pixel_ready = write_ready;
+  assign background_ready = write_ready && !pixel_valid;
   assign store_ready = write_ready && !pixel_valid;
   assign write_ready_order = write_ready && !pixel_valid && !stores;
-  assign write_valid = pixel_valid || stores || order_write;
+  assign write_valid = pixel_valid || background_valid || stores || order_write;
   always_comb begin
     write_address = order_write_address;
     write_word = order_word;
@@ -373,6 +392,11 @@ module splat_machine #(
     if (stores) begin
       write_address = packet_address + 32'(step);
       write_word = packet_words[128*step+:128];
+      write_strobe = 4'hf;
+    end
+    if (background_valid) begin
+      write_address = base_frame + background_place;
+      write_word = 128'd1 << splatline_pkg::TRANSMITTANCE;
       write_strobe = 4'hf;
     end
     if (pixel_valid) begin

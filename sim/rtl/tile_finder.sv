@@ -1,0 +1,87 @@
+// The next tile that has splats, or with EMPTY the next that has none: what hands tiles to the primitive, and what writes the background of the others.
+//
+// Lists follow each other without a gap, tile by tile, so that a tile whose list ends where that of the tile before does is empty. Ends are looked
+// up one by one, in two cycles a tile: `asks` holds `tile` out, and the cycle after `answered` the end is there.
+//
+// Pixels of a tile begin behind those of all tiles before it. All but the last row of tiles have the same height, and all but the last column the same
+// width, so that this place needs shifts and a sum alone, however many tiles are passed over.
+module tile_finder #(
+    parameter EMPTY = 0,
+    parameter TILE_BITS = 12,
+    parameter COUNT_BITS = 24
+) (
+    input logic clk,
+    input logic rst,
+    input logic begins,  // a picture: from its first tile on
+    input logic [15:0] columns,
+    input logic [15:0] rows,
+    input logic [TILE_BITS:0] tiles,
+    output logic asks,
+    input logic answered,
+    input logic [COUNT_BITS-1:0] end_place,
+    output logic [TILE_BITS:0] tile,  // all before it have been passed; `tiles` when there are no more
+    output logic valid,
+    input logic ready,
+    output splatline_pkg::window_t window,
+    output logic [31:0] first,  // pixels of the tiles before it
+    output logic [COUNT_BITS-1:0] entries
+);
+  localparam COLUMN_BITS = splatline_pkg::TILE_COLUMN_BITS;
+  localparam ROW_BITS = splatline_pkg::TILE_ROW_BITS;
+
+  typedef enum logic [1:0] {
+    ASK,
+    HEAR,
+    FOUND,
+    DONE
+  } state_t;
+  state_t state;
+  logic [11:0] column, row;
+  logic [31:0] row_first;
+  logic [COUNT_BITS-1:0] begun, found, list;
+  logic passes, last_in_row;
+
+  function automatic logic [15:0] edge_of(input logic [11:0] number, input int bits, input logic [15:0] limit);
+    logic [27:0] place;
+    place = 28'({16'd0, number} + 28'd1) << bits;
+    edge_of = place > 28'(limit) ? limit : place[15:0];
+  endfunction
+  always_comb begin
+    window.first_column = 16'(column) << COLUMN_BITS;
+    window.first_row = 16'(row) << ROW_BITS;
+    window.last_column = edge_of(column, COLUMN_BITS, columns);
+    window.last_row = edge_of(row, ROW_BITS, rows);
+  end
+  assign last_in_row = window.last_column == columns;
+  assign asks = state == ASK;
+  assign valid = state == FOUND;
+  assign list = end_place - begun;
+  assign entries = found;
+  assign passes = (state == HEAR && (list == 0) != (EMPTY != 0)) || (valid && ready);
+
+  always_ff @(posedge clk) begin
+    if (asks && answered) state <= HEAR;
+    if (state == HEAR) begin
+      state <= FOUND;
+      found <= list;
+      begun <= end_place;
+    end
+    if (passes) begin
+      state <= tile + 1'b1 == tiles ? DONE : ASK;
+      tile <= tile + 1'b1;
+      column <= column + 1'b1;
+      first <= first + ({16'd0, window.last_row - window.first_row} << COLUMN_BITS);
+      if (last_in_row) begin
+        column <= 0;
+        row <= row + 1'b1;
+        first <= row_first + (32'(columns) << ROW_BITS);
+        row_first <= row_first + (32'(columns) << ROW_BITS);
+      end
+    end
+    if (begins) begin
+      state <= tiles == 0 ? DONE : ASK;
+      {tile, column, row, first, row_first, begun} <= 0;
+    end
+    if (rst) state <= DONE;
+  end
+endmodule
