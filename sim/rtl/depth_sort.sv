@@ -159,15 +159,16 @@ module depth_sort #(
         value <= 0;
         {sum, summed, same_for_all} <= 0;
       end
+      // What was written comes to rest meanwhile.
       SUM: begin
-        value <= value + 1'b1;
+        if (!value[DIGIT]) value <= value + 1'b1;
         summed <= !value[DIGIT];
         summed_place <= read_place;
         if (summed) begin
           sum <= sum + counter;
           if (counter == count) same_for_all <= 1;
         end
-        if (value[DIGIT] && !summed) begin
+        if (value[DIGIT] && !summed && settled) begin
           state <= same_for_all ? SETTLE : BEGIN;
           left <= count;
           moving <= 0;

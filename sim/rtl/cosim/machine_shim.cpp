@@ -17,7 +17,7 @@ struct Entry {
 struct Frame {
     uint64_t least;
     uint32_t alpha_max, stop, stop_before, wide_table;
-    uint32_t records, base_records, base_packets, base_a, base_b, base_lists, base_frame, most, columns, rows, latency, pauses;
+    uint32_t records, base_records, base_packets, base_a, base_b, base_lists, base_frame, most, columns, rows, latency, pauses, bytes;
 };
 
 struct Outcome {
@@ -34,7 +34,7 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
     context.randReset(2);
     context.randSeed(static_cast<int>(seed));
     MODEL m{&context, "top"};
-    Memory memory{words, size, frame->latency, frame->pauses, seed};
+    Memory memory{words, size, frame->latency, frame->pauses, seed, frame->bytes};
     Clocked<MODEL> clocked{m, memory};
     m.constant_valid = m.table_valid = m.begins = 0;
     m.alpha_max = frame->alpha_max;

@@ -2,6 +2,8 @@
 //
 // A word is read as it stands when it is asked for, and written some cycles after it was handed over: who reads what is still being
 // written gets what was there before, as on a bus that promises no order between the two directions.
+//
+// A narrower memory behind the port moves a word in several beats. Of a word that is written only those are moved in which anything changes.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -12,6 +14,7 @@ struct Memory {
     uint64_t count;
     uint32_t latency, pauses;  // of 8 cycles
     uint64_t random;
+    uint32_t bytes = 16;  // of a beat: 4, 8 or 16
 
     struct Read {
         uint64_t due;
@@ -24,6 +27,7 @@ struct Memory {
     std::deque<Read> reads;
     std::deque<Write> writes;
     uint64_t now = 0, read = 0, written = 0, beyond = 0;
+    uint64_t read_free = 0, write_free = 0;  // when all beats before have been moved
 
     bool pause() {
         random = random * 6364136223846793005u + 1442695040888963407u;
@@ -34,7 +38,14 @@ struct Memory {
     void reset() {
         reads.clear();
         writes.clear();
-        now = read = written = beyond = 0;
+        now = read = written = beyond = read_free = write_free = 0;
+    }
+
+    uint64_t beats(uint32_t strobe) const {
+        const uint32_t beat = (1u << bytes / 4) - 1;
+        uint64_t count = 0;
+        for (; strobe != 0; strobe >>= bytes / 4) count += (strobe & beat) != 0;
+        return count;
     }
 
     // What the circuit sees in this cycle.
@@ -46,8 +57,8 @@ struct Memory {
                 if (w.strobe >> i & 1) words[4 * uint64_t(w.address) + i] = w.word[i];
             writes.pop_front();
         }
-        m.read_ready = !pause();
-        m.write_ready = !pause();
+        m.read_ready = !pause() && now >= read_free;
+        m.write_ready = !pause() && now >= write_free;
         m.settled = writes.empty();
         m.word_valid = !reads.empty() && reads.front().due <= now;
         if (m.word_valid) std::memcpy(&m.word, reads.front().word, 16);
@@ -58,14 +69,16 @@ struct Memory {
     void take(Model& m) {
         if (m.word_valid) reads.pop_front();
         if (m.read_valid && m.read_ready) {
-            Read r{now + 1 + latency, {}};
+            read_free = now + beats(0xf);
+            Read r{read_free + latency, {}};
             if (m.read_address < count) std::memcpy(r.word, words + 4 * uint64_t(m.read_address), 16);
             else beyond++;
             reads.push_back(r);
             read++;
         }
         if (m.write_valid && m.write_ready) {
-            Write w{now + 1 + latency, m.write_address, uint32_t(m.write_strobe), {}};
+            write_free = now + beats(m.write_strobe);
+            Write w{write_free + latency, m.write_address, uint32_t(m.write_strobe), {}};
             std::memcpy(w.word, &m.write_word, 16);
             if (m.write_address < count) writes.push_back(w);
             else beyond++;

@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Splats keep their order. The setup units take them in turn, each accepts one every `setup_interval` cycles and works in a
-//! pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit.
+//! pipeline of `setup_latency`; a full FIFO behind holds the splat in its unit. A culled splat takes as long as another until it is known to be culled, so that
+//! the phase does not end before the last one has come out, seen or not.
 
 use super::accounts::{Account, Cause, Fifo};
 use super::config::{Binning, Config};
@@ -21,6 +22,8 @@ pub(super) struct Geometry {
     pub write: Account,
     pub splats: Fifo,
     pub footprints: Fifo,
+    /// When all splats so far have left setup.
+    left: u64,
     /// Splats that were handed on, and tiles that were examined for them.
     pub visible: u64,
     pub tiles: u64,
@@ -40,6 +43,7 @@ impl Geometry {
             write: Account::default(),
             splats: Fifo::new(config.setup_fifo),
             footprints: Fifo::new(config.bin_fifo),
+            left: 0,
             visible: 0,
             tiles: 0,
             entries: 0,
@@ -56,10 +60,11 @@ impl Geometry {
             last_start = setup.at();
             geometry.splats.pass(read.asked, last_start);
             setup.work(config.setup_interval.into());
+            let ready = (last_start + u64::from(config.setup_latency)).max(setup.at());
+            geometry.left = geometry.left.max(ready);
             if splat.tiles == 0 {
                 continue;
             }
-            let ready = (last_start + u64::from(config.setup_latency)).max(setup.at());
             let handed_on = ready.max(geometry.footprints.free_at());
             // The unit's pipeline stands still for as long as its result does.
             let until = setup.at() + (handed_on - ready);
@@ -94,7 +99,12 @@ impl Geometry {
     pub fn cycles(&self) -> u64 {
         let setup = self.setup.iter().map(Account::at);
         setup
-            .chain([self.fetch.at(), self.binning.at(), self.write.at()])
+            .chain([
+                self.left,
+                self.fetch.at(),
+                self.binning.at(),
+                self.write.at(),
+            ])
             .max()
             .unwrap_or(0)
     }

@@ -17,6 +17,8 @@ pub(super) struct SortStep {
     pub places: u64,
     /// Cycles of a pass before its first entry: the sums of the counts of a digit's values.
     pub begins: u64,
+    /// Cycles of a pass in which nothing moves: the first entry is on its way from memory, and then the last one to it, where the next pass reads it.
+    pub waits: u64,
 }
 
 /// Places into which a pass over list entries writes: a digit of eight bits.
@@ -27,12 +29,13 @@ impl SortStep {
     pub fn all(config: &Config, workload: &Workload, visible: u64, entries: u64) -> Vec<SortStep> {
         match config.sorter {
             Sorter::Passes => over_entries(config, entries, workload.kept),
-            Sorter::Radix => by_digits(config.sort_digit, workload.key_bits, visible),
+            Sorter::Radix => by_digits(config, workload.key_bits, visible),
             Sorter::Merge => vec![SortStep {
                 entries: visible,
                 passes: merges(config, visible).saturating_sub(1),
                 places: 1,
                 begins: 0,
+                waits: waits(config),
             }],
         }
     }
@@ -44,9 +47,18 @@ impl SortStep {
 
     /// Cycles of all steps with so many for an entry.
     pub fn cycles(steps: &[SortStep], each: u64) -> u64 {
-        let cycles = |step: &SortStep| step.passes * (step.begins + step.entries * each);
-        steps.iter().map(cycles).sum()
+        steps.iter().map(|step| step.work(each)).sum()
     }
+
+    /// Cycles of this step with so many for an entry, without what it waits for.
+    pub fn work(&self, each: u64) -> u64 {
+        self.passes * (self.begins + self.entries * each)
+    }
+}
+
+/// From the end of a pass to the first entry of the next one: words that are written take as long as words that are read.
+pub(super) fn waits(config: &Config) -> u64 {
+    2 * u64::from(config.latency)
 }
 
 /// All entries anew; or what came by itself, and a pass over what stayed, came and left, which drops and merges.
@@ -56,6 +68,7 @@ fn over_entries(config: &Config, entries: u64, kept: Option<Kept>) -> Vec<SortSt
         passes: config.sort_passes.into(),
         places: BUCKETS,
         begins: 0,
+        waits: 0,
     };
     let Some(kept) = kept else {
         return vec![anew(entries)];
@@ -65,23 +78,29 @@ fn over_entries(config: &Config, entries: u64, kept: Option<Kept>) -> Vec<SortSt
         passes: 1,
         places: 1,
         begins: 0,
+        waits: 0,
     };
     vec![anew(kept.came), merge]
 }
 
 /// A pass for every digit of `bits` bits. Its counts are summed first; where that shows that all keys share the digit, nothing is moved.
-fn by_digits(bits: u32, varying: u64, visible: u64) -> Vec<SortStep> {
+fn by_digits(config: &Config, varying: u64, visible: u64) -> Vec<SortStep> {
+    let bits = config.sort_digit;
     let all = u64::from(KEY_BITS.div_ceil(bits));
     let moving = digits(bits, varying);
-    let step = |entries, passes| SortStep {
+    let step = |entries, passes, waits| SortStep {
         entries,
         passes,
         places: 1 << bits,
         begins: 1 << bits,
+        waits,
     };
     match visible {
         0 => Vec::new(),
-        _ => vec![step(visible, moving), step(0, all - moving)],
+        _ => vec![
+            step(visible, moving, waits(config)),
+            step(0, all - moving, 0),
+        ],
     }
 }
 

@@ -412,9 +412,9 @@ fn setup_units() -> Result<()> {
 /// Five scenes and hard keys through sorters of two digits.
 fn order() -> Result<()> {
     println!(
-        "| digit | splats of | splats | entries | cycles | pauses | out of order | entries wrong |"
+        "| digit | splats of | splats | entries | cycles | latency | pauses | out of order | entries wrong |"
     );
-    println!("|---|---|---:|---:|---:|---:|---:|---:|");
+    println!("|---|---|---:|---:|---:|---:|---:|---:|---:|");
     let design = DesignChoice::load("lean18")?;
     let (seen, missing) = order::loads::scenes(&order::loads::SCENES, 512)?;
     for name in missing {
@@ -430,16 +430,18 @@ fn order() -> Result<()> {
         let library = order::circuit::library(folder.path(), digit, None, "-O2")?;
         let model = order::model::Model::new(&library)?;
         for load in &loads {
-            for pauses in [0, 3] {
-                let found = order::bench::run(&model, load, pauses, 1)?;
+            for timing in order::bench::MEMORIES {
+                let found = order::bench::run(&model, load, timing, 1)?;
                 wrong += usize::from(!found.agree());
                 let outcome = found.outcome;
                 println!(
-                    "| {digit} | {} | {} | {} | {} | {pauses} | {} | {} |",
+                    "| {digit} | {} | {} | {} | {} | {} | {} | {} | {} |",
                     load.name,
                     outcome.splats,
                     outcome.entries,
                     outcome.done,
+                    timing.latency,
+                    timing.pauses,
                     found.out_of_order,
                     found.listed_wrong
                 );
@@ -466,18 +468,15 @@ fn judge_order_mutants(part: &str) -> Result<()> {
 
 /// The mutation check of the whole machine; the circuit without a mistake must pass.
 fn judge_machine_mutants(part: &str) -> Result<()> {
-    let seen = machine::mistakes::judge();
-    let design = DesignChoice::load("lean18")?;
-    let load = order::loads::ordered(&seen, &design).1;
-    let room = load.lists.iter().map(Vec::len).sum();
-    let clean = machine::mistakes::verdict(None, &seen, room)?;
+    let cases = machine::mistakes::judges()?;
+    let clean = machine::mistakes::verdict(None, &cases)?;
     ensure!(
         clean.is_none(),
         "without a mistake: {}",
         clean.unwrap_or_default()
     );
     judge_mistakes(&machine::mistakes::MISTAKES, part, |mutant| {
-        machine::mistakes::verdict(Some(mutant), &seen, room)
+        machine::mistakes::verdict(Some(mutant), &cases)
     })
 }
 

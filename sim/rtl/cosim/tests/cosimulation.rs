@@ -138,21 +138,23 @@ mod with_verilator {
             .map(|seen| order::loads::ordered(seen, &design).1);
         let loads: Vec<_> = scenes.chain(order::loads::hard()).collect();
         for load in &loads {
-            for pauses in [0, 3] {
-                let found = order::bench::run(&model, load, pauses, 5).unwrap();
-                assert!(found.agree(), "{}, {pauses} pauses: {found:?}", load.name);
+            for timing in order::bench::MEMORIES {
+                let found = order::bench::run(&model, load, timing, 5).unwrap();
+                assert!(found.agree(), "{}, {timing:?}: {found:?}", load.name);
             }
         }
         let last = loads.last().unwrap();
         let entries: usize = last.lists.iter().map(Vec::len).sum();
-        let found = order::bench::run_with_room(&model, last, 0, 1, entries - 1).unwrap();
+        let found =
+            order::bench::run_with_room(&model, last, order::bench::MEMORIES[0], 1, entries - 1)
+                .unwrap();
         assert_eq!((found.outcome.full, found.outcome.beyond), (1, 0));
     }
 
-    /// A frame from records in memory by the whole machine, at full speed and with pauses, and its cycles by the model; and one without room for its lists.
+    /// Frames from records in memory by the whole machine, with every memory, twice in one machine, and their cycles by the model; and frames without room for
+    /// their lists.
     #[test]
     fn the_machine_draws_the_kernels_frame() {
-        let seen = machine::mistakes::judge();
         let design = DesignChoice::load("lean18").unwrap();
         let spec = machine::circuit::Spec {
             design: "lean18",
@@ -165,28 +167,45 @@ mod with_verilator {
         let folder = tempfile::tempdir().unwrap();
         let library = machine::circuit::library(folder.path(), &spec).unwrap();
         let model = machine::model::Model::new(&library).unwrap();
-        let config = machine::report::machine(&design.widths, 2, 4, 60).unwrap();
-        let (modelled, room) = machine::report::modelled(&seen, &design, &config);
-        for (latency, pauses) in [(60, 0), (9, 3)] {
-            let timing = machine::bench::Timing { latency, pauses };
+        for case in machine::mistakes::judges().unwrap() {
+            for timing in machine::bench::MEMORIES {
+                let config = machine::report::machine(&design.widths, 2, 4, &timing).unwrap();
+                let (modelled, room) = machine::report::modelled(&case.seen, &design, &config);
+                let found =
+                    machine::bench::draw(&model, &design.widths, &case.seen, timing, room, 2)
+                        .unwrap();
+                assert!(found.agree() && found.painted > 1_000, "{found:?}");
+                // What a phase begins with is not modelled; nothing else may be apart.
+                let apart = modelled.total.abs_diff(found.outcome.cycles());
+                println!(
+                    "{}, {timing:?}: {apart} apart, {found:?}, {modelled:?}",
+                    case.seen.name
+                );
+                assert!(
+                    timing.pauses > 0 || apart < 3_000,
+                    "{apart}: {found:?}, {modelled:?}"
+                );
+            }
+            let timing = machine::bench::MEMORIES[0];
+            let room = case.room - 1;
             let found =
-                machine::bench::draw(&model, &design.widths, &seen, timing, room, 1 + pauses / 3)
-                    .unwrap();
-            assert!(found.agree() && found.painted > 1_000, "{found:?}");
-            // What each phase and pass begins with is not modelled; nothing else may be apart.
-            let apart = modelled.total.abs_diff(found.outcome.cycles());
-            assert!(
-                pauses > 0 || apart < 3_000,
-                "{apart}: {found:?}, {modelled:?}"
-            );
+                machine::bench::draw(&model, &design.widths, &case.seen, timing, room, 1).unwrap();
+            assert_eq!((found.outcome.full, found.outcome.beyond), (1, 0));
         }
-        let timing = machine::bench::Timing {
-            latency: 9,
-            pauses: 0,
-        };
-        let found =
-            machine::bench::draw(&model, &design.widths, &seen, timing, room - 1, 1).unwrap();
-        assert_eq!((found.outcome.full, found.outcome.beyond), (1, 0));
+    }
+
+    /// What the frames above are to show of tiles without splats: before, between and behind the others, in the last column and the last row.
+    #[test]
+    fn tiles_without_splats_are_everywhere() {
+        let cases = machine::mistakes::judges().unwrap();
+        let empty = &cases[1].empty;
+        let drawn = |index: &usize| !empty[*index];
+        let first = (0..28).find(drawn).unwrap();
+        let last = (0..28).rev().find(drawn).unwrap();
+        println!("{empty:?}");
+        assert_eq!(empty.len(), 28);
+        assert!(first > 0 && last < 27 && (first..last).any(|index| empty[index]));
+        assert!((0..4).any(|row| empty[7 * row + 6]) && (21..28).any(|index| empty[index]));
     }
 
     #[test]

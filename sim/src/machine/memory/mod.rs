@@ -117,6 +117,9 @@ pub(super) struct Channels {
     packet: u64,
     /// A list entry alone.
     entry: u64,
+    /// A packet alone, and lists in whole words: where lists were filled in order, so that their entries follow each other in memory.
+    packet_alone: u64,
+    lists: Option<ListWords>,
     latency: u64,
     packet_bytes: u64,
     list_bytes: u64,
@@ -145,6 +148,26 @@ impl Sort {
     }
 }
 
+/// Reads of lists without gaps: what a cycle brings beyond an entry belongs to the next ones.
+#[derive(Clone, Copy, Debug)]
+struct ListWords {
+    /// Bytes of a cycle, and of an entry.
+    word: u64,
+    entry: u64,
+    /// Bytes that were read and not yet wanted.
+    left: u64,
+}
+
+impl ListWords {
+    /// Cycles that the next entry keeps the channel.
+    #[inline(always)]
+    fn read(&mut self) -> u64 {
+        let cycles = self.entry.saturating_sub(self.left).div_ceil(self.word);
+        self.left = self.left + cycles * self.word - self.entry;
+        cycles
+    }
+}
+
 impl Channels {
     pub fn new(config: &Config, packet_bytes: u32) -> Channels {
         let units = u64::from(config.raster_units);
@@ -155,6 +178,15 @@ impl Channels {
             harmonics: reading(config.harmonics_bytes.into()),
             packet: reading(u64::from(packet_bytes + config.list_bytes) * units),
             entry: reading(u64::from(config.list_bytes) * units),
+            packet_alone: reading(u64::from(packet_bytes) * units),
+            lists: match config.sorter {
+                Sorter::Passes => None,
+                Sorter::Radix | Sorter::Merge => Some(ListWords {
+                    word: read_bandwidth,
+                    entry: u64::from(config.list_bytes) * units,
+                    left: 0,
+                }),
+            },
             latency: config.latency.into(),
             packet_bytes: packet_bytes.into(),
             list_bytes: config.list_bytes.into(),
@@ -193,13 +225,19 @@ impl Memory for Channels {
         write.work(bytes.div_ceil(self.write_bandwidth));
     }
 
-    /// Reading and writing go on beside the comparisons, each in its channel.
+    /// Reading and writing go on beside the comparisons, each in its channel; sums of counts do not, since they say where everything goes.
     fn sort(&mut self, sort: &mut Account, steps: &[SortStep]) {
-        let moves = SortStep::moves(steps);
-        sort.work(SortStep::cycles(steps, self.sort.cycles));
-        let bytes = moves * self.sort.bytes;
-        sort.wait(Cause::Memory, bytes.div_ceil(self.read_bandwidth));
-        sort.wait(Cause::WriteChannel, bytes.div_ceil(self.write_bandwidth));
+        for step in steps {
+            let moves = sort.at() + step.passes * step.begins;
+            sort.work(step.work(self.sort.cycles));
+            let bytes = step.passes * step.entries * self.sort.bytes;
+            sort.wait(Cause::Memory, moves + bytes.div_ceil(self.read_bandwidth));
+            sort.wait(
+                Cause::WriteChannel,
+                moves + bytes.div_ceil(self.write_bandwidth),
+            );
+            sort.wait(Cause::Memory, sort.at() + step.passes * step.waits);
+        }
     }
 
     fn fill(&mut self, fill: &mut Account, cycles: u64, splats: u64, entries: u64) {
@@ -207,16 +245,21 @@ impl Memory for Channels {
         let [read, written] = [splats * self.sort.bytes, entries * self.list_bytes];
         fill.wait(Cause::Memory, read.div_ceil(self.read_bandwidth));
         fill.wait(Cause::WriteChannel, written.div_ceil(self.write_bandwidth));
+        if entries > 0 {
+            fill.wait(Cause::Memory, fill.at() + 2 * self.latency);
+        }
     }
 
     #[inline(always)]
     fn packet(&mut self, fetch: &mut Account, wanted: Wanted) -> Read {
         let asked = wanted.free.max(fetch.at());
         fetch.wait(Cause::FifoFull, asked);
-        fetch.work(match wanted.splat {
-            Some(_) => self.packet,
-            None => self.entry,
-        });
+        let cycles = match (&mut self.lists, wanted.splat) {
+            (Some(lists), splat) => lists.read() + splat.map_or(0, |_| self.packet_alone),
+            (None, Some(_)) => self.packet,
+            (None, None) => self.entry,
+        };
+        fetch.work(cycles);
         Read {
             asked,
             arrives: fetch.at() + self.latency,

@@ -28,7 +28,28 @@ pub struct Timing {
     pub latency: u32,
     /// How many of 8 cycles it holds a request back.
     pub pauses: u32,
+    /// Bytes that it moves in a cycle in each direction: 4, 8 or 16.
+    pub bytes: u32,
 }
+
+/// Memories that frames are drawn with: usual latency at full speed; slow and narrow; and one with pauses, whose cycles no model counts.
+pub const MEMORIES: [Timing; 3] = [
+    Timing {
+        latency: 60,
+        pauses: 0,
+        bytes: 16,
+    },
+    Timing {
+        latency: 300,
+        pauses: 0,
+        bytes: 4,
+    },
+    Timing {
+        latency: 13,
+        pauses: 3,
+        bytes: 16,
+    },
+];
 
 /// What came of a frame.
 #[derive(Clone, Copy, Debug)]
@@ -189,6 +210,7 @@ fn image(
         rows: rows.into(),
         latency: timing.latency,
         pauses: timing.pauses,
+        bytes: timing.bytes,
     };
     let entry = |entry: &crate::package::TableEntry| Entry {
         low: entry.low,

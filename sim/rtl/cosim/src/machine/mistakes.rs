@@ -1,81 +1,119 @@
 //! Machines with one mistake each between their units: does a frame notice it? Mistakes within the units are judged by their own benches.
 
-use super::bench::{Timing, draw};
+use super::bench::{MEMORIES, draw};
 use super::circuit::{Spec, library};
 use super::model::Model;
 use crate::mutants::{Mutant, mutant};
-use crate::order::loads::Seen;
+use crate::order::loads::{Seen, ordered};
 use anyhow::Result;
 use splatline::format::{Lean18, Widths};
+use splatline_sim::design::DesignChoice;
 use splatline_sim::scene::synthetic;
 
 const MACHINE: &str = "splat_machine.sv";
 const FETCH: &str = "packet_fetch.sv";
 const ARBITER: &str = "read_arbiter.sv";
+const FINDER: &str = "tile_finder.sv";
+const BACKGROUND: &str = "tile_background.sv";
 
 /// The mistakes.
 #[rustfmt::skip]
-pub const MISTAKES: [Mutant; 14] = [
+pub const MISTAKES: [Mutant; 24] = [
     mutant("culled splats are stored", MACHINE, "setup_valid && cull == 0 && step == 4'(PACKET)", "setup_valid && step == 4'(PACKET)"),
     mutant("culled splats have no number", MACHINE, "number <= number + 1'b1;", "number <= number + 32'(cull == 0);"),
     mutant("a packet's last word left out", MACHINE, "cull == 0 && step != 4'(PACKET);", "cull == 0 && step != 4'(PACKET - 1);"),
     mutant("boxes end a pixel late", MACHINE, "tile_of(footprint.last_column - 16'd1, COLUMN_BITS)", "tile_of(footprint.last_column, COLUMN_BITS)"),
-    mutant("tiles beyond the frame's edge", MACHINE, "place > 28'(limit) ? limit : place[15:0]", "place[15:0]"),
-    mutant("an empty tile waits for a packet", MACHINE, "state <= end_place == begun ? FINISH : DRAW;", "state <= DRAW;"),
-    mutant("every list begins at the first", MACHINE, "left <= end_place - begun;", "left <= end_place;"),
+    mutant("tiles beyond the frame's edge", FINDER, "place > 28'(limit) ? limit : place[15:0]", "place[15:0]"),
+    mutant("an empty tile waits for a packet", FINDER, "(list == 0) != (EMPTY != 0)", "(EMPTY != 0) && list != 0"),
+    mutant("every list begins at the first", FINDER, "assign list = end_place - begun;", "assign list = end_place;"),
+    mutant("a list begins where the tile before began", FINDER, "begun <= end_place;", "if (list == 0) begun <= end_place;"),
+    mutant("tiles of the picture before", FINDER, "{tile, column, row, first, row_first, begun} <= 0;", "{tile, column, row, first, begun} <= 0;"),
+    mutant("rows of tiles as wide as their tiles would be", FINDER, "first <= row_first + (32'(columns) << ROW_BITS);", ""),
+    mutant("the lowest tiles as high as the others", FINDER, "({16'd0, window.last_row - window.first_row} << COLUMN_BITS)", "32'd1 << (COLUMN_BITS + ROW_BITS)"),
+    mutant("both hear the end that one asked for", MACHINE, ".answered(!finder_asks)", ".answered(1'b1)"),
+    mutant("a tile is read out to where the next one belongs", MACHINE, "pixels <= drawn_first;", "pixels <= found_first;"),
+    mutant("background over tiles with splats", BACKGROUND, ".EMPTY(1)", ".EMPTY(0)"),
+    mutant("background beyond the frame's edge", BACKGROUND, "(COLUMN_BITS + 1)'(window.last_column - window.first_column)", "(COLUMN_BITS + 1)'(1 << COLUMN_BITS)"),
+    mutant("background is lost where a pixel is written", MACHINE, "background_ready = write_ready && !pixel_valid;", "background_ready = write_ready;"),
+    mutant("the frame ends before its background", MACHINE, "if ((pixel_valid || background_valid) && write_ready) pixels_left", "if (pixels_left > 32'd1024 || ((pixel_valid || background_valid) && write_ready)) pixels_left"),
     mutant("red and blue exchanged", MACHINE, "{32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word}", "{32'(colour[0+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[2*SUM+:SUM]), transmittance_word}"),
     mutant("the frame ends before its last pixel", MACHINE, "if (pixels_left == 0 && settled)", "if (settled)"),
-    mutant("lists of a frame without room are drawn", MACHINE, "state <= full ? IDLE : LOOK;", "state <= LOOK;"),
+    mutant("lists of a frame without room are drawn", MACHINE, "state <= full ? IDLE : TILE;", "state <= TILE;"),
     mutant("a list's words end with their fourth entry alone", FETCH, "(entry == 2'd3 || left == 1)", "entry == 2'd3"),
     mutant("entries of a word the wrong way", FETCH, "list[32*entry+:32]", "list[32*(3-entry)+:32]"),
     mutant("packets asked for without a place", FETCH, "left != 0 && free;", "left != 0;"),
     mutant("words for whoever asks now", ARBITER, "askers[answered] : '0", "chosen : '0"),
 ];
 
-/// A frame small enough for every mistake, with lists that end within words, culled splats and tiles cut by the edge.
-pub fn judge() -> Seen {
-    Seen {
+/// A scene that mistakes are judged by, and its list entries.
+pub struct Case {
+    /// The scene.
+    pub seen: Seen,
+    /// List entries.
+    pub room: usize,
+    /// Which of its tiles have none.
+    pub empty: Vec<bool>,
+}
+
+/// Frames small enough for every mistake: a crowd with lists that end within words, culled splats and tiles cut by the edge; and a few splats among
+/// tiles without any, of which some are at the edges.
+pub fn judges() -> Result<Vec<Case>> {
+    let crowd = Seen {
         name: "crowd",
         scene: synthetic::random_gaussians(120, 9, 4.0),
         camera: synthetic::camera(70, 45),
-    }
+    };
+    let sparse = Seen {
+        name: "sparse",
+        scene: synthetic::random_gaussians(7, 5, 2.0),
+        camera: synthetic::camera(200, 100),
+    };
+    let design = DesignChoice::load("lean18")?;
+    let case = |seen: Seen| {
+        let lists = ordered(&seen, &design).1.lists;
+        Case {
+            seen,
+            room: lists.iter().map(Vec::len).sum(),
+            empty: lists.iter().map(Vec::is_empty).collect(),
+        }
+    };
+    Ok([crowd, sparse].map(case).into())
 }
 
-/// What the frames say of a mistake, or nothing if it survives: at full speed, with pauses, twice in one machine; and one whose lists have no room.
-pub fn verdict(mistake: Option<&Mutant>, seen: &Seen, room: usize) -> Result<Option<String>> {
+/// What the frames say of a mistake, or nothing if it survives: with all memories, twice in one machine; and one whose lists have no room.
+pub fn verdict(mistake: Option<&Mutant>, cases: &[Case]) -> Result<Option<String>> {
     let folder = tempfile::tempdir()?;
     let widths: Widths = Lean18::WIDTHS;
     let spec = Spec {
         design: "lean18",
         widths: &widths,
-        cores: 4,
+        cores: 2,
         lanes: 4,
         mistake,
         effort: "-O1",
     };
     let model = Model::new(&library(folder.path(), &spec)?)?;
-    for (latency, pauses) in [(60, 0), (9, 3)] {
-        let timing = Timing { latency, pauses };
-        match draw(&model, &widths, seen, timing, room, 2) {
-            Err(error) => return Ok(Some(format!("{error:#}"))),
-            Ok(found) if !found.agree() => {
-                return Ok(Some(format!(
-                    "{} of {} pixels differ, {} accesses astray",
-                    found.mismatches, found.pixels, found.outcome.beyond
-                )));
-            }
-            Ok(_) => {}
+    for case in cases {
+        let word = judged(&model, &widths, case).unwrap_or_else(|error| Some(format!("{error:#}")));
+        if let Some(word) = word {
+            return Ok(Some(format!("{}: {word}", case.seen.name)));
         }
     }
-    let timing = Timing {
-        latency: 9,
-        pauses: 0,
-    };
-    Ok(match draw(&model, &widths, seen, timing, room - 1, 1) {
-        Err(error) => Some(format!("{error:#}")),
-        Ok(found) if found.outcome.full == 0 || found.outcome.beyond > 0 => {
-            Some("lists without room are drawn".to_owned())
+    Ok(None)
+}
+
+fn judged(model: &Model, widths: &Widths, case: &Case) -> Result<Option<String>> {
+    let Case { seen, room, .. } = case;
+    for timing in MEMORIES {
+        let found = draw(model, widths, seen, timing, *room, 2)?;
+        if !found.agree() {
+            return Ok(Some(format!(
+                "{} of {} pixels differ, {} accesses astray",
+                found.mismatches, found.pixels, found.outcome.beyond
+            )));
         }
-        Ok(_) => None,
-    })
+    }
+    let found = draw(model, widths, seen, MEMORIES[0], room - 1, 1)?;
+    let refused = found.outcome.full == 1 && found.outcome.beyond == 0;
+    Ok((!refused).then(|| "lists without room are drawn".to_owned()))
 }

@@ -63,6 +63,8 @@ pub struct Frame {
     pub latency: u32,
     /// How many of 8 cycles the memory holds a request back.
     pub pauses: u32,
+    /// Bytes that it moves in a cycle in each direction: 4, 8 or 16.
+    pub bytes: u32,
 }
 
 /// What came of a frame; `Outcome` of machine_shim.cpp.

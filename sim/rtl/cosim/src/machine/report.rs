@@ -1,6 +1,6 @@
 //! Frames of scenes by the machine as a table: words against the kernel's, cycles against the model's.
 
-use super::bench::{Findings, Timing, draw};
+use super::bench::{Findings, MEMORIES, Timing, draw};
 use super::circuit::{Spec, library};
 use super::model::Model;
 use crate::order::loads::{SCENES, Seen, ordered, scenes};
@@ -13,24 +13,14 @@ use splatline_sim::machine::{Config, Timing as Modelled, simulate_alone};
 /// Machines that are compared: design, cores, lanes.
 pub const SUBJECTS: [(&str, usize, usize); 2] = [("lean18", 8, 4), ("standard24", 8, 4)];
 
-/// Memories: usual latency at full speed, and a slow one with pauses, whose cycles no model counts.
-const MEMORIES: [Timing; 2] = [
-    Timing {
-        latency: 60,
-        pauses: 0,
-    },
-    Timing {
-        latency: 13,
-        pauses: 3,
-    },
-];
-
-/// The model of a machine with so many cores and lanes and a memory of that latency. Every core of setup takes a splat in
+/// The model of a machine with so many cores and lanes around that memory. Every core of setup takes a splat in
 /// a round of the program.
-pub fn machine(widths: &Widths, cores: usize, lanes: usize, latency: u32) -> Result<Config> {
+pub fn machine(widths: &Widths, cores: usize, lanes: usize, memory: &Timing) -> Result<Config> {
     let program = program(widths)?;
     Ok(Config {
-        latency,
+        latency: memory.latency,
+        read_bandwidth: memory.bytes,
+        write_bandwidth: memory.bytes,
         setup_units: cores as u32,
         setup_interval: program.round as u32,
         setup_latency: program.latency() as u32,
@@ -41,9 +31,9 @@ pub fn machine(widths: &Widths, cores: usize, lanes: usize, latency: u32) -> Res
 /// Every scene by every machine and memory, pictures of so many pixels a side.
 pub fn print(size: usize, only: Option<&str>) -> Result<()> {
     println!(
-        "| machine | scene | splats | seen | entries | pauses | pixels | mismatches | geometry: circuit, model | sort | lists | sort and lists: model | raster: circuit, model | all: model / circuit - 1 |"
+        "| machine | scene | splats | seen | entries | memory | pixels | mismatches | geometry: circuit, model | sort | lists | sort and lists: model | raster: circuit, model | all: model / circuit - 1 |"
     );
-    println!("|---|---|---:|---:|---:|---:|---:|---:|---|---:|---:|---:|---|---:|");
+    println!("|---|---|---:|---:|---:|---|---:|---:|---|---:|---:|---:|---|---:|");
     let wanted = |name: &&str| only.is_none_or(|only| only == *name);
     let names: Vec<&'static str> = SCENES.into_iter().filter(wanted).collect();
     ensure!(
@@ -69,9 +59,9 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
         };
         let model = Model::new(&library(folder.path(), &spec)?)?;
         for seen in &seen {
-            let config = machine(&design.widths, cores, lanes, MEMORIES[0].latency)?;
-            let (modelled, room) = modelled(seen, &design, &config);
             for memory in MEMORIES {
+                let config = machine(&design.widths, cores, lanes, &memory)?;
+                let (modelled, room) = modelled(seen, &design, &config);
                 let found = draw(&model, &design.widths, seen, memory, room, 1)
                     .with_context(|| seen.name)?;
                 wrong += usize::from(!found.agree());
@@ -111,12 +101,16 @@ fn print_line(machine: &str, seen: &Seen, memory: Timing, found: &Findings, mode
         ),
         _ => "not modelled".to_owned(),
     };
+    let pauses = match memory.pauses {
+        0 => String::new(),
+        pauses => format!(", pauses in {pauses} of 8 cycles"),
+    };
+    let behind = format!("{} bytes, latency {}{pauses}", memory.bytes, memory.latency);
     println!(
-        "| {machine} | {} | {splats} | {} | {} | {} | {pixels} | {mismatches} | {}, {} | {} | {} | {} | {}, {} | {apart} |",
+        "| {machine} | {} | {splats} | {} | {} | {behind} | {pixels} | {mismatches} | {}, {} | {} | {} | {} | {}, {} | {apart} |",
         seen.name,
         outcome.visible,
         outcome.entries,
-        memory.pauses,
         outcome.geometry,
         model.geometry,
         outcome.sort,

@@ -4,6 +4,36 @@ use super::model::{Model, Outcome, Picture};
 use crate::workload::split_mix;
 use anyhow::Result;
 
+/// How memory and feeder behave.
+#[derive(Clone, Copy, Debug)]
+pub struct Timing {
+    /// Cycles from a request to its word, and from a word to its place.
+    pub latency: u32,
+    /// How many of 8 cycles the memory holds a request back.
+    pub pauses: u32,
+    /// Cycles from a splat to the next one at least.
+    pub interval: u32,
+}
+
+/// At full speed, with pauses, and with words that arrive after all that a digit's sums take.
+pub const MEMORIES: [Timing; 3] = [
+    Timing {
+        latency: 20,
+        pauses: 0,
+        interval: 8,
+    },
+    Timing {
+        latency: 7,
+        pauses: 3,
+        interval: 1,
+    },
+    Timing {
+        latency: 400,
+        pauses: 0,
+        interval: 1,
+    },
+];
+
 /// A visible splat as the sorter takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Splat {
@@ -94,17 +124,17 @@ impl Load {
     }
 }
 
-/// Orders `load` by the circuit, with pauses of the memory in so many of 8 cycles.
-pub fn run(model: &Model, load: &Load, pauses: u32, seed: u32) -> Result<Findings> {
+/// Orders `load` by the circuit.
+pub fn run(model: &Model, load: &Load, timing: Timing, seed: u32) -> Result<Findings> {
     let entries: usize = load.lists.iter().map(Vec::len).sum();
-    run_with_room(model, load, pauses, seed, entries)
+    run_with_room(model, load, timing, seed, entries)
 }
 
 /// The same with room for so many entries.
 pub fn run_with_room(
     model: &Model,
     load: &Load,
-    pauses: u32,
+    timing: Timing,
     seed: u32,
     room: usize,
 ) -> Result<Findings> {
@@ -115,9 +145,9 @@ pub fn run_with_room(
         tile_columns: load.size[0].into(),
         tiles: u32::from(load.size[0]) * u32::from(load.size[1]),
         most: room as u32,
-        latency: if pauses == 0 { 20 } else { 7 },
-        pauses,
-        interval: if pauses == 0 { 8 } else { 1 },
+        latency: timing.latency,
+        pauses: timing.pauses,
+        interval: timing.interval,
         // Twice: what a picture leaves behind must not reach the next one.
         rounds: 2,
     };

@@ -1,6 +1,6 @@
 //! Sorters and binnings with one mistake each: does the comparison notice it?
 
-use super::bench::{Load, run};
+use super::bench::{Load, MEMORIES, run};
 use super::circuit::library;
 use super::loads::hard;
 use super::model::Model;
@@ -14,7 +14,7 @@ const STREAM: &str = "memory_stream.sv";
 
 /// The mistakes.
 #[rustfmt::skip]
-pub const MISTAKES: [Mutant; 22] = [
+pub const MISTAKES: [Mutant; 23] = [
     mutant("places read while they change", SORT, "follows <= moving && coming_digit == moved_digit", "follows <= 1'b0"),
     mutant("every place follows the one before", SORT, "follows <= moving && coming_digit == moved_digit", "follows <= moving"),
     mutant("a pass for a digit that all share is forgotten elsewhere", SORT, "if (counter == count) same_for_all <= 1;", "if (counter + 1'b1 >= count) same_for_all <= 1;"),
@@ -25,6 +25,7 @@ pub const MISTAKES: [Mutant; 22] = [
     mutant("sums that count a value itself", SORT, "changed = sum;", "changed = sum + counter;"),
     mutant("splats counted by the digit before", SORT, "digit(key, PASS_BITS'(step - 1'b1))}", "digit(key, PASS_BITS'(step))}"),
     mutant("a pass does not wait for what was written", SORT, "      if (settled) begin", "      if (1'b1) begin"),
+    mutant("the first pass does not wait for what was written", SORT, "&& !summed && settled)", "&& !summed)"),
     mutant("splats moved without being written", SORT, "assign moves = !moving || write_ready;", "assign moves = 1'b1;"),
     mutant("a splat too few moved", SORT, "if (left == 1) begin", "if (left == 2) begin"),
     mutant("tiles of the picture before", BINS, "      CLEAR: begin\n        changes = 1;", "      CLEAR: begin\n        changes = 0;"),
@@ -44,8 +45,8 @@ pub fn verdict(mistake: Option<&Mutant>, loads: &[Load]) -> Result<Option<String
     let folder = tempfile::tempdir()?;
     let model = Model::new(&library(folder.path(), 8, mistake, "-O1")?)?;
     for (index, load) in loads.iter().enumerate() {
-        for pauses in [0, 3] {
-            match run(&model, load, pauses, index as u32 + 1) {
+        for timing in MEMORIES {
+            match run(&model, load, timing, index as u32 + 1) {
                 Err(error) => return Ok(Some(format!("{}: {error:#}", load.name))),
                 Ok(findings) if !findings.agree() => {
                     return Ok(Some(format!(
