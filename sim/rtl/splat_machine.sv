@@ -146,7 +146,8 @@ module splat_machine #(
   logic [127:0] sort_word;
   assign packet_words = (128 * PACKET)'(footprint);
   assign stores = state == GEOMETRY && setup_valid && cull == 0 && step != 4'(PACKET);
-  assign sorts = state == GEOMETRY && setup_valid && cull == 0 && step == 4'(PACKET);
+  // Only packets that are seen come so far.
+  assign sorts = state == GEOMETRY && setup_valid && step == 4'(PACKET);
   assign setup_ready = state == GEOMETRY && (cull != 0 || (sorts && sort_ready));
   function automatic logic [11:0] tile_of(input logic [15:0] place, input int bits);
     tile_of = 12'(place >> bits);

@@ -1,3 +1,4 @@
+use super::ListWords;
 use super::dram::{Dram, DramCommand, Issued};
 use super::parts::{DramPart, PARTS};
 use super::port::{Port, Stream};
@@ -5,7 +6,7 @@ use crate::machine::config::{Config, Sorter};
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::tests::{machine, workload};
 use crate::machine::timing::{accesses, simulate_alone};
-use crate::machine::workload::SplatWork;
+use crate::machine::workload::{SplatWork, Workload};
 use proptest::prelude::*;
 
 fn part(name: &str) -> &'static DramPart {
@@ -371,8 +372,10 @@ fn a_sort_before_the_lists_is_charged_by_splats() {
         ..Config::default()
     };
     let fill = visible + entries;
+    // A pass begins when what the one before wrote is there, and its first splat comes after the latency.
+    let waits = 2 * u64::from(wide.latency);
     let timing = simulate_alone(&workload, &wide);
-    assert_eq!(timing.sort, 6 * 256 + 3 * visible + fill);
+    assert_eq!(timing.sort, 6 * 256 + 3 * visible + fill + 4 * waits);
     assert_eq!(timing.bytes.sort_moved, 3 * 2 * 16 * visible);
     assert_eq!(timing.bytes.sorted_read, 16 * visible);
     let passes = Config {
@@ -390,7 +393,8 @@ fn a_sort_before_the_lists_is_charged_by_splats() {
     };
     let merges = u64::from(visible.next_power_of_two().ilog2());
     let timing = simulate_alone(&workload, &merge);
-    assert_eq!(timing.sort, merges.saturating_sub(1) * visible + fill);
+    let written = merges.saturating_sub(1);
+    assert_eq!(timing.sort, written * (visible + waits) + fill + waits);
     // The channels limit both.
     let narrow = Config {
         read_bandwidth: 4,
@@ -399,8 +403,47 @@ fn a_sort_before_the_lists_is_charged_by_splats() {
     };
     let timing = simulate_alone(&workload, &narrow);
     let filled = fill.max(4 * visible).max(4 * entries);
-    assert_eq!(
-        timing.sort,
-        (3 * 16 * visible).max(6 * 256 + 3 * visible) + filled
-    );
+    // Sums of counts come before anything moves.
+    assert_eq!(timing.sort, 6 * 256 + 3 * 16 * visible + filled + 4 * waits);
+}
+
+/// Entries that follow each other are read by the word: as many cycles as all their bytes take, and never fewer before an entry is there.
+#[test]
+fn lists_without_gaps_are_read_by_the_word() {
+    for (entry, word, first) in [
+        (4, 16, [1, 0, 0, 0, 1, 0]),
+        (4, 4, [1, 1, 1, 1, 1, 1]),
+        (4, 3, [2, 1, 1, 2, 1, 1]),
+        (4, 1, [4, 4, 4, 4, 4, 4]),
+        (12, 8, [2, 1, 2, 1, 2, 1]),
+    ] {
+        let mut lists = ListWords {
+            word,
+            entry,
+            left: 0,
+        };
+        let cycles = first.map(|_| lists.read());
+        assert_eq!(cycles, first, "{entry} of {word}");
+        assert_eq!(cycles.iter().sum::<u64>(), (6 * entry).div_ceil(word));
+    }
+}
+
+/// A phase does not end before its last splat has come out of setup, though it be culled.
+#[test]
+fn culled_splats_take_as_long_as_others() {
+    let workload = Workload {
+        splats: vec![SplatWork::default(); 3],
+        ..Workload::default()
+    };
+    let config = Config {
+        splat_bytes: 64,
+        read_bandwidth: 64,
+        latency: 10,
+        setup_interval: 20,
+        setup_latency: 500,
+        ..Config::default()
+    };
+    // One splat after the other: read, taken, the latency.
+    let timing = simulate_alone(&workload, &config);
+    assert_eq!(timing.geometry, 1 + 10 + 2 * 20 + 500);
 }

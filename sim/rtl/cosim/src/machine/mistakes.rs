@@ -19,7 +19,7 @@ const BACKGROUND: &str = "tile_background.sv";
 /// The mistakes.
 #[rustfmt::skip]
 pub const MISTAKES: [Mutant; 24] = [
-    mutant("culled splats are stored", MACHINE, "setup_valid && cull == 0 && step == 4'(PACKET)", "setup_valid && step == 4'(PACKET)"),
+    mutant("culled splats are waited for", MACHINE, "(cull != 0 || (sorts && sort_ready))", "sorts && sort_ready"),
     mutant("culled splats have no number", MACHINE, "number <= number + 1'b1;", "number <= number + 32'(cull == 0);"),
     mutant("a packet's last word left out", MACHINE, "cull == 0 && step != 4'(PACKET);", "cull == 0 && step != 4'(PACKET - 1);"),
     mutant("boxes end a pixel late", MACHINE, "tile_of(footprint.last_column - 16'd1, COLUMN_BITS)", "tile_of(footprint.last_column, COLUMN_BITS)"),
