@@ -28,7 +28,7 @@ pub const MISTAKES: [Mutant; 24] = [
     mutant("every list begins at the first", FINDER, "assign list = end_place - begun;", "assign list = end_place;"),
     mutant("a list begins where the tile before began", FINDER, "begun <= end_place;", "if (list == 0) begun <= end_place;"),
     mutant("tiles of the picture before", FINDER, "{tile, column, row, first, row_first, begun} <= 0;", "{tile, column, row, first, begun} <= 0;"),
-    mutant("rows of tiles as wide as their tiles would be", FINDER, "first <= row_first + (32'(columns) << ROW_BITS);", ""),
+    mutant("rows of tiles as wide as their tiles would be", FINDER, "        first <= row_first + (32'(columns) << ROW_BITS);", ""),
     mutant("the lowest tiles as high as the others", FINDER, "({16'd0, window.last_row - window.first_row} << COLUMN_BITS)", "32'd1 << (COLUMN_BITS + ROW_BITS)"),
     mutant("both hear the end that one asked for", MACHINE, ".answered(!finder_asks)", ".answered(1'b1)"),
     mutant("a tile is read out to where the next one belongs", MACHINE, "pixels <= drawn_first;", "pixels <= found_first;"),
