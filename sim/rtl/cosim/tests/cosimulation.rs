@@ -174,16 +174,14 @@ mod with_verilator {
                 let found =
                     machine::bench::draw(&model, &design.widths, &case.seen, timing, room, 2)
                         .unwrap();
-                assert!(found.agree() && found.painted > 1_000, "{found:?}");
-                // What a phase begins with is not modelled; nothing else may be apart.
+                assert!(found.agree() && found.painted > 200, "{found:?}");
+                // What happens once in a frame is not modelled; nothing else may be apart.
                 let apart = modelled.total.abs_diff(found.outcome.cycles());
-                println!(
-                    "{}, {timing:?}: {apart} apart, {found:?}, {modelled:?}",
-                    case.seen.name
-                );
+                let model = [modelled.geometry, modelled.sort, modelled.raster];
+                println!("{timing:?}: {:?}, model {model:?}", found.outcome);
                 assert!(
-                    timing.pauses > 0 || apart < 3_000,
-                    "{apart}: {found:?}, {modelled:?}"
+                    timing.pauses > 0 || apart < 1_200,
+                    "{apart}: {found:?}, {model:?}"
                 );
             }
             let timing = machine::bench::MEMORIES[0];
