@@ -40,7 +40,7 @@ pub const MISTAKES: [Mutant; 24] = [
     mutant("the frame ends before its last pixel", MACHINE, "if (pixels_left == 0 && settled)", "if (settled)"),
     mutant("lists of a frame without room are drawn", MACHINE, "state <= full ? IDLE : TILE;", "state <= TILE;"),
     mutant("a list's words end with their fourth entry alone", FETCH, "(entry == 2'd3 || left == 1)", "entry == 2'd3"),
-    mutant("entries of a word the wrong way", FETCH, "list[32*entry+:32]", "list[32*(3-entry)+:32]"),
+    mutant("entries of a word the wrong way", FETCH, "list[32*entry+:32]", "list[{~entry, 5'd0}+:32]"),
     mutant("packets asked for without a place", FETCH, "left != 0 && free;", "left != 0;"),
     mutant("words for whoever asks now", ARBITER, "askers[answered] : '0", "chosen : '0"),
 ];
