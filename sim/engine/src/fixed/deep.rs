@@ -34,6 +34,17 @@ pub fn draw(scene: &Scene, camera: &Camera, options: &Options, channel: Channel)
     to_picture(&pixels, camera, &channel, quantised.colour_log2)
 }
 
+/// Compiled once, not for every design.
+fn in_order(seen: Vec<(usize, Footprint)>, back_to_front: bool) -> Vec<Footprint> {
+    let footprints = seen.into_iter().map(|(_, footprint)| footprint);
+    let mut footprints: Vec<Footprint> = footprints.collect();
+    footprints.par_sort_by_key(|footprint| footprint.depth);
+    if back_to_front {
+        footprints.reverse();
+    }
+    footprints
+}
+
 fn draw_with<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
@@ -42,13 +53,8 @@ fn draw_with<D: Design + Send + Sync>(
 ) -> Vec<DeepPixel> {
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
-    let footprints = seen(design, quantised, &rules).into_iter();
-    let mut footprints: Vec<Footprint> = footprints.map(|(_, footprint)| footprint).collect();
-    footprints.par_sort_by_key(|footprint| footprint.depth);
     let back_to_front = options.compositing == Compositing::BackToFront;
-    if back_to_front {
-        footprints.reverse();
-    }
+    let footprints = in_order(seen(design, quantised, &rules), back_to_front);
     let memory = table_entries(&widths, &rules);
     let table = table(&memory, &widths, &rules);
     let order = KernelCompositing::FrontToBack;

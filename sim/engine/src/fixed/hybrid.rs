@@ -348,12 +348,11 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
         table: &FootprintTable,
         bits: u8,
     ) -> Result<Option<(Vec<u32>, StampShape)>, String> {
-        let point = |splat| match self.is_point(splat) {
+        let point = |splat: &VolumeSplat| match self.is_point(splat) {
             true => self.set_up_point(splat).ok(),
             false => None,
         };
-        let splats = self.quantised.splats.par_iter();
-        let Some(point) = splats.find_map_first(point) else {
+        let Some(point) = first_point(&self.quantised.splats, &point) else {
             return Ok(None);
         };
         let shape = StampShape::new(&point, bits).map_err(|error| {
@@ -364,6 +363,14 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
         fill_stamps(&mut words, self.design, table, &shape, &point);
         Ok(Some((words, shape)))
     }
+}
+
+/// Compiled once, not for every design.
+fn first_point(
+    splats: &[VolumeSplat],
+    point: &(dyn Fn(&VolumeSplat) -> Option<Footprint> + Sync),
+) -> Option<Footprint> {
+    splats.par_iter().find_map_first(point)
 }
 
 /// Paints tiles in which points are gathered or stamped.

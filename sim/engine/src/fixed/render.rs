@@ -182,23 +182,31 @@ pub(super) fn seen<D: Design + Send + Sync>(
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
 ) -> Vec<(usize, Footprint)> {
-    let batch = |(number, splats): (usize, &[VolumeSplat])| {
-        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+    seen_by(&quantised.splats, &|splats, outcomes| {
+        let view = &quantised.view;
         match best_engine() {
-            Engine::Vectors(choice) => {
-                let view = &quantised.view;
-                fast::set_up(design, view, rules, splats, &mut outcomes, choice);
-            }
+            Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
             Engine::Scalar => {
-                for (splat, outcome) in splats.iter().zip(&mut outcomes) {
-                    *outcome = setup(design, &quantised.view, rules, splat);
+                for (splat, outcome) in splats.iter().zip(outcomes) {
+                    *outcome = setup(design, view, rules, splat);
                 }
             }
         }
+    })
+}
+
+/// Setup of some splats into as many places, by a design's own type. What spreads the work takes it behind a reference, so that it is compiled once
+/// and not for every design.
+type SetUpPart<'a> = dyn Fn(&[VolumeSplat], &mut [Outcome]) + Sync + 'a;
+
+fn seen_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<(usize, Footprint)> {
+    let batch = |(number, splats): (usize, &[VolumeSplat])| {
+        let mut outcomes = vec![Err(Cull::Near); splats.len()];
+        set_up(splats, &mut outcomes);
         let numbered = outcomes.into_iter().enumerate();
         numbered.filter_map(move |(index, outcome)| Some((number * BATCH + index, outcome.ok()?)))
     };
-    let batches = quantised.splats.par_chunks(BATCH).enumerate();
+    let batches = splats.par_chunks(BATCH).enumerate();
     batches.flat_map_iter(batch).collect()
 }
 
@@ -212,14 +220,17 @@ pub fn set_up<D: Design + Send + Sync>(
     rules: &kernel::Rules,
     engine: Engine,
 ) -> Vec<Outcome> {
-    let splats = &quantised.splats;
+    set_up_by(&quantised.splats, &|splats, outcomes| {
+        set_up_part(design, quantised, rules, engine, (splats, outcomes));
+    })
+}
+
+fn set_up_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<Outcome> {
     let mut outcomes: Vec<_> = splats.par_iter().map(|_| Err(Cull::Near)).collect();
     outcomes
         .par_chunks_mut(BATCH)
         .zip(splats.par_chunks(BATCH))
-        .for_each(|(outcomes, splats)| {
-            set_up_part(design, quantised, rules, engine, (splats, outcomes));
-        });
+        .for_each(|(outcomes, splats)| set_up(splats, outcomes));
     outcomes
 }
 
@@ -280,8 +291,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     let Ok(facts) = memory.draw(splats, &plan) else {
         unreachable!("nobody cancels")
     };
-    let mut pixels = vec![Pixel::default(); camera.width * camera.height];
-    memory.copy(&mut pixels, |pixel| *pixel);
+    let pixels = copied(&memory, camera);
     let drawing = Drawing {
         picture: to_picture(&pixels, camera, &design.widths(), quantised.colour_log2),
         pixels,
@@ -293,6 +303,13 @@ fn draw_with<D: Design + Send + Sync + 'static>(
         times: facts.times,
     };
     (drawing, memory.into_outcomes())
+}
+
+/// A frame's pixels, row by row. Compiled once, not for every design.
+fn copied(memory: &FrameMemory, camera: &Camera) -> Vec<Pixel> {
+    let mut pixels = vec![Pixel::default(); camera.width * camera.height];
+    memory.copy(&mut pixels, |pixel| *pixel);
+    pixels
 }
 
 /// What paints tiles under these options.

@@ -49,13 +49,7 @@ fn draw_with<D: Design + Send + Sync>(
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
     let slabs = SlabRule::new(plan, quantised.scale_log2);
-    let mut parts: Vec<(i64, Footprint)> = seen(design, quantised, &rules)
-        .into_par_iter()
-        .flat_map_iter(|(index, footprint)| {
-            slabs.parts(quantised, &quantised.splats[index], footprint)
-        })
-        .collect();
-    parts.par_sort_by_key(|(slab, _)| *slab);
+    let parts = slabs.sorted_parts(quantised, seen(design, quantised, &rules));
     let memory = table_entries(&widths, &rules);
     let table = table(&memory, &widths, &rules);
     let painter = Painter::new(design, &rules, table, Compositing::XRay, options.traversal);
@@ -111,6 +105,22 @@ impl SlabRule {
                 SlabRule::Depth(DepthSlabs { nearest, per_unit }, kind)
             }
         }
+    }
+
+    /// All splats in their sheets, nearest sheet first. Compiled once, not for every design.
+    fn sorted_parts(
+        &self,
+        quantised: &QuantisedScene,
+        seen: Vec<(usize, Footprint)>,
+    ) -> Vec<(i64, Footprint)> {
+        let mut parts: Vec<(i64, Footprint)> = seen
+            .into_par_iter()
+            .flat_map_iter(|(index, footprint)| {
+                self.parts(quantised, &quantised.splats[index], footprint)
+            })
+            .collect();
+        parts.par_sort_by_key(|(slab, _)| *slab);
+        parts
     }
 
     /// The sheets that a splat takes part in, with its footprint in each.

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use splatline::draw::{Coverage, Painter, Perspective};
 use splatline::format::{Design, Traversal};
 use splatline::kernel::{PERSPECTIVE_ENTRIES, PerspectiveTable, Rays, fill_perspective};
-use splatline::setup::{Ellipse, Index, SphereFootprint, setup_sphere};
+use splatline::setup::{Cull, Ellipse, Index, SphereFootprint, setup_sphere};
 use splatline::splat::{SphereSplat, VolumeSplat};
 
 /// Draws a scene whose splats are taken as spheres of their first axis' length.
@@ -52,8 +52,7 @@ fn draw_with<D: Design + Send + Sync>(
         };
         setup_sphere(design, &quantised.view, &rules, &sphere, shape)
     };
-    let splats = scene.splats.par_iter().zip(&quantised.splats);
-    let results: Vec<_> = splats.map(set_up).collect();
+    let results = set_up_each(&scene.splats, &quantised.splats, &set_up);
     let culled = culls(&results);
     let spheres: Vec<SphereFootprint> = results.into_iter().flatten().collect();
     let footprints: Vec<_> = spheres.iter().map(|sphere| sphere.footprint).collect();
@@ -89,4 +88,15 @@ fn draw_with<D: Design + Send + Sync>(
         coverage,
         times: Times::default(),
     }
+}
+
+type SphereOutcome = Result<SphereFootprint, Cull>;
+
+/// Compiled once, not for every design.
+fn set_up_each(
+    scene: &[Splat],
+    quantised: &[VolumeSplat],
+    set_up: &(dyn Fn((&Splat, &VolumeSplat)) -> SphereOutcome + Sync),
+) -> Vec<SphereOutcome> {
+    scene.par_iter().zip(quantised).map(set_up).collect()
 }

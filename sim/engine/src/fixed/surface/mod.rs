@@ -88,6 +88,16 @@ pub struct SurfaceDrawing {
     pub facts: SurfaceFacts,
 }
 
+type SurfaceOutcome = Result<SurfaceFootprint, Cull>;
+
+/// Compiled once, not for every design.
+fn set_up_each(
+    splats: &[SurfaceSplat],
+    set_up: &(dyn Fn(&SurfaceSplat) -> SurfaceOutcome + Sync),
+) -> Vec<SurfaceOutcome> {
+    splats.par_iter().map(set_up).collect()
+}
+
 /// Footprints of all points, in the scene's order.
 pub fn footprints(
     points: &QuantisedPoints,
@@ -99,8 +109,9 @@ pub fn footprints(
         type Output = Vec<Result<SurfaceFootprint, Cull>>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
             let FootprintsJob(points, rules) = self;
-            let set_up = |splat| setup_surface(design, &points.view, &rules, splat);
-            points.splats.par_iter().map(set_up).collect()
+            set_up_each(&points.splats, &|splat| {
+                setup_surface(design, &points.view, &rules, splat)
+            })
         }
     }
     design.dispatch(FootprintsJob(points, kernel_rules(style)))
