@@ -97,7 +97,7 @@ module blend #(
   assign share10 = product10[T+ALPHA:ALPHA];
   assign half10 = product10[ALPHA-1];
 
-  // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= stop, or rest - stop - 1 < 0.
+  // Stage 10: what is left, and beside it, not behind it, whether that is too little: rest <= minimum_transmittance, or rest - minimum_transmittance - 1 < 0.
   // a - b - c = a + ~b + !c.
   logic [T+2:0] beyond9, beyond10, under10;
   logic stop10;
@@ -110,7 +110,7 @@ module blend #(
       transmittance8 <= transmittance_read;
       transmittance9 <= transmittance8;
       transmittance10 <= transmittance9;
-      beyond9 <= {2'b00, transmittance8[T:0]} + {2'b11, ~rules.stop};
+      beyond9 <= {2'b00, transmittance8[T:0]} + {2'b11, ~rules.minimum_transmittance};
       beyond10 <= beyond9;
     end
 
@@ -119,7 +119,7 @@ module blend #(
   assign {rounded10, carry_share} = {share10, 1'b1} + {{(T + 1) {1'b0}}, half10};
   assign transmittance_write = valid10 && !transmittance10[T+1];
   assign transmittance_write_address = address10;
-  assign transmittance_word = stop10 && rules.stop_before ? {1'b1, transmittance10[T:0]} : {stop10, rest10};
+  assign transmittance_word = stop10 && rules.omit_finishing ? {1'b1, transmittance10[T:0]} : {stop10, rest10};
   always_ff @(posedge clk) if (advance) share11 <= rounded10;
 
   // Stages 11 to 14: the sums. A share of 1 in all and colours below 16, rounded up to double at most, stay below 32.
@@ -170,7 +170,7 @@ module blend #(
       valid9 <= valid8;
       valid10 <= valid9;
       valid11 <= transmittance_write;
-      coloured11 <= transmittance_write && !(stop10 && rules.stop_before);
+      coloured11 <= transmittance_write && !(stop10 && rules.omit_finishing);
       valid12 <= coloured11;
       valid13 <= valid12;
       valid14 <= valid13;

@@ -44,7 +44,7 @@ module row_generator (
     end else if (issue) begin
       at.row <= at.row + 16'd1;
       at.rows <= at.rows - 16'd1;
-      at.centre <= at.centre + at.slope;
+      at.centre <= at.centre + at.shear;
       at.vertical <= at.vertical + at.first;
       at.first <= at.first + at.second;
       last <= at.rows == 16'd2;
@@ -68,13 +68,13 @@ module row_generator (
   // Stage 1: the row; what is left of the cut-off, Q.52.
   logic signed [63:0] centre1, vertical1, rest1;
   logic [ROW_BITS-1:0] row1, row32;
-  logic [M-1:0] spread1;
+  logic [M-1:0] squared_width1;
   splatline_pkg::paint_t paint1, paint32;
-  logic [15:0] box_first1, box_last1, first_column1, last_column1;
-  logic spread_odd1;
-  logic signed [15:0] spread_power1, spread_power7;
+  logic [15:0] box_first1, box_end1, first_column1, end_column1;
+  logic squared_width_odd1;
+  logic signed [15:0] squared_width_power1, squared_width_power7;
   logic [5:0] drop_dx1, drop_dx19;
-  logic [M-1:0] curvature1, curvature21;
+  logic [M-1:0] horizontal1, horizontal21;
   logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial26;
   logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
   always_ff @(posedge clk) begin
@@ -82,13 +82,13 @@ module row_generator (
     centre1 <= at.centre;
     vertical1 <= at.vertical;
     rest1 <= $signed({8'd0, shape0.reach}) - at.vertical;
-    spread1 <= shape0.spread;
-    spread_odd1 <= shape0.spread_odd;
-    spread_power1 <= shape0.spread_power;
+    squared_width1 <= shape0.squared_width;
+    squared_width_odd1 <= shape0.squared_width_odd;
+    squared_width_power1 <= shape0.squared_width_power;
     paint1 <= shape0.paint;
-    {box_first1, box_last1, first_column1, last_column1} <= {shape0.box_first, shape0.box_last, shape0.first_column, shape0.last_column};
+    {box_first1, box_end1, first_column1, end_column1} <= {shape0.box_first, shape0.box_end, shape0.first_column, shape0.end_column};
     drop_dx1 <= shape0.drop_dx;
-    curvature1 <= shape0.curvature;
+    horizontal1 <= shape0.horizontal;
     drop_first1 <= shape0.drop_first;
     drop_radial1 <= shape0.drop_radial;
     second1 <= shape0.second;
@@ -97,7 +97,7 @@ module row_generator (
   end
   assign positive1 = !rest1[63] && rest1 != 0;
   delay #(.BITS(ROW_BITS + $bits(paint1)), .STAGES(31)) hold_paint (.clk, .rst, .advance(1'b1), .in({row1, paint1}), .out({row32, paint32}));
-  delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(spread_power1), .out(spread_power7));
+  delay #(.BITS(16), .STAGES(6)) hold_power (.clk, .rst, .advance(1'b1), .in(squared_width_power1), .out(squared_width_power7));
 
   // Stage 3: the squared half-width, Q.28 before the exponent. Stage 5: brought to [1/4, 1) by an even shift.
   logic [32:0] doubled1;
@@ -107,8 +107,8 @@ module row_generator (
   logic [7:0] index5;
   logic [15:0] fraction5;
   logic [4:0] pairs5;
-  assign doubled1 = spread_odd1 ? {rest1[55:24], 1'b0} : {1'b0, rest1[55:24]};
-  multiply #(.LEFT(33), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(spread1), .product(product3));
+  assign doubled1 = squared_width_odd1 ? {rest1[55:24], 1'b0} : {1'b0, rest1[55:24]};
+  multiply #(.LEFT(33), .RIGHT(M)) multiply_half (.clk, .advance(1'b1), .left(doubled1), .right(squared_width1), .product(product3));
   assign squared3 = 64'(product3);
   // Pairs of leading zeros; 31 where there is nothing.
   always_comb begin
@@ -143,7 +143,7 @@ module row_generator (
     pairs7 <= pairs6;
     low8 <= entry7[23:0];
     step8 <= entry7[40:24] * fraction7;
-    power8 <= $signed({11'd0, pairs7}) - 16'sd8 - spread_power7;
+    power8 <= $signed({11'd0, pairs7}) - 16'sd8 - squared_width_power7;
     root9 <= {1'b0, low8} + {8'd0, risen8[32:16]};
     power9 <= power8;
   end
@@ -163,12 +163,12 @@ module row_generator (
   end
 
   // Stages 17 to 20: the span within the window.
-  logic [15:0] box_first16, box_last16, first_column16, last_column16, x18;
+  logic [15:0] box_first16, box_end16, first_column16, end_column16, x18;
   logic [COLUMN_BITS-1:0] column20, x32;
   logic [4:0] head20, head28;
   logic [COLUMN_BITS:0] count20, count32;
-  delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_last1, first_column1, last_column1}), .out({box_first16, box_last16, first_column16, last_column16}));
-  row_window cut (.clk, .low(low16), .high(high16), .box_first(box_first16), .box_last(box_last16), .first_column(first_column16), .last_column(last_column16), .x18, .holds19, .head20, .column20, .count20);
+  delay #(.BITS(64), .STAGES(15)) hold_columns (.clk, .rst, .advance(1'b1), .in({box_first1, box_end1, first_column1, end_column1}), .out({box_first16, box_end16, first_column16, end_column16}));
+  row_window cut (.clk, .low(low16), .high(high16), .box_first(box_first16), .box_end(box_end16), .first_column(first_column16), .end_column(end_column16), .x18, .holds19, .head20, .column20, .count20);
   delay #(.BITS(2 * COLUMN_BITS + 1), .STAGES(12)) hold_column (.clk, .rst, .advance(1'b1), .in({column20, count20}), .out({x32, count32}));
   delay #(.BITS(5), .STAGES(8)) hold_head (.clk, .rst, .advance(1'b1), .in(head20), .out(head28));
 
@@ -192,13 +192,13 @@ module row_generator (
   end
   delay #(.BITS(M + 1), .STAGES(3)) hold_dx (.clk, .rst, .advance(1'b1), .in(dx21), .out(dx24));
   delay #(.BITS(1), .STAGES(2)) hold_negative (.clk, .rst, .advance(1'b1), .in(negative21), .out(negative23));
-  delay #(.BITS(M), .STAGES(20)) hold_curvature (.clk, .rst, .advance(1'b1), .in(curvature1), .out(curvature21));
+  delay #(.BITS(M), .STAGES(20)) hold_horizontal (.clk, .rst, .advance(1'b1), .in(horizontal1), .out(horizontal21));
 
   // Stage 23: A dx. Stage 24: rounded to a mantissa. Stage 26: A dx^2, which is never negative.
   logic [2*M:0] along23, along_rounded23;
   logic [M:0] slant24;
   logic [2*M+1:0] across26;
-  multiply #(.LEFT(M + 1), .RIGHT(M)) multiply_along (.clk, .advance(1'b1), .left(dx21), .right(curvature21), .product(along23));
+  multiply #(.LEFT(M + 1), .RIGHT(M)) multiply_along (.clk, .advance(1'b1), .left(dx21), .right(horizontal21), .product(along23));
   multiply #(.LEFT(M + 1), .RIGHT(M + 1)) multiply_across (.clk, .advance(1'b1), .left(slant24), .right(dx24), .product(across26));
   // Halves up, whatever the sign.
   assign along_rounded23 = along23 + (negative23 ? (2 * M + 1)'((1 << (M - 1)) - 1) : (2 * M + 1)'(1 << (M - 1)));

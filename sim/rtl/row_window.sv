@@ -10,9 +10,9 @@ module row_window (
     input logic signed [32:0] low,
     input logic signed [32:0] high,
     input logic [15:0] box_first,
-    input logic [15:0] box_last,
+    input logic [15:0] box_end,
     input logic [15:0] first_column,
-    input logic [15:0] last_column,
+    input logic [15:0] end_column,
     output logic [15:0] x18,  // where the block's part of the span begins: the place of the seed
     output logic holds19,  // is there a pixel?
     output logic [4:0] head20,  // pixels between seed and run
@@ -29,19 +29,19 @@ module row_window (
     else clamp = value[15:0];
   endfunction
 
-  logic [15:0] low17, high17, first_column17, last_column17, first_column18, block17, end18, length19, head19;
+  logic [15:0] low17, high17, first_column17, end_column17, first_column18, block17, end18, length19, head19;
   logic [COLUMN_BITS-1:0] x19;
   logic order19, fits19;
   assign block17 = {first_column17[15:BLOCK_BITS], BLOCK_BITS'(0)};
   assign fits19 = head19 < length19;
   assign holds19 = order19 && fits19;
   always_ff @(posedge clk) begin
-    low17 <= clamp(low, box_first, box_last);
-    high17 <= clamp(high, box_first, box_last);
+    low17 <= clamp(low, box_first, box_end);
+    high17 <= clamp(high, box_first, box_end);
     first_column17 <= first_column;
-    last_column17 <= last_column;
+    end_column17 <= end_column;
     x18 <= low17 > block17 ? low17 : block17;
-    end18 <= high17 < last_column17 ? high17 : last_column17;
+    end18 <= high17 < end_column17 ? high17 : end_column17;
     first_column18 <= first_column17;
     order19 <= x18 < end18;
     length19 <= end18 - x18;

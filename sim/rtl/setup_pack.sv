@@ -38,8 +38,8 @@ module setup_pack (
   logic signed [51:0] word_b;
   logic signed [63:0] depth0, u0, v0;
   logic signed [17:0] depth_exponent0;
-  logic signed [31:0] peak0, root_u0, root_v0, curvature0, spread0, slope0, stretch0, cross0, conic0;
-  logic signed [17:0] peak_exponent0, root_u_exponent0, root_v_exponent0, curvature_exponent0, spread_exponent0, slope_exponent0, stretch_exponent0,
+  logic signed [31:0] peak0, root_u0, root_v0, horizontal0, squared_width0, shear0, vertical0, cross0, conic0;
+  logic signed [17:0] peak_exponent0, root_u_exponent0, root_v_exponent0, horizontal_exponent0, squared_width_exponent0, shear_exponent0, vertical_exponent0,
       cross_exponent0, conic_exponent0;
   logic signed [51:0] cutoff0;
   logic valid0, valid1, valid2;
@@ -49,9 +49,9 @@ module setup_pack (
       3'd0: {depth0, depth_exponent0, peak0, peak_exponent0} <= {word_a, word_a_exponent, word_b[31:0], word_b_exponent};
       3'd1: {u0, cutoff0} <= {word_a, word_b};
       3'd2: {v0, root_u0, root_u_exponent0} <= {word_a, word_b[31:0], word_b_exponent};
-      3'd3: {root_v0, root_v_exponent0, curvature0, curvature_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd4: {spread0, spread_exponent0, slope0, slope_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
-      3'd5: {stretch0, stretch_exponent0, cross0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd3: {root_v0, root_v_exponent0, horizontal0, horizontal_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd4: {squared_width0, squared_width_exponent0, shear0, shear_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
+      3'd5: {vertical0, vertical_exponent0, cross0, cross_exponent0} <= {word_a[31:0], word_a_exponent, word_b[31:0], word_b_exponent};
       3'd6: {conic0, conic_exponent0} <= {word_a[31:0], word_a_exponent};
       default: ;
     endcase
@@ -65,18 +65,18 @@ module setup_pack (
   // The second round of phases: all of a splat's words stand still, and what is computed from them runs through registers.
   logic signed [63:0] depth1, u1, v1;
   logic signed [17:0] depth_exponent1;
-  logic signed [31:0] peak1, root_u1, root_v1, curvature1, spread1, slope1, stretch1, cross1, conic1;
-  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, curvature_exponent1, spread_exponent1, slope_exponent1, stretch_exponent1,
+  logic signed [31:0] peak1, root_u1, root_v1, horizontal1, squared_width1, shear1, vertical1, cross1, conic1;
+  logic signed [17:0] peak_exponent1, root_u_exponent1, root_v_exponent1, horizontal_exponent1, squared_width_exponent1, shear_exponent1, vertical_exponent1,
       cross_exponent1, conic_exponent1;
   logic signed [51:0] cutoff1;
   always_ff @(posedge clk) begin
     if (phase == 7) begin
       {depth1, u1, v1, depth_exponent1, cutoff1} <= {depth0, u0, v0, depth_exponent0, cutoff0};
-      {peak1, root_u1, root_v1, curvature1, spread1, slope1} <= {peak0, root_u0, root_v0, curvature0, spread0, slope0};
-      {stretch1, cross1, conic1} <= {stretch0, cross0, conic0};
+      {peak1, root_u1, root_v1, horizontal1, squared_width1, shear1} <= {peak0, root_u0, root_v0, horizontal0, squared_width0, shear0};
+      {vertical1, cross1, conic1} <= {vertical0, cross0, conic0};
       {peak_exponent1, root_u_exponent1, root_v_exponent1} <= {peak_exponent0, root_u_exponent0, root_v_exponent0};
-      {curvature_exponent1, spread_exponent1, slope_exponent1} <= {curvature_exponent0, spread_exponent0, slope_exponent0};
-      {stretch_exponent1, cross_exponent1, conic_exponent1} <= {stretch_exponent0, cross_exponent0, conic_exponent0};
+      {horizontal_exponent1, squared_width_exponent1, shear_exponent1} <= {horizontal_exponent0, squared_width_exponent0, shear_exponent0};
+      {vertical_exponent1, cross_exponent1, conic_exponent1} <= {vertical_exponent0, cross_exponent0, conic_exponent0};
     end
   end
 
@@ -127,8 +127,8 @@ module setup_pack (
   assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
   assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
   assign fixed_distance = -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
-  assign aligned_in = phase == 1 ? curvature1 : phase == 2 ? -cross1 : conic1;
-  assign aligned_exponent = phase == 1 ? curvature_exponent1 : phase == 2 ? cross_exponent1 : conic_exponent1;
+  assign aligned_in = phase == 1 ? horizontal1 : phase == 2 ? -cross1 : conic1;
+  assign aligned_exponent = phase == 1 ? horizontal_exponent1 : phase == 2 ? cross_exponent1 : conic_exponent1;
   assign conic_distance = conic_unit - aligned_exponent;
 
   // Beyond 16 bits every shift does the same.
@@ -152,7 +152,7 @@ module setup_pack (
       .shift(conic_shift),
       .result(aligned_out)
   );
-  assign largest = curvature_exponent1 > cross_exponent1 ? curvature_exponent1 : cross_exponent1;
+  assign largest = horizontal_exponent1 > cross_exponent1 ? horizontal_exponent1 : cross_exponent1;
 
   // Does the opacity lie in the middle between two numbers? Then the even one is taken.
   logic signed [17:0] peak_dropped;
@@ -179,11 +179,11 @@ module setup_pack (
     packable = exponent >= -18'sd512 && exponent <= 18'sd511;
   endfunction
 
-  logic degenerate, slope_nothing;
+  logic degenerate, shear_nothing;
   always_ff @(posedge clk) begin
-    degenerate <= !packable(packed_exponent(curvature_exponent1)) || !packable(packed_exponent(spread_exponent1)) ||
-        !packable(packed_exponent(stretch_exponent1)) || !packable(conic_unit);
-    slope_nothing <= packed_exponent(slope_exponent1) < -18'sd512;
+    degenerate <= !packable(packed_exponent(horizontal_exponent1)) || !packable(packed_exponent(squared_width_exponent1)) ||
+        !packable(packed_exponent(vertical_exponent1)) || !packable(conic_unit);
+    shear_nothing <= packed_exponent(shear_exponent1) < -18'sd512;
   end
 
   // The third round: what has been found stands still again.
@@ -207,14 +207,14 @@ module setup_pack (
       known2 <= 0;
       known2.version <= splatline_pkg::PACKET_VERSION;
       known2.depth <= key;
-      known2.curvature_mantissa <= curvature1[30:DROP];
-      known2.curvature_exponent <= 10'(packed_exponent(curvature_exponent1));
-      known2.spread_mantissa <= spread1[30:DROP];
-      known2.spread_exponent <= 10'(packed_exponent(spread_exponent1));
-      known2.slope_mantissa <= slope_nothing ? 0 : slope1[31:DROP];
-      known2.slope_exponent <= slope_nothing ? 0 : 10'(packed_exponent(slope_exponent1));
-      known2.stretch_mantissa <= stretch1[30:DROP];
-      known2.stretch_exponent <= 10'(packed_exponent(stretch_exponent1));
+      known2.horizontal_mantissa <= horizontal1[30:DROP];
+      known2.horizontal_exponent <= 10'(packed_exponent(horizontal_exponent1));
+      known2.squared_width_mantissa <= squared_width1[30:DROP];
+      known2.squared_width_exponent <= 10'(packed_exponent(squared_width_exponent1));
+      known2.shear_mantissa <= shear_nothing ? 0 : shear1[31:DROP];
+      known2.shear_exponent <= shear_nothing ? 0 : 10'(packed_exponent(shear_exponent1));
+      known2.vertical_mantissa <= vertical1[30:DROP];
+      known2.vertical_exponent <= 10'(packed_exponent(vertical_exponent1));
       known2.conic_a <= conic_a;
       known2.conic_b <= conic_b;
       known2.conic_c <= aligned_out[M-1:0];
@@ -271,8 +271,8 @@ module setup_pack (
     packet.centre_v <= centre_v[27+SUBPIXEL:0];
     packet.first_column <= first_u;
     packet.first_row <= first_v;
-    packet.last_column <= last_u;
-    packet.last_row <= last_v;
+    packet.end_column <= last_u;
+    packet.end_row <= last_v;
     packet.cutoff <= cutoff2;
     packet.peak <= peak_even >> (splatline_pkg::PEAK + 4) != 0 ? {(splatline_pkg::PEAK + 4) {1'b1}} : peak_even[splatline_pkg::PEAK+3:0];
     packet.red <= shaded(colour[31:0]);

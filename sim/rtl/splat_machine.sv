@@ -153,8 +153,8 @@ module splat_machine #(
     tile_of = 12'(place >> bits);
   endfunction
   assign sort_word = {
-    tile_of(footprint.last_row - 16'd1, ROW_BITS),
-    tile_of(footprint.last_column - 16'd1, COLUMN_BITS),
+    tile_of(footprint.end_row - 16'd1, ROW_BITS),
+    tile_of(footprint.end_column - 16'd1, COLUMN_BITS),
     tile_of(footprint.first_row, ROW_BITS),
     tile_of(footprint.first_column, COLUMN_BITS),
     number,

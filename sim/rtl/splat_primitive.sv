@@ -146,7 +146,7 @@ module splat_primitive #(
   logic [COLUMN_BITS-1:0] scan_column, first_column, last_column;
   logic [ADDRESS-1:0] clear_address;
   logic scan_last_column, scan_last_row, scan_valid, word_valid, scan_moves, window_has_pixels, finishes;
-  assign window_has_pixels = window.first_column < window.last_column && window.first_row < window.last_row;
+  assign window_has_pixels = window.first_column < window.end_column && window.first_row < window.end_row;
   assign scan_last_column = scan_column == last_column;
   assign scan_last_row = scan_row == last_row;
   assign scan_moves = !pixel_valid || pixel_ready;
@@ -192,8 +192,8 @@ module splat_primitive #(
         scan_row <= ROW_BITS'(window.first_row);
         scan_column <= COLUMN_BITS'(window.first_column);
         first_column <= COLUMN_BITS'(window.first_column);
-        last_column <= COLUMN_BITS'(window.last_column - 16'd1);
-        last_row <= ROW_BITS'(window.last_row - 16'd1);
+        last_column <= COLUMN_BITS'(window.end_column - 16'd1);
+        last_row <= ROW_BITS'(window.end_row - 16'd1);
       end else if (scan_moves) begin
         pixel_valid <= word_valid;
         word_valid <= scan_valid;

@@ -1,4 +1,4 @@
-// From a footprint to its first visible row: `SpanRows::new` of src/raster/spans.rs as a pipeline of 24 stages, one splat in INTERVAL cycles.
+// From a footprint to its first visible row: `EllipseSpans::new` of src/raster/spans.rs as a pipeline of 24 stages, one splat in INTERVAL cycles.
 //
 // With an interval of 4 stages take turns at three products, two alignments and a normalisation (turn.sv), which costs nothing where splats have
 // four rows and more. Then packets are taken in every fourth cycle since the reset and in no other, so that no two stages ever want the same turn.
@@ -63,12 +63,12 @@ module splat_setup #(
 
   // Stage 1: the footprint. What only the rows need waits for stage 22.
   splatline_pkg::footprint_t f1;
-  logic [15:0] first_row22, last_row22, box_first22, box_last22;
+  logic [15:0] first_row22, end_row22, box_first22, box_end22;
   logic [31:0] cutoff22;
   logic [PEAK-1:0] peak22;
   logic [COLOUR-1:0] colours22;
-  logic [M-1:0] spread22, curvature22;
-  logic [9:0] spread_exponent22;
+  logic [M-1:0] squared_width22, horizontal22;
+  logic [9:0] squared_width_exponent22;
   always_ff @(posedge clk) f1 <= footprint;
   delay #(
       .BITS(64 + 32 + PEAK + COLOUR + 2 * M + 10),
@@ -77,8 +77,8 @@ module splat_setup #(
       .clk,
       .rst,
       .advance(1'b1),
-      .in({f1.first_row, f1.last_row, f1.first_column, f1.last_column, f1.cutoff, f1.peak, f1.red, f1.green, f1.blue, f1.spread_mantissa, f1.curvature_mantissa, f1.spread_exponent}),
-      .out({first_row22, last_row22, box_first22, box_last22, cutoff22, peak22, colours22, spread22, curvature22, spread_exponent22})
+      .in({f1.first_row, f1.end_row, f1.first_column, f1.end_column, f1.cutoff, f1.peak, f1.red, f1.green, f1.blue, f1.squared_width_mantissa, f1.horizontal_mantissa, f1.squared_width_exponent}),
+      .out({first_row22, end_row22, box_first22, box_end22, cutoff22, peak22, colours22, squared_width22, horizontal22, squared_width_exponent22})
   );
 
   // Stage 2: the first visible row; the distance of its sample points from the centre, Q.subpixel. Stage 3: that as a magnitude.
@@ -86,9 +86,9 @@ module splat_setup #(
   logic signed [DY-1:0] dy2;
   logic dy_negative3;
   logic [DY-1:0] dy3;
-  logic slope_negative2, slope_negative5, slope_negative7;
-  logic [M-1:0] slope2, slope5, slope7;
-  logic signed [15:0] slope_exponent2, slope_exponent5, slope_exponent7;
+  logic shear_negative2, shear_negative5, shear_negative7;
+  logic [M-1:0] shear2, shear5, shear7;
+  logic signed [15:0] shear_exponent2, shear_exponent5, shear_exponent7;
   always_ff @(posedge clk) begin
     row2 <= f1.first_row > window.first_row ? f1.first_row : window.first_row;
     first_row2 <= f1.first_row;
@@ -96,36 +96,36 @@ module splat_setup #(
     dy2 <= DY'($signed({1'b0, f1.first_row, 1'b1, {(SUBPIXEL - 1) {1'b0}}})) - DY'($signed(f1.centre_v));
     dy_negative3 <= dy2 < 0;
     dy3 <= dy2 < 0 ? -dy2 : dy2;
-    slope_negative2 <= f1.slope_mantissa < 0;
-    slope2 <= f1.slope_mantissa < 0 ? M'(-f1.slope_mantissa) : M'(f1.slope_mantissa);
-    slope_exponent2 <= extend(f1.slope_exponent);
+    shear_negative2 <= f1.shear_mantissa < 0;
+    shear2 <= f1.shear_mantissa < 0 ? M'(-f1.shear_mantissa) : M'(f1.shear_mantissa);
+    shear_exponent2 <= extend(f1.shear_exponent);
   end
   delay #(.BITS(16), .STAGES(7)) hold_skipped10 (.clk, .rst, .advance(1'b1), .in(skipped3), .out(skipped10));
   delay #(.BITS(16), .STAGES(3)) hold_skipped13 (.clk, .rst, .advance(1'b1), .in(skipped10), .out(skipped13));
   delay #(.BITS(16), .STAGES(7)) hold_skipped20 (.clk, .rst, .advance(1'b1), .in(skipped13), .out(skipped20));
-  delay #(.BITS(M + 17), .STAGES(3)) hold_slope5 (.clk, .rst, .advance(1'b1), .in({slope_negative2, slope2, slope_exponent2}), .out({slope_negative5, slope5, slope_exponent5}));
-  delay #(.BITS(M + 17), .STAGES(2)) hold_slope7 (.clk, .rst, .advance(1'b1), .in({slope_negative5, slope5, slope_exponent5}), .out({slope_negative7, slope7, slope_exponent7}));
+  delay #(.BITS(M + 17), .STAGES(3)) hold_shear5 (.clk, .rst, .advance(1'b1), .in({shear_negative2, shear2, shear_exponent2}), .out({shear_negative5, shear5, shear_exponent5}));
+  delay #(.BITS(M + 17), .STAGES(2)) hold_shear7 (.clk, .rst, .advance(1'b1), .in({shear_negative5, shear5, shear_exponent5}), .out({shear_negative7, shear7, shear_exponent7}));
 
   // Alignments: to C at RADIAL + GUARD bits for the seeds (from stage 3), S (5), C (8) and S dy (10) in fixed point; and to C dy, doubled (14), and C dy^2 (17).
-  logic [M-1:0] curvature3, stretch7, stretch8, along14;
-  logic signed [15:0] curvature_exponent3, stretch_exponent7, stretch_exponent8, shear_shift10, along_exponent14, square_shift17;
-  logic [2*M-1:0] shear10, square17;
-  logic shear_negative10, along_negative14;
-  logic signed [63:0] fine8, slope_fixed10, unit13, shear15, double19, vertical22;
+  logic [M-1:0] horizontal3, vertical7, vertical8, along14;
+  logic signed [15:0] horizontal_exponent3, vertical_exponent7, vertical_exponent8, moved_shift10, along_exponent14, square_shift17;
+  logic [2*M-1:0] moved10, square17;
+  logic moved_negative10, along_negative14;
+  logic signed [63:0] fine8, shear_fixed10, unit13, moved15, double19, vertical22;
   logic [127:0] spare_alignments;
-  delay #(.BITS(M + 16), .STAGES(2)) hold_curvature3 (.clk, .rst, .advance(1'b1), .in({f1.curvature_mantissa, extend(f1.curvature_exponent)}), .out({curvature3, curvature_exponent3}));
-  delay #(.BITS(M + 16), .STAGES(6)) hold_stretch7 (.clk, .rst, .advance(1'b1), .in({f1.stretch_mantissa, extend(f1.stretch_exponent)}), .out({stretch7, stretch_exponent7}));
-  delay #(.BITS(M + 16), .STAGES(1)) hold_stretch8 (.clk, .rst, .advance(1'b1), .in({stretch7, stretch_exponent7}), .out({stretch8, stretch_exponent8}));
+  delay #(.BITS(M + 16), .STAGES(2)) hold_horizontal3 (.clk, .rst, .advance(1'b1), .in({f1.horizontal_mantissa, extend(f1.horizontal_exponent)}), .out({horizontal3, horizontal_exponent3}));
+  delay #(.BITS(M + 16), .STAGES(6)) hold_vertical7 (.clk, .rst, .advance(1'b1), .in({f1.vertical_mantissa, extend(f1.vertical_exponent)}), .out({vertical7, vertical_exponent7}));
+  delay #(.BITS(M + 16), .STAGES(1)) hold_vertical8 (.clk, .rst, .advance(1'b1), .in({vertical7, vertical_exponent7}), .out({vertical8, vertical_exponent8}));
   shared_align #(
       .BITS(2 * M),
       .INTERVAL(INTERVAL)
   ) align_first (
       .clk,
       .phase,
-      .negative({1'b0, shear_negative10, slope_negative5, 1'b0}),
-      .magnitude({(2 * M)'(curvature3), shear10, (2 * M)'(slope5), (2 * M)'(stretch8)}),
-      .shift({16'(-curvature_exponent3 - 16'(RADIAL + GUARD)), shear_shift10, 16'(-slope_exponent5 - 16'sd32), 16'(-stretch_exponent8 - 16'sd52)}),
-      .result({fine8, shear15, slope_fixed10, unit13})
+      .negative({1'b0, moved_negative10, shear_negative5, 1'b0}),
+      .magnitude({(2 * M)'(horizontal3), moved10, (2 * M)'(shear5), (2 * M)'(vertical8)}),
+      .shift({16'(-horizontal_exponent3 - 16'(RADIAL + GUARD)), moved_shift10, 16'(-shear_exponent5 - 16'sd32), 16'(-vertical_exponent8 - 16'sd52)}),
+      .result({fine8, moved15, shear_fixed10, unit13})
   );
   shared_align #(
       .BITS(2 * M),
@@ -176,31 +176,31 @@ module splat_setup #(
   ) multiply_mantissas (
       .clk,
       .phase,
-      .left({stretch7, along14, (2 * M)'(0)}),
+      .left({vertical7, along14, (2 * M)'(0)}),
       .right({dy7, dy14, (2 * M)'(0)}),
       .product({along10, square17, spare_squares})
   );
-  logic [M-1:0] slope8, dy8;
+  logic [M-1:0] shear8, dy8;
   always_ff @(posedge clk) begin
-    slope8 <= slope7;
+    shear8 <= shear7;
     dy8 <= dy7;
   end
-  multiply #(.LEFT(M), .RIGHT(M)) multiply_shear (.clk, .advance(1'b1), .left(slope8), .right(dy8), .product(shear10));
-  logic signed [15:0] along_exponent8, along_exponent9, shear_shift8, shear_shift9, square_shift15, square_shift16;
-  logic dy_negative8, dy_negative9, shear_negative8, shear_negative9;
+  multiply #(.LEFT(M), .RIGHT(M)) multiply_moved (.clk, .advance(1'b1), .left(shear8), .right(dy8), .product(moved10));
+  logic signed [15:0] along_exponent8, along_exponent9, moved_shift8, moved_shift9, square_shift15, square_shift16;
+  logic dy_negative8, dy_negative9, moved_negative8, moved_negative9;
   always_ff @(posedge clk) begin
-    along_exponent8 <= stretch_exponent7 + dy_exponent7;
+    along_exponent8 <= vertical_exponent7 + dy_exponent7;
     along_exponent9 <= along_exponent8;
     along_exponent10 <= along_exponent9;
-    shear_shift8 <= -(slope_exponent7 + dy_exponent7) - 16'sd32;
-    shear_shift9 <= shear_shift8;
-    shear_shift10 <= shear_shift9;
+    moved_shift8 <= -(shear_exponent7 + dy_exponent7) - 16'sd32;
+    moved_shift9 <= moved_shift8;
+    moved_shift10 <= moved_shift9;
     dy_negative8 <= dy_negative7;
     dy_negative9 <= dy_negative8;
     dy_negative10 <= dy_negative9;
-    shear_negative8 <= dy_negative7 != slope_negative7;
-    shear_negative9 <= shear_negative8;
-    shear_negative10 <= shear_negative9;
+    moved_negative8 <= dy_negative7 != shear_negative7;
+    moved_negative9 <= moved_negative8;
+    moved_negative10 <= moved_negative9;
     square_shift15 <= -(along_exponent14 + dy_exponent14) - 16'sd52;
     square_shift16 <= square_shift15;
     square_shift17 <= square_shift16;
@@ -208,7 +208,7 @@ module splat_setup #(
 
   // Products with the rows that are jumped over: S n (from stage 10), C n (13), and what the jump adds to C dy^2 (20).
   logic signed [63:0] mean20;
-  logic [79:0] jump_slope_wide13, jump_unit_wide16, jump_wide23, spare_jump;
+  logic [79:0] jump_shear_wide13, jump_unit_wide16, jump_wide23, spare_jump;
   shared_multiply #(
       .LEFT(64),
       .RIGHT(16),
@@ -217,23 +217,23 @@ module splat_setup #(
   ) multiply_jumps (
       .clk,
       .phase,
-      .left({64'd0, slope_fixed10, unit13, mean20}),
+      .left({64'd0, shear_fixed10, unit13, mean20}),
       .right({16'd0, skipped10, skipped13, skipped20}),
-      .product({spare_jump, jump_slope_wide13, jump_unit_wide16, jump_wide23})
+      .product({spare_jump, jump_shear_wide13, jump_unit_wide16, jump_wide23})
   );
 
   // Stage 16: the first visible row's centre, Q.32.
-  logic signed [63:0] base13, centre14, centre15, centre16, centre24, slope24;
+  logic signed [63:0] base13, centre14, centre15, centre16, centre24, shear24;
   logic [CENTRE-1:0] centre_u13;
   delay #(.BITS(CENTRE), .STAGES(12)) hold_centre_u (.clk, .rst, .advance(1'b1), .in(f1.centre_u), .out(centre_u13));
   assign base13 = (64'($signed(centre_u13)) <<< (32 - SUBPIXEL)) - (64'sd1 <<< 31);
   always_ff @(posedge clk) begin
-    centre14 <= base13 + $signed(jump_slope_wide13[63:0]);
+    centre14 <= base13 + $signed(jump_shear_wide13[63:0]);
     centre15 <= centre14;
-    centre16 <= centre15 + shear15;
+    centre16 <= centre15 + moved15;
   end
   delay #(.BITS(64), .STAGES(8)) hold_centre24 (.clk, .rst, .advance(1'b1), .in(centre16), .out(centre24));
-  delay #(.BITS(64), .STAGES(14)) hold_slope24 (.clk, .rst, .advance(1'b1), .in(slope_fixed10), .out(slope24));
+  delay #(.BITS(64), .STAGES(14)) hold_shear24 (.clk, .rst, .advance(1'b1), .in(shear_fixed10), .out(shear24));
 
   // Stages 20 and 21: the first difference. Stage 24: C dy^2 after the jump.
   logic signed [63:0] unit19, unit24, jump_unit19, jump_unit20, first20, first21, first24, vertical23, vertical24;
@@ -251,22 +251,22 @@ module splat_setup #(
   delay #(.BITS(64), .STAGES(3)) hold_first (.clk, .rst, .advance(1'b1), .in(first21), .out(first24));
   // Stages that do not exist, and bits above the 64 that count.
   logic unused;
-  assign unused = &{1'b0, spare_alignments, spare_negatives, spare_mantissas, spare_exponents, spare_squares, spare_jump, jump_slope_wide13[79:64], jump_unit_wide16[79:64], jump_wide23[79:64]};
+  assign unused = &{1'b0, spare_alignments, spare_negatives, spare_mantissas, spare_exponents, spare_squares, spare_jump, jump_shear_wide13[79:64], jump_unit_wide16[79:64], jump_wide23[79:64]};
 
   // `Seed::new`: unit of dx and the alignments that follow from it, constants of the footprint.
-  logic [6:0] spread_length2;
-  logic signed [15:0] spread_exponent2, leading3, half4, drop_wide5, drop6, power7, curvature_exponent6, drop_radial8, drop_first8, drop7;
+  logic [6:0] squared_width_length2;
+  logic signed [15:0] squared_width_exponent2, leading3, half4, drop_wide5, drop6, power7, horizontal_exponent6, drop_radial8, drop_first8, drop7;
   logic [5:0] drop_dx24;
   logic signed [15:0] drop_radial24, drop_first24;
-  delay #(.BITS(16), .STAGES(5)) hold_curvature_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.curvature_exponent)), .out(curvature_exponent6));
+  delay #(.BITS(16), .STAGES(5)) hold_horizontal_exponent (.clk, .rst, .advance(1'b1), .in(extend(f1.horizontal_exponent)), .out(horizontal_exponent6));
   always_ff @(posedge clk) begin
-    spread_length2 <= splatline_math::length(64'(f1.spread_mantissa));
-    spread_exponent2 <= extend(f1.spread_exponent);
-    leading3 <= spread_exponent2 + $signed({9'd0, spread_length2}) + 16'sd5;
+    squared_width_length2 <= splatline_math::length(64'(f1.squared_width_mantissa));
+    squared_width_exponent2 <= extend(f1.squared_width_exponent);
+    leading3 <= squared_width_exponent2 + $signed({9'd0, squared_width_length2}) + 16'sd5;
     half4 <= leading3 >>> 1;
     drop_wide5 <= half4 + 16'sd32 - $signed(16'(M));
     drop6 <= drop_wide5 < 0 ? 16'sd0 : drop_wide5 > 63 ? 16'sd63 : drop_wide5;
-    power7 <= curvature_exponent6 + drop6;
+    power7 <= horizontal_exponent6 + drop6;
     drop7 <= drop6;
     drop_radial8 <= 16'sd64 - $signed(16'(M)) - $signed(16'(RADIAL)) - power7 - drop7;
     drop_first8 <= 16'sd31 - $signed(16'(RADIAL)) - power7;
@@ -298,46 +298,46 @@ module splat_setup #(
   delay #(.BITS(96), .STAGES(12)) hold_balance (.clk, .rst, .advance(1'b1), .in({second12[31:0], balanced12[31:0], start12[31:0]}), .out({second24, unit_balanced24, balance24}));
 
   // Stage 23: what is visible. Stage 24: how many rows; none, if the window holds none of the box's columns.
-  logic [15:0] row23, last_row23, first_column23, last_column23, box_first23, box_last23, row24, rows24, first_column24, last_column24, box_first24, box_last24;
+  logic [15:0] row23, end_row23, first_column23, end_column23, box_first23, box_end23, row24, rows24, first_column24, end_column24, box_first24, box_end24;
   logic [31:0] cutoff23;
   logic [32:0] cutoff_half23;
   logic [PEAK-1:0] peak23, peak24;
   logic [COLOUR-1:0] colours23, colours24;
-  logic [M-1:0] spread23, curvature23, spread24, curvature24;
-  logic [9:0] spread_exponent23;
+  logic [M-1:0] squared_width23, horizontal23, squared_width24, horizontal24;
+  logic [9:0] squared_width_exponent23;
   logic [55:0] reach24;
   logic [RADIAL+4:0] cutoff24;
-  logic spread_odd24;
-  logic signed [15:0] spread_power24;
+  logic squared_width_odd24;
+  logic signed [15:0] squared_width_power24;
   assign cutoff_half23 = RADIAL == 28 ? {1'b0, cutoff23} : {1'b0, cutoff23} + (33'd1 << (27 - RADIAL));
   always_ff @(posedge clk) begin
     row23 <= first_row22 > window.first_row ? first_row22 : window.first_row;
-    last_row23 <= last_row22 < window.last_row ? last_row22 : window.last_row;
+    end_row23 <= end_row22 < window.end_row ? end_row22 : window.end_row;
     first_column23 <= box_first22 > window.first_column ? box_first22 : window.first_column;
-    last_column23 <= box_last22 < window.last_column ? box_last22 : window.last_column;
+    end_column23 <= box_end22 < window.end_column ? box_end22 : window.end_column;
     box_first23 <= box_first22;
-    box_last23 <= box_last22;
+    box_end23 <= box_end22;
     cutoff23 <= cutoff22;
     peak23 <= peak22;
     colours23 <= colours22;
-    spread23 <= spread22;
-    curvature23 <= curvature22;
-    spread_exponent23 <= spread_exponent22;
+    squared_width23 <= squared_width22;
+    horizontal23 <= horizontal22;
+    squared_width_exponent23 <= squared_width_exponent22;
 
     row24 <= row23;
-    rows24 <= first_column23 < last_column23 && row23 < last_row23 ? last_row23 - row23 : 16'd0;
+    rows24 <= first_column23 < end_column23 && row23 < end_row23 ? end_row23 - row23 : 16'd0;
     first_column24 <= first_column23;
-    last_column24 <= last_column23;
+    end_column24 <= end_column23;
     box_first24 <= box_first23;
-    box_last24 <= box_last23;
+    box_end24 <= box_end23;
     reach24 <= {cutoff23, 24'd0} + SLACK;
     cutoff24 <= (RADIAL + 5)'(cutoff_half23 >> (28 - RADIAL));
     peak24 <= peak23;
     colours24 <= colours23;
-    spread24 <= spread23;
-    curvature24 <= curvature23;
-    spread_odd24 <= spread_exponent23[0];
-    spread_power24 <= (extend(spread_exponent23) >>> 1) + 16'sd18;
+    squared_width24 <= squared_width23;
+    horizontal24 <= horizontal23;
+    squared_width_odd24 <= squared_width_exponent23[0];
+    squared_width_power24 <= (extend(squared_width_exponent23) >>> 1) + 16'sd18;
   end
 
   // The fields in the order of `start_t` and `shape_t`.
@@ -357,19 +357,19 @@ module splat_setup #(
         row24,
         rows24,
         centre24,
-        slope24,
+        shear24,
         vertical24,
         first24,
         unit24 <<< 1,
         box_first24,
-        box_last24,
+        box_end24,
         first_column24,
-        last_column24,
+        end_column24,
         reach24,
-        spread24,
-        spread_odd24,
-        spread_power24,
-        curvature24,
+        squared_width24,
+        squared_width_odd24,
+        squared_width_power24,
+        horizontal24,
         drop_dx24,
         drop_radial24,
         drop_first24,

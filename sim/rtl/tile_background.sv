@@ -53,8 +53,8 @@ module tile_background #(
   );
 
   assign end_tile = tile[TILE_BITS-1:0];
-  assign width = (COLUMN_BITS + 1)'(window.last_column - window.first_column);
-  assign height = (ROW_BITS + 1)'(window.last_row - window.first_row);
+  assign width = (COLUMN_BITS + 1)'(window.end_column - window.first_column);
+  assign height = (ROW_BITS + 1)'(window.end_row - window.first_row);
   assign last_pixel = pixel == last;
   assign pixel_valid = found && tile < turn;
   assign place = first + 32'(pixel);

@@ -49,10 +49,10 @@ module tile_finder #(
   always_comb begin
     window.first_column = 16'(column) << COLUMN_BITS;
     window.first_row = 16'(row) << ROW_BITS;
-    window.last_column = edge_of(column, COLUMN_BITS, columns);
-    window.last_row = edge_of(row, ROW_BITS, rows);
+    window.end_column = edge_of(column, COLUMN_BITS, columns);
+    window.end_row = edge_of(row, ROW_BITS, rows);
   end
-  assign last_in_row = window.last_column == columns;
+  assign last_in_row = window.end_column == columns;
   assign asks = state == ASK;
   assign valid = state == FOUND;
   assign list = end_place - begun;
@@ -70,7 +70,7 @@ module tile_finder #(
       state <= tile + 1'b1 == tiles ? DONE : ASK;
       tile <= tile + 1'b1;
       column <= column + 1'b1;
-      first <= first + ({16'd0, window.last_row - window.first_row} << COLUMN_BITS);
+      first <= first + ({16'd0, window.end_row - window.first_row} << COLUMN_BITS);
       if (last_in_row) begin
         column <= 0;
         row <= row + 1'b1;

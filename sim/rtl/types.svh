@@ -1,20 +1,20 @@
   // What the units hand to each other; formats are those of the kernel's structs of the same names (src/raster/spans.rs,
   // src/raster/mod.rs). Kept in types.svh, which the generator copies in here: Yosys knows no types across packages.
 
-  // The part of the screen that the tile buffer holds: columns and rows first .. last.
+  // The part of the screen that the tile buffer holds: columns and rows first .. end.
   typedef struct packed {
     logic [15:0] first_column;
     logic [15:0] first_row;
-    logic [15:0] last_column;
-    logic [15:0] last_row;
+    logic [15:0] end_column;
+    logic [15:0] end_row;
   } window_t;
 
   // The rules of blending at the design's widths (src/blend/mod.rs, `Blend`).
   typedef struct packed {
     logic [ALPHA:0] alpha_max;
     logic [PEAK+WEIGHT:0] least;  // products of peak and weight below it are skipped, UQ1.(peak + weight)
-    logic [TRANSMITTANCE:0] stop;
-    logic stop_before;
+    logic [TRANSMITTANCE:0] minimum_transmittance;
+    logic omit_finishing;
     logic wide_table;  // The footprint table ends at r = 16, otherwise at r = 4.
   } rules_t;
 
@@ -27,17 +27,17 @@
     logic [COLOUR+3:0] blue;
   } paint_t;
 
-  // What the rows of a splat need (`SpanRows`, `HalfWidth` and `Seed`), constant from row to row.
+  // What the rows of a splat need (`EllipseSpans`, `HalfWidth` and `Seed`), constant from row to row.
   typedef struct packed {
     logic [15:0] box_first;  // columns of the footprint's box
-    logic [15:0] box_last;
+    logic [15:0] box_end;
     logic [15:0] first_column;  // and of its part in the window
-    logic [15:0] last_column;
+    logic [15:0] end_column;
     logic [55:0] reach;  // cut-off and slack, UQ4.52
-    logic [MANTISSA-1:0] spread;
-    logic spread_odd;
-    logic signed [15:0] spread_power;
-    logic [MANTISSA-1:0] curvature;
+    logic [MANTISSA-1:0] squared_width;
+    logic squared_width_odd;
+    logic signed [15:0] squared_width_power;
+    logic [MANTISSA-1:0] horizontal;
     logic [5:0] drop_dx;
     logic signed [15:0] drop_radial;
     logic signed [15:0] drop_first;
@@ -53,13 +53,13 @@
     logic [15:0] row;
     logic [15:0] rows;  // rows in the window
     logic signed [63:0] centre;  // xc - 1/2, Q.32
-    logic signed [63:0] slope;
+    logic signed [63:0] shear;
     logic signed [63:0] vertical;  // C dy^2, Q.52, and its differences
     logic signed [63:0] first;
     logic signed [63:0] second;
   } start_t;
 
-  // Adjacent pixels of one row, at least one (`Run`).
+  // Adjacent pixels of one row, at least one (`Span`).
   typedef struct packed {
     logic [TILE_ROW_BITS-1:0] row;  // within the tile
     logic [TILE_COLUMN_BITS-1:0] column;

@@ -1,7 +1,7 @@
 //! The packet's serial form: every field of a footprint at a fixed bit position, for a design's widths.
 //!
 //! Fields follow each other without padding, least significant bit first, in 32-bit words, in the order of
-//! [`Layout::fields`]; unused bits of the last word are 0. Mantissas of variances are unsigned, of the slope and the mixed
+//! [`Layout::fields`]; unused bits of the last word are 0. Mantissas of variances are unsigned, of the shear and the mixed
 //! conic coefficient signed; exponents are signed 10-bit; centres are signed. `docs/results/packet.md` is this table, printed.
 //!
 //! The format is versioned by [`VERSION`], which is the packet's first field.
@@ -65,16 +65,16 @@ impl Layout {
             signed("centre_v", 28 + subpixel, subpixel),
             unsigned("first_column", 16, 0),
             unsigned("first_row", 16, 0),
-            unsigned("last_column", 16, 0),
-            unsigned("last_row", 16, 0),
-            unsigned("curvature_mantissa", mantissa, 0),
-            signed("curvature_exponent", 10, 0),
-            unsigned("spread_mantissa", mantissa, 0),
-            signed("spread_exponent", 10, 0),
-            signed("slope_mantissa", mantissa + 1, 0),
-            signed("slope_exponent", 10, 0),
-            unsigned("stretch_mantissa", mantissa, 0),
-            signed("stretch_exponent", 10, 0),
+            unsigned("end_column", 16, 0),
+            unsigned("end_row", 16, 0),
+            unsigned("horizontal_mantissa", mantissa, 0),
+            signed("horizontal_exponent", 10, 0),
+            unsigned("squared_width_mantissa", mantissa, 0),
+            signed("squared_width_exponent", 10, 0),
+            signed("shear_mantissa", mantissa + 1, 0),
+            signed("shear_exponent", 10, 0),
+            unsigned("vertical_mantissa", mantissa, 0),
+            signed("vertical_exponent", 10, 0),
             unsigned("conic_a", mantissa, 0),
             signed("conic_b", mantissa + 1, 0),
             unsigned("conic_c", mantissa, 0),

@@ -19,7 +19,7 @@ const FRACTION: u32 = 36;
 #[derive(Clone, Debug)]
 pub struct BoxSpans {
     y: u16,
-    last_row: u16,
+    end_row: u16,
     first_column: u16,
     columns: u16,
     /// r at the first visible column, down the rows.
@@ -52,7 +52,7 @@ impl BoxSpans {
         let radial = radial.wrapping_add(bdx.times(dy).to_fixed(FRACTION).wrapping_mul(2));
         let mut rows = BoxSpans {
             y: footprint.first[1],
-            last_row: 0,
+            end_row: 0,
             first_column: 0,
             columns: 0,
             radial: Quadratic {
@@ -98,7 +98,7 @@ impl BoxSpans {
             .across
             .wrapping_add(self.cross.wrapping_mul(skip[1].into()));
         self.y = visible.first[1];
-        self.last_row = visible.end[1];
+        self.end_row = visible.end[1];
         self.first_column = visible.first[0];
         self.columns = visible.end[0] - visible.first[0];
     }
@@ -113,7 +113,7 @@ impl Spans for BoxSpans {
     }
 
     fn next_span(&mut self) -> Option<Span<i64>> {
-        if self.y >= self.last_row {
+        if self.y >= self.end_row {
             return None;
         }
         let run = Span {

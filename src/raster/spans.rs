@@ -31,9 +31,9 @@ const SLACK: i64 = 1 << (VERTICAL - 10);
 /// The runs of one footprint under the traversal `spans`.
 #[derive(Clone, Debug)]
 pub struct EllipseSpans<L> {
-    /// Rows still to come: `y .. last_row`.
+    /// Rows still to come: `y .. end_row`.
     y: u16,
-    last_row: u16,
+    end_row: u16,
     /// Columns of the footprint's box, and of its part in the window.
     bounds: [u16; 2],
     visible: [u16; 2],
@@ -162,7 +162,7 @@ impl<L: Lane> EllipseSpans<L> {
         }
         EllipseSpans {
             y: visible.first[1],
-            last_row: if visible.is_empty() {
+            end_row: if visible.is_empty() {
                 0
             } else {
                 visible.end[1]
@@ -189,7 +189,7 @@ impl<L: Lane> EllipseSpans<L> {
     pub fn constants(&self) -> RowConstants<L> {
         let (half, seed) = (&self.half_width, &self.seed);
         RowConstants {
-            rows: [self.y, self.last_row],
+            rows: [self.y, self.end_row],
             bounds: self.bounds,
             visible: self.visible,
             centre: self.centre,
@@ -289,7 +289,7 @@ impl<L: Lane> Spans for EllipseSpans<L> {
                     return Some(run);
                 }
             }
-            if self.y >= self.last_row {
+            if self.y >= self.end_row {
                 return None;
             }
             self.next_row();

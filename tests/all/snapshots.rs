@@ -56,7 +56,7 @@ fn field_table<D: Design>(design: D) -> String {
             .sum();
         writeln!(
             text,
-            "{:20} bit {:3}, {:2} wide: {value:x}",
+            "{:22} bit {:3}, {:2} wide: {value:x}",
             field.name, field.offset, field.width
         )
         .unwrap();
@@ -140,59 +140,59 @@ fn the_leaf_looks_like_this() {
 }
 
 const STANDARD24: &str = "\
-version              bit   0,  4 wide: 2
-depth                bit   4, 48 wide: c08000000000
-centre_u             bit  52, 52 wide: fa80000
-centre_v             bit 104, 52 wide: 7380000
-first_column         bit 156, 16 wide: 6
-first_row            bit 172, 16 wide: 2
-last_column          bit 188, 16 wide: 19
-last_row             bit 204, 16 wide: d
-curvature_mantissa   bit 220, 28 wide: 99e64f2
-curvature_exponent   bit 248, 10 wide: 3e3
-spread_mantissa      bit 258, 28 wide: d4eb002
-spread_exponent      bit 286, 10 wide: 3e6
-slope_mantissa       bit 296, 29 wide: a3eb7f4
-slope_exponent       bit 325, 10 wide: 3e5
-stretch_mantissa     bit 335, 28 wide: a79849a
-stretch_exponent     bit 363, 10 wide: 3e3
-conic_a              bit 373, 28 wide: 4cf3279
-conic_b              bit 401, 29 wide: 19d74c8b
-conic_c              bit 430, 28 wide: d1febae
-conic_exponent       bit 458, 10 wide: 3e4
-cutoff               bit 468, 32 wide: a81d56e5
-peak                 bit 500, 32 wide: c000000
-red                  bit 532, 28 wide: 1000000
-green                bit 560, 28 wide: 800000
-blue                 bit 588, 28 wide: 400000
+version                bit   0,  4 wide: 2
+depth                  bit   4, 48 wide: c08000000000
+centre_u               bit  52, 52 wide: fa80000
+centre_v               bit 104, 52 wide: 7380000
+first_column           bit 156, 16 wide: 6
+first_row              bit 172, 16 wide: 2
+end_column             bit 188, 16 wide: 19
+end_row                bit 204, 16 wide: d
+horizontal_mantissa    bit 220, 28 wide: 99e64f2
+horizontal_exponent    bit 248, 10 wide: 3e3
+squared_width_mantissa bit 258, 28 wide: d4eb002
+squared_width_exponent bit 286, 10 wide: 3e6
+shear_mantissa         bit 296, 29 wide: a3eb7f4
+shear_exponent         bit 325, 10 wide: 3e5
+vertical_mantissa      bit 335, 28 wide: a79849a
+vertical_exponent      bit 363, 10 wide: 3e3
+conic_a                bit 373, 28 wide: 4cf3279
+conic_b                bit 401, 29 wide: 19d74c8b
+conic_c                bit 430, 28 wide: d1febae
+conic_exponent         bit 458, 10 wide: 3e4
+cutoff                 bit 468, 32 wide: a81d56e5
+peak                   bit 500, 32 wide: c000000
+red                    bit 532, 28 wide: 1000000
+green                  bit 560, 28 wide: 800000
+blue                   bit 588, 28 wide: 400000
 ";
 
 const LEAN18: &str = "\
-version              bit   0,  4 wide: 2
-depth                bit   4, 48 wide: c08000000000
-centre_u             bit  52, 40 wide: fa80
-centre_v             bit  92, 40 wide: 7380
-first_column         bit 132, 16 wide: 6
-first_row            bit 148, 16 wide: 2
-last_column          bit 164, 16 wide: 19
-last_row             bit 180, 16 wide: d
-curvature_mantissa   bit 196, 18 wide: 26799
-curvature_exponent   bit 214, 10 wide: 3ed
-spread_mantissa      bit 224, 18 wide: 353ac
-spread_exponent      bit 242, 10 wide: 3f0
-slope_mantissa       bit 252, 19 wide: 28fae
-slope_exponent       bit 271, 10 wide: 3ef
-stretch_mantissa     bit 281, 18 wide: 29e61
-stretch_exponent     bit 299, 10 wide: 3ed
-conic_a              bit 309, 18 wide: 133cd
-conic_b              bit 327, 19 wide: 675d3
-conic_c              bit 346, 18 wide: 347fb
-conic_exponent       bit 364, 10 wide: 3ee
-cutoff               bit 374, 32 wide: a81d56e5
-peak                 bit 406, 28 wide: c00000
-red                  bit 434, 18 wide: 4000
-green                bit 452, 18 wide: 2000
-blue                 bit 470, 18 wide: 1000
+version                bit   0,  4 wide: 2
+depth                  bit   4, 48 wide: c08000000000
+centre_u               bit  52, 40 wide: fa80
+centre_v               bit  92, 40 wide: 7380
+first_column           bit 132, 16 wide: 6
+first_row              bit 148, 16 wide: 2
+end_column             bit 164, 16 wide: 19
+end_row                bit 180, 16 wide: d
+horizontal_mantissa    bit 196, 18 wide: 26799
+horizontal_exponent    bit 214, 10 wide: 3ed
+squared_width_mantissa bit 224, 18 wide: 353ac
+squared_width_exponent bit 242, 10 wide: 3f0
+shear_mantissa         bit 252, 19 wide: 28fae
+shear_exponent         bit 271, 10 wide: 3ef
+vertical_mantissa      bit 281, 18 wide: 29e61
+vertical_exponent      bit 299, 10 wide: 3ed
+conic_a                bit 309, 18 wide: 133cd
+conic_b                bit 327, 19 wide: 675d3
+conic_c                bit 346, 18 wide: 347fb
+conic_exponent         bit 364, 10 wide: 3ee
+cutoff                 bit 374, 32 wide: a81d56e5
+peak                   bit 406, 28 wide: c00000
+red                    bit 434, 18 wide: 4000
+green                  bit 452, 18 wide: 2000
+blue                   bit 470, 18 wide: 1000
 ";
 
 #[test]

@@ -44,7 +44,7 @@ static void start(Vflat_primitive &circuit, const Bench &bench) {
     circuit.alpha_max = bench.rules.alpha_max;
     circuit.least = bench.rules.least;
     circuit.stop = bench.rules.stop;
-    circuit.stop_before = bench.rules.stop_before;
+    circuit.omit_finishing = bench.rules.omit_finishing;
     circuit.wide_table = bench.rules.wide_table;
     circuit.table_valid = 1;
     for (uint32_t index = 0; index < bench.painter.table_count; index++) {
@@ -63,8 +63,8 @@ static void start(Vflat_primitive &circuit, const Bench &bench) {
 static bool draw(Vflat_primitive &circuit, const Bench &bench, const SplatlineWindow &tile) {
     circuit.first_column = tile.first[0];
     circuit.first_row = tile.first[1];
-    circuit.last_column = tile.end[0];
-    circuit.last_row = tile.end[1];
+    circuit.end_column = tile.end[0];
+    circuit.end_row = tile.end[1];
     circuit.tile_valid = 1;
     bool done = handshake(circuit, circuit.tile_ready);
     circuit.tile_valid = 0;

@@ -2,9 +2,9 @@
 // Your own rasterizer takes the primitive's place.
 module dpi_bench;
     import "DPI-C" function int model_begin();
-    import "DPI-C" function void model_rules(output int alpha_max, output longint least, output int stop, output int stop_before, output int wide_table);
+    import "DPI-C" function void model_rules(output int alpha_max, output longint least, output int stop, output int omit_finishing, output int wide_table);
     import "DPI-C" function void model_table(input int index, output int low, output int step);
-    import "DPI-C" function int model_tile(input int tile, output int first_column, output int first_row, output int last_column, output int last_row);
+    import "DPI-C" function int model_tile(input int tile, output int first_column, output int first_row, output int end_column, output int end_row);
     import "DPI-C" function int model_packet(input int i, output bit [671:0] packet);
     import "DPI-C" function int model_pixel_is(input int x, input int y, input int flag, input int transmittance, input int red, input int green, input int blue);
 
@@ -18,15 +18,15 @@ module dpi_bench;
     logic [T+1:0] transmittance;
     logic [3*SUM-1:0] colour;
     longint least;
-    int alpha_max, stop, stop_before, wide_table, index, low, step;
-    int first_column, first_row, last_column, last_row, packets;
+    int alpha_max, stop, omit_finishing, wide_table, index, low, step;
+    int first_column, first_row, end_column, end_row, packets;
     int pixels = 0;
     bit [671:0] words;
     splatline_pkg::rules_t rules;
     splatline_pkg::window_t tile;
 
-    assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[T:0], stop_before[0], wide_table[0]};
-    assign tile = {first_column[15:0], first_row[15:0], last_column[15:0], last_row[15:0]};
+    assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[T:0], omit_finishing[0], wide_table[0]};
+    assign tile = {first_column[15:0], first_row[15:0], end_column[15:0], end_row[15:0]};
 
     splat_primitive #(.LANES(4)) splats (
         .clk, .rst, .rules, .tile,
@@ -46,8 +46,8 @@ module dpi_bench;
 
     // Reads the tile out, row by row, and compares.
     task automatic compare();
-        for (int y = first_row; y < last_row; y++)
-            for (int x = first_column; x < last_column; x++) begin
+        for (int y = first_row; y < end_row; y++)
+            for (int x = first_column; x < end_column; x++) begin
                 while (!pixel_valid) clock();
                 if (model_pixel_is(x, y, 32'(transmittance[T+1]), 32'(transmittance[T:0]), 32'(colour[0+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[2*SUM+:SUM])) == 0)
                     $fatal(1, "pixel (%0d, %0d): the circuit has %h, transmittance %h", x, y, colour, transmittance);
@@ -61,7 +61,7 @@ module dpi_bench;
     initial begin
         packets = model_begin();
         if (packets <= 0) $fatal(1, "the model does not start");
-        model_rules(alpha_max, least, stop, stop_before, wide_table);
+        model_rules(alpha_max, least, stop, omit_finishing, wide_table);
         repeat (4) clock();
         rst = 0;
         table_valid = 1;
@@ -70,8 +70,8 @@ module dpi_bench;
             clock();
         end
         table_valid = 0;
-        for (int number = 0; model_tile(number, first_column, first_row, last_column, last_row) > 0; number++) begin
-            if (last_column - first_column > 1 << splatline_pkg::TILE_COLUMN_BITS || last_row - first_row > 1 << splatline_pkg::TILE_ROW_BITS)
+        for (int number = 0; model_tile(number, first_column, first_row, end_column, end_row) > 0; number++) begin
+            if (end_column - first_column > 1 << splatline_pkg::TILE_COLUMN_BITS || end_row - first_row > 1 << splatline_pkg::TILE_ROW_BITS)
                 $fatal(1, "tile %0d is larger than the circuit's buffer", number);
             tile_valid = 1;
             #1 while (!tile_ready) clock();

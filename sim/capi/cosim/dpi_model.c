@@ -11,11 +11,11 @@ int model_begin(void) {
 }
 
 // The rules at the design's widths.
-void model_rules(int *alpha_max, long long *least, int *stop, int *stop_before, int *wide_table) {
+void model_rules(int *alpha_max, long long *least, int *stop, int *omit_finishing, int *wide_table) {
     *alpha_max = (int)bench.rules.alpha_max;
     *least = (long long)bench.rules.least;
     *stop = (int)bench.rules.stop;
-    *stop_before = (int)bench.rules.stop_before;
+    *omit_finishing = (int)bench.rules.omit_finishing;
     *wide_table = (int)bench.rules.wide_table;
 }
 
@@ -28,12 +28,12 @@ void model_table(int index, int *low, int *step) {
 }
 
 // A tile's window: 1, or 0 if there is no such tile.
-int model_tile(int tile, int *first_column, int *first_row, int *last_column, int *last_row) {
+int model_tile(int tile, int *first_column, int *first_row, int *end_column, int *end_row) {
     SplatlineWindow window = bench_tile(tile);
     *first_column = window.first[0];
     *first_row = window.first[1];
-    *last_column = window.end[0];
-    *last_row = window.end[1];
+    *end_column = window.end[0];
+    *end_row = window.end[1];
     return tile < TILE_COUNT;
 }
 

@@ -11,8 +11,8 @@ module flat_machine #(
     input logic [17:0] constant_exponent,
     input logic [31:0] alpha_max,
     input logic [63:0] least,
-    input logic [31:0] stop,
-    input logic stop_before,
+    input logic [31:0] minimum_transmittance,
+    input logic omit_finishing,
     input logic wide_table,
     input logic table_valid,
     input logic [31:0] table_index,
@@ -47,7 +47,7 @@ module flat_machine #(
     input logic settled
 );
   splatline_pkg::rules_t rules;
-  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[splatline_pkg::TRANSMITTANCE:0], stop_before, wide_table};
+  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], minimum_transmittance[splatline_pkg::TRANSMITTANCE:0], omit_finishing, wide_table};
 
   splat_machine #(
       .CORES(CORES),

@@ -8,8 +8,8 @@ module flat_primitive #(
     input logic rst,
     input logic [31:0] alpha_max,
     input logic [63:0] least,
-    input logic [31:0] stop,
-    input logic stop_before,
+    input logic [31:0] minimum_transmittance,
+    input logic omit_finishing,
     input logic wide_table,
     input logic table_valid,
     input logic [31:0] table_index,
@@ -19,8 +19,8 @@ module flat_primitive #(
     output logic tile_ready,
     input logic [15:0] first_column,
     input logic [15:0] first_row,
-    input logic [15:0] last_column,
-    input logic [15:0] last_row,
+    input logic [15:0] end_column,
+    input logic [15:0] end_row,
     input logic packet_valid,
     output logic packet_ready,
     input logic [splatline_pkg::PACKET_BITS-1:0] packet,
@@ -59,8 +59,8 @@ module flat_primitive #(
   logic [splatline_pkg::TRANSMITTANCE+1:0] word;
   logic [3*SUM-1:0] colour;
 
-  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[splatline_pkg::TRANSMITTANCE:0], stop_before, wide_table};
-  assign tile = {first_column, first_row, last_column, last_row};
+  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], minimum_transmittance[splatline_pkg::TRANSMITTANCE:0], omit_finishing, wide_table};
+  assign tile = {first_column, first_row, end_column, end_row};
   assign finished = word[splatline_pkg::TRANSMITTANCE+1];
   assign transmittance = 32'(word[splatline_pkg::TRANSMITTANCE:0]);
   assign {blue, green, red} = {32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM])};

@@ -16,7 +16,7 @@ struct Entry {
 
 struct Frame {
     uint64_t least;
-    uint32_t alpha_max, stop, stop_before, wide_table;
+    uint32_t alpha_max, minimum_transmittance, omit_finishing, wide_table;
     uint32_t records, base_records, base_packets, base_a, base_b, base_lists, base_frame, most, columns, rows, latency, pauses, bytes;
 };
 
@@ -39,8 +39,8 @@ extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* c
     m.constant_valid = m.table_valid = m.begins = 0;
     m.alpha_max = frame->alpha_max;
     m.least = frame->least;
-    m.stop = frame->stop;
-    m.stop_before = frame->stop_before;
+    m.minimum_transmittance = frame->minimum_transmittance;
+    m.omit_finishing = frame->omit_finishing;
     m.wide_table = frame->wide_table;
     m.records = frame->records;
     m.base_records = frame->base_records;

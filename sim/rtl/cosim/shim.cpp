@@ -8,9 +8,9 @@ namespace {
 
 // Mirrors `Inputs` and `Outputs` of src/model.rs.
 struct Inputs {
-    uint8_t rst, table_valid, tile_valid, packet_valid, finish_valid, pixel_ready, lanes_enable, stop_before, wide_table, unit_negative, spare[2];
-    uint16_t first_column, first_row, last_column, last_row;
-    uint32_t alpha_max, stop, table_index, table_low, table_step;
+    uint8_t rst, table_valid, tile_valid, packet_valid, finish_valid, pixel_ready, lanes_enable, omit_finishing, wide_table, unit_negative, spare[2];
+    uint16_t first_column, first_row, end_column, end_row;
+    uint32_t alpha_max, minimum_transmittance, table_index, table_low, table_step;
     uint64_t least, unit_magnitude;
     uint16_t unit_shift, spare2;
     uint32_t packet[21];
@@ -61,18 +61,18 @@ void drive(MODEL& m, const Inputs* in) {
     m.finish_valid = in->finish_valid;
     m.pixel_ready = in->pixel_ready;
     m.lanes_enable = in->lanes_enable;
-    m.stop_before = in->stop_before;
+    m.omit_finishing = in->omit_finishing;
     m.wide_table = in->wide_table;
     m.first_column = in->first_column;
     m.first_row = in->first_row;
-    m.last_column = in->last_column;
-    m.last_row = in->last_row;
+    m.end_column = in->end_column;
+    m.end_row = in->end_row;
     m.alpha_max = in->alpha_max;
     m.least = in->least;
     m.unit_negative = in->unit_negative;
     m.unit_magnitude = in->unit_magnitude;
     m.unit_shift = in->unit_shift;
-    m.stop = in->stop;
+    m.minimum_transmittance = in->minimum_transmittance;
     m.table_index = in->table_index;
     m.table_low = in->table_low;
     m.table_step = in->table_step;

@@ -7,7 +7,7 @@
   logic [15:0] last_before;
   logic [COLUMN_BITS:0] beyond17, beyond18, beyond19, beyond20;
   logic holds20;
-  assign last_before = last_column - 16'd1;
+  assign last_before = end_column - 16'd1;
   initial passed = 0;
   always_ff @(posedge clk) begin
     passed <= {passed[2:0], 1'b1};
@@ -24,9 +24,9 @@
   end
 
   always_comb begin
-    assume (first_column < last_column);
+    assume (first_column < end_column);
     assume (first_column[15:COLUMN_BITS] == last_before[15:COLUMN_BITS]);
-    assume (box_first <= first_column && last_column <= box_last);
+    assume (box_first <= first_column && end_column <= box_end);
   end
 
   always_comb

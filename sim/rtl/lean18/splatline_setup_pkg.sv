@@ -137,7 +137,7 @@ package splatline_setup_pkg;
       8'd60: microcode = 82'hcae05b800000d00b6587;  // cross
       8'd61: microcode = 82'h8e000000d00900008f0;  // 1/z, seed
       8'd62: microcode = 82'h8e000000804500028f0;  // 1/z, seed
-      8'd63: microcode = 82'hcae01c380000d00b6507;  // slope
+      8'd63: microcode = 82'hcae01c380000d00b6507;  // shear
       8'd64: microcode = 82'h49704c834120d00029a0;  // ratio, from below
       8'd65: microcode = 82'h49c04f03c120d00029f0;  // ratio, from below
       8'd66: microcode = 82'h8a2052000000878b4ae0;  // xy
@@ -165,8 +165,8 @@ package splatline_setup_pkg;
       8'd88: microcode = 82'h49804d036120d00029b0;  // ratio, from above
       8'd89: microcode = 82'h49d04f83e120d0002a00;  // ratio, from above
       8'd90: microcode = 82'hc2875b800000d00b6607;  // conic c
-      8'd91: microcode = 82'hc8211c380000d00b6487;  // spread
-      8'd92: microcode = 82'hc3075b800000d00b6407;  // curvature
+      8'd91: microcode = 82'hc8211c380000d00b6487;  // squared_width
+      8'd92: microcode = 82'hc3075b800000d00b6407;  // horizontal
       8'd93: microcode = 82'h2000f3618000090001000;  // results
       8'd94: microcode = 82'h201874508000010001010;  // results
       8'd95: microcode = 82'h202076600000010001020;  // results

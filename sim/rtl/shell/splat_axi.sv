@@ -8,7 +8,7 @@
 //   00 control   write 1: begin a tile with the window in 08 and 0c; write 2: end it. Read: bit 0 a begin waits, 1 an end waits, 2 idle, 3 raster_idle
 //   04 version   of packets
 //   08 first     window: column, and row << 16        0c last    one past the window's end, in the same way
-//   10 alpha_max 14 stop    18 least   1c least >> 32  20 flags   bit 0 stop_before, 1 wide_table
+//   10 alpha_max 14 minimum_transmittance    18 least   1c least >> 32  20 flags   bit 0 omit_finishing, 1 wide_table
 //   24 table_index          28 table_low               2c table_step, whose write writes the entry and goes to the next
 //   30 packets   taken      34 foreign  packets of another version     38 broken  packets whose `tlast` came too early or too late
 //   3c pixels    read out   40 cycles   of the clock
@@ -88,7 +88,7 @@ module splat_axi #(
 
   // Registers: an address and its word are taken together, an answer waits for its taker.
   logic writes, reads, begins, finishes, begin_ready, finish_ready, idle, raster_idle, table_valid;
-  logic [31:0] first, last, alpha_max, stop, table_index, table_low, table_step, cycles, pixels;
+  logic [31:0] first, last, alpha_max, minimum_transmittance, table_index, table_low, table_step, cycles, pixels;
   logic [63:0] least;
   logic [1:0] flags;
   logic [15:0] foreign_packets;
@@ -104,7 +104,7 @@ module splat_axi #(
         5'd2: first <= s_axil_wdata;
         5'd3: last <= s_axil_wdata;
         5'd4: alpha_max <= s_axil_wdata;
-        5'd5: stop <= s_axil_wdata;
+        5'd5: minimum_transmittance <= s_axil_wdata;
         5'd6: least[31:0] <= s_axil_wdata;
         5'd7: least[63:32] <= s_axil_wdata;
         5'd8: flags <= s_axil_wdata[1:0];
@@ -150,7 +150,7 @@ module splat_axi #(
 
   splatline_pkg::rules_t rules;
   splatline_pkg::window_t tile;
-  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[T:0], flags};
+  assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], minimum_transmittance[T:0], flags};
   assign tile = {first[15:0], first[31:16], last[15:0], last[31:16]};
 
   // Pixels of the tile that is read out: counted, so that its last one is known.
@@ -204,5 +204,5 @@ module splat_axi #(
 
   // Every word is written whole, whoever writes.
   logic unused;
-  assign unused = &{1'b0, s_axil_awprot, s_axil_arprot, s_axil_wstrb, s_axil_awaddr[1:0], s_axil_araddr[1:0], alpha_max, stop, least, table_index, table_low, table_step, words};
+  assign unused = &{1'b0, s_axil_awprot, s_axil_arprot, s_axil_wstrb, s_axil_awaddr[1:0], s_axil_araddr[1:0], alpha_max, minimum_transmittance, least, table_index, table_low, table_step, words};
 endmodule

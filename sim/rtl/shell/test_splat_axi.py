@@ -90,12 +90,12 @@ class Board:
         return await self.registers.read_dword(address)
 
     async def load(self, kernel, entries):
-        alpha_max, least, stop, stop_before, wide_table = kernel.rules()
+        alpha_max, least, minimum_transmittance, omit_finishing, wide_table = kernel.rules()
         await self.write(ALPHA_MAX, alpha_max)
-        await self.write(STOP, stop & 0xFFFFFFFF)
+        await self.write(STOP, minimum_transmittance & 0xFFFFFFFF)
         await self.write(LEAST, least & 0xFFFFFFFF)
         await self.write(LEAST_HIGH, (least >> 32) & 0xFFFFFFFF)
-        await self.write(FLAGS, stop_before | wide_table << 1)
+        await self.write(FLAGS, omit_finishing | wide_table << 1)
         await self.write(TABLE_INDEX, 0)
         for index in range(entries):
             low, step = kernel.table(index)
@@ -103,9 +103,9 @@ class Board:
             await self.write(TABLE_STEP, step)
 
     async def begin(self, tile):
-        first_column, first_row, last_column, last_row = tile
+        first_column, first_row, end_column, end_row = tile
         await self.write(FIRST, first_column | first_row << 16)
-        await self.write(LAST, last_column | last_row << 16)
+        await self.write(LAST, end_column | end_row << 16)
         await self.write(CONTROL, BEGIN)
         while await self.read(CONTROL) & BEGIN:
             pass
@@ -141,9 +141,9 @@ async def tiles_of_the_example_picture(dut):
 
     compared = 0
     for tile in tiles:
-        first_column, first_row, last_column, last_row = kernel.tile(tile)
+        first_column, first_row, end_column, end_row = kernel.tile(tile)
         data = bytes((await board.pixels.recv()).tdata)
-        places = [(x, y) for y in range(first_row, last_row) for x in range(first_column, last_column)]
+        places = [(x, y) for y in range(first_row, end_row) for x in range(first_column, end_column)]
         assert len(data) == 16 * len(places), f"tile {tile}: {len(data) // 16} pixels before its last one, {len(places)} in its window"
         for place, (x, y) in enumerate(places):
             word = int.from_bytes(data[16 * place : 16 * place + 16], "little")

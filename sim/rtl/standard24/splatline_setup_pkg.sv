@@ -158,7 +158,7 @@ package splatline_setup_pkg;
       8'd81: microcode = 82'h8ad0578000008788cb90;  // xy
       8'd82: microcode = 82'h8b10598000000788cb90;  // xy
       8'd83: microcode = 82'h8b505b8000004788eb90;  // xy
-      8'd84: microcode = 82'hc30761800000d008e407;  // curvature
+      8'd84: microcode = 82'hc30761800000d008e407;  // horizontal
       8'd85: microcode = 82'h50000003e100ac000207;  // position
       8'd86: microcode = 82'h49f0800400006c002207;  // position
       8'd87: microcode = 82'h99000000d00900009a0;  // 1/z, seed
@@ -219,11 +219,11 @@ package splatline_setup_pkg;
       8'd155: microcode = 82'h1068700000100d00828a1;  // peak, 31 bits
       8'd156: microcode = 82'h148c167000000eb802cf0;  // d (1/2 ..)
       8'd157: microcode = 82'h18d3069068120d0002d40;  // cut-off, limited
-      8'd158: microcode = 82'h8b901c380000d008e507;  // slope
+      8'd158: microcode = 82'h8b901c380000d008e507;  // shear
       8'd159: microcode = 82'h1cd6000001500900bc901;  // extent
       8'd160: microcode = 82'h1cd6000001000500be901;  // extent
       8'd161: microcode = 82'h9c080038140d00029d0;  // 1/z or 1
-      8'd162: microcode = 82'h8be01c380000d008e487;  // spread
+      8'd162: microcode = 82'h8be01c380000d008e487;  // squared_width
       8'd163: microcode = 82'h2000f3438000090001000;  // results
       8'd164: microcode = 82'h201874708000010001010;  // results
       8'd165: microcode = 82'h202074808000010001020;  // results

@@ -378,7 +378,7 @@ fn summary(lines: &[Line], pictures: &[PictureLine]) -> Result<()> {
 
 /// Judges the mutants whose name contains `part`.
 fn judge_mutants(part: &str) -> Result<()> {
-    let judge = mutants::Judge::new()?;
+    let judge = mutants::MutantJudge::new()?;
     println!("| mistake | unit | noticed as |\n|---|---|---|");
     let mut survivors = 0;
     for mutant in mutants::MUTANTS
@@ -428,7 +428,7 @@ fn order() -> Result<()> {
     for digit in [8, 12] {
         let folder = tempfile::tempdir()?;
         let library = order::circuit::library(folder.path(), digit, None, "-O2")?;
-        let model = order::model::Model::new(&library)?;
+        let model = order::model::OrderModel::new(&library)?;
         for load in &loads {
             for timing in order::bench::MEMORIES {
                 let found = order::bench::run(&model, load, timing, 1)?;

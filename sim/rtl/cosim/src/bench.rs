@@ -28,7 +28,7 @@ pub struct Pauses {
 
 /// What a tile gave.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outcome {
+pub struct BenchOutcome {
     /// The window's pixels, row by row, in the kernel's words.
     pub pixels: Vec<Pixel>,
     /// In which cycle everything happened.
@@ -106,13 +106,13 @@ impl Bench {
     /// Inputs that offer a tile.
     pub(crate) fn tile_offer(&self, tile: &Tile) -> Inputs {
         let [first_column, first_row] = tile.window.first;
-        let [last_column, last_row] = tile.window.end;
+        let [end_column, end_row] = tile.window.end;
         Inputs {
             tile_valid: 1,
             first_column,
             first_row,
-            last_column,
-            last_row,
+            end_column,
+            end_row,
             ..self.idle
         }
     }
@@ -148,7 +148,7 @@ impl Bench {
         tile: &Tile,
         footprints: &[Footprint],
         pauses: Pauses,
-    ) -> Result<Outcome, String> {
+    ) -> Result<BenchOutcome, String> {
         let offer = self.tile_offer(tile);
         self.wait("tile_ready", pauses, &offer, |out| out.tile_ready == 1)?;
         self.stamps = Stamps {
@@ -173,7 +173,7 @@ impl Bench {
                 pixels.push(pixel(&out));
             }
         }
-        Ok(Outcome {
+        Ok(BenchOutcome {
             pixels,
             stamps,
             roots,
@@ -279,7 +279,7 @@ fn rule_inputs(widths: &Widths, rules: &Rules) -> Inputs {
     Inputs {
         alpha_max: constants.alpha_max,
         least: constants.opacity_min,
-        stop: constants.minimum_transmittance,
+        minimum_transmittance: constants.minimum_transmittance,
         omit_finishing: constants.omit_finishing.into(),
         wide_table: (rules.table_range == 4).into(),
         lanes_enable: 1,

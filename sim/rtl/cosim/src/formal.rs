@@ -158,7 +158,7 @@ const WINDOW_MISTAKES: [Mutant; 4] = [
     mutant(
         "the window's end is not cut off",
         "row_window.sv",
-        "end18 <= high17 < last_column17 ? high17 : last_column17",
+        "end18 <= high17 < end_column17 ? high17 : end_column17",
         "end18 <= high17",
     ),
     mutant(

@@ -40,13 +40,13 @@ pub struct Inputs {
     /// The tile's window.
     pub first_row: u16,
     /// The tile's window.
-    pub last_column: u16,
+    pub end_column: u16,
     /// The tile's window.
-    pub last_row: u16,
+    pub end_row: u16,
     /// UQ1.alpha.
     pub alpha_max: u32,
     /// UQ1.transmittance.
-    pub stop: u32,
+    pub minimum_transmittance: u32,
     /// Entry of the footprint table.
     pub table_index: u32,
     /// UQ1.weight.

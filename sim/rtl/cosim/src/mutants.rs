@@ -84,8 +84,8 @@ pub const MUTANTS: [Mutant; 44] = [
     mutant(
         "stops a unit late",
         "blend.sv",
-        "{2'b11, ~rules.stop}",
-        "{2'b11, ~rules.stop} + 1'b1",
+        "{2'b11, ~rules.minimum_transmittance}",
+        "{2'b11, ~rules.minimum_transmittance} + 1'b1",
     ),
     mutant(
         "pixels in flight meet",
@@ -322,18 +322,18 @@ const DESIGN: &str = "lean18";
 const LANES: usize = 4;
 
 /// The mistakes' judge: workloads set up once.
-pub struct Judge {
+pub struct MutantJudge {
     loads: Vec<Loads>,
 }
 
-impl Judge {
+impl MutantJudge {
     /// Sets the quick suite's workloads up for the rules of both kinds.
-    pub fn new() -> Result<Judge> {
+    pub fn new() -> Result<MutantJudge> {
         let loads = rules()
             .iter()
             .map(|(name, rules)| Loads::new(DESIGN, name, rules, Extent::Quick))
             .collect::<Result<_>>()?;
-        Ok(Judge { loads })
+        Ok(MutantJudge { loads })
     }
 
     /// What the suite says of a mutant: its first difference, or nothing if it survives.

@@ -100,17 +100,17 @@ mod with_verilator {
         let widths = Lean18::WIDTHS;
         let design = splatline::format::RuntimeWidths::new(widths).unwrap();
         let folder = tempfile::tempdir().unwrap();
-        let spec = setup::circuit::Spec::new("lean18", &widths, 3);
+        let spec = setup::circuit::SetupSpec::new("lean18", &widths, 3);
         let library = setup::circuit::library(folder.path(), &spec).unwrap();
         let (scenes, missing) = setup::loads::captured(1000).unwrap();
         println!("not at hand: {missing:?}");
-        let mut seen = setup::bench::Findings::default();
+        let mut seen = setup::bench::SetupFindings::default();
         for (index, load) in setup::loads::synthetic(400, 1)
             .iter()
             .chain(&scenes)
             .enumerate()
         {
-            let mut model = setup::model::Model::new(&library, index as u32 + 1).unwrap();
+            let mut model = setup::model::SetupModel::new(&library, index as u32 + 1).unwrap();
             let findings =
                 setup::bench::run(&mut model, design, load, 3 * index as u64 % 11).unwrap();
             assert_eq!(findings.mismatches, 0, "{}: {findings:?}", load.name);
@@ -129,7 +129,7 @@ mod with_verilator {
     fn sorter_and_binning_give_the_kernels_order_and_the_models_lists() {
         let folder = tempfile::tempdir().unwrap();
         let library = order::circuit::library(folder.path(), 8, None, "-O1").unwrap();
-        let model = order::model::Model::new(&library).unwrap();
+        let model = order::model::OrderModel::new(&library).unwrap();
         let (seen, missing) = order::loads::scenes(&["playbot"], 128).unwrap();
         println!("not at hand: {missing:?}");
         let design = DesignChoice::load("lean18").unwrap();
@@ -156,7 +156,7 @@ mod with_verilator {
     #[test]
     fn the_machine_draws_the_kernels_frame() {
         let design = DesignChoice::load("lean18").unwrap();
-        let spec = machine::circuit::Spec {
+        let spec = machine::circuit::MachineSpec {
             design: "lean18",
             widths: &design.widths,
             cores: 2,
@@ -166,7 +166,7 @@ mod with_verilator {
         };
         let folder = tempfile::tempdir().unwrap();
         let library = machine::circuit::library(folder.path(), &spec).unwrap();
-        let model = machine::model::Model::new(&library).unwrap();
+        let model = machine::model::MachineModel::new(&library).unwrap();
         for case in machine::mistakes::judges().unwrap() {
             for timing in machine::bench::MEMORIES {
                 let config = machine::report::machine(&design.widths, 2, 4, &timing).unwrap();
@@ -256,8 +256,8 @@ mod with_verilator {
         let mut model = Model::new("lean18", 1, 1).unwrap();
         let tile = Inputs {
             tile_valid: 1,
-            last_column: 64,
-            last_row: 16,
+            end_column: 64,
+            end_row: 16,
             lanes_enable: 1,
             ..Inputs::default()
         };
@@ -364,7 +364,7 @@ mod with_verilator {
     #[test]
     #[ignore = "verilates and compiles 32 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
     fn every_mutant_is_noticed() {
-        let judge = splatline_rtl::mutants::Judge::new().unwrap();
+        let judge = splatline_rtl::mutants::MutantJudge::new().unwrap();
         // SPLATLINE_MUTANTS=N tries N of them, spread over the list.
         let all = &splatline_rtl::mutants::MUTANTS;
         let asked = std::env::var("SPLATLINE_MUTANTS").ok();

@@ -1,6 +1,6 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there against the kernel's.
 
-use super::model::{Constant, Entry, Frame, Model, Outcome};
+use super::model::{ConstantWords, MachineFrame, MachineModel, MachineOutcome, TableWords};
 use crate::order::loads::Seen;
 use crate::package::table;
 use crate::setup::bench::record;
@@ -23,7 +23,7 @@ const RECORD: usize = 5;
 
 /// How the memory behaves.
 #[derive(Clone, Copy, Debug)]
-pub struct Timing {
+pub struct MemoryTiming {
     /// Cycles from a request to its word.
     pub latency: u32,
     /// How many of 8 cycles it holds a request back.
@@ -33,18 +33,18 @@ pub struct Timing {
 }
 
 /// Memories that frames are drawn with: usual latency at full speed; slow and narrow; and one with pauses, whose cycles no model counts.
-pub const MEMORIES: [Timing; 3] = [
-    Timing {
+pub const MEMORIES: [MemoryTiming; 3] = [
+    MemoryTiming {
         latency: 60,
         pauses: 0,
         bytes: 16,
     },
-    Timing {
+    MemoryTiming {
         latency: 300,
         pauses: 0,
         bytes: 4,
     },
-    Timing {
+    MemoryTiming {
         latency: 13,
         pauses: 3,
         bytes: 16,
@@ -53,7 +53,7 @@ pub const MEMORIES: [Timing; 3] = [
 
 /// What came of a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Findings {
+pub struct MachineFindings {
     /// Pixels.
     pub pixels: usize,
     /// Of them with a word that is not the kernel's.
@@ -63,10 +63,10 @@ pub struct Findings {
     /// Splats.
     pub splats: usize,
     /// Cycles and words.
-    pub outcome: Outcome,
+    pub outcome: MachineOutcome,
 }
 
-impl Findings {
+impl MachineFindings {
     /// Is the frame the kernel's, and did nothing go astray?
     pub fn agree(&self) -> bool {
         self.mismatches == 0 && self.outcome.full == 0 && self.outcome.beyond == 0
@@ -76,20 +76,20 @@ impl Findings {
 /// A memory image, and what the machine has to be told.
 struct Image {
     words: Vec<[u32; 4]>,
-    frame: Frame,
-    constants: Vec<Constant>,
-    table: Vec<Entry>,
+    frame: MachineFrame,
+    constants: Vec<ConstantWords>,
+    table: Vec<TableWords>,
 }
 
 /// Draws `seen` by the machine and by the kernel; `room` is the number of list entries for which there is room.
 pub fn draw(
-    model: &Model,
+    model: &MachineModel,
     widths: &Widths,
     seen: &Seen,
-    timing: Timing,
+    timing: MemoryTiming,
     room: usize,
     rounds: u32,
-) -> Result<Findings> {
+) -> Result<MachineFindings> {
     let rules = seen.scene.natural_rules;
     let quantised = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
     let rules = quantised.rules(&rules);
@@ -108,7 +108,7 @@ pub fn draw(
         .zip(got)
         .filter(|(place, word)| words(&expected[*place]) == **word);
     let clear = Pixel::clear(widths);
-    Ok(Findings {
+    Ok(MachineFindings {
         pixels: expected.len(),
         mismatches: expected.len() - same.count(),
         painted: expected.iter().filter(|pixel| **pixel != clear).count(),
@@ -161,7 +161,7 @@ fn image(
     widths: &Widths,
     scene: &QuantisedScene,
     rules: &Rules,
-    timing: Timing,
+    timing: MemoryTiming,
     room: usize,
 ) -> Result<Image> {
     let mut words: Vec<[u32; 4]> = Vec::new();
@@ -186,18 +186,18 @@ fn image(
     words.resize_with(next, || [(); 4].map(|()| split_mix(&mut state) as u32));
     let blend = Blend::new(widths, rules).constants();
     let known = constants(&program(widths)?.constants, widths, &scene.view, rules)?;
-    let constant = |(index, value, exponent): &(u8, i64, i32)| Constant {
+    let constant = |(index, value, exponent): &(u8, i64, i32)| ConstantWords {
         value: *value as u64,
         exponent: *exponent as u32,
         index: (*index).into(),
     };
     let [base_packets, base_a, base_b, base_lists, base_frame] = bases;
     ensure!(room < 1 << 24, "more list entries than the machine counts");
-    let frame = Frame {
+    let frame = MachineFrame {
         least: blend.opacity_min,
         alpha_max: blend.alpha_max,
-        stop: blend.minimum_transmittance,
-        stop_before: blend.omit_finishing.into(),
+        minimum_transmittance: blend.minimum_transmittance,
+        omit_finishing: blend.omit_finishing.into(),
         wide_table: (rules.table_range == 4).into(),
         records: count as u32,
         base_records: 0,
@@ -212,7 +212,7 @@ fn image(
         pauses: timing.pauses,
         bytes: timing.bytes,
     };
-    let entry = |entry: &crate::package::TableEntry| Entry {
+    let entry = |entry: &crate::package::TableEntry| TableWords {
         low: entry.low,
         step: entry.step,
     };

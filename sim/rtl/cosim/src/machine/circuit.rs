@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// What is built.
 #[derive(Clone, Copy)]
-pub struct Spec<'a> {
+pub struct MachineSpec<'a> {
     /// Name of the design, for its packages.
     pub design: &'a str,
     /// Its widths.
@@ -26,8 +26,8 @@ pub struct Spec<'a> {
 }
 
 /// Builds the machine as a shared library in a folder.
-pub fn library(folder: &Path, spec: &Spec) -> Result<PathBuf> {
-    let Spec { design, widths, .. } = *spec;
+pub fn library(folder: &Path, spec: &MachineSpec) -> Result<PathBuf> {
+    let MachineSpec { design, widths, .. } = *spec;
     let mut files = vec![
         (
             "splatline_pkg.sv".to_owned(),

@@ -1,8 +1,8 @@
 //! Machines with one mistake each between their units: does a frame notice it? Mistakes within the units are judged by their own benches.
 
 use super::bench::{MEMORIES, draw};
-use super::circuit::{Spec, library};
-use super::model::Model;
+use super::circuit::{MachineSpec, library};
+use super::model::MachineModel;
 use crate::mutants::{Mutant, mutant};
 use crate::order::loads::{Seen, ordered};
 use anyhow::Result;
@@ -22,18 +22,18 @@ pub const MISTAKES: [Mutant; 24] = [
     mutant("culled splats are waited for", MACHINE, "(cull != 0 || (sorts && sort_ready))", "sorts && sort_ready"),
     mutant("culled splats have no number", MACHINE, "number <= number + 1'b1;", "number <= number + 32'(cull == 0);"),
     mutant("a packet's last word left out", MACHINE, "cull == 0 && step != 4'(PACKET);", "cull == 0 && step != 4'(PACKET - 1);"),
-    mutant("boxes end a pixel late", MACHINE, "tile_of(footprint.last_column - 16'd1, COLUMN_BITS)", "tile_of(footprint.last_column, COLUMN_BITS)"),
+    mutant("boxes end a pixel late", MACHINE, "tile_of(footprint.end_column - 16'd1, COLUMN_BITS)", "tile_of(footprint.end_column, COLUMN_BITS)"),
     mutant("tiles beyond the frame's edge", FINDER, "place > 28'(limit) ? limit : place[15:0]", "place[15:0]"),
     mutant("an empty tile waits for a packet", FINDER, "(list == 0) != (EMPTY != 0)", "(EMPTY != 0) && list != 0"),
     mutant("every list begins at the first", FINDER, "assign list = end_place - begun;", "assign list = end_place;"),
     mutant("a list begins where the tile before began", FINDER, "begun <= end_place;", "if (list == 0) begun <= end_place;"),
     mutant("tiles of the picture before", FINDER, "{tile, column, row, first, row_first, begun} <= 0;", "{tile, column, row, first, begun} <= 0;"),
     mutant("rows of tiles as wide as their tiles would be", FINDER, "        first <= row_first + (32'(columns) << ROW_BITS);", ""),
-    mutant("the lowest tiles as high as the others", FINDER, "({16'd0, window.last_row - window.first_row} << COLUMN_BITS)", "32'd1 << (COLUMN_BITS + ROW_BITS)"),
+    mutant("the lowest tiles as high as the others", FINDER, "({16'd0, window.end_row - window.first_row} << COLUMN_BITS)", "32'd1 << (COLUMN_BITS + ROW_BITS)"),
     mutant("both hear the end that one asked for", MACHINE, ".answered(!finder_asks)", ".answered(1'b1)"),
     mutant("a tile is read out to where the next one belongs", MACHINE, "pixels <= drawn_first;", "pixels <= found_first;"),
     mutant("background over tiles with splats", BACKGROUND, ".EMPTY(1)", ".EMPTY(0)"),
-    mutant("background beyond the frame's edge", BACKGROUND, "(COLUMN_BITS + 1)'(window.last_column - window.first_column)", "(COLUMN_BITS + 1)'(1 << COLUMN_BITS)"),
+    mutant("background beyond the frame's edge", BACKGROUND, "(COLUMN_BITS + 1)'(window.end_column - window.first_column)", "(COLUMN_BITS + 1)'(1 << COLUMN_BITS)"),
     mutant("background is lost where a pixel is written", MACHINE, "background_ready = write_ready && !pixel_valid;", "background_ready = write_ready;"),
     mutant("the frame ends before its background", MACHINE, "if ((pixel_valid || background_valid) && write_ready) pixels_left", "if (pixels_left > 32'd1024 || ((pixel_valid || background_valid) && write_ready)) pixels_left"),
     mutant("red and blue exchanged", MACHINE, "{32'(colour[2*SUM+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[0+:SUM]), transmittance_word}", "{32'(colour[0+:SUM]), 32'(colour[SUM+:SUM]), 32'(colour[2*SUM+:SUM]), transmittance_word}"),
@@ -84,7 +84,7 @@ pub fn judges() -> Result<Vec<Case>> {
 pub fn verdict(mistake: Option<&Mutant>, cases: &[Case]) -> Result<Option<String>> {
     let folder = tempfile::tempdir()?;
     let widths: Widths = Lean18::WIDTHS;
-    let spec = Spec {
+    let spec = MachineSpec {
         design: "lean18",
         widths: &widths,
         cores: 2,
@@ -92,7 +92,7 @@ pub fn verdict(mistake: Option<&Mutant>, cases: &[Case]) -> Result<Option<String
         mistake,
         effort: "-O1",
     };
-    let model = Model::new(&library(folder.path(), &spec)?)?;
+    let model = MachineModel::new(&library(folder.path(), &spec)?)?;
     for case in cases {
         let word = judged(&model, &widths, case).unwrap_or_else(|error| Some(format!("{error:#}")));
         if let Some(word) = word {
@@ -102,7 +102,7 @@ pub fn verdict(mistake: Option<&Mutant>, cases: &[Case]) -> Result<Option<String
     Ok(None)
 }
 
-fn judged(model: &Model, widths: &Widths, case: &Case) -> Result<Option<String>> {
+fn judged(model: &MachineModel, widths: &Widths, case: &Case) -> Result<Option<String>> {
     let Case { seen, room, .. } = case;
     for timing in MEMORIES {
         let found = draw(model, widths, seen, timing, *room, 2)?;

@@ -8,7 +8,7 @@ use std::path::Path;
 /// A constant of camera or rules at its address.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Constant {
+pub struct ConstantWords {
     /// The number.
     pub value: u64,
     /// Its exponent.
@@ -20,25 +20,25 @@ pub struct Constant {
 /// An entry of the footprint table and the step down to the next.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Entry {
+pub struct TableWords {
     /// The entry.
     pub low: u32,
     /// The step.
     pub step: u32,
 }
 
-/// Rules of blending, where everything lies in the memory, and how the memory behaves; `Frame` of machine_shim.cpp.
+/// Rules of blending, where everything lies in the memory, and how the memory behaves; `MachineFrame` of machine_shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Frame {
+pub struct MachineFrame {
     /// Products of opacity and weight below it are skipped.
     pub least: u64,
     /// Largest opacity.
     pub alpha_max: u32,
     /// Transmittance at which a pixel has finished.
-    pub stop: u32,
+    pub minimum_transmittance: u32,
     /// Is the splat left out that would finish it?
-    pub stop_before: u32,
+    pub omit_finishing: u32,
     /// Does the table end at r = 16?
     pub wide_table: u32,
     /// Records.
@@ -67,10 +67,10 @@ pub struct Frame {
     pub bytes: u32,
 }
 
-/// What came of a frame; `Outcome` of machine_shim.cpp.
+/// What came of a frame; `MachineOutcome` of machine_shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Outcome {
+pub struct MachineOutcome {
     /// Had the lists no room?
     pub full: u32,
     /// Splats that were not culled.
@@ -95,40 +95,40 @@ pub struct Outcome {
     pub beyond: u64,
 }
 
-impl Outcome {
+impl MachineOutcome {
     /// All cycles.
     pub fn cycles(&self) -> u64 {
         self.geometry + self.sort + self.fill + self.raster
     }
 }
 
-type Run = unsafe extern "C" fn(
+type MachineRun = unsafe extern "C" fn(
     u32,
-    *const Frame,
-    *const Constant,
+    *const MachineFrame,
+    *const ConstantWords,
     u64,
-    *const Entry,
+    *const TableWords,
     u64,
     *mut [u32; 4],
     u64,
     u32,
-    *mut Outcome,
+    *mut MachineOutcome,
 );
 
 /// A machine in a shared library.
-pub struct Model {
-    run: Run,
+pub struct MachineModel {
+    run: MachineRun,
     /// Keeps the code loaded.
     _library: Library,
 }
 
-impl Model {
+impl MachineModel {
     /// Loads it.
-    pub fn new(path: &Path) -> Result<Model> {
+    pub fn new(path: &Path) -> Result<MachineModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbol has the shim's type.
         unsafe {
             let library = Library::new(path).context("the machine's library")?;
-            Ok(Model {
+            Ok(MachineModel {
                 run: *library.get(b"machine_run")?,
                 _library: library,
             })
@@ -138,13 +138,13 @@ impl Model {
     /// Draws a frame `rounds` times in `memory`; the last one counts.
     pub fn run(
         &self,
-        frame: &Frame,
-        constants: &[Constant],
-        table: &[Entry],
+        frame: &MachineFrame,
+        constants: &[ConstantWords],
+        table: &[TableWords],
         memory: &mut [[u32; 4]],
         rounds: u32,
-    ) -> Result<Outcome> {
-        let mut outcome = Outcome::default();
+    ) -> Result<MachineOutcome> {
+        let mut outcome = MachineOutcome::default();
         // SAFETY: the structs mirror the shim's, every slice is passed with its length, and the shim keeps the circuit's accesses within the memory.
         unsafe {
             (self.run)(

@@ -1,21 +1,26 @@
 //! Frames of scenes by the machine as a table: words against the kernel's, cycles against the model's.
 
-use super::bench::{Findings, MEMORIES, Timing, draw};
-use super::circuit::{Spec, library};
-use super::model::Model;
+use super::bench::{MEMORIES, MachineFindings, MemoryTiming, draw};
+use super::circuit::{MachineSpec, library};
+use super::model::MachineModel;
 use crate::order::loads::{SCENES, Seen, ordered, scenes};
 use crate::setup::program::program;
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
 use splatline_sim::design::DesignChoice;
-use splatline_sim::machine::{Config, Timing as Modelled, simulate_alone};
+use splatline_sim::machine::{Config, Timing, simulate_alone};
 
 /// Machines that are compared: design, cores, lanes.
 pub const SUBJECTS: [(&str, usize, usize); 2] = [("lean18", 8, 4), ("standard24", 8, 4)];
 
 /// The model of a machine with so many cores and lanes around that memory. Every core of setup takes a splat in
 /// a round of the program.
-pub fn machine(widths: &Widths, cores: usize, lanes: usize, memory: &Timing) -> Result<Config> {
+pub fn machine(
+    widths: &Widths,
+    cores: usize,
+    lanes: usize,
+    memory: &MemoryTiming,
+) -> Result<Config> {
     let program = program(widths)?;
     Ok(Config {
         latency: memory.latency,
@@ -49,7 +54,7 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
     for (name, cores, lanes) in SUBJECTS {
         let design = DesignChoice::load(name)?;
         let folder = tempfile::tempdir()?;
-        let spec = Spec {
+        let spec = MachineSpec {
             design: name,
             widths: &design.widths,
             cores,
@@ -57,7 +62,7 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
             mistake: None,
             effort: "-O2",
         };
-        let model = Model::new(&library(folder.path(), &spec)?)?;
+        let model = MachineModel::new(&library(folder.path(), &spec)?)?;
         for seen in &seen {
             for memory in MEMORIES {
                 let config = machine(&design.widths, cores, lanes, &memory)?;
@@ -80,14 +85,20 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
 }
 
 /// The model's cycles, and the list entries of the picture.
-pub fn modelled(seen: &Seen, design: &DesignChoice, config: &Config) -> (Modelled, usize) {
+pub fn modelled(seen: &Seen, design: &DesignChoice, config: &Config) -> (Timing, usize) {
     let (workload, load) = ordered(seen, design);
     let room = load.lists.iter().map(Vec::len).sum();
     (simulate_alone(&workload, config), room)
 }
 
-fn print_line(machine: &str, seen: &Seen, memory: Timing, found: &Findings, model: &Modelled) {
-    let Findings {
+fn print_line(
+    machine: &str,
+    seen: &Seen,
+    memory: MemoryTiming,
+    found: &MachineFindings,
+    model: &Timing,
+) {
+    let MachineFindings {
         pixels,
         mismatches,
         splats,

@@ -1,6 +1,6 @@
 //! Splats through sorter and binning, every place of the order and of every list compared.
 
-use super::model::{Model, Outcome, Picture};
+use super::model::{OrderModel, OrderOutcome, OrderPicture};
 use crate::workload::split_mix;
 use anyhow::Result;
 
@@ -36,7 +36,7 @@ pub const MEMORIES: [Timing; 3] = [
 
 /// A visible splat as the sorter takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Splat {
+pub struct SortedSplat {
     /// Its number in the scene.
     pub number: u32,
     /// The key of its depth.
@@ -47,29 +47,29 @@ pub struct Splat {
 
 /// A picture's splats in the order of the scene, and what is to come of them.
 #[derive(Clone, Debug)]
-pub struct Load {
+pub struct OrderLoad {
     /// What it is.
     pub name: String,
     /// Columns and rows of tiles.
     pub size: [u16; 2],
     /// The splats.
-    pub splats: Vec<Splat>,
+    pub splats: Vec<SortedSplat>,
     /// The list of every tile, row by row.
     pub lists: Vec<Vec<u32>>,
 }
 
 /// What the circuit made of it.
 #[derive(Clone, Copy, Debug)]
-pub struct Findings {
+pub struct OrderFindings {
     /// Splats at another place of the order than the kernel's.
     pub out_of_order: usize,
     /// Entries that differ from the model's lists, or are missing, or too many.
     pub listed_wrong: usize,
     /// Cycles and words.
-    pub outcome: Outcome,
+    pub outcome: OrderOutcome,
 }
 
-impl Findings {
+impl OrderFindings {
     /// Is everything as it should be?
     pub fn agree(&self) -> bool {
         self.out_of_order == 0
@@ -79,7 +79,7 @@ impl Findings {
     }
 }
 
-impl Splat {
+impl SortedSplat {
     /// The word of the memory.
     pub fn word(&self) -> [u32; 4] {
         let [first, last] = self.tiles;
@@ -93,10 +93,10 @@ impl Splat {
     }
 }
 
-impl Load {
+impl OrderLoad {
     /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
-    pub fn plain(name: &str, size: [u16; 2], splats: Vec<Splat>) -> Load {
-        let mut load = Load {
+    pub fn plain(name: &str, size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
+        let mut load = OrderLoad {
             name: name.to_owned(),
             size,
             splats,
@@ -105,7 +105,7 @@ impl Load {
         let sorted = load.sorted();
         for row in 0..size[1] {
             for column in 0..size[0] {
-                let meets = |splat: &&Splat| {
+                let meets = |splat: &&SortedSplat| {
                     let [first, last] = splat.tiles;
                     (first[0]..=last[0]).contains(&column) && (first[1]..=last[1]).contains(&row)
                 };
@@ -117,7 +117,7 @@ impl Load {
     }
 
     /// Nearest first; equal keys by number.
-    pub fn sorted(&self) -> Vec<Splat> {
+    pub fn sorted(&self) -> Vec<SortedSplat> {
         let mut sorted = self.splats.clone();
         sorted.sort_by_key(|splat| (splat.key, splat.number));
         sorted
@@ -125,21 +125,26 @@ impl Load {
 }
 
 /// Orders `load` by the circuit.
-pub fn run(model: &Model, load: &Load, timing: Timing, seed: u32) -> Result<Findings> {
+pub fn run(
+    model: &OrderModel,
+    load: &OrderLoad,
+    timing: Timing,
+    seed: u32,
+) -> Result<OrderFindings> {
     let entries: usize = load.lists.iter().map(Vec::len).sum();
     run_with_room(model, load, timing, seed, entries)
 }
 
 /// The same with room for so many entries.
 pub fn run_with_room(
-    model: &Model,
-    load: &Load,
+    model: &OrderModel,
+    load: &OrderLoad,
     timing: Timing,
     seed: u32,
     room: usize,
-) -> Result<Findings> {
+) -> Result<OrderFindings> {
     let count = load.splats.len();
-    let picture = Picture {
+    let picture = OrderPicture {
         bases: [3, 5 + count as u32],
         lists: 7 + 2 * count as u32,
         tile_columns: load.size[0].into(),
@@ -156,7 +161,7 @@ pub fn run_with_room(
     let mut memory: Vec<[u32; 4]> = (0..size)
         .map(|_| [(); 4].map(|()| split_mix(&mut state) as u32))
         .collect();
-    let words: Vec<[u32; 4]> = load.splats.iter().map(Splat::word).collect();
+    let words: Vec<[u32; 4]> = load.splats.iter().map(SortedSplat::word).collect();
     let (outcome, ends) = model.run(seed, &picture, &words, &mut memory)?;
     let sorted = load.sorted();
     let order = memory.iter().skip(outcome.sorted as usize);
@@ -177,7 +182,7 @@ pub fn run_with_room(
         }
         begin = end;
     }
-    Ok(Findings {
+    Ok(OrderFindings {
         out_of_order: count - same.count() + (outcome.splats as usize).abs_diff(count),
         listed_wrong,
         outcome,

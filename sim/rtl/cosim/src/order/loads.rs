@@ -1,6 +1,6 @@
 //! What is ordered: captured scenes with the model's lists, and keys that a sorter finds hard.
 
-use super::bench::{Load, Splat};
+use super::bench::{OrderLoad, SortedSplat};
 use crate::setup::loads::{lion, playbot};
 use crate::workload::{GuitarView, TILE, guitar_scene, shared, split_mix};
 use anyhow::Result;
@@ -81,7 +81,7 @@ fn deep_stack(size: usize) -> (Scene, Camera) {
 }
 
 /// The work of a scene's picture in tiles of the circuit's size, and its splats with the model's lists.
-pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, Load) {
+pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
     let options = Options {
         rules: &seen.scene.natural_rules,
         compositing: Compositing::FrontToBack,
@@ -97,14 +97,14 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, Load) {
         let footprint: &splatline::footprint::Footprint = footprint.as_ref().ok()?;
         let tiles = [0, 1].map(|axis| footprint.first[axis] / TILE[axis]);
         let last = [0, 1].map(|axis| (footprint.end[axis] - 1) / TILE[axis]);
-        Some(Splat {
+        Some(SortedSplat {
             number,
             key: footprint.depth,
             tiles: [tiles, last],
         })
     };
     let list = |tile| workload.pairs_of(tile).iter().map(|pair| pair.splat);
-    let load = Load {
+    let load = OrderLoad {
         name: seen.name.to_owned(),
         size,
         splats: numbered.filter_map(splat).collect(),
@@ -116,7 +116,7 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, Load) {
 }
 
 /// No splat, one, all keys equal, all keys but one, upside down, in order already, single bits, and random ones with many equals.
-pub fn hard() -> Vec<Load> {
+pub fn hard() -> Vec<OrderLoad> {
     let last = (1u64 << KEY_BITS) - 1;
     let mut state = 3;
     let mut loads = Vec::new();
@@ -148,13 +148,13 @@ pub fn hard() -> Vec<Load> {
             1 + (split_mix(&mut state) % 9) as u16,
             1 + (split_mix(&mut state) % 7) as u16,
         ];
-        let splats = (0..).zip(keys).map(|(index, key)| Splat {
+        let splats = (0..).zip(keys).map(|(index, key)| SortedSplat {
             // Numbers have gaps where splats were culled.
             number: 3 * index,
             key,
             tiles: tiles(&mut state, size),
         });
-        loads.push(Load::plain(name, size, splats.collect()));
+        loads.push(OrderLoad::plain(name, size, splats.collect()));
     }
     loads
 }

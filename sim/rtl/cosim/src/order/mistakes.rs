@@ -1,9 +1,9 @@
 //! Sorters and binnings with one mistake each: does the comparison notice it?
 
-use super::bench::{Load, MEMORIES, run};
+use super::bench::{MEMORIES, OrderLoad, run};
 use super::circuit::library;
 use super::loads::hard;
-use super::model::Model;
+use super::model::OrderModel;
 use crate::mutants::{Mutant, mutant};
 use anyhow::Result;
 
@@ -41,9 +41,9 @@ pub const MISTAKES: [Mutant; 23] = [
 ];
 
 /// What the comparison says of a mistake, or nothing if it survives.
-pub fn verdict(mistake: Option<&Mutant>, loads: &[Load]) -> Result<Option<String>> {
+pub fn verdict(mistake: Option<&Mutant>, loads: &[OrderLoad]) -> Result<Option<String>> {
     let folder = tempfile::tempdir()?;
-    let model = Model::new(&library(folder.path(), 8, mistake, "-O1")?)?;
+    let model = OrderModel::new(&library(folder.path(), 8, mistake, "-O1")?)?;
     for (index, load) in loads.iter().enumerate() {
         for timing in MEMORIES {
             match run(&model, load, timing, index as u32 + 1) {
@@ -62,6 +62,6 @@ pub fn verdict(mistake: Option<&Mutant>, loads: &[Load]) -> Result<Option<String
 }
 
 /// What the mistakes are judged by.
-pub fn judges() -> Vec<Load> {
+pub fn judges() -> Vec<OrderLoad> {
     hard()
 }

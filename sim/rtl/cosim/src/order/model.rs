@@ -5,10 +5,10 @@ use anyhow::{Context, Result, ensure};
 use libloading::Library;
 use std::path::Path;
 
-/// Where everything lies, and how the memory behaves; `Picture` of order_shim.cpp.
+/// Where everything lies, and how the memory behaves; `OrderPicture` of order_shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Picture {
+pub struct OrderPicture {
     /// Words at which the splats' two regions begin.
     pub bases: [u32; 2],
     /// Word at which the lists begin.
@@ -29,10 +29,10 @@ pub struct Picture {
     pub rounds: u32,
 }
 
-/// What came of it; `Outcome` of order_shim.cpp.
+/// What came of it; `OrderOutcome` of order_shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Outcome {
+pub struct OrderOutcome {
     /// Splats taken.
     pub splats: u32,
     /// List entries.
@@ -57,31 +57,31 @@ pub struct Outcome {
     pub beyond: u64,
 }
 
-type Run = unsafe extern "C" fn(
+type OrderRun = unsafe extern "C" fn(
     u32,
-    *const Picture,
+    *const OrderPicture,
     *const [u32; 4],
     u64,
     *mut [u32; 4],
     u64,
     *mut u32,
-    *mut Outcome,
+    *mut OrderOutcome,
 );
 
 /// A circuit in a shared library.
-pub struct Model {
-    run: Run,
+pub struct OrderModel {
+    run: OrderRun,
     /// Keeps the code loaded.
     _library: Library,
 }
 
-impl Model {
+impl OrderModel {
     /// Loads it.
-    pub fn new(path: &Path) -> Result<Model> {
+    pub fn new(path: &Path) -> Result<OrderModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbol has the shim's type.
         unsafe {
             let library = Library::new(path).context("the sorter's library")?;
-            Ok(Model {
+            Ok(OrderModel {
                 run: *library.get(b"order_run")?,
                 _library: library,
             })
@@ -92,12 +92,12 @@ impl Model {
     pub fn run(
         &self,
         seed: u32,
-        picture: &Picture,
+        picture: &OrderPicture,
         splats: &[[u32; 4]],
         memory: &mut [[u32; 4]],
-    ) -> Result<(Outcome, Vec<u32>)> {
+    ) -> Result<(OrderOutcome, Vec<u32>)> {
         let mut ends = vec![0; picture.tiles as usize];
-        let mut outcome = Outcome::default();
+        let mut outcome = OrderOutcome::default();
         // SAFETY: the structs mirror the shim's; every slice is passed with its length, `ends` with that of the picture's tiles, and the
         // shim keeps accesses of the circuit within them.
         unsafe {

@@ -13,7 +13,7 @@ const WORD: u64 = 128;
 const WAITING: u64 = 128;
 
 /// A way of sorting.
-struct Way {
+struct SortWay {
     name: String,
     config: Config,
     /// Bits of memory on the chip.
@@ -21,10 +21,10 @@ struct Way {
 }
 
 /// All ways around the whole machine with four lanes.
-fn ways() -> Vec<Way> {
+fn ways() -> Vec<SortWay> {
     let machine = Config::machine(4);
     let stream = WAITING * WORD;
-    let entries = Way {
+    let entries = SortWay {
         name: "radix, list entries, digits of 8 bits".to_owned(),
         config: Config {
             sorter: Sorter::Passes,
@@ -34,7 +34,7 @@ fn ways() -> Vec<Way> {
         },
         bits: 7 * 256 * COUNTER + stream,
     };
-    let radix = [4, 6, 8, 12].map(|digit| Way {
+    let radix = [4, 6, 8, 12].map(|digit| SortWay {
         name: format!("radix, splats, digits of {digit} bits"),
         config: Config {
             sort_digit: digit,
@@ -42,17 +42,18 @@ fn ways() -> Vec<Way> {
         },
         bits: u64::from(48u32.div_ceil(digit)) * COUNTER * (1 << digit) + stream,
     });
-    let merge = [(64, 16), (256, 16), (1024, 16), (1024, 64), (4096, 64)].map(|(run, ways)| Way {
-        name: format!("merge, splats, runs of {run}, {ways} ways"),
-        config: Config {
-            sorter: Sorter::Merge,
-            sort_run: run,
-            sort_ways: ways,
-            ..machine
-        },
-        // Two queues of half a run in each stage of the chip's sorter, each twice as long as the one before; words on their way for every run.
-        bits: 2 * u64::from(run) * WORD + u64::from(ways) * WAITING / 4 * WORD,
-    });
+    let merge =
+        [(64, 16), (256, 16), (1024, 16), (1024, 64), (4096, 64)].map(|(run, ways)| SortWay {
+            name: format!("merge, splats, runs of {run}, {ways} ways"),
+            config: Config {
+                sorter: Sorter::Merge,
+                sort_run: run,
+                sort_ways: ways,
+                ..machine
+            },
+            // Two queues of half a run in each stage of the chip's sorter, each twice as long as the one before; words on their way for every run.
+            bits: 2 * u64::from(run) * WORD + u64::from(ways) * WAITING / 4 * WORD,
+        });
     let mut all = vec![entries];
     all.extend(radix);
     all.extend(merge);

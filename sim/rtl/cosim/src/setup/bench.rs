@@ -1,7 +1,7 @@
 //! Splats through the setup unit, with random pauses at both ends, every packet and every reason against the kernel's.
 
 use super::constants::constants;
-use super::model::{Inputs, Model, Outputs, RECORD};
+use super::model::{RECORD, SetupInputs, SetupModel, SetupOutputs};
 use super::program::program;
 use crate::workload::split_mix;
 use anyhow::{Result, ensure};
@@ -14,7 +14,7 @@ use splatline::view::View;
 
 /// What is set up: splats seen by a camera under rules.
 #[derive(Clone, Debug)]
-pub struct Load {
+pub struct SetupLoad {
     /// What it is.
     pub name: String,
     /// The camera.
@@ -27,7 +27,7 @@ pub struct Load {
 
 /// What came of it.
 #[derive(Clone, Debug, Default)]
-pub struct Findings {
+pub struct SetupFindings {
     /// Splats whose packet or reason was compared.
     pub splats: usize,
     /// Of them culled, by reason as in `Cull::ALL`.
@@ -42,10 +42,10 @@ pub struct Findings {
     pub cycles: u64,
 }
 
-impl Load {
+impl SetupLoad {
     /// The same view and rules.
-    pub fn clone_without_splats(&self) -> Load {
-        Load {
+    pub fn clone_without_splats(&self) -> SetupLoad {
+        SetupLoad {
             name: self.name.clone(),
             view: self.view,
             rules: self.rules,
@@ -54,9 +54,9 @@ impl Load {
     }
 }
 
-impl Findings {
+impl SetupFindings {
     /// Both together.
-    pub fn and(&self, other: &Findings) -> Findings {
+    pub fn and(&self, other: &SetupFindings) -> SetupFindings {
         let difference = self
             .first_difference
             .as_ref()
@@ -65,7 +65,7 @@ impl Findings {
         for (sum, more) in culled.iter_mut().zip(other.culled) {
             *sum += more;
         }
-        Findings {
+        SetupFindings {
             splats: self.splats + other.splats,
             culled,
             mismatches: self.mismatches + other.mismatches,
@@ -142,7 +142,7 @@ impl RecordBits {
 fn expected(
     design: RuntimeWidths,
     layout: &Layout,
-    load: &Load,
+    load: &SetupLoad,
     splat: &VolumeSplat,
 ) -> Result<Packet, Cull> {
     setup(design, &load.view, &load.rules, splat).map(|footprint| layout.encode(&footprint))
@@ -157,11 +157,16 @@ fn reason(cull: Cull) -> u8 {
 
 /// Draws `load` through the circuit. `pauses`: how many of 8 cycles, at random, hold a record or a packet back; from [`LONG`] on packets are not taken at
 /// all for thousands of cycles, until every queue is full.
-pub fn run(model: &mut Model, design: RuntimeWidths, load: &Load, pauses: u64) -> Result<Findings> {
+pub fn run(
+    model: &mut SetupModel,
+    design: RuntimeWidths,
+    load: &SetupLoad,
+    pauses: u64,
+) -> Result<SetupFindings> {
     let widths = design.widths();
     let layout = Layout::new(&widths);
     write_constants(model, &program(&widths)?.constants, &widths, load)?;
-    let mut findings = Findings::default();
+    let mut findings = SetupFindings::default();
     let splats: Vec<(&VolumeSplat, [u32; RECORD])> = load
         .splats
         .iter()
@@ -171,13 +176,13 @@ pub fn run(model: &mut Model, design: RuntimeWidths, load: &Load, pauses: u64) -
     let (mut offered, mut state, mut idle) = (0, 7, 0);
     while findings.splats < splats.len() {
         let held = split_mix(&mut state);
-        let inputs = Inputs {
+        let inputs = SetupInputs {
             record_valid: (offered < splats.len() && held % 8 >= pauses % LONG).into(),
             record: splats
                 .get(offered)
                 .map_or([0; RECORD], |(_, record)| *record),
             packet_ready: taken(&findings, held >> 8, pauses).into(),
-            ..Inputs::default()
+            ..SetupInputs::default()
         };
         let out = model.tick(&inputs);
         findings.cycles += 1;
@@ -203,34 +208,34 @@ pub fn run(model: &mut Model, design: RuntimeWidths, load: &Load, pauses: u64) -
     Ok(findings)
 }
 
-fn taken(findings: &Findings, held: u64, pauses: u64) -> bool {
+fn taken(findings: &SetupFindings, held: u64, pauses: u64) -> bool {
     let mut block = findings.cycles / BLOCK;
     held % 8 >= pauses % LONG && (pauses < LONG || split_mix(&mut block).is_multiple_of(2))
 }
 
 /// Writes the constants that a program asks for, by their names.
 pub fn write_constants(
-    model: &mut Model,
+    model: &mut SetupModel,
     names: &[&'static str],
     widths: &Widths,
-    load: &Load,
+    load: &SetupLoad,
 ) -> Result<()> {
     for (index, value, exponent) in constants(names, widths, &load.view, &load.rules)? {
-        model.tick(&Inputs {
+        model.tick(&SetupInputs {
             constant_valid: 1,
             constant_index: index,
             constant_value: value as u64,
             constant_exponent: exponent as u32,
-            ..Inputs::default()
+            ..SetupInputs::default()
         });
     }
     Ok(())
 }
 
 fn compare(
-    findings: &mut Findings,
+    findings: &mut SetupFindings,
     expected: &Result<Packet, Cull>,
-    out: &Outputs,
+    out: &SetupOutputs,
     layout: &Layout,
 ) {
     let index = findings.splats;

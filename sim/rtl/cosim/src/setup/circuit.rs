@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// What is built.
 #[derive(Clone, Copy)]
-pub struct Spec<'a> {
+pub struct SetupSpec<'a> {
     /// Name of the design, for its packages.
     pub design: &'a str,
     /// Its widths.
@@ -27,10 +27,10 @@ pub struct Spec<'a> {
     pub effort: &'a str,
 }
 
-impl<'a> Spec<'a> {
+impl<'a> SetupSpec<'a> {
     /// The unit as it is.
-    pub fn new(design: &'a str, widths: &'a Widths, cores: usize) -> Spec<'a> {
-        Spec {
+    pub fn new(design: &'a str, widths: &'a Widths, cores: usize) -> SetupSpec<'a> {
+        SetupSpec {
             design,
             widths,
             program,
@@ -42,8 +42,8 @@ impl<'a> Spec<'a> {
 }
 
 /// Builds the unit as a shared library in a folder.
-pub fn library(folder: &Path, spec: &Spec) -> Result<PathBuf> {
-    let Spec { design, widths, .. } = *spec;
+pub fn library(folder: &Path, spec: &SetupSpec) -> Result<PathBuf> {
+    let SetupSpec { design, widths, .. } = *spec;
     let mut files = vec![
         (
             "splatline_pkg.sv".to_owned(),

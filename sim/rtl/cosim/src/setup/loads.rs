@@ -1,6 +1,6 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
-use super::bench::Load;
+use super::bench::SetupLoad;
 use crate::workload::{GuitarView, guitar_scene, shared, split_mix};
 use anyhow::{Context, Result};
 use splatline::float;
@@ -24,7 +24,7 @@ pub fn rules() -> [(Rules, KernelRules); 2] {
 }
 
 /// Hard cases, arbitrary splats before a sane camera, and the same from an orthographic one.
-pub fn synthetic(count: usize, seed: u64) -> Vec<Load> {
+pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
     let (view, splats) = hard_cases(count, [640, 480], 5);
     let flat = View {
         projection: Projection::Orthographic,
@@ -42,7 +42,7 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<Load> {
             ("arbitrary splats, orthographic", flat, &near),
             ("arbitrary bits", view, &wild),
         ] {
-            loads.push(Load {
+            loads.push(SetupLoad {
                 name: format!("{name}, {}", name_of(&rules)),
                 view,
                 rules,
@@ -58,7 +58,7 @@ fn name_of(rules: &KernelRules) -> &'static str {
 }
 
 /// The scenes at hand, every `step`-th splat of them, and the names of those that are not.
-pub fn captured(step: usize) -> Result<(Vec<Load>, Vec<&'static str>)> {
+pub fn captured(step: usize) -> Result<(Vec<SetupLoad>, Vec<&'static str>)> {
     let mut loads = Vec::new();
     let mut missing = Vec::new();
     for (name, seen) in [
@@ -79,7 +79,7 @@ pub fn captured(step: usize) -> Result<(Vec<Load>, Vec<&'static str>)> {
         for (rules, _) in rules() {
             let quantised = QuantisedScene::new(&scene, &camera, &rules);
             let stated = quantised.rules(&rules);
-            loads.push(Load {
+            loads.push(SetupLoad {
                 name: format!("{name}, {}", name_of(&stated)),
                 view: quantised.view,
                 rules: stated,

@@ -1,9 +1,9 @@
 //! Setup units with one mistake each, in every stage: does the comparison with the kernel notice it?
 
-use super::bench::{LONG, Load, run};
-use super::circuit::{Spec, library};
+use super::bench::{LONG, SetupLoad, run};
+use super::circuit::{SetupSpec, library};
 use super::loads::{captured, synthetic};
-use super::model::Model;
+use super::model::SetupModel;
 use crate::mutants::{Mutant, mutant};
 use anyhow::Result;
 use splatline::format::{Lean18, RuntimeWidths};
@@ -68,13 +68,13 @@ pub const MISTAKES: [Mutant; 48] = [
 ];
 
 /// What the comparison says of a mistake: its first difference, or nothing if it survives.
-pub fn verdict(mistake: &Mutant, loads: &[Load]) -> Result<Option<String>> {
+pub fn verdict(mistake: &Mutant, loads: &[SetupLoad]) -> Result<Option<String>> {
     let folder = tempfile::tempdir()?;
     let widths = Lean18::WIDTHS;
-    let spec = Spec {
+    let spec = SetupSpec {
         mistake: Some(mistake),
         effort: "-O0",
-        ..Spec::new("lean18", &widths, 2)
+        ..SetupSpec::new("lean18", &widths, 2)
     };
     let library = library(folder.path(), &spec)?;
     let Ok(design) = RuntimeWidths::new(widths) else {
@@ -82,7 +82,7 @@ pub fn verdict(mistake: &Mutant, loads: &[Load]) -> Result<Option<String>> {
     };
     for load in loads {
         for pauses in [0, LONG] {
-            match run(&mut Model::new(&library, 1)?, design, load, pauses) {
+            match run(&mut SetupModel::new(&library, 1)?, design, load, pauses) {
                 Err(error) => return Ok(Some(format!("{error:#}"))),
                 Ok(findings) if findings.mismatches > 0 => return Ok(findings.first_difference),
                 Ok(_) => {}
@@ -93,7 +93,7 @@ pub fn verdict(mistake: &Mutant, loads: &[Load]) -> Result<Option<String>> {
 }
 
 /// What the mistakes are judged by.
-pub fn judges() -> Result<Vec<Load>> {
+pub fn judges() -> Result<Vec<SetupLoad>> {
     let (captured, _) = captured(400)?;
     Ok([synthetic(400, 1), captured].concat())
 }

@@ -10,10 +10,10 @@ use std::path::Path;
 /// Words of a record.
 pub const RECORD: usize = 19;
 
-/// The circuit's inputs in one cycle; `Inputs` of setup_shim.cpp.
+/// The circuit's inputs in one cycle; `SetupInputs` of setup_shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Inputs {
+pub struct SetupInputs {
     /// Reset.
     pub rst: u8,
     /// A constant is written.
@@ -34,10 +34,10 @@ pub struct Inputs {
     pub record: [u32; RECORD],
 }
 
-/// The circuit's outputs in one cycle, before its edge; `Outputs` of setup_shim.cpp.
+/// The circuit's outputs in one cycle, before its edge; `SetupOutputs` of setup_shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Outputs {
+pub struct SetupOutputs {
     /// The record is taken.
     pub record_ready: u8,
     /// A packet is offered.
@@ -51,23 +51,23 @@ pub struct Outputs {
 }
 
 /// A circuit being simulated.
-pub struct Model {
+pub struct SetupModel {
     simulation: *mut c_void,
-    tick: unsafe extern "C" fn(*mut c_void, *const Inputs, *mut Outputs),
+    tick: unsafe extern "C" fn(*mut c_void, *const SetupInputs, *mut SetupOutputs),
     destroy: unsafe extern "C" fn(*mut c_void),
     /// Keeps the code loaded.
     _library: Library,
 }
 
-impl Model {
+impl SetupModel {
     /// The circuit in a shared library, after reset. The seed chooses what its registers held before.
-    pub fn new(path: &Path, seed: u32) -> Result<Model> {
+    pub fn new(path: &Path, seed: u32) -> Result<SetupModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
         // shim's types, and the simulation is freed by the same library before it is unloaded.
         let mut model = unsafe {
             let library = Library::new(path).context("the setup unit's library")?;
             let make: unsafe extern "C" fn(u32) -> *mut c_void = *library.get(b"setup_make")?;
-            Model {
+            SetupModel {
                 simulation: make(seed),
                 tick: *library.get(b"setup_tick")?,
                 destroy: *library.get(b"setup_destroy")?,
@@ -75,24 +75,24 @@ impl Model {
             }
         };
         for _ in 0..4 {
-            model.tick(&Inputs {
+            model.tick(&SetupInputs {
                 rst: 1,
-                ..Inputs::default()
+                ..SetupInputs::default()
             });
         }
         Ok(model)
     }
 
     /// One cycle: the outputs belong to these inputs, before the clock's edge.
-    pub fn tick(&mut self, inputs: &Inputs) -> Outputs {
-        let mut outputs = Outputs::default();
+    pub fn tick(&mut self, inputs: &SetupInputs) -> SetupOutputs {
+        let mut outputs = SetupOutputs::default();
         // SAFETY: the simulation came from the same library's `setup_make`; both structs mirror the shim's and outlive the call.
         unsafe { (self.tick)(self.simulation, inputs, &mut outputs) };
         outputs
     }
 }
 
-impl Drop for Model {
+impl Drop for SetupModel {
     fn drop(&mut self) {
         // SAFETY: made by the same library's `setup_make`, not used afterwards; the library is dropped after this.
         unsafe { (self.destroy)(self.simulation) }

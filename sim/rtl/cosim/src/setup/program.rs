@@ -197,9 +197,9 @@ pub fn program(widths: &Widths) -> Result<Program> {
         [z, peak],
         [projected.position[0], cutoff],
         [projected.position[1], roots[0]],
-        [roots[1], shape.curvature],
-        [shape.spread, shape.slope],
-        [shape.stretch, shape.cross],
+        [roots[1], shape.horizontal],
+        [shape.squared_width, shape.shear],
+        [shape.vertical, shape.cross],
         [shape.conic_c, shape.conic_c],
     ];
     let terms = results.map(|[a, b]| product(value(a), value(b)));
@@ -209,7 +209,7 @@ pub fn program(widths: &Widths) -> Result<Program> {
 }
 
 /// A program that is no setup: the record's weight through rounding, reciprocal, root and logarithm, each into a field of the packet that only
-/// [`Layout`](splatline::footprint::packet::Layout) touches on its way (`slope`, `stretch`, `curvature`, cut-off). For vectors of those units alone.
+/// [`Layout`](splatline::footprint::packet::Layout) touches on its way (`shear`, `vertical`, `horizontal`, cut-off). For vectors of those units alone.
 pub fn units(widths: &Widths) -> Result<Program> {
     let mut builder = Builder::default();
     let builder = &mut builder;
@@ -220,23 +220,23 @@ pub fn units(widths: &Widths) -> Result<Program> {
         Unit::First(0),
         None,
     );
-    let slope = builder.round("rounded", value(given), bits);
+    let shear = builder.round("rounded", value(given), bits);
     let whole = builder.round("31 bits", value(given), 31);
-    let stretch = builder.reciprocal("reciprocal", whole, bits);
+    let vertical = builder.reciprocal("reciprocal", whole, bits);
     let seed = builder.root("root, seed", whole, 31);
     let inverse = builder.reciprocal("1/root", seed, 31);
     let heron = vec![plain(value(seed)), product(value(whole), value(inverse))];
     let twice = builder.sum("root, twice", heron, bits);
-    let spread = builder.root("root, 16 bits", whole, 16);
+    let squared_width = builder.root("root, 16 bits", whole, 16);
     let cutoff = cutoff(builder, given);
     let results = [
         [given, given],
         [given, cutoff],
         [given, given],
         [given, twice],
-        [spread, slope],
-        [stretch, slope],
-        [slope, slope],
+        [squared_width, shear],
+        [vertical, shear],
+        [shear, shear],
     ];
     let terms = results.map(|[a, b]| product(value(a), value(b)));
     let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
@@ -436,10 +436,10 @@ fn covariance(builder: &mut Builder, columns: &[[Value; 2]; 3], bits: u32) -> Co
 }
 
 struct TermShape {
-    curvature: Value,
-    spread: Value,
-    slope: Value,
-    stretch: Value,
+    horizontal: Value,
+    squared_width: Value,
+    shear: Value,
+    vertical: Value,
     cross: Value,
     conic_c: Value,
     inverse: Value,
@@ -447,16 +447,16 @@ struct TermShape {
 
 /// `ldl`, and the products of `conic`, which `setup_pack.sv` aligns.
 fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> TermShape {
-    let stretch = builder.reciprocal("1/yy", covariance.yy, bits);
+    let vertical = builder.reciprocal("1/yy", covariance.yy, bits);
     let inverse = builder.reciprocal("1/determinant", covariance.determinant, bits);
     let mut multiply = |name, a, b| builder.multiply(name, value(a), value(b), bits);
     TermShape {
-        curvature: multiply("curvature", covariance.yy, inverse),
-        spread: multiply("spread", covariance.determinant, stretch),
-        slope: multiply("slope", covariance.xy, stretch),
+        horizontal: multiply("horizontal", covariance.yy, inverse),
+        squared_width: multiply("squared_width", covariance.determinant, vertical),
+        shear: multiply("shear", covariance.xy, vertical),
         cross: multiply("cross", covariance.xy, inverse),
         conic_c: multiply("conic c", covariance.xx, inverse),
-        stretch,
+        vertical,
         inverse,
     }
 }

@@ -1,9 +1,9 @@
 //! The setup unit against the kernel as a table: every design, load and rule.
 
-use super::bench::{Findings, LONG, Load, run};
-use super::circuit::{Spec, library};
+use super::bench::{LONG, SetupFindings, SetupLoad, run};
+use super::circuit::{SetupSpec, library};
 use super::loads::{captured, synthetic};
-use super::model::Model;
+use super::model::SetupModel;
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use splatline::format::{Lean18, RuntimeWidths, Standard24, Widths};
@@ -29,12 +29,12 @@ pub fn full() -> Result<()> {
         println!("(no {name}: its data is not at hand)");
     }
     let loads = [loads, synthetic(12_000, 1)].concat();
-    let mut total = Findings::default();
+    let mut total = SetupFindings::default();
     for (design, widths, cores) in SUBJECTS {
         let folder = tempfile::tempdir()?;
-        let spec = Spec {
+        let spec = SetupSpec {
             effort: "-O2",
-            ..Spec::new(design, &widths, cores)
+            ..SetupSpec::new(design, &widths, cores)
         };
         let library = library(folder.path(), &spec)?;
         for load in &loads {
@@ -56,16 +56,16 @@ pub fn full() -> Result<()> {
 }
 
 /// A load in parts: the first without pauses, so that its cycles say something, the others with them.
-fn all(library: &Path, widths: &Widths, load: &Load) -> Result<Findings> {
+fn all(library: &Path, widths: &Widths, load: &SetupLoad) -> Result<SetupFindings> {
     let design = RuntimeWidths::new(*widths)
         .ok()
         .context("widths out of range")?;
-    let parts: Vec<Findings> = load
+    let parts: Vec<SetupFindings> = load
         .splats
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(part, splats)| {
-            let load = Load {
+            let load = SetupLoad {
                 splats: splats.to_vec(),
                 ..load.clone_without_splats()
             };
@@ -75,7 +75,7 @@ fn all(library: &Path, widths: &Widths, load: &Load) -> Result<Findings> {
                 part as u64 % (LONG + 2)
             };
             run(
-                &mut Model::new(library, part as u32 + 1)?,
+                &mut SetupModel::new(library, part as u32 + 1)?,
                 design,
                 &load,
                 pauses,
@@ -86,14 +86,14 @@ fn all(library: &Path, widths: &Widths, load: &Load) -> Result<Findings> {
     let first = load.splats.len().min(CHUNK) as u64;
     let sum = parts
         .iter()
-        .fold(Findings::default(), |sum, part| sum.and(part));
-    Ok(Findings {
+        .fold(SetupFindings::default(), |sum, part| sum.and(part));
+    Ok(SetupFindings {
         cycles: cycles * 100 / first.max(1),
         ..sum
     })
 }
 
-fn print_line(design: &str, cores: usize, load: &Load, findings: &Findings) {
+fn print_line(design: &str, cores: usize, load: &SetupLoad, findings: &SetupFindings) {
     let culled = findings.culled.map(|count| count.to_string()).join(" | ");
     println!(
         "| {design} | {cores} | {} | {} | {culled} | {:.2} | {} |",

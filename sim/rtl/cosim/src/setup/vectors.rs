@@ -4,9 +4,9 @@
 //! The circuit is the setup unit; its program computes nothing else ([`units`]), and the results leave in fields that pass the packet's maker
 //! as they are.
 
-use super::bench::{Load, record, write_constants};
-use super::circuit::{Spec, library};
-use super::model::{Inputs, Model};
+use super::bench::{SetupLoad, record, write_constants};
+use super::circuit::{SetupSpec, library};
+use super::model::{SetupInputs, SetupModel};
 use super::program::units;
 use anyhow::{Result, ensure};
 use splatline::footprint::packet::{Layout, Packet};
@@ -23,13 +23,13 @@ const PATIENCE: u32 = 20_000;
 /// The first number of which the circuit makes something else than the kernel, in words: every `step`-th mantissa, at odd and even exponents.
 pub fn first_difference(design: &str, widths: &Widths, step: usize) -> Result<Option<String>> {
     let folder = tempfile::tempdir()?;
-    let spec = Spec {
+    let spec = SetupSpec {
         program: units,
-        ..Spec::new(design, widths, 3)
+        ..SetupSpec::new(design, widths, 3)
     };
-    let mut model = Model::new(&library(folder.path(), &spec)?, 1)?;
+    let mut model = SetupModel::new(&library(folder.path(), &spec)?, 1)?;
     let (view, _) = hard_cases(1, [640, 480], 1);
-    let load = Load {
+    let load = SetupLoad {
         name: "units".to_owned(),
         view,
         rules: Rules::GAUSSIAN_3D,
@@ -43,11 +43,11 @@ pub fn first_difference(design: &str, widths: &Widths, step: usize) -> Result<Op
         let next = numbers
             .get(offered)
             .and_then(|number| record(&bearing(*number)));
-        let out = model.tick(&Inputs {
+        let out = model.tick(&SetupInputs {
             record_valid: next.is_some().into(),
             record: next.unwrap_or_default(),
             packet_ready: 1,
-            ..Inputs::default()
+            ..SetupInputs::default()
         });
         offered += usize::from(next.is_some() && out.record_ready == 1);
         idle += 1;
