@@ -43,7 +43,7 @@ static void start(Vflat_primitive &circuit, const Bench &bench) {
     circuit.lanes_enable = 1;
     circuit.alpha_max = bench.rules.alpha_max;
     circuit.least = bench.rules.least;
-    circuit.stop = bench.rules.stop;
+    circuit.minimum_transmittance = bench.rules.minimum_transmittance;
     circuit.omit_finishing = bench.rules.omit_finishing;
     circuit.wide_table = bench.rules.wide_table;
     circuit.table_valid = 1;

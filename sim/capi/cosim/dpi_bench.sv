@@ -2,7 +2,7 @@
 // Your own rasterizer takes the primitive's place.
 module dpi_bench;
     import "DPI-C" function int model_begin();
-    import "DPI-C" function void model_rules(output int alpha_max, output longint least, output int stop, output int omit_finishing, output int wide_table);
+    import "DPI-C" function void model_rules(output int alpha_max, output longint least, output int minimum_transmittance, output int omit_finishing, output int wide_table);
     import "DPI-C" function void model_table(input int index, output int low, output int step);
     import "DPI-C" function int model_tile(input int tile, output int first_column, output int first_row, output int end_column, output int end_row);
     import "DPI-C" function int model_packet(input int i, output bit [671:0] packet);
@@ -18,14 +18,14 @@ module dpi_bench;
     logic [T+1:0] transmittance;
     logic [3*SUM-1:0] colour;
     longint least;
-    int alpha_max, stop, omit_finishing, wide_table, index, low, step;
+    int alpha_max, minimum_transmittance, omit_finishing, wide_table, index, low, step;
     int first_column, first_row, end_column, end_row, packets;
     int pixels = 0;
     bit [671:0] words;
     splatline_pkg::rules_t rules;
     splatline_pkg::window_t tile;
 
-    assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], stop[T:0], omit_finishing[0], wide_table[0]};
+    assign rules = {alpha_max[splatline_pkg::ALPHA:0], least[splatline_pkg::PEAK+splatline_pkg::WEIGHT:0], minimum_transmittance[T:0], omit_finishing[0], wide_table[0]};
     assign tile = {first_column[15:0], first_row[15:0], end_column[15:0], end_row[15:0]};
 
     splat_primitive #(.LANES(4)) splats (
@@ -61,7 +61,7 @@ module dpi_bench;
     initial begin
         packets = model_begin();
         if (packets <= 0) $fatal(1, "the model does not start");
-        model_rules(alpha_max, least, stop, omit_finishing, wide_table);
+        model_rules(alpha_max, least, minimum_transmittance, omit_finishing, wide_table);
         repeat (4) clock();
         rst = 0;
         table_valid = 1;

@@ -11,10 +11,10 @@ int model_begin(void) {
 }
 
 // The rules at the design's widths.
-void model_rules(int *alpha_max, long long *least, int *stop, int *omit_finishing, int *wide_table) {
+void model_rules(int *alpha_max, long long *least, int *minimum_transmittance, int *omit_finishing, int *wide_table) {
     *alpha_max = (int)bench.rules.alpha_max;
     *least = (long long)bench.rules.least;
-    *stop = (int)bench.rules.stop;
+    *minimum_transmittance = (int)bench.rules.minimum_transmittance;
     *omit_finishing = (int)bench.rules.omit_finishing;
     *wide_table = (int)bench.rules.wide_table;
 }

@@ -15,8 +15,8 @@ int32_t bench_prepare(Bench *bench, uint32_t design) {
     if (status >= 0) {
         bench->rules.alpha_max = constants.alpha_max;
         bench->rules.least = constants.opacity_min;
-        bench->rules.stop = constants.minimum_transmittance;
-        bench->rules.stop_before = constants.omit_finishing;
+        bench->rules.minimum_transmittance = constants.minimum_transmittance;
+        bench->rules.omit_finishing = constants.omit_finishing;
         bench->rules.wide_table = rules->table_range == 4;
     }
     return status;

@@ -15,8 +15,8 @@ enum { TILE_COLUMNS = 32, TILE_ROWS = 32, TILES_ACROSS = (COLUMNS + TILE_COLUMNS
 typedef struct {
     uint64_t least;     // UQ4.(peak + weight): smaller products are skipped
     uint32_t alpha_max; // UQ1.alpha
-    uint32_t stop;      // UQ1.transmittance
-    uint32_t stop_before, wide_table;
+    uint32_t minimum_transmittance;      // UQ1.transmittance
+    uint32_t omit_finishing, wide_table;
 } CircuitRules;
 
 // Everything that is fed to the circuit, and the picture that must come out.
