@@ -8,6 +8,7 @@
 //! precision they are an addition and a mask (`real.rs`), for four or eight splats without a branch. What vectors do not cover is left to the
 //! kernel: parallel projection, splats far from unit size, and those of which the last bit is in doubt.
 
+mod doubt;
 pub mod number;
 mod position;
 mod real;

@@ -4,7 +4,7 @@
 //! splat is defined but of no use.
 
 use super::number::{Arithmetic, Number};
-use super::position::{COORDINATE, CameraPoint};
+use super::position::CameraPoint;
 use super::real::{Real, Reals};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::format::Widths;
@@ -44,22 +44,6 @@ pub struct Footprints<W: Wide> {
     pub cutoff: Word<W>,
     pub peak: Word<W>,
 }
-
-/// Depths, in kernel units, that doubles take.
-const DEPTHS: [f64; 2] = [1.0 / (1u64 << 30) as f64, (1u64 << 30) as f64];
-
-/// Largest x/z and y/z that doubles take, and smallest but 0.
-const RATIOS: [f64; 2] = [(1u64 << 18) as f64, 1.0 / (1u64 << 60) as f64];
-
-/// Variances and determinants below this may have lost terms below the range of doubles: 2^-900.
-const LEAST_VARIANCE: f64 = f64::from_bits((1023 - 900) << 52);
-
-/// Splats that distance enlarges by more than 2^20 are in doubt: their determinants might leave the range of doubles.
-const LEAST_DISTANCE: f64 = 1.0 / (1u64 << 20) as f64;
-
-/// Exponents of axes, of which products of eight come near the ends of doubles, and of coordinates.
-const AXES: [i64; 2] = [-45, 40];
-const COORDINATES: [i64; 2] = [-200, 200];
 
 /// 2^exponent as a constant.
 #[inline(always)]
@@ -122,9 +106,9 @@ impl<W: Doubles> Stages<'_, W> {
         let cutoff = self.cutoff(peak, &mut culled);
         let mut first = [self.math.splat(0); 2];
         let mut last = first;
-        for (axis, spread) in [variance.xx, variance.yy].into_iter().enumerate() {
+        for (axis, variance) in [variance.xx, variance.yy].into_iter().enumerate() {
             (first[axis], last[axis]) =
-                self.bounds(axis, projected.centre[axis], spread, cutoff, &mut culled);
+                self.bounds(axis, projected.centre[axis], variance, cutoff, &mut culled);
         }
         let peak = self.peak_fixed(peak, &mut culled);
         Footprints {
@@ -145,31 +129,6 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn bits(&self) -> u32 {
         self.widths.mantissa.into()
-    }
-
-    /// Notes the reason where it holds and no other was noted before.
-    #[inline(always)]
-    fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let code = self.math.splat(code(reason));
-        let noted = self.math.greater(*culled, self.math.splat(0));
-        let now = self.math.select(*culled, code, truth);
-        *culled = self.math.select(now, *culled, noted);
-    }
-
-    /// Leaves only the doubt of before where a reason has been noted since that needed nothing of what is in doubt now.
-    #[inline(always)]
-    fn trust(&self, culled: Word<W>, before: Word<W>) {
-        let (math, doubt) = (self.math, self.reals.doubt);
-        let settled = math.greater(culled, math.splat(0));
-        doubt.set(math.select(doubt.get(), before, settled));
-    }
-
-    /// Notes the reason where it does not hold.
-    #[inline(always)]
-    fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
-        let math = self.math;
-        let kept = math.select(math.splat(0), math.splat(1), truth);
-        self.cull(culled, reason, math.greater(math.splat(1), kept));
     }
 
     /// W times a vector of integers.
@@ -229,69 +188,6 @@ impl<W: Doubles> Stages<'_, W> {
             centre,
             ratio,
             gain,
-        }
-    }
-
-    /// 1 where an integer lies outside a range.
-    #[inline(always)]
-    fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
-        let math = self.math;
-        let below = math.greater(math.splat(least), word);
-        let above = math.greater(word, math.splat(most));
-        let below = math.select(math.splat(0), math.splat(1), below);
-        math.select(below, math.splat(1), above)
-    }
-
-    /// 1 where a number is greater than another.
-    #[inline(always)]
-    fn beyond(&self, a: Word<W>, b: Word<W>) -> Word<W> {
-        let math = self.math;
-        let greater = math.lanes.double_greater(a, b);
-        math.select(math.splat(0), math.splat(1), greater)
-    }
-
-    /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
-    /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
-    #[inline(always)]
-    pub fn doubt_inputs(&self, splats: &Splats<W>) {
-        let (math, reals) = (self.math, self.reals);
-        let zero = math.splat(0);
-        for coordinate in splats.centre {
-            let leading = math.shr(
-                math.magnitude(coordinate.mantissa),
-                i64::from(COORDINATE) - 1,
-            );
-            let whole = math.lanes.wide_xor(leading, math.splat(1));
-            let doubt = math
-                .lanes
-                .wide_or(whole, self.outside(coordinate.exponent, COORDINATES));
-            let nothing = math.lanes.wide_equal(coordinate.mantissa, zero);
-            reals.doubt_where(math.select(doubt, zero, nothing));
-        }
-        for (axis, exponent) in splats.axes.iter().zip(splats.exponents) {
-            reals.doubt_where(self.outside(exponent, AXES));
-            for part in axis {
-                let least = math.lanes.wide_equal(*part, math.splat(i32::MIN.into()));
-                reals.doubt_where(math.select(zero, math.splat(1), least));
-            }
-        }
-        let weight = math
-            .lanes
-            .double_greater(reals.magnitude(splats.weight).0, reals.constant(-1.0));
-        reals.doubt_where(math.select(math.splat(1), zero, weight));
-    }
-
-    /// Puts splats in doubt that lie so far out that products of what follows might leave the range of doubles.
-    #[inline(always)]
-    fn doubt_ranges(&self, z: Real<W>, on_plane: &[Real<W>; 2]) {
-        let (math, reals) = (self.math, self.reals);
-        reals.doubt_where(self.beyond(reals.constant(DEPTHS[0]), z.0));
-        reals.doubt_where(self.beyond(z.0, reals.constant(DEPTHS[1])));
-        for ratio in on_plane {
-            let magnitude = reals.magnitude(*ratio).0;
-            reals.doubt_where(self.beyond(magnitude, reals.constant(RATIOS[0])));
-            let small = self.beyond(reals.constant(RATIOS[1]), magnitude);
-            reals.doubt_where(math.select(small, math.splat(0), reals.is_zero(*ratio)));
         }
     }
 
@@ -372,7 +268,7 @@ impl<W: Doubles> Stages<'_, W> {
         let distance = reals.multiply(reals.number(self.rules.spacing), gain, bits);
         let one = reals.constant(1.0);
         let far = math.lanes.double_greater(one, distance.0);
-        reals.doubt_unless_greater(distance.0, LEAST_DISTANCE);
+        self.doubt_unless_near(distance);
         // A column times 1 is the column, which has been rounded to as many bits.
         let factor = reals.reciprocal(distance, bits);
         let factor = Real(math.select(one, factor.0, far));
@@ -435,14 +331,6 @@ impl<W: Doubles> Stages<'_, W> {
         }
     }
 
-    /// Puts splats in doubt whose variances come near the end of the range of doubles, 0 included.
-    #[inline(always)]
-    pub fn doubt_unless_large(&self, variances: [Real<W>; 3]) {
-        for variance in variances {
-            self.reals.doubt_unless_greater(variance.0, LEAST_VARIANCE);
-        }
-    }
-
     /// A 2x2 minor.
     #[inline(always)]
     pub fn minor(&self, j: &[Real<W>; 2], k: &[Real<W>; 2]) -> Real<W> {
@@ -499,27 +387,17 @@ impl<W: Doubles> Stages<'_, W> {
         ]
     }
 
-    /// Culls where an exponent has no place in the packet.
-    #[inline(always)]
-    fn unpackable(&self, exponent: Word<W>, culled: &mut Word<W>) {
-        let math = self.math;
-        let above = math.greater(exponent, math.splat(511));
-        let below = math.greater(math.splat(-512), exponent);
-        self.cull(culled, Cull::Degenerate, above);
-        self.cull(culled, Cull::Degenerate, below);
-    }
-
     #[inline(always)]
     pub fn conic(
         &self,
         variance: &Variance<W>,
-        curvature: Real<W>,
+        horizontal: Real<W>,
         inverse: Real<W>,
         culled: &mut Word<W>,
     ) -> ([Word<W>; 3], Word<W>) {
         let (math, reals, bits) = (self.math, self.reals, self.bits());
         let coefficients = [
-            curvature,
+            horizontal,
             reals.opposite(reals.multiply(variance.xy, inverse, bits)),
             reals.multiply(variance.xx, inverse, bits),
         ];
@@ -592,13 +470,13 @@ impl<W: Doubles> Stages<'_, W> {
         &self,
         axis: usize,
         centre: Word<W>,
-        spread: Real<W>,
+        variance: Real<W>,
         cutoff: Word<W>,
         culled: &mut Word<W>,
     ) -> (Word<W>, Word<W>) {
         let (math, reals) = (self.math, self.reals);
         let cutoff = reals.scaled(reals.short(cutoff), 1.0 / power(28));
-        let squared = reals.multiply(reals.narrow(cutoff, 16), spread, 16);
+        let squared = reals.multiply(reals.narrow(cutoff, 16), variance, 16);
         let extent = reals.to_fixed(reals.square_root(squared, 16), power(32));
         let extent = reals.to_word(extent);
         let wider = math.add(extent, math.shr(extent, 10));
@@ -627,9 +505,4 @@ impl<W: Doubles> Stages<'_, W> {
         self.cull(culled, Cull::Transparent, dark);
         fixed
     }
-}
-
-/// One more than the reason's place in [`Cull::ALL`].
-pub const fn code(reason: Cull) -> i64 {
-    reason.place() as i64 + 1
 }

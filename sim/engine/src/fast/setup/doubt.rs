@@ -1,0 +1,147 @@
+//! What becomes of a splat that has no footprint, and of one that vectors leave to the kernel.
+//!
+//! A vector goes on whatever happens to one of its splats. So the first reason to cull is noted per word, and beside it a doubt: doubles hold the kernel's
+//! numbers only within the ranges below, and whatever comes near their ends, or near the half of a last bit, is set up by the kernel itself.
+
+use super::position::COORDINATE;
+use super::real::Real;
+use super::stages::{Splats, Stages};
+use crate::fast::lanes::{Doubles, Wide};
+use splatline::setup::Cull;
+
+type Word<W> = <W as Wide>::Word;
+
+/// Depths, in kernel units, that doubles take.
+const DEPTHS: [f64; 2] = [1.0 / (1u64 << 30) as f64, (1u64 << 30) as f64];
+
+/// Largest x/z and y/z that doubles take, and smallest but 0.
+const RATIOS: [f64; 2] = [(1u64 << 18) as f64, 1.0 / (1u64 << 60) as f64];
+
+/// Variances and determinants below this may have lost terms below the range of doubles: 2^-900.
+const LEAST_VARIANCE: f64 = f64::from_bits((1023 - 900) << 52);
+
+/// Splats that distance enlarges by more than 2^20 are in doubt: their determinants might leave the range of doubles.
+const LEAST_DISTANCE: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Exponents of axes, of which products of eight come near the ends of doubles, and of coordinates.
+const AXES: [i64; 2] = [-45, 40];
+const COORDINATES: [i64; 2] = [-200, 200];
+
+impl<W: Doubles> Stages<'_, W> {
+    /// Notes the reason where it holds and no other was noted before.
+    #[inline(always)]
+    pub fn cull(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
+        let code = self.math.splat(code(reason));
+        let noted = self.math.greater(*culled, self.math.splat(0));
+        let now = self.math.select(*culled, code, truth);
+        *culled = self.math.select(now, *culled, noted);
+    }
+
+    /// Leaves only the doubt of before where a reason has been noted since that needed nothing of what is in doubt now.
+    #[inline(always)]
+    pub fn trust(&self, culled: Word<W>, before: Word<W>) {
+        let (math, doubt) = (self.math, self.reals.doubt);
+        let settled = math.greater(culled, math.splat(0));
+        doubt.set(math.select(doubt.get(), before, settled));
+    }
+
+    /// Notes the reason where it does not hold.
+    #[inline(always)]
+    pub fn cull_unless(&self, culled: &mut Word<W>, reason: Cull, truth: W::Truth) {
+        let math = self.math;
+        let kept = math.select(math.splat(0), math.splat(1), truth);
+        self.cull(culled, reason, math.greater(math.splat(1), kept));
+    }
+
+    /// Culls where an exponent has no place in the packet.
+    #[inline(always)]
+    pub fn unpackable(&self, exponent: Word<W>, culled: &mut Word<W>) {
+        let math = self.math;
+        let above = math.greater(exponent, math.splat(511));
+        let below = math.greater(math.splat(-512), exponent);
+        self.cull(culled, Cull::Degenerate, above);
+        self.cull(culled, Cull::Degenerate, below);
+    }
+
+    /// 1 where an integer lies outside a range.
+    #[inline(always)]
+    fn outside(&self, word: Word<W>, [least, most]: [i64; 2]) -> Word<W> {
+        let math = self.math;
+        let below = math.greater(math.splat(least), word);
+        let above = math.greater(word, math.splat(most));
+        let below = math.select(math.splat(0), math.splat(1), below);
+        math.select(below, math.splat(1), above)
+    }
+
+    /// 1 where a number is greater than another.
+    #[inline(always)]
+    fn beyond(&self, a: Word<W>, b: Word<W>) -> Word<W> {
+        let math = self.math;
+        let greater = math.lanes.double_greater(a, b);
+        math.select(math.splat(0), math.splat(1), greater)
+    }
+
+    /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
+    /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
+    #[inline(always)]
+    pub fn doubt_inputs(&self, splats: &Splats<W>) {
+        let (math, reals) = (self.math, self.reals);
+        let zero = math.splat(0);
+        for coordinate in splats.centre {
+            let leading = math.shr(
+                math.magnitude(coordinate.mantissa),
+                i64::from(COORDINATE) - 1,
+            );
+            let whole = math.lanes.wide_xor(leading, math.splat(1));
+            let doubt = math
+                .lanes
+                .wide_or(whole, self.outside(coordinate.exponent, COORDINATES));
+            let nothing = math.lanes.wide_equal(coordinate.mantissa, zero);
+            reals.doubt_where(math.select(doubt, zero, nothing));
+        }
+        for (axis, exponent) in splats.axes.iter().zip(splats.exponents) {
+            reals.doubt_where(self.outside(exponent, AXES));
+            for part in axis {
+                let least = math.lanes.wide_equal(*part, math.splat(i32::MIN.into()));
+                reals.doubt_where(math.select(zero, math.splat(1), least));
+            }
+        }
+        let weight = math
+            .lanes
+            .double_greater(reals.magnitude(splats.weight).0, reals.constant(-1.0));
+        reals.doubt_where(math.select(math.splat(1), zero, weight));
+    }
+
+    /// Puts splats in doubt that lie so far out that products of what follows might leave the range of doubles.
+    #[inline(always)]
+    pub fn doubt_ranges(&self, z: Real<W>, on_plane: &[Real<W>; 2]) {
+        let (math, reals) = (self.math, self.reals);
+        reals.doubt_where(self.beyond(reals.constant(DEPTHS[0]), z.0));
+        reals.doubt_where(self.beyond(z.0, reals.constant(DEPTHS[1])));
+        for ratio in on_plane {
+            let magnitude = reals.magnitude(*ratio).0;
+            reals.doubt_where(self.beyond(magnitude, reals.constant(RATIOS[0])));
+            let small = self.beyond(reals.constant(RATIOS[1]), magnitude);
+            reals.doubt_where(math.select(small, math.splat(0), reals.is_zero(*ratio)));
+        }
+    }
+
+    /// Puts splats in doubt whose variances come near the end of the range of doubles, 0 included.
+    #[inline(always)]
+    pub fn doubt_unless_large(&self, variances: [Real<W>; 3]) {
+        for variance in variances {
+            self.reals.doubt_unless_greater(variance.0, LEAST_VARIANCE);
+        }
+    }
+
+    /// Puts splats in doubt that distance enlarges so much that their determinants might leave the range of doubles.
+    #[inline(always)]
+    pub fn doubt_unless_near(&self, distance: Real<W>) {
+        self.reals.doubt_unless_greater(distance.0, LEAST_DISTANCE);
+    }
+}
+
+/// One more than the reason's place in [`Cull::ALL`].
+pub const fn code(reason: Cull) -> i64 {
+    reason.place() as i64 + 1
+}
