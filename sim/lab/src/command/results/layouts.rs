@@ -7,7 +7,6 @@ use splatline_sim::cli::write;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::explore::folder::Appender;
 use splatline_sim::explore::front::{Candidate, candidates};
-use splatline_sim::explore::plot::{self, Sweep};
 use splatline_sim::explore::space::Space;
 use splatline_sim::explore::sweep::{self, Shard};
 use splatline_sim::explore::table::{ResultTable, heading};
@@ -34,7 +33,7 @@ pub fn write_all(subjects: &[HardwareScene], folder: &Path) -> Result<(), Failur
     let space = Space::from_toml("layouts.toml", SPACE)?;
     let note = synthesis::statement(&Calibration::default());
     let mut text = format!(
-        "# The best lane layout\n\nPrinted by `{COMMAND} --only layouts`, which runs the sweep of layouts.toml ({} points) over each scene. For every number of \
+        "# The best lane layout\n\nPrinted by `{COMMAND} --only layouts`, which runs the sweep of layouts.toml ({} points) over each scene; `splatline explore SCENE --space docs/results/layouts.toml -o DIR` runs it over any other and writes all points as a page to sort and filter. For every number of \
          lanes and layout: the point with the most covered pixels per cycle and lane (the machine otherwise is the default one), and the smallest \
          area that comes within 2 % of it. LUT, FF, DSP and memory are those of its raster unit ({note}).\n",
         space.points.len()
@@ -43,22 +42,6 @@ pub fn write_all(subjects: &[HardwareScene], folder: &Path) -> Result<(), Failur
     for subject in subjects {
         let table = sweep_of(subject, &space, None)?;
         let all = candidates(&table);
-        let name: String = subject
-            .name
-            .chars()
-            .filter(char::is_ascii_alphanumeric)
-            .collect::<String>()
-            .to_lowercase();
-        write(
-            &folder.join(format!("layouts-{name}.html")),
-            plot::page(&Sweep {
-                title: &format!("Lane layouts: {}", subject.name),
-                note: &note,
-                table: &table,
-                candidates: &all,
-            })
-            .as_bytes(),
-        )?;
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
