@@ -1,9 +1,10 @@
 //! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
 
 use super::{Engine, Entry, Prepared, Splats, Subject};
+use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
-use crate::fixed::{self, HybridRenderer};
+use crate::fixed::{self, HybridRenderer, QuantisedScene};
 use crate::hybrid::Hybrid;
 use crate::machine::config::Binning;
 use crate::machine::workload::{
@@ -398,18 +399,22 @@ fn draw_splats(
         true
     };
     let Drawn { facts, convert } = renderer.draw_picture(picture, &going_on)?;
-    let quantised = renderer.quantised();
-    Ok(Drawing {
+    Ok(of_frame(facts, renderer.quantised(), convert))
+}
+
+/// What a frame's facts say; the picture comes when all frames have been drawn.
+fn of_frame(facts: FrameFacts, quantised: &QuantisedScene, convert_s: f64) -> Drawing {
+    Drawing {
         culled: cull_counts(facts.culled),
         clamped: quantised.clamped as u64,
         colour_log2: quantised.colour_log2,
         pixels: Some(pixels(facts.coverage)),
         stages: HostTimes {
-            convert_s: convert,
+            convert_s,
             ..stages(facts.times)
         },
         ..plain(Picture::new(0, 0))
-    })
+    }
 }
 
 fn draw_hybrid(renderer: &mut HybridRenderer, picture: &mut Picture) -> Result<Drawing> {
@@ -417,18 +422,8 @@ fn draw_hybrid(renderer: &mut HybridRenderer, picture: &mut Picture) -> Result<D
     let facts = renderer.draw_picture(picture).map_err(Error::msg)?.frame;
     let times = facts.times;
     let drawn_s = times.setup + times.sort + times.raster;
-    let quantised = renderer.quantised();
-    Ok(Drawing {
-        culled: cull_counts(facts.culled),
-        clamped: quantised.clamped as u64,
-        colour_log2: quantised.colour_log2,
-        pixels: Some(pixels(facts.coverage)),
-        stages: HostTimes {
-            convert_s: started.elapsed().as_secs_f64() - drawn_s,
-            ..stages(times)
-        },
-        ..plain(Picture::new(0, 0))
-    })
+    let convert_s = started.elapsed().as_secs_f64() - drawn_s;
+    Ok(of_frame(facts, renderer.quantised(), convert_s))
 }
 
 fn draw_surface(renderer: &mut SurfaceRenderer, style: &Style, picture: &mut Picture) -> Drawing {

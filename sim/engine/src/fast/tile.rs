@@ -8,6 +8,15 @@ use splatline::raster::Window;
 /// and place in a list cost more than a way to the second level.
 pub const TILE: [u16; 2] = [64, 64];
 
+/// Columns and rows of a window that is at most a [`TILE`].
+#[inline(always)]
+pub(in crate::fast) fn extent(window: &Window) -> [usize; 2] {
+    [0, 1].map(|axis: usize| {
+        let side = window.end[axis] - window.first[axis];
+        usize::from(side.min(TILE[axis]))
+    })
+}
+
 /// Columns that a vector may reach beyond the tile's last pixel.
 const SPARE: usize = 16;
 
@@ -39,7 +48,7 @@ impl Tile {
     /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
     pub fn open(&mut self, window: Window, clear: Pixel) {
         self.window = window;
-        let (columns, rows) = (self.columns(), self.rows());
+        let [columns, rows] = extent(&self.window);
         for row in self.rows.iter_mut().take(rows) {
             for (plane, value) in row.iter_mut().zip(words(clear)) {
                 plane.fill(value);
@@ -52,14 +61,6 @@ impl Tile {
     /// The tile's part of the screen.
     pub fn window(&self) -> Window {
         self.window
-    }
-
-    fn columns(&self) -> usize {
-        usize::from(self.window.end[0] - self.window.first[0]).min(TILE[0].into())
-    }
-
-    fn rows(&self) -> usize {
-        usize::from(self.window.end[1] - self.window.first[1]).min(TILE[1].into())
     }
 
     /// Row `y` of the screen.
@@ -78,15 +79,15 @@ impl Tile {
     /// Have all its pixels finished?
     #[inline(always)]
     pub fn is_finished(&self) -> bool {
-        self.rows[..self.rows()]
+        self.rows[..extent(&self.window)[1]]
             .iter()
             .all(|row| row[0].iter().fold(FINISHED, |all, t| all & t) != 0)
     }
 
     /// The pixels as the kernel knows them, row by row.
     pub fn to_pixels(&self) -> Vec<Pixel> {
-        let columns = self.columns();
-        let mut pixels = vec![Pixel::default(); columns * self.rows()];
+        let [columns, rows] = extent(&self.window);
+        let mut pixels = vec![Pixel::default(); columns * rows];
         for (row, y) in pixels.chunks_exact_mut(columns.max(1)).zip(0..) {
             self.copy_row(y, row);
         }
@@ -95,7 +96,7 @@ impl Tile {
 
     /// The inverse of [`Tile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
-        let columns = self.columns().max(1);
+        let columns = extent(&self.window)[0].max(1);
         for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
             for (x, pixel) in pixels.iter().enumerate() {
                 for (plane, value) in row.iter_mut().zip(words(*pixel)) {

@@ -1,11 +1,13 @@
 //! Points and splats through the kernel, frame after frame in the same memory: choice, setup, order, slabs, stamps.
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{CHECK_INTERVAL, Drawing, Engine, Options, best_engine, painter};
+use super::render::{
+    CHECK_INTERVAL, Drawing, Engine, Options, best_engine, painter, set_up_splats,
+};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
-use crate::fast::setup::{self as fast, Outcome};
+use crate::fast::setup::Outcome;
 use crate::fast::{Results, Scratch, TableMemory, TilePainter};
 use crate::fixed::frame::converter;
 use crate::hybrid::{Hybrid, Points, deviation};
@@ -20,7 +22,7 @@ use splatline::format::{Design, Traversal};
 use splatline::kernel::FootprintTable;
 use splatline::raster::{Stamp, StampShape, Window, fill_stamps};
 use splatline::rules as kernel;
-use splatline::setup::{PointFilter, is_minified, setup, setup_point};
+use splatline::setup::{PointFilter, is_minified, setup_point};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -291,7 +293,19 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
             points += usize::from(is_point);
         }
         if points < splats.len() {
-            self.set_up_splats(splats, outcomes);
+            let HybridSetup {
+                design,
+                rules,
+                engine,
+                ..
+            } = *self;
+            set_up_splats(
+                design,
+                &self.quantised.view,
+                rules,
+                engine,
+                (splats, outcomes),
+            );
         }
         if points == 0 {
             return;
@@ -313,19 +327,6 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
             Points::Auto => {
                 let QuantisedScene { view, .. } = self.quantised;
                 is_minified(&self.design.widths(), view, self.rules, splat)
-            }
-        }
-    }
-
-    /// All as splats.
-    fn set_up_splats(&self, splats: &[VolumeSplat], outcomes: &mut [Outcome]) {
-        let (design, view, rules) = (self.design, &self.quantised.view, self.rules);
-        match self.engine {
-            Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
-            Engine::Scalar => {
-                for (splat, outcome) in splats.iter().zip(outcomes) {
-                    *outcome = setup(design, view, rules, splat);
-                }
             }
         }
     }

@@ -6,7 +6,7 @@ use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 pub(super) use crate::fast::CHECK_INTERVAL;
 pub use crate::fast::frame::Times;
-use crate::fast::frame::{FrameMemory, FramePlan};
+use crate::fast::frame::{FrameMemory, FramePlan, SetUpPart};
 use crate::fast::lanes::{VectorLevel, has_vectors};
 use crate::fast::setup::{self as fast, Outcome};
 use crate::fast::{TilePainter, tile_painter};
@@ -23,6 +23,7 @@ use splatline::setup::{
     Covariance2d, Cull, conic, covariance, distance, ldl, project, project_axes, setup,
 };
 use splatline::splat::VolumeSplat;
+use splatline::view::View;
 
 /// Which implementation paints. All give the same pixels and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -164,16 +165,26 @@ pub fn set_up_part<D: Design>(
     engine: Engine,
     (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
 ) {
-    let view = &quantised.view;
+    set_up_splats(design, &quantised.view, rules, engine, (splats, outcomes));
+    quantised.sort_keys(&design.widths(), splats, outcomes);
+}
+
+/// The same with the keys that setup gives them.
+pub(super) fn set_up_splats<D: Design>(
+    design: D,
+    view: &View,
+    rules: &kernel::Rules,
+    engine: Engine,
+    (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
+) {
     match engine {
         Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
         Engine::Scalar => {
-            for (splat, outcome) in splats.iter().zip(outcomes.iter_mut()) {
+            for (splat, outcome) in splats.iter().zip(outcomes) {
                 *outcome = setup(design, view, rules, splat);
             }
         }
     }
-    quantised.sort_keys(&design.widths(), splats, outcomes);
 }
 
 /// Footprints of all splats that have one, in the scene's order, with the sort keys that setup gives them.
@@ -182,29 +193,20 @@ pub(super) fn seen<D: Design + Send + Sync>(
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
 ) -> Vec<(usize, Footprint)> {
-    seen_by(&quantised.splats, &|splats, outcomes| {
-        let view = &quantised.view;
-        match best_engine() {
-            Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
-            Engine::Scalar => {
-                for (splat, outcome) in splats.iter().zip(outcomes) {
-                    *outcome = setup(design, view, rules, splat);
-                }
-            }
-        }
+    let view = &quantised.view;
+    seen_by(&quantised.splats, &|_, splats, outcomes| {
+        set_up_splats(design, view, rules, best_engine(), (splats, outcomes));
     })
 }
 
-/// Setup of some splats into as many places, by a design's own type. What spreads the work takes it behind a reference, so that it is compiled once
-/// and not for every design.
-type SetUpPart<'a> = dyn Fn(&[VolumeSplat], &mut [Outcome]) + Sync + 'a;
-
+/// Takes setup behind a reference, so that what spreads the work is compiled once and not for every design.
 fn seen_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<(usize, Footprint)> {
     let batch = |(number, splats): (usize, &[VolumeSplat])| {
+        let first = number * BATCH;
         let mut outcomes = vec![Err(Cull::Near); splats.len()];
-        set_up(splats, &mut outcomes);
+        set_up(first, splats, &mut outcomes);
         let numbered = outcomes.into_iter().enumerate();
-        numbered.filter_map(move |(index, outcome)| Some((number * BATCH + index, outcome.ok()?)))
+        numbered.filter_map(move |(index, outcome)| Some((first + index, outcome.ok()?)))
     };
     let batches = splats.par_chunks(BATCH).enumerate();
     batches.flat_map_iter(batch).collect()
@@ -220,7 +222,7 @@ pub fn set_up<D: Design + Send + Sync>(
     rules: &kernel::Rules,
     engine: Engine,
 ) -> Vec<Outcome> {
-    set_up_by(&quantised.splats, &|splats, outcomes| {
+    set_up_by(&quantised.splats, &|_, splats, outcomes| {
         set_up_part(design, quantised, rules, engine, (splats, outcomes));
     })
 }
@@ -230,7 +232,8 @@ fn set_up_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<Outcome> {
     outcomes
         .par_chunks_mut(BATCH)
         .zip(splats.par_chunks(BATCH))
-        .for_each(|(outcomes, splats)| set_up(splats, outcomes));
+        .enumerate()
+        .for_each(|(number, (outcomes, splats))| set_up(number * BATCH, splats, outcomes));
     outcomes
 }
 

@@ -3,7 +3,7 @@
 //! A vector is always one cell. So none crosses a line of the cache, and what one splat stored is what the next one loads; runs
 //! that begin anywhere would split most loads and stores in two and find half of a word still on its way to the cache.
 
-use crate::fast::tile::TILE;
+use crate::fast::tile::{TILE, extent};
 use core::ops::BitAnd;
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
@@ -131,7 +131,7 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
         self.window = window;
         self.format = format;
         self.spilled = None;
-        let (columns, rows) = (self.columns(), self.rows());
+        let [columns, rows] = extent(&self.window);
         let words = format.words(clear);
         let [_, red, green, blue] = words;
         // Nothing that a vector finds beyond the tile counts as a pixel.
@@ -151,14 +151,6 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
         self.window
     }
 
-    fn columns(&self) -> usize {
-        usize::from(self.window.end[0] - self.window.first[0]).min(TILE[0].into())
-    }
-
-    fn rows(&self) -> usize {
-        usize::from(self.window.end[1] - self.window.first[1]).min(TILE[1].into())
-    }
-
     /// The cells, counted along the rows from the tile's first; `None` if only the kernel's painter can go on.
     #[inline(always)]
     pub fn cells(&mut self) -> Option<&mut [C]> {
@@ -173,15 +165,15 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
                 .iter()
                 .all(|pixel| pixel.transmittance & FINISHED != 0);
         }
-        let lines = self.rows().div_ceil(C::ROWS);
+        let lines = extent(&self.window)[1].div_ceil(C::ROWS);
         let mut cells = self.cells.iter().take(lines * CELLS_OF_ROW);
         cells.all(C::is_finished)
     }
 
     /// The pixels as the kernel knows them, row by row.
     pub fn to_pixels(&self) -> Vec<Pixel> {
-        let columns = self.columns();
-        let mut pixels = vec![Pixel::default(); columns * self.rows()];
+        let [columns, rows] = extent(&self.window);
+        let mut pixels = vec![Pixel::default(); columns * rows];
         self.copy(pixels.chunks_exact_mut(columns.max(1)));
         pixels
     }
@@ -192,7 +184,7 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
             self.spilled = Some(pixels.into());
             return;
         }
-        let columns = self.columns().max(1);
+        let columns = extent(&self.window)[0].max(1);
         for (y, pixels) in pixels.chunks_exact(columns).enumerate() {
             let cells = &mut self.cells[y / C::ROWS * CELLS_OF_ROW..];
             for (x, pixel) in pixels.iter().enumerate() {
@@ -205,7 +197,7 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
     #[inline(always)]
     pub fn copy<'p>(&self, rows: impl Iterator<Item = &'p mut [Pixel]>) {
         if let Some(pixels) = &self.spilled {
-            let from = pixels.chunks_exact(self.columns().max(1));
+            let from = pixels.chunks_exact(extent(&self.window)[0].max(1));
             rows.zip(from)
                 .for_each(|(row, from)| row.copy_from_slice(from));
             return;

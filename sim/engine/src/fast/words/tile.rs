@@ -1,7 +1,7 @@
 //! A tile's pixels as 64-bit words: one plane per quantity in every row, so that adjacent pixels are a vector.
 
 use crate::fast::lanes::words::PixelWords;
-use crate::fast::tile::TILE;
+use crate::fast::tile::{TILE, extent};
 use splatline::blend::{FINISHED, Pixel};
 use splatline::raster::Window;
 
@@ -46,7 +46,7 @@ impl WordTile {
     /// Makes it the transparent pixels of `window`, which is at most a [`TILE`].
     pub fn open(&mut self, window: Window, clear: Pixel) {
         self.window = window;
-        let (columns, rows) = (self.columns(), self.rows());
+        let [columns, rows] = extent(&self.window);
         let of_row = u64::MAX >> (COLUMNS - columns).min(63);
         self.live = std::array::from_fn(|y| if y < rows { of_row } else { 0 });
         for row in self.rows.iter_mut().take(rows) {
@@ -61,14 +61,6 @@ impl WordTile {
     /// The tile's part of the screen.
     pub fn window(&self) -> Window {
         self.window
-    }
-
-    fn columns(&self) -> usize {
-        usize::from(self.window.end[0] - self.window.first[0]).min(COLUMNS)
-    }
-
-    fn rows(&self) -> usize {
-        usize::from(self.window.end[1] - self.window.first[1]).min(ROWS)
     }
 
     /// Row `y` of the screen.
@@ -120,21 +112,21 @@ impl WordTile {
     /// Have all its pixels finished?
     #[inline(always)]
     pub fn is_finished(&self) -> bool {
-        self.rows[..self.rows()]
+        self.rows[..extent(&self.window)[1]]
             .iter()
             .all(|row| row[0].iter().fold(MARK, |all, word| all & word) != 0)
     }
 
     /// The pixels as the kernel knows them, row by row.
     pub fn to_pixels(&self) -> Vec<Pixel> {
-        let mut pixels = vec![Pixel::default(); self.columns() * self.rows()];
+        let mut pixels = vec![Pixel::default(); extent(&self.window).iter().product()];
         self.copy(&mut pixels);
         pixels
     }
 
     /// The inverse of [`WordTile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
-        let columns = self.columns().max(1);
+        let columns = extent(&self.window)[0].max(1);
         for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
             for (x, pixel) in pixels.iter().enumerate() {
                 for (plane, value) in row.iter_mut().zip(words(*pixel)) {
@@ -146,7 +138,7 @@ impl WordTile {
 
     /// Writes the tile's rows as pixels, one after the other.
     pub fn copy(&self, to: &mut [Pixel]) {
-        let columns = self.columns().max(1);
+        let columns = extent(&self.window)[0].max(1);
         for (row, to) in self.rows.iter().zip(to.chunks_exact_mut(columns)) {
             let [light, red, green, blue] = row;
             let colours = red.iter().zip(green).zip(blue);
