@@ -46,7 +46,7 @@ pub struct EllipseSpans<L> {
     reach: i64,
     half_width: HalfWidth,
     seed: Seed<L>,
-    row: Row,
+    row: SpanRow,
 }
 
 /// What the rows of one footprint are computed from, for implementations that compute several at once: [`EllipseSpans`] stays their
@@ -127,7 +127,7 @@ pub const VERTICAL_FRACTION: u32 = VERTICAL;
 
 /// What is left of the row being drawn.
 #[derive(Clone, Copy, Debug, Default)]
-struct Row {
+struct SpanRow {
     y: u16,
     x: u16,
     end: u16,
@@ -180,7 +180,7 @@ impl<L: Lane> EllipseSpans<L> {
                 mantissa,
                 widths.radial.into(),
             ),
-            row: Row::default(),
+            row: SpanRow::default(),
         }
     }
 
@@ -213,7 +213,7 @@ impl<L: Lane> EllipseSpans<L> {
     /// Opens the next row: its span within the window, from the block that contains the window's first column.
     #[inline(always)]
     fn next_row(&mut self) {
-        let mut row = Row {
+        let mut row = SpanRow {
             y: self.y,
             x: 0,
             end: 0,
@@ -242,7 +242,7 @@ impl<L: Lane> EllipseSpans<L> {
     /// A window that begins inside a block drops the block's head, so that the seed is the same for every tiling.
     #[inline(always)]
     fn next_block(&mut self) -> Option<Span<L>> {
-        let Row {
+        let SpanRow {
             y,
             x,
             end,

@@ -26,7 +26,9 @@ use crate::design::{DesignChoice, DesignJob};
 use crate::fast::TilePainter;
 use crate::fast::frame::{Cancelled, FrameFacts, FrameMemory, FramePlan, Progress};
 use crate::fast::setup::Outcome;
-use crate::fixed::{Engine, Options, QuantisedScene, best_engine, converter, painter, set_up_part};
+use crate::fixed::{
+    Options, PaintEngine, QuantisedScene, best_engine, converter, painter, set_up_part,
+};
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{self, LoadError, LoadOptions, Scene};
@@ -52,7 +54,7 @@ pub struct Settings {
     /// Order of the pixels.
     pub traversal: Traversal,
     /// Which implementation draws; all give the same bits.
-    pub engine: Engine,
+    pub engine: PaintEngine,
     /// Are visited and covered pixels counted? If not, finished ones may be left out, and the counts are anything.
     pub counts: bool,
 }
@@ -299,7 +301,7 @@ struct FrameJob<'a> {
     memory: &'a mut FrameMemory,
     plan: FramePlan<'a>,
     rules: &'a kernel::Rules,
-    engine: Engine,
+    engine: PaintEngine,
 }
 
 impl DesignJob for FrameJob<'_> {

@@ -30,7 +30,7 @@ pub static PACKED: PackedTable<INTERVALS> = {
 
 /// Memory of a picture: all that drawing needs beside the stack.
 #[derive(Debug)]
-pub struct Memory {
+pub struct FixedMemory {
     /// Footprints of the visible splats, in the scene's order.
     pub footprints: Vec<Footprint, SPLATS>,
     /// Their numbers among the footprints, nearest first.
@@ -39,10 +39,10 @@ pub struct Memory {
     pub strip: [Pixel; STRIP_PIXELS],
 }
 
-impl Memory {
+impl FixedMemory {
     /// Empty memory.
     pub const fn new() -> Self {
-        Memory {
+        FixedMemory {
             footprints: Vec::new(),
             order: Order::new(),
             strip: [Pixel {
@@ -53,7 +53,7 @@ impl Memory {
     }
 }
 
-impl Default for Memory {
+impl Default for FixedMemory {
     fn default() -> Self {
         Self::new()
     }
@@ -61,7 +61,7 @@ impl Default for Memory {
 
 /// What came out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Outcome {
+pub struct FixedOutcome {
     /// Checksum of all pixels.
     pub checksum: Checksum,
     /// Splats with a footprint.
@@ -70,8 +70,11 @@ pub struct Outcome {
 
 /// Draws the scene; `send` gets the memory when a strip is done, and the strip's first row. A splat without a place in the depth order is an
 /// error, and nothing is drawn.
-pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Result<Outcome, Full> {
-    let mut outcome = Outcome::default();
+pub fn draw(
+    memory: &mut FixedMemory,
+    mut send: impl FnMut(&FixedMemory, u16),
+) -> Result<FixedOutcome, Full> {
+    let mut outcome = FixedOutcome::default();
     phase_setup();
     let set_up = set_up(memory);
     phase_rest();
@@ -96,9 +99,9 @@ pub fn draw(memory: &mut Memory, mut send: impl FnMut(&Memory, u16)) -> Result<O
 
 /// Footprints, and their order by depth.
 #[inline(never)]
-fn set_up(memory: &mut Memory) -> Result<(), Full> {
+fn set_up(memory: &mut FixedMemory) -> Result<(), Full> {
     let view = view();
-    let Memory {
+    let FixedMemory {
         footprints, order, ..
     } = memory;
     footprints.clear();
@@ -115,7 +118,7 @@ fn set_up(memory: &mut Memory) -> Result<(), Full> {
 
 /// One strip of the picture.
 #[inline(never)]
-fn draw_strip(memory: &mut Memory, first_row: u16) {
+fn draw_strip(memory: &mut FixedMemory, first_row: u16) {
     let window = Window {
         first: [0, first_row],
         end: [COLUMNS, first_row + STRIP],

@@ -50,20 +50,20 @@ pub struct FloatSplat {
 
 /// Memory of a picture. One splat at a time is converted, so that the scene needs none.
 #[derive(Debug)]
-pub struct Memory {
+pub struct FloatMemory {
     footprints: [Option<FloatFootprint>; SPLATS],
     order: Order<f32>,
     strip: [FloatPixel; STRIP_PIXELS],
 }
 
-impl Memory {
+impl FloatMemory {
     /// Empty memory.
     pub const fn new() -> Self {
         let clear = FloatPixel {
             colour: [0.0; 3],
             transmittance: 0.0,
         };
-        Memory {
+        FloatMemory {
             footprints: [None; SPLATS],
             order: Order::new(),
             strip: [clear; STRIP_PIXELS],
@@ -71,7 +71,7 @@ impl Memory {
     }
 }
 
-impl Default for Memory {
+impl Default for FloatMemory {
     fn default() -> Self {
         Self::new()
     }
@@ -79,7 +79,7 @@ impl Default for Memory {
 
 /// What came out: covered pixels and the sum of all colours, of either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Outcome {
+pub struct FloatOutcome {
     /// Splats with a footprint.
     pub visible: u32,
     /// Covered pixels, by box and by spans.
@@ -89,8 +89,8 @@ pub struct Outcome {
 }
 
 /// Draws the scene both ways. A splat without a place in the depth order is an error, and nothing is drawn.
-pub fn draw(memory: &mut Memory) -> Result<Outcome, Full> {
-    let mut outcome = Outcome::default();
+pub fn draw(memory: &mut FloatMemory) -> Result<FloatOutcome, Full> {
+    let mut outcome = FloatOutcome::default();
     set_up(memory)?;
     outcome.visible = memory.order.iter().count() as u32;
     let mut first_row = 0;
@@ -130,7 +130,7 @@ fn converted(index: usize) -> FloatSplat {
     }
 }
 
-fn set_up(memory: &mut Memory) -> Result<(), Full> {
+fn set_up(memory: &mut FloatMemory) -> Result<(), Full> {
     memory.order.clear();
     for (index, place) in memory.footprints.iter_mut().enumerate() {
         let splat = converted(index);
@@ -197,8 +197,8 @@ fn bounds(centre: f32, extent: f32, limit: u16) -> Option<(u16, u16)> {
 type Drawer = fn(&FloatFootprint, u16, &mut [FloatPixel; STRIP_PIXELS]) -> u32;
 
 #[inline(never)]
-fn draw_strip(memory: &mut Memory, first_row: u16, drawer: Drawer) -> u32 {
-    let Memory {
+fn draw_strip(memory: &mut FloatMemory, first_row: u16, drawer: Drawer) -> u32 {
+    let FloatMemory {
         footprints,
         order,
         strip,

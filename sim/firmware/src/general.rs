@@ -1,7 +1,7 @@
 //! A strip by the kernel's general painter with widths in fields and 64-bit lanes: what the image's own must equal. Host only.
 
 use crate::design::Firmware16;
-use crate::fixed_picture::{ENTRIES, Memory};
+use crate::fixed_picture::{ENTRIES, FixedMemory};
 use crate::scene::{COLUMNS, RULES, STRIP, STRIP_PIXELS};
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
@@ -12,7 +12,7 @@ use splatline::rules::Compositing;
 use splatline::target::Target;
 
 /// Draws the footprints in memory into a strip of its own.
-pub fn draw_strip(memory: &Memory, first_row: u16) -> (Vec<Pixel>, Coverage) {
+pub fn draw_strip(memory: &FixedMemory, first_row: u16) -> (Vec<Pixel>, Coverage) {
     let widths = Firmware16::WIDTHS;
     let design = RuntimeWidths::new(widths).expect("the widths are checked at compile time");
     let table = FootprintTable::new(&ENTRIES, &widths, RULES.table_range).expect("made for them");

@@ -39,9 +39,9 @@ pub type Splat = VolumeSplat<<Stand as Pose>::Centre>;
 /// The splats.
 pub static SCENE: [Splat; SPLATS] = splats();
 
-struct Random(u32);
+struct SceneRandom(u32);
 
-impl Random {
+impl SceneRandom {
     const fn bits(&mut self) -> u32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         self.0
@@ -108,7 +108,7 @@ const STAND: Stand = Eye {
 };
 
 const fn splats() -> [Splat; SPLATS] {
-    let mut random = Random(7);
+    let mut random = SceneRandom(7);
     let empty = VolumeSplat {
         centre: [ORIGIN; 3],
         axes: [Axis {

@@ -10,7 +10,7 @@ use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fast::lanes::VectorLevel;
-use splatline_sim::fixed::Engine;
+use splatline_sim::fixed::PaintEngine;
 use splatline_sim::renderer::{Renderer, Settings};
 use splatline_sim::rules::Rules;
 use splatline_sim::scene::{self, LoadOptions, Scene, synthetic};
@@ -73,7 +73,7 @@ fn baseline_spans(bencher: Bencher, what: &str) {
     }
 }
 
-fn kernel(bencher: Bencher, what: &str, design: &str, engine: Engine) {
+fn kernel(bencher: Bencher, what: &str, design: &str, engine: PaintEngine) {
     let Some((scene, camera, rules)) = scene(what) else {
         return;
     };
@@ -89,7 +89,12 @@ fn kernel(bencher: Bencher, what: &str, design: &str, engine: Engine) {
 
 #[divan::bench(args = SCENES, sample_count = 10)]
 fn lean18(bencher: Bencher, what: &str) {
-    kernel(bencher, what, "lean18", Engine::Vectors(VectorLevel::Best));
+    kernel(
+        bencher,
+        what,
+        "lean18",
+        PaintEngine::Vectors(VectorLevel::Best),
+    );
 }
 
 #[divan::bench(args = SCENES, sample_count = 10)]
@@ -98,7 +103,7 @@ fn standard24(bencher: Bencher, what: &str) {
         bencher,
         what,
         "standard24",
-        Engine::Vectors(VectorLevel::Best),
+        PaintEngine::Vectors(VectorLevel::Best),
     );
 }
 
@@ -108,7 +113,7 @@ fn standard24_eight_words(bencher: Bencher, what: &str) {
         bencher,
         what,
         "standard24",
-        Engine::Vectors(VectorLevel::Avx2),
+        PaintEngine::Vectors(VectorLevel::Avx2),
     );
 }
 
@@ -118,11 +123,11 @@ fn standard24_arrays(bencher: Bencher, what: &str) {
         bencher,
         what,
         "standard24",
-        Engine::Vectors(VectorLevel::Portable),
+        PaintEngine::Vectors(VectorLevel::Portable),
     );
 }
 
 #[divan::bench(args = SCENES, sample_count = 3)]
 fn standard24_scalar(bencher: Bencher, what: &str) {
-    kernel(bencher, what, "standard24", Engine::Scalar);
+    kernel(bencher, what, "standard24", PaintEngine::Scalar);
 }

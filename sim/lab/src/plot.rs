@@ -34,7 +34,7 @@ pub struct Curve {
 }
 
 /// A panel.
-pub struct Panel<'a> {
+pub struct PlotPanel<'a> {
     /// Its title, which names what is plotted.
     pub title: &'a str,
     /// What lies across.
@@ -58,13 +58,13 @@ type PanelCanvas<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 /// The panels from left to right, or why the back end refused them.
-pub fn svg(size: (u32, u32), panels: &[Panel]) -> Result<String, String> {
+pub fn svg(size: (u32, u32), panels: &[PlotPanel]) -> Result<String, String> {
     let mut text = String::new();
     draw(&mut text, size, panels).map_err(|error| error.to_string())?;
     Ok(text)
 }
 
-fn draw(text: &mut String, size: (u32, u32), panels: &[Panel]) -> Result<(), DrawingError> {
+fn draw(text: &mut String, size: (u32, u32), panels: &[PlotPanel]) -> Result<(), DrawingError> {
     let canvas = SVGBackend::with_string(text, size).into_drawing_area();
     canvas.fill(&WHITE)?;
     for (part, panel) in canvas.split_evenly((1, panels.len())).iter().zip(panels) {
@@ -73,7 +73,7 @@ fn draw(text: &mut String, size: (u32, u32), panels: &[Panel]) -> Result<(), Dra
     canvas.present()
 }
 
-fn draw_panel(canvas: &PanelCanvas, panel: &Panel) -> Result<(), DrawingError> {
+fn draw_panel(canvas: &PanelCanvas, panel: &PlotPanel) -> Result<(), DrawingError> {
     let ink = colour(INK);
     let text = ("sans-serif", 13).into_font().color(&ink);
     let [across, up] = panel.bases;

@@ -3,7 +3,7 @@
 //! The rule, for every kind of scene: the ball holds every centre but strays (farther from the middle than `STRAY_DISTANCE` times
 //! the distance that holds 95 % of the centres; captures have a few such splats kilometres away, and framing them would show
 //! nothing else). The eye lies on the scene's front, at the distance where the ball touches the narrower side of the picture.
-//! Up and front are conventions of the kind of scene ([`Frame`]); neither can be read off a file, so both are printed.
+//! Up and front are conventions of the kind of scene ([`FramingInput`]); neither can be read off a file, so both are printed.
 
 use crate::camera::{Camera, CameraError};
 use crate::scene::points::SurfaceScene;
@@ -36,7 +36,7 @@ pub struct Ball {
 
 /// What framing goes by.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct FramingInput {
     /// What is to be seen.
     pub ball: Ball,
     /// Up in the picture.
@@ -111,9 +111,9 @@ fn box_middle(places: &[Vector], outermost: f64) -> Option<Vector> {
     }))
 }
 
-impl Frame {
+impl FramingInput {
     /// How a scene of splats is framed: volumes along +z, captures across their thinner horizontal side.
-    pub fn of_scene(scene: &Scene, up: Option<Vector>) -> Frame {
+    pub fn of_scene(scene: &Scene, up: Option<Vector>) -> FramingInput {
         let places: Vec<Vector> = scene.splats.iter().map(|splat| splat.centre).collect();
         let longest = scene.splats.first().map_or(1.0, |splat| {
             3.0 * splat
@@ -131,7 +131,7 @@ impl Frame {
                 "a capture is seen across its thinner horizontal side; -y is up in trainers' files, +y in glTF",
             ),
         };
-        Frame {
+        FramingInput {
             ball,
             up: chosen,
             front: level(front, chosen),
@@ -141,7 +141,11 @@ impl Frame {
     }
 
     /// How points of a surface are framed: clouds across their thinner horizontal side, height fields from the south and above.
-    pub fn of_surface(scene: &SurfaceScene, is_height_field: bool, up: Option<Vector>) -> Frame {
+    pub fn of_surface(
+        scene: &SurfaceScene,
+        is_height_field: bool,
+        up: Option<Vector>,
+    ) -> FramingInput {
         let places: Vec<Vector> = scene.points.iter().map(|point| point.centre).collect();
         let ball = Ball::around(&places, 3.0 * scene.radius);
         let chosen = up.unwrap_or(scene.up);
@@ -157,7 +161,7 @@ impl Frame {
                 "a cloud is seen across its thinner horizontal side; z is up in scanners' files",
             ),
         };
-        Frame {
+        FramingInput {
             ball,
             up: chosen,
             front: level(front, chosen),

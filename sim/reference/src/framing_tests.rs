@@ -33,7 +33,7 @@ fn every_centre_is_shown_in_any_picture_from_anywhere() {
     for weight in [Weight::Mass, Weight::Opacity] {
         scene.weight = weight;
         for up in [None, Some([0.0, 0.0, 1.0]), Some([1.0, 2.0, -3.0])] {
-            let frame = Frame::of_scene(&scene, up);
+            let frame = FramingInput::of_scene(&scene, up);
             assert_eq!(frame.ball.strays, 0);
             for (width, height) in [(64, 64), (640, 48), (48, 640)] {
                 for fov in [5.0, 45.0, 140.0] {
@@ -59,7 +59,7 @@ fn every_centre_is_shown_in_any_picture_from_anywhere() {
 #[test]
 fn the_ball_touches_the_margin_of_the_narrower_side() {
     let scene = random_gaussians(5000, 1, 1.0);
-    let frame = Frame::of_scene(&scene, None);
+    let frame = FramingInput::of_scene(&scene, None);
     let camera = frame.camera(None, 45.0, 300, 200).unwrap();
     let rim = vector::add(
         frame.ball.centre,
@@ -73,11 +73,11 @@ fn the_ball_touches_the_margin_of_the_narrower_side() {
 #[test]
 fn strays_are_counted_and_do_not_push_the_camera_away() {
     let mut scene = random_gaussians(1000, 1, 1.0);
-    let before = Frame::of_scene(&scene, None).ball;
+    let before = FramingInput::of_scene(&scene, None).ball;
     for splat in scene.splats.iter_mut().take(10) {
         splat.centre = [1e6, -1e6, 1e6];
     }
-    let after = Frame::of_scene(&scene, None).ball;
+    let after = FramingInput::of_scene(&scene, None).ball;
     assert_eq!((before.strays, after.strays), (0, 10));
     assert!((after.radius / before.radius - 1.0).abs() < 0.05);
 }
@@ -86,13 +86,13 @@ fn strays_are_counted_and_do_not_push_the_camera_away() {
 fn one_splat_and_none_can_be_framed() {
     let mut scene = random_gaussians(1, 1, 1.0);
     assert!(
-        Frame::of_scene(&scene, None)
+        FramingInput::of_scene(&scene, None)
             .camera(None, 45.0, 8, 8)
             .is_ok()
     );
     scene.splats.clear();
     assert!(
-        Frame::of_scene(&scene, None)
+        FramingInput::of_scene(&scene, None)
             .camera(None, 45.0, 8, 8)
             .is_ok()
     );
@@ -132,7 +132,7 @@ fn orbits_keep_the_distance_and_turn_the_right_way() {
 /// Beyond 1e154 squares overflow: no distance can be measured there, and a picture from there would be empty.
 #[test]
 fn no_camera_is_placed_where_squares_overflow() {
-    let frame = |centre, radius| Frame {
+    let frame = |centre, radius| FramingInput {
         ball: Ball {
             centre,
             radius,
@@ -170,7 +170,7 @@ fn captured_scenes_are_shown_whole() {
         "volumes/fuel.nhdr",
     ] {
         let scene = load(&folder.join(file), &LoadOptions::default()).unwrap();
-        let frame = Frame::of_scene(&scene, None);
+        let frame = FramingInput::of_scene(&scene, None);
         let camera = frame.camera(None, USUAL_FOV, 512, 384).unwrap();
         let shown = centres(&scene)
             .iter()
@@ -184,7 +184,7 @@ fn captured_scenes_are_shown_whole() {
         assert_eq!(shown + frame.ball.strays, scene.splats.len(), "{file}");
     }
     let cloud = crate::scene::points::load(&folder.join("points/lion_takanawa.ply")).unwrap();
-    let frame = Frame::of_surface(&cloud, false, None);
+    let frame = FramingInput::of_surface(&cloud, false, None);
     let camera = frame.camera(None, USUAL_FOV, 512, 384).unwrap();
     let places: Vec<Vector> = cloud.points.iter().map(|point| point.centre).collect();
     assert_eq!(frame.ball.strays, 0);
@@ -210,7 +210,7 @@ fn a_frame_looks_the_way_of_the_default_camera_and_shows_no_less() {
     for scene in [&capture, &volume, &demo] {
         for (width, height) in [(320, 240), (64, 256)] {
             let usual = scene.default_camera(width, height);
-            let frame = Frame::of_scene(scene, None);
+            let frame = FramingInput::of_scene(scene, None);
             let framed = frame.camera(None, USUAL_FOV, width, height).unwrap();
             for (a, b) in usual
                 .rotation

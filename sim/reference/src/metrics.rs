@@ -164,8 +164,8 @@ fn channel_error(
     channels: &[usize],
     brightness: impl Fn(&[f64; 4]) -> f64,
 ) -> ChannelError {
-    let mut whole = Sums::default();
-    let mut covered = Sums::default();
+    let mut whole = SampleSums::default();
+    let mut covered = SampleSums::default();
     let mut max_abs = 0.0;
     let mut max_at = (0, 0, channels[0]);
     for (index, (a, b)) in fixed.pixels.iter().zip(&float.pixels).enumerate() {
@@ -205,14 +205,14 @@ fn is_covered(a: &[f64; 4], b: &[f64; 4]) -> bool {
 
 /// Sums over samples.
 #[derive(Default)]
-struct Sums {
+struct SampleSums {
     samples: usize,
     sum: f64,
     squares: f64,
     most: f64,
 }
 
-impl Sums {
+impl SampleSums {
     fn add(&mut self, difference: f64) {
         self.samples += 1;
         self.sum += difference;
@@ -247,7 +247,7 @@ fn ssim(fixed: &Picture, float: &Picture, brightness: impl Fn(&[f64; 4]) -> f64)
     let across = window(fixed.width);
     let down = window(fixed.height);
     let mut rows: VecDeque<Vec<Moments>> = VecDeque::with_capacity(down.len());
-    let (mut whole, mut covered) = (Sums::default(), Sums::default());
+    let (mut whole, mut covered) = (SampleSums::default(), SampleSums::default());
     let lines = fixed
         .pixels
         .chunks(fixed.width)

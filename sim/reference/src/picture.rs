@@ -29,7 +29,7 @@ impl Default for Backdrop {
 
 /// Formats of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
+pub enum PictureFormat {
     /// 8 or 16 bits per channel.
     Png,
     /// NumPy: height x width x 4 doubles, premultiplied.
@@ -41,14 +41,14 @@ pub enum Format {
 /// Extensions of the formats.
 pub const EXTENSIONS: [&str; 3] = ["png", "npy", "exr"];
 
-impl Format {
+impl PictureFormat {
     /// The format that a file's extension names.
-    pub fn of(path: &Path) -> Option<Format> {
+    pub fn of(path: &Path) -> Option<PictureFormat> {
         let extension = path.extension()?.to_str()?.to_ascii_lowercase();
         match extension.as_str() {
-            "png" => Some(Format::Png),
-            "npy" => Some(Format::Npy),
-            "exr" => Some(Format::Exr),
+            "png" => Some(PictureFormat::Png),
+            "npy" => Some(PictureFormat::Npy),
+            "exr" => Some(PictureFormat::Exr),
             _ => None,
         }
     }
@@ -118,13 +118,13 @@ impl Picture {
 
     /// The picture as the bytes of a PNG file, opaque on black.
     pub fn to_png(&self, depth: Depth) -> Result<Vec<u8>, PictureError> {
-        self.encode(Format::Png, depth, Backdrop::default())
+        self.encode(PictureFormat::Png, depth, Backdrop::default())
     }
 
     /// The picture as the bytes of a file; `depth` and `backdrop` are PNG's.
     pub fn encode(
         &self,
-        format: Format,
+        format: PictureFormat,
         depth: Depth,
         backdrop: Backdrop,
     ) -> Result<Vec<u8>, PictureError> {
@@ -132,9 +132,9 @@ impl Picture {
             return Err(self.size_error());
         }
         match format {
-            Format::Png => self.encode_png(depth, backdrop),
-            Format::Npy => Ok(floats::npy(self)),
-            Format::Exr => Ok(floats::exr(self)),
+            PictureFormat::Png => self.encode_png(depth, backdrop),
+            PictureFormat::Npy => Ok(floats::npy(self)),
+            PictureFormat::Exr => Ok(floats::exr(self)),
         }
     }
 
@@ -203,7 +203,7 @@ impl Picture {
         depth: Depth,
         backdrop: Backdrop,
     ) -> Result<(), PictureError> {
-        let bytes = self.encode(Format::Png, depth, backdrop)?;
+        let bytes = self.encode(PictureFormat::Png, depth, backdrop)?;
         atomic::write(path, &bytes).map_err(|source| PictureError::Io {
             file: path.display().to_string(),
             source,
@@ -330,10 +330,10 @@ mod tests {
 
     #[test]
     fn the_extension_names_the_format() {
-        let of = |name: &str| Format::of(Path::new(name));
-        assert_eq!(of("a.PNG"), Some(Format::Png));
-        assert_eq!(of("b/a.npy"), Some(Format::Npy));
-        assert_eq!(of("a.exr"), Some(Format::Exr));
+        let of = |name: &str| PictureFormat::of(Path::new(name));
+        assert_eq!(of("a.PNG"), Some(PictureFormat::Png));
+        assert_eq!(of("b/a.npy"), Some(PictureFormat::Npy));
+        assert_eq!(of("a.exr"), Some(PictureFormat::Exr));
         for other in ["a.jpg", "a", "png", "a.ply"] {
             assert_eq!(of(other), None, "{other}");
         }

@@ -5,7 +5,7 @@ use super::render::write_picture;
 use super::resolve::{Asked, Chunked, DRAWN, room_for_picture, scene_of};
 use super::say::{Failure, print_result, warn};
 use crate::fixed::chunks::{BYTES, ChunkDrawing, draw_in_chunks};
-use crate::fixed::{Engine, Options, best_engine};
+use crate::fixed::{Options, PaintEngine, best_engine};
 use crate::memory;
 use crate::progress::ProgressMeter;
 use crate::scene::GaussianFile;
@@ -37,7 +37,7 @@ fn draw(
     let progress = ProgressMeter::spinner(format!("reading {}", file.name()));
     let doing = |chunk: usize| progress.doing(format!("drawing {}, chunk {chunk}", file.name()));
     let effort = options.drawing.effort();
-    let engine = effort.vectors.map_or(best_engine(), Engine::Vectors);
+    let engine = effort.vectors.map_or(best_engine(), PaintEngine::Vectors);
     let how = Options {
         rules: &asked.rules,
         compositing: asked.compositing,

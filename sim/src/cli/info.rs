@@ -2,10 +2,10 @@
 
 use super::output;
 use super::say::{Failure, print_result};
-use crate::framing::{Ball, Frame, direction};
+use crate::framing::{Ball, FramingInput, direction};
 use crate::metrics::median;
 use crate::plan::load::{AnyScene, recognise};
-use crate::report::facts::Counts;
+use crate::report::facts::ReasonCounts;
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Bounds, Scene, SortOrder, Weight};
 use crate::vector::{self, Vector};
@@ -52,7 +52,7 @@ struct Info {
     /// What its splats are sorted by.
     order: &'static str,
     /// Records left out, by reason.
-    dropped: Counts,
+    dropped: ReasonCounts,
     notes: Vec<String>,
 }
 
@@ -99,7 +99,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
 
 impl Info {
     fn of_scene(scene: &Scene, notes: Vec<String>) -> Info {
-        let frame = Frame::of_scene(scene, None);
+        let frame = FramingInput::of_scene(scene, None);
         let longest = |axes: &[Vector; 3]| axes.map(vector::length).into_iter().fold(0.0, f64::max);
         let shortest = |axes: &[Vector; 3]| {
             axes.map(vector::length)
@@ -145,7 +145,7 @@ impl Info {
     }
 
     fn of_surface(cloud: &SurfaceScene, is_height_field: bool) -> Info {
-        let frame = Frame::of_surface(cloud, is_height_field, None);
+        let frame = FramingInput::of_surface(cloud, is_height_field, None);
         let points = || cloud.points.iter();
         let ranges = [
             ShownRange::new(
@@ -170,7 +170,7 @@ impl Info {
         }
     }
 
-    fn framed(name: &str, frame: &Frame) -> Info {
+    fn framed(name: &str, frame: &FramingInput) -> Info {
         let Ball {
             centre,
             radius,
@@ -193,7 +193,7 @@ impl Info {
             harmonics_degree: 0,
             rules: "",
             order: SortOrder::Depth.name(),
-            dropped: Counts::new(),
+            dropped: ReasonCounts::new(),
             notes: Vec::new(),
         }
     }
@@ -269,7 +269,7 @@ fn corners(bounds: Bounds) -> [Vector; 2] {
     [bounds.least, bounds.greatest]
 }
 
-fn counts(reasons: &[(&str, usize)]) -> Counts {
+fn counts(reasons: &[(&str, usize)]) -> ReasonCounts {
     reasons
         .iter()
         .map(|(reason, count)| ((*reason).to_owned(), *count as u64))

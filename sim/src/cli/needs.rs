@@ -8,7 +8,7 @@ use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
-use crate::plan::{Prepared, Subject};
+use crate::plan::{Depiction, Prepared};
 use crate::progress::ProgressMeter;
 use crate::systems::SystemVerdict;
 use serde_json::{Map, json};
@@ -50,16 +50,16 @@ fn one(frame: &NamedFrame, options: &NeedsOptions) -> Result<serde_json::Value, 
     answer.insert("systems".to_owned(), json!(systems));
     // Units and FIFOs are those of the machine, which draws plain splats.
     match prepared.subject()? {
-        Subject::Splats(splats) if splats.hybrid.is_none() => {
+        Depiction::Splats(splats) if splats.hybrid.is_none() => {
             let found = examined(prepared)?;
             print_result(&text(name, &found))?;
             answer.insert("needs".to_owned(), json!(found));
         }
-        Subject::Splats(splats) => {
+        Depiction::Splats(splats) => {
             let count = splats.scene.splats.len();
             print_result(&format!("{name}: {count} points and splats\n"))?;
         }
-        Subject::Surface(scene, _) => {
+        Depiction::Surface(scene, _) => {
             let count = scene.points.len();
             print_result(&format!("{name}: {count} points of a surface\n"))?;
         }

@@ -6,9 +6,9 @@ use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, VectorValue};
 use super::view_args::ViewOptions;
 use crate::camera::Camera;
-use crate::framing::Frame;
+use crate::framing::FramingInput;
 use crate::page::{Shown, html};
-use crate::plan::{AnyScene, Prepared, Subject};
+use crate::plan::{AnyScene, Depiction, Prepared};
 use crate::scene::Scene;
 use clap::Args;
 use splatline::format::Traversal;
@@ -94,11 +94,11 @@ pub fn write_page(
     up: Option<[f64; 3]>,
     path: &Path,
 ) -> Result<usize, Failure> {
-    let Subject::Splats(splats) = prepared.subject()? else {
+    let Depiction::Splats(splats) = prepared.subject()? else {
         let message = "the live page draws volume splats; surfaces are drawn by `splatline render`";
         return Err(Failure::Usage(message.to_owned()));
     };
-    let frame = Frame::of_scene(splats.scene, up);
+    let frame = FramingInput::of_scene(splats.scene, up);
     let page = html(&Shown {
         scene: splats.scene,
         camera: splats.camera,
@@ -113,7 +113,7 @@ pub fn write_page(
 }
 
 /// What the camera turns around: the point in the middle of the picture that is as far away as the middle of the scene.
-fn pivot(camera: &Camera, frame: &Frame, scene: &Scene) -> [f64; 3] {
+fn pivot(camera: &Camera, frame: &FramingInput, scene: &Scene) -> [f64; 3] {
     let depth = camera.to_camera(frame.ball.centre)[2];
     let depth = match depth > camera.near && !scene.splats.is_empty() {
         true => depth,

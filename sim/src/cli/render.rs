@@ -7,7 +7,7 @@ use super::output::{self, write};
 use super::resolve::{Asked, COMPARED, DRAWN, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
-use crate::picture::{EXTENSIONS, Format, Picture};
+use crate::picture::{EXTENSIONS, Picture, PictureFormat};
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Look, Prepared};
 use crate::progress::ProgressMeter;
@@ -67,7 +67,7 @@ pub fn write_picture(
     path: &Path,
 ) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let format = Format::of(path).unwrap_or(Format::Png);
+    let format = PictureFormat::of(path).unwrap_or(PictureFormat::Png);
     let bytes = picture.encode(format, drawing.depth, drawing.backdrop())?;
     write(path, &bytes)
 }

@@ -18,7 +18,7 @@ use super::view_args::{MoreScenes, PathOptions, SurfaceArgs, ViewOptions};
 use crate::camera::{Camera, CameraError, NOTABLE_CORRECTION};
 use crate::cameras::{self, CameraPose};
 use crate::design::DesignChoice;
-use crate::framing::{Ball, Frame, USUAL_FOV, orbited};
+use crate::framing::{Ball, FramingInput, USUAL_FOV, orbited};
 use crate::hybrid::{Hybrid, Points, spacing};
 use crate::machine::area::Calibration;
 use crate::machine::config::{self, Config};
@@ -469,7 +469,7 @@ fn camera(
     options: &ViewOptions,
     up: [f64; 3],
     scene: &Path,
-    frame: impl FnOnce() -> Frame,
+    frame: impl FnOnce() -> FramingInput,
 ) -> Result<(Camera, Vec<String>), Failure> {
     let (camera, warnings) = match (&options.camera, options.eye, options.target) {
         (Some(path), ..) => camera_from_file(path, options)?,
@@ -564,12 +564,12 @@ pub const DRAWN: u64 = 64;
 pub const COMPARED: u64 = 192;
 
 /// The whole scene, and a line that tells by which rule.
-fn framed(frame: &Frame, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
+fn framed(frame: &FramingInput, scene: &Path, options: &ViewOptions) -> Result<Camera, Failure> {
     let PictureSize { width, height } = options.size.unwrap_or(USUAL_SIZE);
     let fov = options.fov.unwrap_or(USUAL_FOV);
     let orbit = options.orbit.map(|OrbitChoice(orbit)| orbit);
     let scene = scene.display().to_string();
-    let place = |frame: &Frame| frame.camera(orbit, fov, width, height);
+    let place = |frame: &FramingInput| frame.camera(orbit, fov, width, height);
     let camera = match place(frame) {
         Ok(camera) => sound_camera(camera, &scene)?,
         Err(error) => return Err(why_not_framed(error, frame, &scene, place)),
@@ -581,11 +581,11 @@ fn framed(frame: &Frame, scene: &Path, options: &ViewOptions) -> Result<Camera, 
 /// Whose fault it is: of the scene if a ball of usual size can be framed, of the options otherwise.
 fn why_not_framed(
     error: CameraError,
-    frame: &Frame,
+    frame: &FramingInput,
     scene: &str,
-    place: impl Fn(&Frame) -> Result<Camera, CameraError>,
+    place: impl Fn(&FramingInput) -> Result<Camera, CameraError>,
 ) -> Failure {
-    let usual = Frame {
+    let usual = FramingInput {
         ball: Ball {
             centre: [0.0; 3],
             radius: 1.0,

@@ -7,7 +7,7 @@ use crate::design::DesignChoice;
 use crate::progress::ProgressMeter;
 use crate::stability::scenes::classes::Size;
 use crate::stability::scenes::{self, SceneLine};
-use crate::stability::{Extent, StabilityLine, measure, steps, table};
+use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
 
 /// Heads the page that `--markdown` writes.
 const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`.\n\n";
@@ -50,9 +50,9 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     }
     if wants(StabilitySection::Cases) {
         let extent = if options.quick {
-            Extent::QUICK
+            StabilityExtent::QUICK
         } else {
-            Extent::FULL
+            StabilityExtent::FULL
         };
         progress.doing("measuring hard cases against exact arithmetic");
         measured.cases = measure(&DesignChoice::all(), extent);

@@ -1,7 +1,7 @@
 //! What a drawing and a comparison tell on a terminal.
 
 use crate::picture::Picture;
-use crate::report::facts::Counts;
+use crate::report::facts::ReasonCounts;
 use crate::report::formats::formats_text;
 use crate::report::table::{decibels, pace_text, scientific, signed};
 use crate::report::{ChannelFacts, Report};
@@ -83,7 +83,7 @@ fn times(report: &Report) -> String {
 }
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.
-fn reasons(what: &str, counts: &Counts) -> String {
+fn reasons(what: &str, counts: &ReasonCounts) -> String {
     let named: Vec<String> = counts
         .iter()
         .filter(|(_, count)| **count > 0)

@@ -19,7 +19,7 @@ const MEGA: f64 = 1e6;
 
 /// A circuit that was placed and routed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Placed {
+pub struct RoutedCircuit {
     /// Named design.
     pub design: String,
     /// Pixel lanes.
@@ -75,11 +75,11 @@ pub struct Pace {
 }
 
 /// Everything that was placed of today's circuit.
-pub fn placed() -> Vec<Placed> {
-    let line = |line: &str| -> Option<Placed> {
+pub fn placed() -> Vec<RoutedCircuit> {
+    let line = |line: &str| -> Option<RoutedCircuit> {
         let [design, lanes, family, device, mhz, conditions, source] =
             line.split(',').collect::<Vec<_>>().try_into().ok()?;
-        Some(Placed {
+        Some(RoutedCircuit {
             design: design.to_owned(),
             lanes: lanes.parse().ok()?,
             family: Family::by_key(family)?,
@@ -92,7 +92,7 @@ pub fn placed() -> Vec<Placed> {
     PLACED.lines().skip(1).filter_map(line).collect()
 }
 
-impl Placed {
+impl RoutedCircuit {
     /// How unlike the machine it is: another family weighs more than any number of lanes, lanes by their ratio, mantissas by their difference.
     fn distance(&self, lanes: u32, widths: &Widths, family: Family) -> f64 {
         let own = DesignChoice::named(&self.design).map_or(0, |design| design.widths.mantissa);
@@ -112,7 +112,7 @@ impl Clock {
                 of: "clock_mhz of the machine".to_owned(),
             };
         }
-        let distance = |placed: &Placed| placed.distance(config.lanes, widths, family);
+        let distance = |placed: &RoutedCircuit| placed.distance(config.lanes, widths, family);
         let all = placed();
         let nearest = all
             .iter()

@@ -15,7 +15,7 @@ pub use parse::{ConfigError, from_file, from_toml, known, line_of, to_toml};
 
 /// How the lanes lie on the screen; see `docs/hardware-model.md`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Layout {
+pub enum LaneLayout {
     /// Adjacent pixels, groups begin where the run begins.
     Run,
     /// Adjacent pixels, groups begin at multiples of the number of lanes.
@@ -163,7 +163,7 @@ pub struct Config {
     /// Pixel lanes per raster unit, a power of two.
     pub lanes: u32,
     /// How the lanes lie on the screen.
-    pub layout: Layout,
+    pub layout: LaneLayout,
     /// What happens to pixels that have finished.
     pub pixel_termination: Termination,
     /// Pairs between two checks whether the tile has finished; 0 for never.
@@ -239,7 +239,7 @@ impl Default for Config {
             splat_fifo: 2,
             row_fifo: 16,
             lanes: 1,
-            layout: Layout::Run,
+            layout: LaneLayout::Run,
             pixel_termination: Termination::Discard,
             tile_termination: 1,
             table_latency: 3,
@@ -276,7 +276,7 @@ impl Config {
             rows_at_once: 1,
             row_fifo: primitive::QUEUE,
             lanes,
-            layout: Layout::Rows,
+            layout: LaneLayout::Rows,
             tile_termination: 0,
             // From a lane's pixel to the reading of its transmittance, and with its colours to the end.
             table_latency: 9,
@@ -363,7 +363,7 @@ impl Config {
         let ring = |depth: u32| u64::from(depth.next_power_of_two());
         let lanes = u64::from(self.lanes);
         let sequencers = match self.layout {
-            Layout::Rows => lanes,
+            LaneLayout::Rows => lanes,
             _ => 1,
         };
         let unit = sequencers * ring(self.row_fifo)
@@ -378,9 +378,9 @@ impl Config {
     /// Columns that the lanes advance per group.
     pub fn stride(&self) -> u32 {
         match self.layout {
-            Layout::Run | Layout::Aligned => self.lanes,
-            Layout::Quad => (self.lanes / 2).max(1),
-            Layout::Rows => 1,
+            LaneLayout::Run | LaneLayout::Aligned => self.lanes,
+            LaneLayout::Quad => (self.lanes / 2).max(1),
+            LaneLayout::Rows => 1,
         }
     }
 }

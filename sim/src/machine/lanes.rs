@@ -3,8 +3,8 @@
 //! The definitions of the layouts are in `docs/hardware-model.md`, section 1. One [`Band`] is what the lanes take from their FIFO
 //! in one piece: a row, or the two rows of a quad.
 
-use super::config::{Binning, Config, Layout, Termination};
-use super::workload::{Mask, Row, Workload, mask};
+use super::config::{Binning, Config, LaneLayout, Termination};
+use super::workload::{Mask, Workload, WorkloadRow, mask};
 use rayon::prelude::*;
 
 /// What lane work depends on.
@@ -13,7 +13,7 @@ pub struct LaneShape {
     /// Pixel lanes.
     pub lanes: u32,
     /// Their layout.
-    pub layout: Layout,
+    pub layout: LaneLayout,
     /// What happens to finished pixels.
     pub termination: Termination,
     /// Which pairs exist.
@@ -169,7 +169,13 @@ fn one_tile(workload: &Workload, shape: LaneShape, tile: usize) -> LaneWork {
     work
 }
 
-fn one_pair(work: &mut LaneWork, shape: LaneShape, splat: u32, first_row: u8, rows: &[Row]) {
+fn one_pair(
+    work: &mut LaneWork,
+    shape: LaneShape,
+    splat: u32,
+    first_row: u8,
+    rows: &[WorkloadRow],
+) {
     let mut pair = PairWork {
         splat,
         rows: rows.len() as u16,
@@ -180,7 +186,7 @@ fn one_pair(work: &mut LaneWork, shape: LaneShape, splat: u32, first_row: u8, ro
     // Rows without work for the lanes are charged to the next band that has some, which changes no time of any unit.
     let mut empty_rows = 0;
     while !rest.is_empty() {
-        let quad = shape.layout == Layout::Quad;
+        let quad = shape.layout == LaneLayout::Quad;
         let tall = if quad && y.is_multiple_of(2) { 2 } else { 1 };
         let (now, later) = rest.split_at(tall.min(rest.len()));
         let grouped = Grouped::new(shape, now);
@@ -201,7 +207,7 @@ fn one_pair(work: &mut LaneWork, shape: LaneShape, splat: u32, first_row: u8, ro
 }
 
 impl PairWork {
-    fn add(&mut self, grouped: &Grouped, rows: &[Row]) {
+    fn add(&mut self, grouped: &Grouped, rows: &[WorkloadRow]) {
         self.groups += u16::from(grouped.groups);
         self.skipped += u16::from(grouped.skipped);
         for row in rows {
@@ -224,7 +230,7 @@ struct Grouped {
 }
 
 impl Grouped {
-    fn new(shape: LaneShape, rows: &[Row]) -> Grouped {
+    fn new(shape: LaneShape, rows: &[WorkloadRow]) -> Grouped {
         let pixels = rows.iter().fold(0, |all, row| all | row.visited());
         let wanted = match shape.termination {
             Termination::Discard => pixels,
@@ -241,12 +247,12 @@ impl Grouped {
             return grouped;
         }
         let columns = match shape.layout {
-            Layout::Run | Layout::Aligned => shape.lanes,
-            Layout::Quad => shape.lanes / 2,
-            Layout::Rows => 1,
+            LaneLayout::Run | LaneLayout::Aligned => shape.lanes,
+            LaneLayout::Quad => shape.lanes / 2,
+            LaneLayout::Rows => 1,
         };
         let (low, end) = (pixels.trailing_zeros(), 64 - pixels.leading_zeros());
-        let start = if shape.layout == Layout::Run {
+        let start = if shape.layout == LaneLayout::Run {
             low
         } else {
             low - low % columns

@@ -12,7 +12,7 @@
 
 use super::accounts::{Account, Cause, Fifo};
 use super::cache::PacketCache;
-use super::config::{Config, Layout, Overlap};
+use super::config::{Config, LaneLayout, Overlap};
 use super::lanes::{Band, PairWork};
 use super::memory::{Memory, TileBuffer, TileWrite, Wanted};
 use super::observe::{Event, Observer, Stage};
@@ -93,7 +93,7 @@ impl TileDrawing {
 
 impl RasterUnit {
     pub fn new(number: u32, config: &Config) -> RasterUnit {
-        let private_rows = config.layout == Layout::Rows;
+        let private_rows = config.layout == LaneLayout::Rows;
         let sequencer = Sequencer::new(config.row_fifo, config.tile_height.into());
         let costs = Costs {
             overlap: config.overlap,

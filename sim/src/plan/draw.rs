@@ -1,6 +1,6 @@
 //! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
 
-use super::{Engine, Entry, Prepared, Splats, Subject};
+use super::{Depiction, Engine, Entry, Prepared, Splats};
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
@@ -12,10 +12,10 @@ use crate::machine::workload::{
 };
 use crate::machine::{Config, Timing, simulate_alone};
 use crate::picture::Picture;
-use crate::reference::compositor::{self, Progress as Rows};
+use crate::reference::compositor::{self, RowProgress as Rows};
 use crate::reference::{self, Culled, PixelBox, exact, float, formats};
 use crate::renderer::{Drawn, Renderer, Settings};
-use crate::report::facts::{Counts, SceneFacts};
+use crate::report::facts::{ReasonCounts, SceneFacts};
 use crate::report::{HostTimes, PixelCounts};
 use crate::rules::{self, Compositing};
 use crate::scene::Scene;
@@ -36,7 +36,7 @@ pub struct Drawing {
     /// The picture.
     pub picture: Picture,
     /// Splats that were not drawn, by reason.
-    pub culled: Counts,
+    pub culled: ReasonCounts,
     /// Splats of which a value was clamped to the kernel's formats; they are drawn.
     pub clamped: u64,
     /// Unit of the kernel's colours as a power of two.
@@ -90,9 +90,9 @@ impl Prepared {
         vectors: Option<VectorLevel>,
         counts: bool,
     ) -> Result<KernelDrawing<'a>> {
-        let engine = vectors.map_or(fixed::best_engine(), fixed::Engine::Vectors);
+        let engine = vectors.map_or(fixed::best_engine(), fixed::PaintEngine::Vectors);
         Ok(match self.subject()? {
-            Subject::Splats(splats) => match splats.hybrid {
+            Depiction::Splats(splats) => match splats.hybrid {
                 Some(hybrid) => {
                     let (Splats { scene, camera, .. }, options) = (splats, splats.options(entry));
                     let renderer =
@@ -102,7 +102,7 @@ impl Prepared {
                 }
                 None => KernelDrawing::splats(splats, entry, engine, counts),
             },
-            Subject::Surface(scene, style) => {
+            Depiction::Surface(scene, style) => {
                 let options = SurfaceOptions {
                     style,
                     design: &entry.design,
@@ -121,15 +121,15 @@ impl Prepared {
     /// Draws by one of the double-precision engines.
     pub fn draw_reference(&self, engine: Engine, rows: Rows) -> Result<Drawing> {
         let drawing = match self.subject()? {
-            Subject::Splats(splats) => match splats.hybrid {
+            Depiction::Splats(splats) => match splats.hybrid {
                 Some(hybrid) => draw_hybrid_reference(engine, splats, hybrid)?,
                 None => draw_splats_reference(engine, splats, rows)?,
             },
-            Subject::Surface(..) if engine.format().is_some() => {
+            Depiction::Surface(..) if engine.format().is_some() => {
                 let name = engine.name();
                 bail!("engine '{name}' draws splats and no surfaces: use fixed or float")
             }
-            Subject::Surface(scene, style) => {
+            Depiction::Surface(scene, style) => {
                 let drawn = reference::surface::draw(scene, &self.plan.camera, style);
                 let culled = reference_culled(&drawn.counts);
                 return Ok(Drawing {
@@ -148,12 +148,12 @@ impl Prepared {
     pub fn fixed_footprints(&self, entry: &Entry) -> Result<Vec<Option<FootprintLine>>> {
         let widths = &entry.design.widths;
         Ok(match self.subject()? {
-            Subject::Splats(splats) => {
+            Depiction::Splats(splats) => {
                 let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
                 let line = |footprint: &Footprint| line_of(footprint, widths);
                 found.iter().map(|f| f.as_ref().ok().map(line)).collect()
             }
-            Subject::Surface(scene, style) => {
+            Depiction::Surface(scene, style) => {
                 let points = fixed::surface::QuantisedPoints::new(scene, &self.plan.camera);
                 // Surfaces are drawn in units in which their scene fills the depths' range.
                 let unit = f64::from(-points.scale_log2).exp2();
@@ -175,12 +175,14 @@ impl Prepared {
     /// Footprints in double precision, in the scene's order; nothing for what is culled.
     pub fn float_footprints(&self) -> Result<Vec<Option<FootprintLine>>> {
         Ok(match self.subject()? {
-            Subject::Splats(splats) => float::footprints(splats.scene, splats.camera, splats.rules)
-                .iter()
-                .map(|f| f.as_ref().ok())
-                .map(|f| f.map(|f| line(f.centre, f.place, f.conic, &f.bounds, f.cutoff)))
-                .collect(),
-            Subject::Surface(scene, style) => {
+            Depiction::Splats(splats) => {
+                float::footprints(splats.scene, splats.camera, splats.rules)
+                    .iter()
+                    .map(|f| f.as_ref().ok())
+                    .map(|f| f.map(|f| line(f.centre, f.place, f.conic, &f.bounds, f.cutoff)))
+                    .collect()
+            }
+            Depiction::Surface(scene, style) => {
                 let project = |point| -> Result<_, Culled> {
                     reference::surface::project(point, &self.plan.camera, style)
                 };
@@ -194,7 +196,7 @@ impl Prepared {
 
     /// What the kernel cannot take as it is given, for commands that make no report: the plan's own warnings and those of a setup.
     pub fn setup_warnings(&self) -> Result<Vec<String>> {
-        let Subject::Splats(splats) = self.subject()? else {
+        let Depiction::Splats(splats) = self.subject()? else {
             // A surface's setup clamps and culls nothing that drawing it does not tell.
             return Ok(self.warnings.clone());
         };
@@ -244,7 +246,7 @@ impl Prepared {
 
     /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine does not know: points, stamps, surfaces.
     pub fn cycles(&self, entry: &Entry, drawing: &Drawing) -> Result<Option<Timing>> {
-        let Subject::Splats(splats) = self.subject()? else {
+        let Depiction::Splats(splats) = self.subject()? else {
             return Ok(None);
         };
         if splats.hybrid.is_some() {
@@ -262,7 +264,7 @@ impl Prepared {
 fn plain(picture: Picture) -> Drawing {
     Drawing {
         picture,
-        culled: Counts::new(),
+        culled: ReasonCounts::new(),
         clamped: 0,
         colour_log2: 0,
         pixels: None,
@@ -272,7 +274,11 @@ fn plain(picture: Picture) -> Drawing {
     }
 }
 
-fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<reference::Drawing> {
+fn draw_splats_reference(
+    engine: Engine,
+    splats: Splats,
+    rows: Rows,
+) -> Result<reference::FloatDrawing> {
     let Splats {
         scene,
         camera,
@@ -295,7 +301,7 @@ fn draw_splats_reference(engine: Engine, splats: Splats, rows: Rows) -> Result<r
 }
 
 /// What floating-point formats draw: Gaussians from front to back.
-fn draw_format(engine: Engine, splats: &Splats) -> Result<reference::Drawing> {
+fn draw_format(engine: Engine, splats: &Splats) -> Result<reference::FloatDrawing> {
     let name = engine.name();
     if splats.compositing != Compositing::FrontToBack
         || splats.rules.kernel != rules::Kernel::Gaussian
@@ -322,7 +328,7 @@ fn draw_hybrid_reference(
     engine: Engine,
     splats: Splats,
     hybrid: &Hybrid,
-) -> Result<reference::Drawing> {
+) -> Result<reference::FloatDrawing> {
     if engine != Engine::Float {
         let engine = engine.name();
         bail!("points and stamps have no engine '{engine}': use float");
@@ -351,7 +357,7 @@ pub enum KernelDrawing<'a> {
 }
 
 impl<'a> KernelDrawing<'a> {
-    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::Engine, counts: bool) -> Self {
+    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::PaintEngine, counts: bool) -> Self {
         let settings = Settings {
             rules: *splats.rules,
             compositing: splats.compositing,
@@ -497,7 +503,7 @@ fn line_of(footprint: &Footprint, widths: &Widths) -> FootprintLine {
 }
 
 /// The kernel's counts under the reports' names, in the order of [`Cull::ALL`].
-fn cull_counts(culled: [usize; Cull::ALL.len()]) -> Counts {
+fn cull_counts(culled: [usize; Cull::ALL.len()]) -> ReasonCounts {
     let name = |reason: &Cull| match reason {
         Cull::Near => "near",
         Cull::Far => "far",
@@ -512,7 +518,7 @@ fn cull_counts(culled: [usize; Cull::ALL.len()]) -> Counts {
         .collect()
 }
 
-fn reference_culled(counts: &reference::Counts) -> Counts {
+fn reference_culled(counts: &reference::Counts) -> ReasonCounts {
     let reasons = [
         ("near", counts.near),
         ("far", counts.far),
@@ -527,7 +533,7 @@ fn reference_culled(counts: &reference::Counts) -> Counts {
 }
 
 /// Backs among the reasons for culling, where they are left out.
-fn with_backfaces(mut culled: Counts, style: &Style, backfaces: usize) -> Counts {
+fn with_backfaces(mut culled: ReasonCounts, style: &Style, backfaces: usize) -> ReasonCounts {
     if style.cull_backfaces {
         culled.insert("backface".to_owned(), backfaces as u64);
     }

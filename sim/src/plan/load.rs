@@ -1,6 +1,6 @@
 //! From a source to a scene of any kind.
 
-use crate::framing::Frame;
+use crate::framing::FramingInput;
 use crate::scene::points::height_field::{self, HeightField};
 use crate::scene::points::{self, SurfaceScene};
 use crate::scene::{self, LoadError, LoadOptions, Scene};
@@ -197,13 +197,13 @@ impl AnyScene {
     }
 
     /// How it is seen whole.
-    pub fn frame(&self, up: Option<Vector>) -> Frame {
+    pub fn frame(&self, up: Option<Vector>) -> FramingInput {
         match self {
-            AnyScene::Splats(scene) => Frame::of_scene(scene, up),
+            AnyScene::Splats(scene) => FramingInput::of_scene(scene, up),
             AnyScene::Surface {
                 scene,
                 is_height_field,
-            } => Frame::of_surface(scene, *is_height_field, up),
+            } => FramingInput::of_surface(scene, *is_height_field, up),
         }
     }
 }

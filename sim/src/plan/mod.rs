@@ -24,7 +24,7 @@ use crate::design::{DesignChoice, traversal_name};
 use crate::fixed;
 use crate::hybrid::Hybrid;
 use crate::machine::Config;
-use crate::reference::formats::{self, Format};
+use crate::reference::formats::{self, FloatFormat};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
 use crate::scene::{Scene, SortOrder};
@@ -74,7 +74,7 @@ impl Engine {
     pub const FORMATS: [Engine; 3] = [Engine::Fp32, Engine::Fp16, Engine::Bfloat16];
 
     /// The format of the pixels, of an engine that has one.
-    pub fn format(self) -> Option<Format> {
+    pub fn format(self) -> Option<FloatFormat> {
         match self {
             Engine::Fp32 => Some(formats::FP32),
             Engine::Fp16 => Some(formats::FP16),
@@ -159,7 +159,7 @@ pub struct Prepared {
 
 /// A scene and how it is drawn, which belong together.
 #[derive(Clone, Copy)]
-pub enum Subject<'a> {
+pub enum Depiction<'a> {
     /// Volume splats.
     Splats(Splats<'a>),
     /// Points of a surface.
@@ -230,7 +230,7 @@ impl Prepared {
     }
 
     /// The scene with its look.
-    pub fn subject(&self) -> Result<Subject<'_>> {
+    pub fn subject(&self) -> Result<Depiction<'_>> {
         match (&*self.scene, &self.plan.look) {
             (
                 AnyScene::Splats(scene),
@@ -250,7 +250,7 @@ impl Prepared {
                     compositing,
                     hybrid,
                 },
-            ) => Ok(Subject::Splats(Splats {
+            ) => Ok(Depiction::Splats(Splats {
                 scene,
                 camera: &self.plan.camera,
                 rules,
@@ -258,7 +258,7 @@ impl Prepared {
                 hybrid: hybrid.as_ref(),
             })),
             (AnyScene::Surface { scene, .. }, Look::Surface(style)) => {
-                Ok(Subject::Surface(scene, style))
+                Ok(Depiction::Surface(scene, style))
             }
             _ => bail!(
                 "{}: the plan's look is another kind's than its scene",
@@ -270,12 +270,12 @@ impl Prepared {
     /// The splats, for what the machine counts.
     pub fn splats(&self) -> Result<Splats<'_>> {
         match self.subject()? {
-            Subject::Splats(splats) if splats.hybrid.is_some() => bail!(
+            Depiction::Splats(splats) if splats.hybrid.is_some() => bail!(
                 "{}: the machine draws neither points nor stamps: leave out --traversal stamp",
                 self.scene.name()
             ),
-            Subject::Splats(splats) => Ok(splats),
-            Subject::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
+            Depiction::Splats(splats) => Ok(splats),
+            Depiction::Surface(..) => bail!("{}: {NO_SURFACE_UNIT}", self.scene.name()),
         }
     }
 

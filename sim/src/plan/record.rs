@@ -1,6 +1,6 @@
 //! A plan's results as a report, and a plan out of a report.
 
-use super::{Engine, Entry, Look, Measured, Plan, Prepared, Subject};
+use super::{Depiction, Engine, Entry, Look, Measured, Plan, Prepared};
 use crate::camera::Camera;
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
@@ -54,7 +54,7 @@ impl Prepared {
     /// Which systems of the papers drawing it exercises.
     pub fn systems(&self) -> Vec<SystemVerdict> {
         match (&self.plan.look, self.subject()) {
-            (_, Ok(Subject::Splats(splats))) => exercised(&Use::Volume {
+            (_, Ok(Depiction::Splats(splats))) => exercised(&Use::Volume {
                 rules: splats.rules,
                 compositing: splats.compositing,
                 hybrid: splats.hybrid,

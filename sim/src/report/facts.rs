@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Counts by reason, in alphabetical order so that reports can be compared line by line.
-pub type Counts = BTreeMap<String, u64>;
+pub type ReasonCounts = BTreeMap<String, u64>;
 
 /// What was drawn and what was left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,9 +17,9 @@ pub struct SceneFacts {
     /// Splats in the scene.
     pub splats: u64,
     /// Records that the loader left out, by reason.
-    pub skipped: Counts,
+    pub skipped: ReasonCounts,
     /// Splats that this camera does not show, by reason.
-    pub culled: Counts,
+    pub culled: ReasonCounts,
     /// Splats of which a coordinate or colour is not finite and counts as 0; they are drawn.
     pub clamped: u64,
     /// Unit of the kernel's colours as a power of two: colours beyond its format were divided by it, and the picture was multiplied by it.
@@ -36,7 +36,7 @@ fn is_usual(order: &SortOrder) -> bool {
 
 impl SceneFacts {
     /// The scene's own facts and the engine's counts.
-    pub fn new(scene: &Scene, culled: Counts, clamped: u64, colour_log2: i32) -> Self {
+    pub fn new(scene: &Scene, culled: ReasonCounts, clamped: u64, colour_log2: i32) -> Self {
         let skipped = serde_json::to_value(scene.skipped)
             .and_then(serde_json::from_value)
             .unwrap_or_default();

@@ -1,10 +1,10 @@
 //! What each step of the datapath may lose at most, derived in `docs/error-analysis.md`, for one splat and one design.
 //!
 //! u is one rounding to the mantissa, q the rounding of a difference to the eye, relative to its length. G = 1 / sqrt(1 - rho^2) grows with a needle's
-//! axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M cancels (`ExactFootprint::cancellation`).
+//! axis ratio on the screen's diagonals; K >= 1 says how much of the columns of M cancels (`RationalFootprint::cancellation`).
 //! The bounds hold for designs that scan rows by LDL and round to nearest.
 
-use super::exact::ExactFootprint;
+use super::exact::RationalFootprint;
 use super::pictures::Edge;
 use crate::camera::Camera;
 use splatline::footprint::depth::MANTISSA;
@@ -21,11 +21,11 @@ pub(super) struct ErrorBounds {
     pub determinant: f64,
     pub form: f64,
     widths: Widths,
-    footprint: ExactFootprint,
+    footprint: RationalFootprint,
 }
 
 /// How far from the eye of a parallel view a splat is, `offset` pixels from the middle.
-fn camera_distance(footprint: &ExactFootprint, camera: &Camera, offset: [f64; 2]) -> f64 {
+fn camera_distance(footprint: &RationalFootprint, camera: &Camera, offset: [f64; 2]) -> f64 {
     let [x, y] = [offset[0] / camera.fx, offset[1] / camera.fy];
     (footprint.depth.powi(2) + x * x + y * y).sqrt()
 }
@@ -38,7 +38,7 @@ fn half(bits: u8) -> f64 {
 impl ErrorBounds {
     pub fn new(
         widths: &Widths,
-        footprint: &ExactFootprint,
+        footprint: &RationalFootprint,
         camera: &Camera,
         normalised: bool,
     ) -> ErrorBounds {
@@ -79,7 +79,7 @@ impl ErrorBounds {
 
     /// Of the radial index in the lanes, where it is `r`.
     pub fn radial(&self, r: f64) -> f64 {
-        let ExactFootprint {
+        let RationalFootprint {
             horizontal,
             shear,
             vertical,

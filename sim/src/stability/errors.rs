@@ -1,7 +1,7 @@
 //! The errors of one engine in one case, stage by stage, and how each is measured.
 
 use super::bounds::ErrorBounds;
-use super::exact::ExactFootprint;
+use super::exact::RationalFootprint;
 use splatline::footprint::Footprint;
 use splatline::math::SoftFloat;
 
@@ -86,13 +86,18 @@ impl StageErrors {
         };
     }
 
-    pub(super) fn worsen_centre(&mut self, centre: [f64; 2], truth: &ExactFootprint) {
+    pub(super) fn worsen_centre(&mut self, centre: [f64; 2], truth: &RationalFootprint) {
         for (got, expected) in centre.iter().zip(truth.centre) {
             self.centre = worse(self.centre, (got - expected).abs());
         }
     }
 
-    pub(super) fn worsen_depth_and_peak(&mut self, depth: f64, peak: f64, truth: &ExactFootprint) {
+    pub(super) fn worsen_depth_and_peak(
+        &mut self,
+        depth: f64,
+        peak: f64,
+        truth: &RationalFootprint,
+    ) {
         self.depth = worse(self.depth, (depth / truth.depth - 1.0).abs());
         let [peak, expected] = [peak, truth.peak].map(|peak| peak.min(LARGEST_PEAK));
         self.peak = worse(self.peak, (peak / expected - 1.0).abs());
@@ -101,7 +106,7 @@ impl StageErrors {
     pub(super) fn worsen_variance(
         &mut self,
         [xx, xy, yy, determinant]: [f64; 4],
-        truth: &ExactFootprint,
+        truth: &RationalFootprint,
     ) {
         let [true_xx, true_xy, true_yy, true_determinant] = truth.variance;
         let cross = (xy - true_xy).abs() / (true_xx * true_yy).sqrt();
@@ -143,8 +148,8 @@ fn spectral([a, b, c]: [f64; 3]) -> f64 {
 }
 
 /// Q' - Q in the coordinates in which Q is the identity, from a conic.
-pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -> f64 {
-    let ExactFootprint {
+pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &RationalFootprint) -> f64 {
+    let RationalFootprint {
         horizontal,
         shear,
         vertical,
@@ -156,7 +161,7 @@ pub(super) fn form_error_of_conic([a, b, c]: [f64; 3], truth: &ExactFootprint) -
 }
 
 /// The same from LDL coefficients.
-pub(super) fn form_error_of_ldl(footprint: &Footprint, truth: &ExactFootprint) -> f64 {
+pub(super) fn form_error_of_ldl(footprint: &Footprint, truth: &RationalFootprint) -> f64 {
     let number = |x: SoftFloat| value(x.mantissa, x.exponent);
     let [a, s, c] = [
         footprint.ldl.horizontal,

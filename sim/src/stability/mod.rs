@@ -32,7 +32,7 @@ pub use splatline_reference::hard::cases;
 use cases::Case;
 pub use errors::{BOUNDED, StageErrors};
 use errors::{form_error_of_conic, form_error_of_ldl, value, worse};
-use exact::ExactFootprint;
+use exact::RationalFootprint;
 use pictures::TruePictures;
 use rayon::prelude::*;
 use splatline::footprint::{Footprint, depth};
@@ -59,28 +59,28 @@ pub const SAMPLES: u64 = 16;
 
 /// How much to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Extent {
+pub struct StabilityExtent {
     /// Samples per case, at least 1.
     pub samples: u64,
     /// A stack of 100,000 splats in the first sample; otherwise, and in all others, a short one.
     pub deep: bool,
 }
 
-impl Extent {
+impl StabilityExtent {
     /// What the page shows.
-    pub const FULL: Extent = Extent {
+    pub const FULL: StabilityExtent = StabilityExtent {
         samples: SAMPLES,
         deep: true,
     };
     /// What a test can wait for.
-    pub const QUICK: Extent = Extent {
+    pub const QUICK: StabilityExtent = StabilityExtent {
         samples: 2,
         deep: false,
     };
 }
 
 /// Measures all cases: `f32`, then the designs, each by its own traversal; the worst of all samples.
-pub fn measure(designs: &[DesignChoice], extent: Extent) -> Vec<StabilityLine> {
+pub fn measure(designs: &[DesignChoice], extent: StabilityExtent) -> Vec<StabilityLine> {
     let samples: Vec<Vec<StabilityLine>> = (0..extent.samples)
         .into_par_iter()
         .map(|sample| {
@@ -144,7 +144,7 @@ fn project_all<F: Copy>(
 fn single_errors(
     case: &Case,
     weights: &[f64],
-    truth: &[Option<ExactFootprint>],
+    truth: &[Option<RationalFootprint>],
     exact: &TruePictures,
 ) -> StageErrors {
     let projected = project_all(case, weights, single::project);
@@ -174,7 +174,7 @@ fn single_errors(
 fn fixed_errors(
     case: &Case,
     design: &DesignChoice,
-    truth: &[Option<ExactFootprint>],
+    truth: &[Option<RationalFootprint>],
     exact: &TruePictures,
 ) -> StageErrors {
     let options = fixed::Options {
@@ -232,7 +232,7 @@ fn setup_errors(
     variance: [f64; 4],
     depth: f64,
     design: &DesignChoice,
-    truth: &ExactFootprint,
+    truth: &RationalFootprint,
 ) -> StageErrors {
     let mut errors = StageErrors::default();
     let unit = f64::from(design.widths.subpixel).exp2();
@@ -256,7 +256,7 @@ fn worsen_radial(
     case: &Case,
     design: &DesignChoice,
     footprint: &Footprint,
-    truth: &ExactFootprint,
+    truth: &RationalFootprint,
     bounds: Option<&ErrorBounds>,
 ) {
     let window = Window {
@@ -323,6 +323,6 @@ fn pixels(case: &Case) -> impl Iterator<Item = (f64, f64)> {
     (0..width * height).map(move |i| ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5))
 }
 
-fn on_screen(case: &Case, footprint: &ExactFootprint) -> bool {
+fn on_screen(case: &Case, footprint: &RationalFootprint) -> bool {
     pixels(case).any(|(x, y)| footprint.radial(x, y) < footprint.cutoff)
 }

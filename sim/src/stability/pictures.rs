@@ -7,7 +7,7 @@
 use super::bounds::ErrorBounds;
 use super::cases::Case;
 use super::errors::worse;
-use super::exact::ExactFootprint;
+use super::exact::RationalFootprint;
 use super::single::SingleFootprint;
 use super::{StageErrors, pixels};
 use crate::fixed;
@@ -89,7 +89,7 @@ pub(super) struct Edge {
 /// Composites the splats in `order` at a point: every layer that is drawn, the light that is left, and whether the point lies on an edge.
 fn composite(
     rules: &Rules,
-    order: &[(usize, &ExactFootprint)],
+    order: &[(usize, &RationalFootprint)],
     (x, y): (f64, f64),
     edge_of: impl Fn(usize) -> Edge,
     mut each: impl FnMut(PictureLayer),
@@ -126,7 +126,7 @@ fn composite(
 }
 
 /// The truth's picture, composited in double precision.
-pub(super) fn exact(case: &Case, projected: &[Option<ExactFootprint>]) -> TruePictures {
+pub(super) fn exact(case: &Case, projected: &[Option<RationalFootprint>]) -> TruePictures {
     let order = by_depth(projected, |f| f.depth);
     let mut picture = Picture::new(case.camera.width, case.camera.height);
     let mut edges = vec![false; picture.pixels.len()];
@@ -160,7 +160,7 @@ pub(super) fn share_of_bound(
     case: &Case,
     picture: &Picture,
     truth: &TruePictures,
-    projected: &[Option<ExactFootprint>],
+    projected: &[Option<RationalFootprint>],
     bounds: &[Option<ErrorBounds>],
 ) -> f64 {
     let order = by_depth(projected, |f| f.depth);

@@ -4,7 +4,7 @@
 //! measured by the number of cases that are worse than single precision, stage by stage, and priced.
 
 use super::table::{JUDGED, STAGES, engine_pairs, needle_gain};
-use super::{Extent, StabilityLine, measure};
+use super::{StabilityExtent, StabilityLine, measure};
 use crate::design::DesignChoice;
 use crate::machine::area::{Family, raster_unit, synthesis};
 use crate::machine::config::Config;
@@ -40,7 +40,7 @@ const fn step(field: &'static str, began: u8, of: fn(&mut Widths) -> &mut u8) ->
 }
 
 /// Both tables as Markdown.
-pub fn markdown(extent: Extent) -> String {
+pub fn markdown(extent: StabilityExtent) -> String {
     let designs = [growing(), shrinking()];
     let lines = measure(&designs.concat(), extent);
     let [growing, shrinking] = designs;

@@ -3,7 +3,9 @@
 use splatline_sim::camera::Camera;
 use splatline_sim::design::{DesignChoice, NAMES};
 use splatline_sim::fast::lanes::VectorLevel;
-use splatline_sim::fixed::{Engine, Options, QuantisedScene, draw_quantised, draw_with_footprints};
+use splatline_sim::fixed::{
+    Options, PaintEngine, QuantisedScene, draw_quantised, draw_with_footprints,
+};
 use splatline_sim::machine::workload::{Workload, extract_from};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::Picture;
@@ -25,9 +27,9 @@ fn agree(name: &str, scene: &Scene, camera: &Camera, rules: &[Rules]) {
             };
             let quantised = QuantisedScene::new(scene, camera, &rules);
             let (scalar, scalar_setup) =
-                draw_quantised(&quantised, camera, &options, Engine::Scalar);
+                draw_quantised(&quantised, camera, &options, PaintEngine::Scalar);
             for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
-                let engine = Engine::Vectors(choice);
+                let engine = PaintEngine::Vectors(choice);
                 let (fast, fast_setup) = draw_quantised(&quantised, camera, &options, engine);
                 let what = format!("{name}, {}, {}, {choice:?}", rules.name, design.name);
                 let differ = fast_setup
@@ -72,7 +74,7 @@ fn the_front_door_draws_what_the_host_draws() {
             &quantised,
             &camera,
             &options,
-            Engine::Vectors(VectorLevel::Best),
+            PaintEngine::Vectors(VectorLevel::Best),
         );
         let (view, what) = (&quantised.view, format!("{}, {order:?}", rules.name));
         let renderer = Renderer::with_rules(Standard24, quantised.rules(rules)).unwrap();
@@ -125,7 +127,7 @@ fn uncounted(
     let settings = Settings {
         design: design.clone(),
         traversal: splatline::format::Traversal::Spans,
-        engine: Engine::Vectors(choice),
+        engine: PaintEngine::Vectors(choice),
         ..Settings::new(*rules)
     };
     let mut pixels = vec![splatline::Pixel::default(); camera.width * camera.height];

@@ -22,22 +22,22 @@ use splatline::target::cells::CellTarget;
 use splatline::view::View;
 
 #[cfg(feature = "layers")]
-type Buffer = Layers<4>;
+type DeepBuffer = Layers<4>;
 #[cfg(not(feature = "layers"))]
-type Buffer = Accumulation;
+type DeepBuffer = Accumulation;
 
 /// State of a pixel.
 #[unsafe(no_mangle)]
-pub static mut STATE: core::mem::MaybeUninit<Buffer> = core::mem::MaybeUninit::zeroed();
+pub static mut STATE: core::mem::MaybeUninit<DeepBuffer> = core::mem::MaybeUninit::zeroed();
 
 /// Draws one splat and resolves one cell.
 #[unsafe(no_mangle)]
 pub fn entry(
     view: &View,
     splat: &SurfaceSplat,
-    target: &mut CellTarget<Buffer>,
+    target: &mut CellTarget<DeepBuffer>,
     #[cfg(feature = "layers")] materials: &[Material],
-    cell: &Buffer,
+    cell: &DeepBuffer,
     out: &mut Pixel,
 ) {
     let rules = Rules {

@@ -10,7 +10,7 @@
 
 use super::TILE;
 use super::order::{Grid, Key, TileOrder, part_length};
-use super::paint::{Results, Scratch, TilePainter};
+use super::paint::{PaintScratch, Results, TilePainter};
 use super::setup::Outcome;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
@@ -27,7 +27,7 @@ pub(crate) const AREA: usize = TILE[0] as usize * TILE[1] as usize;
 
 thread_local! {
     /// A thread's memory for the tile that it paints, kept from frame to frame.
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static SCRATCH: RefCell<PaintScratch> = RefCell::default();
 }
 
 /// Wall-clock seconds of each part.

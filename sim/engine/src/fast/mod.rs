@@ -20,7 +20,7 @@ pub mod surface;
 pub mod tile;
 mod words;
 
-pub use paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter, tile_painter};
+pub use paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter, tile_painter};
 pub use tile::TILE;
 
 #[cfg(test)]

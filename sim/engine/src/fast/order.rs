@@ -131,9 +131,12 @@ struct Packing {
 }
 
 impl Packing {
-    fn new(parts: &[Part]) -> Self {
+    fn new(parts: &[ScenePart]) -> Self {
         let bits = |largest: u64| u64::BITS - largest.leading_zeros();
-        let ranges = parts.par_iter().with_max_len(1).flat_map_iter(Part::depths);
+        let ranges = parts
+            .par_iter()
+            .with_max_len(1)
+            .flat_map_iter(ScenePart::depths);
         let both = |[a, b]: [u64; 2], [c, d]: [u64; 2]| [a.min(c), b.max(d)];
         let [nearest, farthest] = ranges.reduce_with(both).unwrap_or_default();
         let last = parts.iter().filter_map(|part| part.keys.last());
@@ -160,7 +163,7 @@ impl Packing {
     }
 
     /// Puts entries that are equal to the radix sort in their order.
-    fn settle(&self, entries: &mut [u64], parts: &[Part]) {
+    fn settle(&self, entries: &mut [u64], parts: &[ScenePart]) {
         let by_whole_key = |a: &u64, b: &u64| {
             let key = |entry: u64| (whole_key(parts, self.index(entry)), entry);
             key(*a).cmp(&key(*b))
@@ -177,7 +180,7 @@ impl Packing {
 }
 
 /// The sort key of a splat; the indices of the parts ascend.
-fn whole_key(parts: &[Part], index: u32) -> u64 {
+fn whole_key(parts: &[ScenePart], index: u32) -> u64 {
     let part = parts
         .iter()
         .find(|part| part.keys.last().is_some_and(|key| key.index >= index));
@@ -193,7 +196,7 @@ fn whole_key(parts: &[Part], index: u32) -> u64 {
 
 /// Splats of one part of the scene: what orders them, and their entries by tile.
 #[derive(Clone, Debug, Default)]
-pub struct Part {
+pub struct ScenePart {
     /// Of the part's splats that are seen, indices ascending.
     pub keys: Vec<Key>,
     /// Where each tile's entries end.
@@ -201,7 +204,7 @@ pub struct Part {
     entries: Vec<u64>,
 }
 
-impl Part {
+impl ScenePart {
     /// The depths of the nearest and the farthest splat, if there is one.
     fn depths(&self) -> Option<[u64; 2]> {
         let first = self.keys.first()?.depth;
@@ -211,7 +214,7 @@ impl Part {
 
     /// Bins the keys in two passes: counting, then placing.
     fn bin(&mut self, grid: &Grid, packing: Packing) {
-        let Part {
+        let ScenePart {
             keys,
             ends,
             entries,
@@ -254,7 +257,7 @@ struct List {
 #[derive(Clone, Debug, Default)]
 pub struct TileOrder {
     /// The scene's splats in parts, indices ascending: to be filled, then [sorted](TileOrder::sort).
-    pub parts: Vec<Part>,
+    pub parts: Vec<ScenePart>,
     lists: Vec<List>,
 }
 
@@ -333,7 +336,7 @@ impl TileOrder {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let part = |part: &Part| {
+        let part = |part: &ScenePart| {
             part.keys.capacity() * size_of::<Key>()
                 + part.ends.capacity() * size_of::<u32>()
                 + part.entries.capacity() * size_of::<u64>()
@@ -353,9 +356,9 @@ impl TileOrder {
 
 /// For every tile the splats that touch it, nearest first. The parts of `keys` are binned side by side.
 pub fn tile_lists(grid: &Grid, keys: Vec<Vec<Key>>) -> Vec<Vec<u32>> {
-    let part = |keys| Part {
+    let part = |keys| ScenePart {
         keys,
-        ..Part::default()
+        ..ScenePart::default()
     };
     let mut order = TileOrder {
         parts: keys.into_iter().map(part).collect(),

@@ -47,7 +47,7 @@ impl TableMemory {
 
 /// A thread's memory.
 #[derive(Clone, Debug, Default)]
-pub struct Scratch {
+pub struct PaintScratch {
     pub(super) words: Option<WordTile>,
     pub(super) cells: CellTiles,
 }
@@ -60,7 +60,7 @@ pub trait TilePainter: Send + Sync {
     /// Paints the footprints of `list`, in this order, into the transparent pixels of `window`, and writes these to `pixels`, row by row.
     fn paint(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut PaintScratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
@@ -124,7 +124,7 @@ struct ScalarPainter<D> {
 impl<D: Design + Send + Sync> TilePainter for ScalarPainter<D> {
     fn paint(
         &self,
-        _: &mut Scratch,
+        _: &mut PaintScratch,
         window: Window,
         footprints: &Results,
         list: &[u32],

@@ -25,7 +25,7 @@ pub const BLOCKS: usize = (TILE[0] / BLOCK) as usize;
 const _: () = assert!(TILE[0].is_multiple_of(BLOCK) && BLOCK > 0);
 
 /// The runs of one footprint's rows in one block of a tile.
-struct Spans {
+struct BlockSpans {
     x: [i64; ROOM],
     end: [i64; ROOM],
     radial: [i64; ROOM],
@@ -75,11 +75,11 @@ impl Recurrences {
     }
 }
 
-impl Spans {
+impl BlockSpans {
     /// No runs.
     #[inline(always)]
     pub fn new() -> Self {
-        Spans {
+        BlockSpans {
             x: [0; ROOM],
             end: [0; ROOM],
             radial: [0; ROOM],
@@ -144,7 +144,7 @@ pub struct RunWords {
 /// All rows of one footprint in a tile: memory that is used again for every footprint.
 pub struct RowBatch {
     recurrences: Recurrences,
-    blocks: [Spans; BLOCKS],
+    blocks: [BlockSpans; BLOCKS],
     /// Blocks that the footprint's box touches.
     touched: (usize, usize),
 }
@@ -154,7 +154,7 @@ impl RowBatch {
     pub(crate) fn new() -> Self {
         RowBatch {
             recurrences: Recurrences::new(),
-            blocks: std::array::from_fn(|_| Spans::new()),
+            blocks: std::array::from_fn(|_| BlockSpans::new()),
             touched: (0, 0),
         }
     }

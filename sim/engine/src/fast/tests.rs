@@ -4,7 +4,7 @@ use super::TILE;
 use super::cells::{FusedPainter, NarrowPainter};
 use super::lanes::VectorLevel;
 use super::lanes::fused::FusedLanes;
-use super::paint::{Scratch, TilePainter};
+use super::paint::{PaintScratch, TilePainter};
 use super::words::WordPainter;
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};
 use crate::rules;
@@ -179,7 +179,7 @@ fn painted(
     let [columns, rows] = [0, 1].map(|axis| usize::from(window.end[axis] - window.first[axis]));
     let list: Vec<u32> = (0..footprints.len() as u32).collect();
     let mut pixels = vec![Pixel::default(); columns * rows];
-    let scratch = &mut Scratch::default();
+    let scratch = &mut PaintScratch::default();
     let coverage = painter.paint(scratch, window, footprints, &list, &mut pixels);
     (pixels, coverage)
 }

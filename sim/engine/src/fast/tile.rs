@@ -28,15 +28,15 @@ pub type TileRow = [[u32; STRIDE]; 4];
 
 /// The planes of one tile, kept from tile to tile by a thread.
 #[derive(Clone, Debug)]
-pub struct Tile {
+pub struct PlaneTile {
     rows: Box<[TileRow; TILE[1] as usize]>,
     window: Window,
 }
 
-impl Tile {
+impl PlaneTile {
     /// Memory for a tile, empty.
     pub fn new() -> Self {
-        Tile {
+        PlaneTile {
             rows: Box::new([[[0; STRIDE]; 4]; TILE[1] as usize]),
             window: Window {
                 first: [0; 2],
@@ -94,7 +94,7 @@ impl Tile {
         pixels
     }
 
-    /// The inverse of [`Tile::to_pixels`].
+    /// The inverse of [`PlaneTile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
         let columns = extent(&self.window)[0].max(1);
         for (row, pixels) in self.rows.iter_mut().zip(pixels.chunks_exact(columns)) {
@@ -122,7 +122,7 @@ impl Tile {
     }
 }
 
-impl Default for Tile {
+impl Default for PlaneTile {
     fn default() -> Self {
         Self::new()
     }

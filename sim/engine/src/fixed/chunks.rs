@@ -13,7 +13,7 @@
 
 use super::frame::{converter, table, table_entries};
 use super::quantise::{QuantisedScene, kernel_compositing};
-use super::render::{CHECK_INTERVAL, Engine, Options, set_up};
+use super::render::{CHECK_INTERVAL, Options, PaintEngine, set_up};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fast::TILE;
@@ -75,7 +75,7 @@ pub fn draw_in_chunks(
     file: &GaussianFile,
     camera: &Camera,
     options: &Options,
-    engine: Engine,
+    engine: PaintEngine,
     size: usize,
     doing: &(dyn Fn(usize) + Sync),
 ) -> Result<ChunkDrawing, LoadError> {
@@ -93,7 +93,7 @@ struct ChunkJob<'a> {
     file: &'a GaussianFile,
     camera: &'a Camera,
     options: &'a Options<'a>,
-    engine: Engine,
+    engine: PaintEngine,
     size: usize,
     doing: &'a (dyn Fn(usize) + Sync),
 }

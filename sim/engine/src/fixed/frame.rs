@@ -22,12 +22,12 @@ use splatline::target::Target;
 const BAND: u16 = 16;
 
 /// What stands for a splat when splats are ordered.
-pub(super) trait Placed: Sync {
+pub(super) trait DepthOrdered: Sync {
     /// Its footprint, if it has one.
     fn footprint(&self) -> Option<&Footprint>;
 }
 
-impl Placed for Footprint {
+impl DepthOrdered for Footprint {
     fn footprint(&self) -> Option<&Footprint> {
         Some(self)
     }
@@ -42,7 +42,7 @@ pub(super) struct TileLists {
 impl TileLists {
     /// By depth, nearest first (farthest first for back to front), ties by index.
     pub(super) fn by_depth(
-        splats: &[impl Placed],
+        splats: &[impl DepthOrdered],
         compositing: Compositing,
         viewport: [u16; 2],
     ) -> Self {
@@ -88,7 +88,7 @@ impl TileLists {
 }
 
 /// Keys of the splats that have a footprint, numbered from `start`.
-fn keys(splats: &[impl Placed], start: usize) -> Vec<Key> {
+fn keys(splats: &[impl DepthOrdered], start: usize) -> Vec<Key> {
     let footprints = splats.iter().zip(start as u32..);
     footprints
         .filter_map(|(splat, index)| {

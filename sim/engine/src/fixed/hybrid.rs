@@ -2,13 +2,13 @@
 
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
 use super::render::{
-    CHECK_INTERVAL, Drawing, Engine, Options, best_engine, painter, set_up_splats,
+    CHECK_INTERVAL, FixedDrawing, Options, PaintEngine, best_engine, painter, set_up_splats,
 };
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fast::frame::{FrameFacts, FrameMemory, FramePlan};
 use crate::fast::setup::Outcome;
-use crate::fast::{Results, Scratch, TableMemory, TilePainter};
+use crate::fast::{PaintScratch, Results, TableMemory, TilePainter};
 use crate::fixed::frame::converter;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::picture::Picture;
@@ -32,7 +32,7 @@ use std::time::Instant;
 #[derive(Clone, Debug)]
 pub struct HybridDrawing {
     /// The drawing.
-    pub drawing: Drawing,
+    pub drawing: FixedDrawing,
     /// Footprints drawn as points.
     pub points: usize,
     /// Footprints in all.
@@ -74,7 +74,7 @@ pub fn draw_hybrid(
         points: facts.points,
         drawn: facts.drawn,
         stamp_words: facts.stamp_words,
-        drawing: Drawing {
+        drawing: FixedDrawing {
             picture,
             pixels,
             splats: quantised.splats.len(),
@@ -92,7 +92,7 @@ pub struct HybridRenderer<'a> {
     camera: &'a Camera,
     options: Options<'a>,
     hybrid: &'a Hybrid,
-    engine: Engine,
+    engine: PaintEngine,
     quantised: QuantisedScene,
     rules: kernel::Rules,
     filter: PointFilter,
@@ -112,7 +112,7 @@ impl<'a> HybridRenderer<'a> {
         camera: &'a Camera,
         options: Options<'a>,
         hybrid: &'a Hybrid,
-        (engine, counts): (Engine, bool),
+        (engine, counts): (PaintEngine, bool),
     ) -> Result<Self, String> {
         let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
         let rules = quantised.rules(options.rules);
@@ -133,7 +133,7 @@ impl<'a> HybridRenderer<'a> {
             table: TableMemory::new(widths, &rules),
             painter: options
                 .design
-                .dispatch(PainterJob(&rules, &options, engine, counts)),
+                .dispatch(HybridPainterJob(&rules, &options, engine, counts)),
             memory: FrameMemory::default(),
             is_point: quantised.splats.iter().map(|_| false.into()).collect(),
             options,
@@ -176,9 +176,9 @@ impl<'a> HybridRenderer<'a> {
     }
 }
 
-struct PainterJob<'a>(&'a kernel::Rules, &'a Options<'a>, Engine, bool);
+struct HybridPainterJob<'a>(&'a kernel::Rules, &'a Options<'a>, PaintEngine, bool);
 
-impl DesignJob for PainterJob<'_> {
+impl DesignJob for HybridPainterJob<'_> {
     type Output = Box<dyn TilePainter>;
 
     fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Box<dyn TilePainter> {
@@ -272,7 +272,7 @@ struct HybridSetup<'a, D> {
     rules: &'a kernel::Rules,
     filter: &'a PointFilter,
     points: Points,
-    engine: Engine,
+    engine: PaintEngine,
     is_point: &'a [AtomicBool],
 }
 
@@ -387,7 +387,7 @@ struct PointTiles<'a, D> {
 impl<D: Design + Send + Sync> TilePainter for PointTiles<'_, D> {
     fn paint(
         &self,
-        _: &mut Scratch,
+        _: &mut PaintScratch,
         window: Window,
         footprints: &Results,
         list: &[u32],

@@ -27,7 +27,7 @@ use splatline::view::View;
 
 /// Which implementation paints. All give the same pixels and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Engine {
+pub enum PaintEngine {
     /// The kernel's scalar painter, which is the definition.
     Scalar,
     /// Vectors where they can, else the scalar painter.
@@ -35,11 +35,11 @@ pub enum Engine {
 }
 
 /// What draws unless something else is asked for.
-pub fn best_engine() -> Engine {
+pub fn best_engine() -> PaintEngine {
     if has_vectors() {
-        Engine::Vectors(VectorLevel::Best)
+        PaintEngine::Vectors(VectorLevel::Best)
     } else {
-        Engine::Scalar
+        PaintEngine::Scalar
     }
 }
 
@@ -58,7 +58,7 @@ pub struct Options<'a> {
 
 /// What a drawing gives.
 #[derive(Clone, Debug)]
-pub struct Drawing {
+pub struct FixedDrawing {
     /// The picture, converted to double precision without further rounding.
     pub picture: Picture,
     /// The kernel's pixels, row-major.
@@ -162,7 +162,7 @@ pub fn set_up_part<D: Design>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
-    engine: Engine,
+    engine: PaintEngine,
     (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
 ) {
     set_up_splats(design, &quantised.view, rules, engine, (splats, outcomes));
@@ -174,12 +174,12 @@ pub(super) fn set_up_splats<D: Design>(
     design: D,
     view: &View,
     rules: &kernel::Rules,
-    engine: Engine,
+    engine: PaintEngine,
     (splats, outcomes): (&[VolumeSplat], &mut [Outcome]),
 ) {
     match engine {
-        Engine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
-        Engine::Scalar => {
+        PaintEngine::Vectors(choice) => fast::set_up(design, view, rules, splats, outcomes, choice),
+        PaintEngine::Scalar => {
             for (splat, outcome) in splats.iter().zip(outcomes) {
                 *outcome = setup(design, view, rules, splat);
             }
@@ -220,7 +220,7 @@ pub fn set_up<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
-    engine: Engine,
+    engine: PaintEngine,
 ) -> Vec<Outcome> {
     set_up_by(&quantised.splats, &|_, splats, outcomes| {
         set_up_part(design, quantised, rules, engine, (splats, outcomes));
@@ -238,7 +238,7 @@ fn set_up_by(splats: &[VolumeSplat], set_up: &SetUpPart) -> Vec<Outcome> {
 }
 
 /// Draws `scene` as `camera` sees it.
-pub fn draw(scene: &Scene, camera: &Camera, options: &Options) -> Drawing {
+pub fn draw(scene: &Scene, camera: &Camera, options: &Options) -> FixedDrawing {
     draw_with_footprints(scene, camera, options).0
 }
 
@@ -247,7 +247,7 @@ pub fn draw_with_footprints(
     scene: &Scene,
     camera: &Camera,
     options: &Options,
-) -> (Drawing, Vec<Result<Footprint, Cull>>) {
+) -> (FixedDrawing, Vec<Result<Footprint, Cull>>) {
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     draw_quantised(&quantised, camera, options, best_engine())
 }
@@ -257,11 +257,11 @@ pub fn draw_quantised(
     quantised: &QuantisedScene,
     camera: &Camera,
     options: &Options,
-    engine: Engine,
-) -> (Drawing, Vec<Result<Footprint, Cull>>) {
-    struct DrawJob<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, Engine);
+    engine: PaintEngine,
+) -> (FixedDrawing, Vec<Result<Footprint, Cull>>) {
+    struct DrawJob<'a>(&'a QuantisedScene, &'a Camera, &'a Options<'a>, PaintEngine);
     impl DesignJob for DrawJob<'_> {
-        type Output = (Drawing, Vec<Result<Footprint, Cull>>);
+        type Output = (FixedDrawing, Vec<Result<Footprint, Cull>>);
         fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Self::Output {
             draw_with(design, self.0, self.1, self.2, self.3)
         }
@@ -276,8 +276,8 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     quantised: &QuantisedScene,
     camera: &Camera,
     options: &Options,
-    engine: Engine,
-) -> (Drawing, Vec<Outcome>) {
+    engine: PaintEngine,
+) -> (FixedDrawing, Vec<Outcome>) {
     let QuantisedScene { view, splats, .. } = quantised;
     let rules = quantised.rules(options.rules);
     let painter = painter(design, &rules, options, engine, true);
@@ -295,7 +295,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
         unreachable!("nobody cancels")
     };
     let pixels = copied(&memory, camera);
-    let drawing = Drawing {
+    let drawing = FixedDrawing {
         picture: to_picture(&pixels, camera, &design.widths(), quantised.colour_log2),
         pixels,
         splats: splats.len(),
@@ -320,13 +320,13 @@ pub fn painter<D: Design + Send + Sync + 'static>(
     design: D,
     rules: &kernel::Rules,
     options: &Options,
-    engine: Engine,
+    engine: PaintEngine,
     counts: bool,
 ) -> Box<dyn TilePainter> {
     let order = kernel_compositing(options.compositing);
     let choice = match engine {
-        Engine::Scalar => None,
-        Engine::Vectors(choice) => Some(choice),
+        PaintEngine::Scalar => None,
+        PaintEngine::Vectors(choice) => Some(choice),
     };
     tile_painter(design, rules, order, options.traversal, choice, counts)
 }

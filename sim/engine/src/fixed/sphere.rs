@@ -2,7 +2,7 @@
 
 use super::frame::{TileLists, paint_tiles, table, table_entries, to_picture};
 use super::quantise::{QuantisedScene, kernel_compositing, scaled};
-use super::render::{Drawing, Options, Times, culls};
+use super::render::{FixedDrawing, Options, Times, culls};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::scene::{Scene, Splat};
@@ -20,11 +20,11 @@ pub fn draw_spheres(
     camera: &Camera,
     options: &Options,
     shape: (Ellipse, Index),
-) -> Drawing {
+) -> FixedDrawing {
     struct SphereJob<'a>(&'a Scene, &'a Camera, &'a Options<'a>, (Ellipse, Index));
     impl DesignJob for SphereJob<'_> {
-        type Output = Drawing;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Drawing {
+        type Output = FixedDrawing;
+        fn run<D: Design + Send + Sync>(self, design: D) -> FixedDrawing {
             draw_with(design, self.0, self.1, self.2, self.3)
         }
     }
@@ -39,7 +39,7 @@ fn draw_with<D: Design + Send + Sync>(
     camera: &Camera,
     options: &Options,
     shape: (Ellipse, Index),
-) -> Drawing {
+) -> FixedDrawing {
     let widths = design.widths();
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let rules = quantised.rules(options.rules);
@@ -78,7 +78,7 @@ fn draw_with<D: Design + Send + Sync>(
         }
         coverage
     });
-    Drawing {
+    FixedDrawing {
         picture: to_picture(&pixels, camera, &widths, quantised.colour_log2),
         pixels,
         splats: scene.splats.len(),

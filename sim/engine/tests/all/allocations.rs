@@ -5,7 +5,7 @@ use splatline::format::Traversal;
 use splatline_engine::camera::Camera;
 use splatline_engine::design::{DesignChoice, NAMES};
 use splatline_engine::fast::lanes::VectorLevel;
-use splatline_engine::fixed::Engine;
+use splatline_engine::fixed::PaintEngine;
 use splatline_engine::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
 use splatline_engine::picture::Picture;
 use splatline_engine::renderer::{Renderer, Settings};
@@ -59,7 +59,7 @@ fn frames_after_the_first_walk_along_a_path_allocate_nothing() {
     {
         let settings = Settings {
             design: DesignChoice::named(design).unwrap(),
-            engine: Engine::Vectors(choice),
+            engine: PaintEngine::Vectors(choice),
             ..Settings::new(Rules::GAUSSIAN_3D)
         };
         let mut renderer = Renderer::new(&scene, &cameras[0], settings);
@@ -103,7 +103,7 @@ fn surfaces_frames_after_the_first_allocate_nothing() {
             style,
             design: &DesignChoice::named(name).unwrap(),
             traversal: Traversal::Spans,
-            engine: Engine::Vectors(VectorLevel::Best),
+            engine: PaintEngine::Vectors(VectorLevel::Best),
             counts: true,
         };
         let mut renderer = SurfaceRenderer::new(&quantised, &scene, &camera, &options);

@@ -5,7 +5,7 @@ use splatline::setup::{Ellipse, Index as KernelIndex};
 use splatline_engine::camera::Camera;
 use splatline_engine::design::DesignChoice;
 use splatline_engine::fast::lanes::VectorLevel;
-use splatline_engine::fixed::{self, Engine, HybridRenderer};
+use splatline_engine::fixed::{self, HybridRenderer, PaintEngine};
 use splatline_engine::hybrid::{Hybrid, Points, rules_for_points, spacing};
 use splatline_engine::metrics::compare;
 use splatline_engine::picture::Picture;
@@ -185,10 +185,10 @@ fn frames_of_points_and_splats_are_the_kernels() {
             assert!(first == second, "{hybrid:?}, {engine:?}");
             first
         };
-        let expected = frames(Engine::Scalar, true);
+        let expected = frames(PaintEngine::Scalar, true);
         assert!(expected.1[1] > 3_000);
         for level in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
-            let engine = Engine::Vectors(level);
+            let engine = PaintEngine::Vectors(level);
             assert!(frames(engine, true) == expected, "{hybrid:?}, {level:?}");
             assert!(
                 frames(engine, false).0 == expected.0,

@@ -381,7 +381,7 @@ fn scanned_clouds_load() {
 #[test]
 fn surfaces_drawn_by_vectors_are_the_kernels() {
     use splatline_engine::fast::lanes::VectorLevel;
-    use splatline_engine::fixed::Engine;
+    use splatline_engine::fixed::PaintEngine;
     use splatline_engine::fixed::surface::{QuantisedPoints, SurfaceOptions, draw_quantised};
     let scene = ball_and_sheet();
     let near = Camera::look_at([0.3, -0.9, -0.4], [0.0; 3], [0.0, -1.0, 0.0], 70.0, 157, 93);
@@ -415,11 +415,11 @@ fn surfaces_drawn_by_vectors_are_the_kernels() {
                 };
                 draw_quantised(&points, &scene, &camera, &options)
             };
-            let expected = draw(Engine::Scalar, true);
+            let expected = draw(PaintEngine::Scalar, true);
             for choice in [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable] {
                 let what = format!("{name}, {choice:?}");
-                let uncounted = draw(Engine::Vectors(choice), false);
-                let drawn = draw(Engine::Vectors(choice), true);
+                let uncounted = draw(PaintEngine::Vectors(choice), false);
+                let drawn = draw(PaintEngine::Vectors(choice), true);
                 for drawn in [&uncounted, &drawn] {
                     assert!(drawn.pixels == expected.pixels, "{what}");
                     assert!(drawn.weights == expected.weights, "{what}");

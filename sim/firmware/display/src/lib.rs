@@ -22,14 +22,14 @@ pub const BACKGROUND: u16 = 0x0883;
 
 /// All memory that drawing needs beside the stack: 12 KiB.
 #[derive(Debug)]
-pub struct Memory {
+pub struct DisplayMemory {
     list: BoundedList<56>,
     strip: [Pixel; scene::SIZE[0] as usize * STRIP as usize],
 }
 
 /// Why there is no picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Failure<E> {
+pub enum DisplayError<E> {
     /// The camera is none.
     Camera(CameraError),
     /// More splats are visible than the list has room for.
@@ -40,10 +40,10 @@ pub enum Failure<E> {
     Display(E),
 }
 
-impl Memory {
+impl DisplayMemory {
     /// Empty memory.
     pub const fn new() -> Self {
-        Memory {
+        DisplayMemory {
             list: BoundedList::new(),
             strip: [Pixel {
                 colour: [0; 3],
@@ -53,7 +53,7 @@ impl Memory {
     }
 }
 
-impl Default for Memory {
+impl Default for DisplayMemory {
     fn default() -> Self {
         Self::new()
     }
@@ -61,13 +61,13 @@ impl Default for Memory {
 
 /// Draws the scene on a display. The phases are for counting instructions and do nothing.
 pub fn draw<T: DrawTarget<Color = Rgb565>>(
-    memory: &mut Memory,
+    memory: &mut DisplayMemory,
     display: &mut T,
-) -> Result<Counts, Failure<T::Error>> {
+) -> Result<Counts, DisplayError<T::Error>> {
     let renderer = Renderer::new(Lean18);
     phase_setup();
     let view = scene::camera().and_then(|camera| camera.view());
-    let view = view.map_err(Failure::Camera)?;
+    let view = view.map_err(DisplayError::Camera)?;
     let splats = (0..scene::SPLATS).map(scene::splat);
     let counts = renderer.set_up(&view, splats, &mut memory.list);
     phase_rest();
@@ -75,7 +75,7 @@ pub fn draw<T: DrawTarget<Color = Rgb565>>(
         phase_draw();
         let strip = renderer.draw(&memory.list, window, &mut memory.strip);
         phase_rest();
-        let strip = strip.map_err(|_| Failure::Strip)?;
+        let strip = strip.map_err(|_| DisplayError::Strip)?;
         let area = Rectangle::new(
             Point::new(0, window.first[1].into()),
             Size::new(window.columns().into(), window.rows().into()),
@@ -84,15 +84,15 @@ pub fn draw<T: DrawTarget<Color = Rgb565>>(
             .rgb565(BACKGROUND)
             .map(|bits| RawU16::new(bits).into());
         let sent = display.fill_contiguous(&area, colours);
-        sent.map_err(Failure::Display)?;
+        sent.map_err(DisplayError::Display)?;
     }
-    counts.map_err(Failure::List)
+    counts.map_err(DisplayError::List)
 }
 
 /// Pixels of the picture that lie in a footprint, each as often as footprints cover it.
-pub fn covered(memory: &mut Memory, view: &View) -> u64 {
+pub fn covered(memory: &mut DisplayMemory, view: &View) -> u64 {
     let renderer = Renderer::new(Lean18);
-    let Memory { list, strip } = memory;
+    let DisplayMemory { list, strip } = memory;
     let mut sum = 0;
     for window in view.window().strips(STRIP) {
         let drawn = renderer.draw(list, window, strip);
@@ -102,6 +102,6 @@ pub fn covered(memory: &mut Memory, view: &View) -> u64 {
 }
 
 /// Splats that are on the list.
-pub fn visible(memory: &Memory) -> usize {
+pub fn visible(memory: &DisplayMemory) -> usize {
     memory.list.footprints().len()
 }

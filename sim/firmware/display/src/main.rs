@@ -2,18 +2,18 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 use splatline_display::panel::Panel;
-use splatline_display::{Memory, draw, scene, visible};
+use splatline_display::{DisplayMemory, draw, scene, visible};
 
 #[cfg(target_os = "none")]
 mod image {
-    use super::{Memory, Panel, draw, report};
+    use super::{DisplayMemory, Panel, draw, report};
     use core::cell::UnsafeCell;
     use splatline_firmware::board;
 
-    struct Lent(UnsafeCell<Memory>);
+    struct Lent(UnsafeCell<DisplayMemory>);
     // SAFETY: one core, no interrupts.
     unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(Memory::new()));
+    static MEMORY: Lent = Lent(UnsafeCell::new(DisplayMemory::new()));
 
     #[unsafe(no_mangle)]
     fn image_main() {
@@ -30,7 +30,7 @@ mod image {
     }
 }
 
-fn report(memory: &Memory, panel: &Panel, mut print: impl FnMut(&str, u32)) {
+fn report(memory: &DisplayMemory, panel: &Panel, mut print: impl FnMut(&str, u32)) {
     print("checksum", panel.checksum.value());
     print("pixels", panel.pixels);
     print("visible", visible(memory) as u32);
@@ -44,7 +44,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     use embedded_graphics::prelude::Size;
     use embedded_graphics_simulator::{OutputSettingsBuilder, SimulatorDisplay};
     use splatline_display::covered;
-    let mut memory = Box::new(Memory::new());
+    let mut memory = Box::new(DisplayMemory::new());
     let mut panel = Panel::default();
     draw(&mut memory, &mut panel).map_err(|failure| format!("no picture: {failure:?}"))?;
     report(&memory, &panel, |name, value| println!("{name}={value}"));

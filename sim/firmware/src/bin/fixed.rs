@@ -1,19 +1,19 @@
 //! The scene through the kernel: on a board under QEMU, or on the host to see what must come out.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use splatline_firmware::fixed_picture::{Memory, Outcome, draw};
+use splatline_firmware::fixed_picture::{FixedMemory, FixedOutcome, draw};
 
 #[cfg(target_os = "none")]
 mod image {
-    use super::{Memory, draw, report};
+    use super::{FixedMemory, draw, report};
     use core::cell::UnsafeCell;
     use splatline_firmware::board;
     use splatline_firmware::order::Full;
 
-    struct Lent(UnsafeCell<Memory>);
+    struct Lent(UnsafeCell<FixedMemory>);
     // SAFETY: one core, no interrupts.
     unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(Memory::new()));
+    static MEMORY: Lent = Lent(UnsafeCell::new(FixedMemory::new()));
 
     #[unsafe(no_mangle)]
     fn image_main() {
@@ -29,7 +29,7 @@ mod image {
     }
 }
 
-fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
+fn report(outcome: &FixedOutcome, mut print: impl FnMut(&str, u32)) {
     print("checksum", outcome.checksum.value());
     print("visible", outcome.visible);
 }
@@ -49,7 +49,7 @@ fn main() -> std::io::Result<()> {
         print_design();
         return Ok(());
     }
-    let mut memory = Box::new(Memory::new());
+    let mut memory = Box::new(FixedMemory::new());
     let mut picture = format!("P6\n{COLUMNS} {ROWS}\n255\n").into_bytes();
     let mut coverage = Coverage::default();
     let mut differing = 0;

@@ -1,19 +1,19 @@
 //! The same drawing in soft float.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-use splatline_firmware::float_picture::{Memory, Outcome, draw};
+use splatline_firmware::float_picture::{FloatMemory, FloatOutcome, draw};
 
 #[cfg(target_os = "none")]
 mod image {
-    use super::{Memory, draw, report};
+    use super::{FloatMemory, draw, report};
     use core::cell::UnsafeCell;
     use splatline_firmware::board;
     use splatline_firmware::order::Full;
 
-    struct Lent(UnsafeCell<Memory>);
+    struct Lent(UnsafeCell<FloatMemory>);
     // SAFETY: one core, no interrupts.
     unsafe impl Sync for Lent {}
-    static MEMORY: Lent = Lent(UnsafeCell::new(Memory::new()));
+    static MEMORY: Lent = Lent(UnsafeCell::new(FloatMemory::new()));
 
     #[unsafe(no_mangle)]
     fn image_main() {
@@ -29,7 +29,7 @@ mod image {
     }
 }
 
-fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
+fn report(outcome: &FloatOutcome, mut print: impl FnMut(&str, u32)) {
     print("visible", outcome.visible);
     print("covered_box", outcome.covered[0]);
     print("covered_spans", outcome.covered[1]);
@@ -41,7 +41,7 @@ fn report(outcome: &Outcome, mut print: impl FnMut(&str, u32)) {
 fn main() -> std::io::Result<()> {
     use splatline_firmware::order::Full;
     let failed = |Full| std::io::Error::other("the depth order has too little room");
-    let outcome = draw(&mut Box::new(Memory::new())).map_err(failed)?;
+    let outcome = draw(&mut Box::new(FloatMemory::new())).map_err(failed)?;
     report(&outcome, |name, value| println!("{name}={value}"));
     Ok(())
 }

@@ -24,9 +24,9 @@ mod image {
     const BITS: u32 = Firmware16::WIDTHS.radial as u32 + RULES.table_range as u32;
     const END: i64 = 1 << BITS;
 
-    struct Random(u32);
+    struct LoopRandom(u32);
 
-    impl Random {
+    impl LoopRandom {
         /// A number of so many bits; one in two is much smaller.
         fn bits(&mut self, bits: u32) -> u32 {
             let number = self.next() >> (32 - bits);
@@ -100,7 +100,7 @@ mod image {
         };
         let widths = Firmware16::WIDTHS;
         let blend = Blend::new(&widths, &RULES);
-        let mut random = Random(1);
+        let mut random = LoopRandom(1);
         let (mut clamped_runs, mut changed, mut differing) = (0, 0, 0);
         let mut lost = 0;
         for _ in 0..RUNS {

@@ -1,7 +1,7 @@
 //! What the rasterizers by tiles do before their pixels: footprints, keys, a list of footprints for each tile; and the time that each takes.
 
-use super::FloatDrawing;
-use super::scene::{BoxExtent, FloatFootprint, FloatScene, depth_key};
+use super::BaselineDrawing;
+use super::scene::{BaselineFootprint, BoxExtent, FloatScene, depth_key};
 use rayon::prelude::*;
 use splatline_sim::fast::order::{Grid, Key, tile_lists};
 use splatline_sim::fixed::Times;
@@ -13,8 +13,8 @@ pub(super) fn draw_binned(
     scene: &FloatScene,
     extent: BoxExtent,
     tile: [u16; 2],
-    raster: impl FnOnce(&Grid, &[Option<FloatFootprint>], &[Vec<u32>]) -> Vec<[f32; 4]>,
-) -> FloatDrawing {
+    raster: impl FnOnce(&Grid, &[Option<BaselineFootprint>], &[Vec<u32>]) -> Vec<[f32; 4]>,
+) -> BaselineDrawing {
     let started = Instant::now();
     let footprints = scene.footprints(extent);
     let set_up_at = started.elapsed().as_secs_f64();
@@ -29,7 +29,7 @@ pub(super) fn draw_binned(
     let lists = tile_lists(&grid, parts);
     let sorted_at = started.elapsed().as_secs_f64();
     let frame = raster(&grid, &footprints, &lists);
-    FloatDrawing {
+    BaselineDrawing {
         frame,
         times: Times {
             setup: set_up_at,
@@ -40,7 +40,7 @@ pub(super) fn draw_binned(
 }
 
 /// What orders the splats that are seen, numbered from `start`.
-fn keys(footprints: &[Option<FloatFootprint>], start: usize) -> Vec<Key> {
+fn keys(footprints: &[Option<BaselineFootprint>], start: usize) -> Vec<Key> {
     let numbered = footprints.iter().zip(start as u32..);
     numbered
         .filter_map(|(footprint, index)| {

@@ -7,9 +7,9 @@
 //!
 //! What makes the kernel's engine fast is not in it: spans instead of boxes, large tiles, rows in vectors.
 
-use super::FloatDrawing;
+use super::BaselineDrawing;
 use super::binned::draw_binned;
-use super::scene::{BoxExtent, FloatFootprint, FloatScene};
+use super::scene::{BaselineFootprint, BoxExtent, FloatScene};
 use rayon::prelude::*;
 use splatline::blend::FINISHED;
 use splatline::raster::Window;
@@ -31,7 +31,7 @@ const AHEAD: usize = 4;
 type BoxRow = [[u32; COLUMNS]; 4];
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &FloatScene, extent: BoxExtent, choice: VectorLevel) -> FloatDrawing {
+pub fn draw(scene: &FloatScene, extent: BoxExtent, choice: VectorLevel) -> BaselineDrawing {
     draw_binned(scene, extent, [TILE; 2], |grid, footprints, lists| {
         raster(scene, grid, footprints, lists, choice)
     })
@@ -42,7 +42,7 @@ pub fn draw(scene: &FloatScene, extent: BoxExtent, choice: VectorLevel) -> Float
 fn raster(
     scene: &FloatScene,
     grid: &Grid,
-    footprints: &[Option<FloatFootprint>],
+    footprints: &[Option<BaselineFootprint>],
     lists: &[Vec<u32>],
     choice: VectorLevel,
 ) -> Vec<[f32; 4]> {
@@ -98,7 +98,7 @@ struct BoxPainting<'a> {
     scene: &'a FloatScene,
     window: Window,
     tile: &'a mut [BoxRow; TILE as usize],
-    footprints: &'a [Option<FloatFootprint>],
+    footprints: &'a [Option<BaselineFootprint>],
     list: &'a [u32],
 }
 
@@ -172,7 +172,7 @@ impl<L: Floats> BoxPixels<L> {
     #[inline(always)]
     fn draw(
         &self,
-        footprint: &FloatFootprint,
+        footprint: &BaselineFootprint,
         window: &Window,
         tile: &mut [BoxRow; TILE as usize],
     ) {

@@ -23,14 +23,14 @@ use splatline_sim::picture::Picture;
 
 /// What a baseline draws.
 #[derive(Clone, Debug)]
-pub struct FloatDrawing {
+pub struct BaselineDrawing {
     /// Premultiplied red, green, blue and transmittance, row-major.
     pub frame: Vec<[f32; 4]>,
     /// Time taken.
     pub times: Times,
 }
 
-impl FloatDrawing {
+impl BaselineDrawing {
     /// The picture in double precision.
     pub fn picture(&self, [width, height]: [u16; 2]) -> Picture {
         let mut picture = Picture::new(width.into(), height.into());

@@ -11,7 +11,7 @@ use splatline_sim::scene::Scene;
 
 /// A splat as a rasterizer loads it.
 #[derive(Clone, Copy, Debug)]
-pub struct FloatSplat {
+pub struct BaselineSplat {
     centre: [f32; 3],
     /// xx, xy, xz, yy, yz, zz.
     covariance: [f32; 6],
@@ -22,7 +22,7 @@ pub struct FloatSplat {
 /// Rules, camera and splats in single precision.
 #[derive(Clone, Debug)]
 pub struct FloatScene {
-    splats: Vec<FloatSplat>,
+    splats: Vec<BaselineSplat>,
     rotation: [[f32; 3]; 3],
     translation: [f32; 3],
     focal: [f32; 2],
@@ -59,7 +59,7 @@ pub enum BoxExtent {
 
 /// A splat on the screen.
 #[derive(Clone, Copy, Debug)]
-pub struct FloatFootprint {
+pub struct BaselineFootprint {
     /// Camera-space depth.
     pub depth: f32,
     /// Pixels.
@@ -104,7 +104,7 @@ impl FloatScene {
         };
         FloatScene {
             splats: splats
-                .map(|(splat, (colour, weight))| FloatSplat {
+                .map(|(splat, (colour, weight))| BaselineSplat {
                     centre: splat.centre.map(|c| c as f32),
                     covariance: [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)]
                         .map(|(i, j)| splat.axes.iter().map(|a| a[i] * a[j]).sum::<f64>() as f32),
@@ -131,7 +131,7 @@ impl FloatScene {
     }
 
     /// Footprints of all splats, in the scene's order, side by side on all cores.
-    pub fn footprints(&self, extent: BoxExtent) -> Vec<Option<FloatFootprint>> {
+    pub fn footprints(&self, extent: BoxExtent) -> Vec<Option<BaselineFootprint>> {
         self.splats
             .par_iter()
             .map(|splat| self.footprint(splat, extent))
@@ -139,7 +139,7 @@ impl FloatScene {
     }
 
     /// Projects one splat; `None` if nothing of it is seen.
-    fn footprint(&self, splat: &FloatSplat, extent: BoxExtent) -> Option<FloatFootprint> {
+    fn footprint(&self, splat: &BaselineSplat, extent: BoxExtent) -> Option<BaselineFootprint> {
         let [x, y, z] =
             [0, 1, 2].map(|row| dot(self.rotation[row], splat.centre) + self.translation[row]);
         if z <= self.near || z >= self.far {
@@ -192,7 +192,7 @@ impl FloatScene {
             }
         };
         let bounds = self.bounds(centre, extent)?;
-        Some(FloatFootprint {
+        Some(BaselineFootprint {
             depth: z,
             centre,
             conic: [yy / determinant, -xy / determinant, xx / determinant],

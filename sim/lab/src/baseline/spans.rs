@@ -3,20 +3,20 @@
 //! What is left between this and the fast engine is the arithmetic: here the radial index is computed at every pixel (a subtraction, a
 //! product, a fused product), `exp` is a polynomial of degree 5 on the fraction of the exponent, and colours are fused products.
 
-use super::FloatDrawing;
+use super::BaselineDrawing;
 use super::binned::draw_binned;
-use super::scene::{BoxExtent, FloatFootprint, FloatScene};
+use super::scene::{BaselineFootprint, BoxExtent, FloatScene};
 use rayon::prelude::*;
 use splatline::blend::{FINISHED, Pixel};
 use splatline_sim::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
 use splatline_sim::fast::order::Grid;
-use splatline_sim::fast::tile::{TILE, Tile, TileRow};
+use splatline_sim::fast::tile::{PlaneTile, TILE, TileRow};
 
 /// Footprints painted between two checks whether the tile has finished, as in the fast engine.
 const CHECK_INTERVAL: usize = 64;
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &FloatScene, choice: VectorLevel) -> FloatDrawing {
+pub fn draw(scene: &FloatScene, choice: VectorLevel) -> BaselineDrawing {
     draw_binned(scene, BoxExtent::Cutoff, TILE, |grid, footprints, lists| {
         raster(scene, grid, footprints, lists, choice)
     })
@@ -27,7 +27,7 @@ pub fn draw(scene: &FloatScene, choice: VectorLevel) -> FloatDrawing {
 fn raster(
     scene: &FloatScene,
     grid: &Grid,
-    footprints: &[Option<FloatFootprint>],
+    footprints: &[Option<BaselineFootprint>],
     lists: &[Vec<u32>],
     choice: VectorLevel,
 ) -> Vec<[f32; 4]> {
@@ -41,7 +41,7 @@ fn raster(
         .into_par_iter()
         .zip(lists)
         .enumerate()
-        .for_each_init(Tile::new, |tile, (number, (mut rows, list))| {
+        .for_each_init(PlaneTile::new, |tile, (number, (mut rows, list))| {
             tile.open(grid.window(number), clear);
             let painting = SpanPainting {
                 scene,
@@ -64,8 +64,8 @@ fn raster(
 /// A tile to be painted, by whatever vectors.
 struct SpanPainting<'a> {
     scene: &'a FloatScene,
-    tile: &'a mut Tile,
-    footprints: &'a [Option<FloatFootprint>],
+    tile: &'a mut PlaneTile,
+    footprints: &'a [Option<BaselineFootprint>],
     list: &'a [u32],
 }
 
@@ -133,7 +133,7 @@ impl<L: Floats> SpanPixels<L> {
 
     /// All rows of one footprint within the tile.
     #[inline(always)]
-    fn draw<const STOP_BEFORE: bool>(&self, footprint: &FloatFootprint, tile: &mut Tile) {
+    fn draw<const STOP_BEFORE: bool>(&self, footprint: &BaselineFootprint, tile: &mut PlaneTile) {
         let lanes = self.lanes;
         let window = tile.window();
         let part = footprint.bounds.intersect(&window);

@@ -5,8 +5,8 @@
 //! of tile and box. Pixels finish early, and so does a tile when all of its pixels have. [`BoxExtent`] says which box: the customary square
 //! of three sigmas, or the smaller one of the cut-off.
 
-use super::FloatDrawing;
-use super::scene::{BoxExtent, FloatFootprint, FloatScene, depth_key};
+use super::BaselineDrawing;
+use super::scene::{BaselineFootprint, BoxExtent, FloatScene, depth_key};
 use rayon::prelude::*;
 use splatline::raster::Window;
 use splatline_sim::fast::order::Grid;
@@ -17,7 +17,7 @@ const TILE: u16 = 16;
 const AREA: usize = TILE as usize * TILE as usize;
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &FloatScene, extent: BoxExtent) -> FloatDrawing {
+pub fn draw(scene: &FloatScene, extent: BoxExtent) -> BaselineDrawing {
     let started = Instant::now();
     let footprints = scene.footprints(extent);
     let set_up_at = started.elapsed().as_secs_f64();
@@ -26,7 +26,7 @@ pub fn draw(scene: &FloatScene, extent: BoxExtent) -> FloatDrawing {
     let starts = tile_starts(&entries, grid.len());
     let sorted_at = started.elapsed().as_secs_f64();
     let frame = raster(scene, &grid, &footprints, &entries, &starts);
-    FloatDrawing {
+    BaselineDrawing {
         frame,
         times: Times {
             setup: set_up_at,
@@ -39,7 +39,7 @@ pub fn draw(scene: &FloatScene, extent: BoxExtent) -> FloatDrawing {
 /// Tile and depth, and the splat's number.
 type TextbookEntry = (u64, u32);
 
-fn sorted_entries(grid: &Grid, footprints: &[Option<FloatFootprint>]) -> Vec<TextbookEntry> {
+fn sorted_entries(grid: &Grid, footprints: &[Option<BaselineFootprint>]) -> Vec<TextbookEntry> {
     let mut entries = Vec::new();
     for (footprint, index) in footprints.iter().zip(0..) {
         let Some(footprint) = footprint else { continue };
@@ -70,7 +70,7 @@ fn tile_starts(entries: &[TextbookEntry], tiles: usize) -> Vec<usize> {
 fn raster(
     scene: &FloatScene,
     grid: &Grid,
-    footprints: &[Option<FloatFootprint>],
+    footprints: &[Option<BaselineFootprint>],
     entries: &[TextbookEntry],
     starts: &[usize],
 ) -> Vec<[f32; 4]> {
@@ -96,7 +96,7 @@ fn raster(
 fn paint_tile<'a>(
     scene: &FloatScene,
     window: Window,
-    splats: impl Iterator<Item = &'a FloatFootprint>,
+    splats: impl Iterator<Item = &'a BaselineFootprint>,
 ) -> [[f32; 4]; AREA] {
     let mut pixels = [[0.0, 0.0, 0.0, 1.0]; AREA];
     let mut finished = [false; AREA];

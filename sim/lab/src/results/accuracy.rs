@@ -5,7 +5,7 @@ use super::{ResultPage, opening, table, verdict};
 use anyhow::Result;
 use splatline::format::Traversal;
 use splatline_sim::design::{DesignChoice, traversal_name};
-use splatline_sim::fixed::{self, Drawing, Options};
+use splatline_sim::fixed::{self, FixedDrawing, Options};
 use splatline_sim::metrics::{ChannelError, Errors, compare};
 use splatline_sim::reference::float;
 use splatline_sim::rules::Compositing;
@@ -118,7 +118,7 @@ pub fn measure(view: &CapturedView) -> Result<Vec<Measurement>> {
                 design: &design,
                 traversal,
             };
-            let Drawing {
+            let FixedDrawing {
                 picture, coverage, ..
             } = fixed::draw(&view.scene, &view.camera, &options);
             measurements.push(Measurement {

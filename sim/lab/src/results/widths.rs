@@ -14,7 +14,7 @@ use splatline_sim::machine::area::{Calibration, estimate, synthesis};
 use splatline_sim::metrics::compare;
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
-use splatline_sim::reference::formats::{self, BFLOAT16, FP16, FP32, Format, RoundedStages};
+use splatline_sim::reference::formats::{self, BFLOAT16, FP16, FP32, FloatFormat, RoundedStages};
 use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 
@@ -116,7 +116,7 @@ fn formats_table(view: &CapturedView, reference: &Picture) -> Result<String> {
     let single = RoundedStages::all(FP32);
     let mut rows = Vec::new();
     for (name, format) in [("fp32", FP32), ("fp16", FP16), ("bfloat16", BFLOAT16)] {
-        let stages = |format: Format| {
+        let stages = |format: FloatFormat| {
             [
                 RoundedStages {
                     setup: format,

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
-use super::{Counts, Culled, Drawing, PixelBox};
+use super::{Counts, Culled, FloatDrawing, PixelBox};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
@@ -19,10 +19,10 @@ use crate::scene::{Scene, Splat};
 const TILE: usize = 16;
 
 /// Told the rows done and the rows in all, from any thread.
-pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
+pub type RowProgress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// A splat on the screen, as the compositor needs it.
-pub trait Projected: Send + Sync {
+pub trait ScreenSplat: Send + Sync {
     /// Pixels outside of which the splat leaves no trace.
     fn bounds(&self) -> PixelBox;
 
@@ -43,7 +43,7 @@ pub trait Projected: Send + Sync {
 }
 
 /// Indices of the splats that were not culled: nearest first, equal places in the order of their indices.
-pub fn order<S: Projected>(projected: &[Result<S, Culled>]) -> Vec<usize> {
+pub fn order<S: ScreenSplat>(projected: &[Result<S, Culled>]) -> Vec<usize> {
     let drawn = projected.iter().enumerate().filter_map(|(index, outcome)| {
         let splat = outcome.as_ref().ok()?;
         Some((splat.sort_place(), index))
@@ -54,7 +54,7 @@ pub fn order<S: Projected>(projected: &[Result<S, Culled>]) -> Vec<usize> {
 }
 
 /// The opacity of a splat at a point of the picture, or nothing where the rules leave it out.
-pub fn opacity(splat: &impl Projected, point: [f64; 2], rules: &Rules) -> Option<f64> {
+pub fn opacity(splat: &impl ScreenSplat, point: [f64; 2], rules: &Rules) -> Option<f64> {
     let (radial_index, peak) = splat.radial_index_and_peak(point);
     let opacity = rules.alpha_max.min(peak * rules.kernel.at(radial_index));
     // Written so that a NaN, which f64::min would turn into alpha_max, is left out.
@@ -77,17 +77,17 @@ pub fn project_all<Footprint: Send>(
 }
 
 /// Draws projected splats.
-pub fn draw<S: Projected>(
+pub fn draw<S: ScreenSplat>(
     projected: &[Result<S, Culled>],
     camera: &Camera,
     rules: &Rules,
     compositing: Compositing,
-    progress: Progress,
-) -> Drawing {
+    progress: RowProgress,
+) -> FloatDrawing {
     let mut counts = Counts::of_projected(projected);
     let mut picture = Picture::new(camera.width, camera.height);
     if picture.pixels.is_empty() {
-        return Drawing { picture, counts };
+        return FloatDrawing { picture, counts };
     }
     let mut ordered: Vec<&S> = order(projected)
         .iter()
@@ -118,11 +118,11 @@ pub fn draw<S: Projected>(
         covered
     });
     counts.covered_pixels = covered.sum();
-    Drawing { picture, counts }
+    FloatDrawing { picture, counts }
 }
 
 /// Draws a band of rows from `y0` into its part of the picture; returns the pairs of splat and pixel blended.
-fn draw_band<S: Projected>(
+fn draw_band<S: ScreenSplat>(
     ordered: &[&S],
     y0: usize,
     width: usize,
@@ -259,7 +259,7 @@ impl FloatTile {
     }
 
     /// Gathers one splat; returns in how many pixels it was blended.
-    fn add(&mut self, splat: &impl Projected, rules: &Rules, compositing: Compositing) -> u64 {
+    fn add(&mut self, splat: &impl ScreenSplat, rules: &Rules, compositing: Compositing) -> u64 {
         let inside = self.area.intersection(&splat.bounds());
         let colour = splat.colour();
         let mut covered = 0;

@@ -21,10 +21,10 @@
 //! slopes, a remedy for the affine approximation, does not apply. The whole line counts, including what lies
 //! behind the eye: this concerns only splats that reach around the eye.
 
-use super::compositor::{self, Projected};
+use super::compositor::{self, ScreenSplat};
 use super::float::{effective_cutoff, scaled_by_distance, screen_position, visible_position};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
-use super::{Culled, Drawing, PixelBox, pixel_range};
+use super::{Culled, FloatDrawing, PixelBox, pixel_range};
 use crate::camera::Camera;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
@@ -127,7 +127,12 @@ pub fn footprints<'a>(
 }
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, compositing: Compositing) -> Drawing {
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    compositing: Compositing,
+) -> FloatDrawing {
     let footprints = footprints(scene, camera, rules);
     compositor::draw(&footprints, camera, rules, compositing, &|_, _| ())
 }
@@ -213,7 +218,7 @@ impl ExactFootprint<'_> {
     }
 }
 
-impl Projected for ExactFootprint<'_> {
+impl ScreenSplat for ExactFootprint<'_> {
     fn bounds(&self) -> PixelBox {
         self.bounds
     }

@@ -4,10 +4,10 @@
 //! centre, V' = J W V W^T J^T, low-pass V^h = h I, conic Q = (V' + V^h)^-1, radial index r = x^T Q x and weight
 //! exp(-r/2). Everything is in pixels. What the peak means and where the footprint ends is up to the [`Rules`].
 
-use super::compositor::{self, Projected};
+use super::compositor::{self, ScreenSplat};
 use super::jacobian::{CameraAxes, Jacobian, ScreenVariance};
 use super::kernels::enlargement;
-use super::{Culled, Drawing, PixelBox, pixel_range};
+use super::{Culled, FloatDrawing, PixelBox, pixel_range};
 use crate::camera::Camera;
 use crate::rules::{Compositing, Kernel, Rules};
 use crate::scene::{Scene, Splat};
@@ -111,12 +111,17 @@ pub fn footprints(scene: &Scene, camera: &Camera, rules: &Rules) -> Vec<Result<F
 }
 
 /// Draws the scene; the caller's rayon pool decides the number of threads.
-pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, compositing: Compositing) -> Drawing {
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    rules: &Rules,
+    compositing: Compositing,
+) -> FloatDrawing {
     let footprints = footprints(scene, camera, rules);
     compositor::draw(&footprints, camera, rules, compositing, &|_, _| ())
 }
 
-impl Projected for Footprint {
+impl ScreenSplat for Footprint {
     fn bounds(&self) -> PixelBox {
         self.bounds
     }

@@ -15,7 +15,7 @@
 //! in the format of setup, ties by index.
 
 use super::single::SingleFootprint;
-use super::{Counts, Culled, Drawing, PixelBox};
+use super::{Counts, Culled, FloatDrawing, PixelBox};
 use crate::camera::Camera;
 use crate::picture::Picture;
 use crate::rules::Rules;
@@ -28,7 +28,7 @@ const TILE: usize = 16;
 
 /// A binary floating-point format with gradual underflow, infinities, and rounding to nearest, ties to even.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Format {
+pub struct FloatFormat {
     /// Bits behind the leading one.
     pub fraction_bits: i32,
     /// Exponent of the smallest normal number.
@@ -38,27 +38,27 @@ pub struct Format {
 }
 
 /// IEEE 754 binary32.
-pub const FP32: Format = Format {
+pub const FP32: FloatFormat = FloatFormat {
     fraction_bits: 23,
     min_exponent: -126,
     max_exponent: 127,
 };
 
 /// IEEE 754 binary16.
-pub const FP16: Format = Format {
+pub const FP16: FloatFormat = FloatFormat {
     fraction_bits: 10,
     min_exponent: -14,
     max_exponent: 15,
 };
 
 /// The upper half of a binary32.
-pub const BFLOAT16: Format = Format {
+pub const BFLOAT16: FloatFormat = FloatFormat {
     fraction_bits: 7,
     min_exponent: -126,
     max_exponent: 127,
 };
 
-impl Format {
+impl FloatFormat {
     /// The nearest value of the format.
     pub fn round(self, value: f64) -> f64 {
         if value == 0.0 || !value.is_finite() {
@@ -102,11 +102,11 @@ fn power(exponent: i32) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Rounded {
     value: f64,
-    format: Format,
+    format: FloatFormat,
 }
 
 impl Rounded {
-    fn to(self, format: Format) -> Rounded {
+    fn to(self, format: FloatFormat) -> Rounded {
         format.number(self.value)
     }
 
@@ -182,18 +182,18 @@ impl Neg for Rounded {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RoundedStages {
     /// From the splat to centre, conic and opacity.
-    pub setup: Format,
+    pub setup: FloatFormat,
     /// Offset of a pixel and radial index.
-    pub raster: Format,
+    pub raster: FloatFormat,
     /// Kernel and opacity at the pixel.
-    pub kernel: Format,
+    pub kernel: FloatFormat,
     /// Transmittance and colours.
-    pub blend: Format,
+    pub blend: FloatFormat,
 }
 
 impl RoundedStages {
     /// One format after a setup in single precision, as the machines of the literature have it.
-    pub fn pixels(format: Format) -> RoundedStages {
+    pub fn pixels(format: FloatFormat) -> RoundedStages {
         RoundedStages {
             setup: FP32,
             raster: format,
@@ -203,7 +203,7 @@ impl RoundedStages {
     }
 
     /// One format throughout.
-    pub fn all(format: Format) -> RoundedStages {
+    pub fn all(format: FloatFormat) -> RoundedStages {
         RoundedStages {
             setup: format,
             ..RoundedStages::pixels(format)
@@ -240,7 +240,7 @@ impl RoundedFootprint {
 }
 
 /// Draws front to back. Kernels other than the Gaussian are drawn as one: callers ask for `3dgs` or `ewa`.
-pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStages) -> Drawing {
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStages) -> FloatDrawing {
     let (weights, colours) = (scene.weights_for(rules), scene.colours(camera));
     let splats = scene.splats.par_iter().zip(weights).zip(colours);
     let setup = Setup {
@@ -272,7 +272,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, stages: &RoundedStage
         tiles.covered
     });
     counts.covered_pixels = covered.sum();
-    Drawing { picture, counts }
+    FloatDrawing { picture, counts }
 }
 
 /// A row of tiles.
@@ -398,7 +398,7 @@ struct Setup<'a> {
     camera: &'a Camera,
     rules: &'a Rules,
     order: SortOrder,
-    format: Format,
+    format: FloatFormat,
 }
 
 impl Setup<'_> {
@@ -498,7 +498,7 @@ fn slopes(t: [Rounded; 3], camera: &Camera, rules: &Rules) -> [Rounded; 2] {
     })
 }
 
-fn covariance(splat: &Splat, format: Format) -> [[Rounded; 3]; 3] {
+fn covariance(splat: &Splat, format: FloatFormat) -> [[Rounded; 3]; 3] {
     let axes = splat.axes.map(|axis| axis.map(|x| format.number(x)));
     let [p, q, s] = axes;
     std::array::from_fn(|i| std::array::from_fn(|j| p[i] * p[j] + q[i] * q[j] + s[i] * s[j]))

@@ -9,7 +9,7 @@ static HALVES: LazyLock<Vec<f64>> = LazyLock::new(|| values(FP16));
 static BRAINS: LazyLock<Vec<f64>> = LazyLock::new(|| values(BFLOAT16));
 
 /// All finite values of a format of 16 bits, increasing, by its definition: fraction times a power of two.
-fn values(format: Format) -> Vec<f64> {
+fn values(format: FloatFormat) -> Vec<f64> {
     let steps = 1i64 << format.fraction_bits;
     let mut values: Vec<f64> = (0..steps)
         .map(|fraction| fraction as f64 * 2f64.powi(format.min_exponent - format.fraction_bits))

@@ -3,11 +3,11 @@
 //! Points have one circular footprint, the one that a spherical splat has at the distance k. With a depth range, the points
 //! that a pixel meets within it are summed; the sum is composited when the next fragment lies beyond, or belongs to a splat.
 
-use super::compositor::{self, Projected, opacity};
+use super::compositor::{self, ScreenSplat, opacity};
 use super::float::{self, Footprint, screen_position, visible_position};
 use super::jacobian::{Jacobian, ScreenVariance};
 use super::kernels::enlargement;
-use super::{Counts, Culled, Drawing, PixelBox, pixel_range};
+use super::{Counts, Culled, FloatDrawing, PixelBox, pixel_range};
 use crate::camera::Camera;
 use crate::hybrid::{Hybrid, Points, deviation};
 use crate::picture::Picture;
@@ -17,7 +17,7 @@ use crate::scene::{Scene, Splat};
 /// Draws front to back. The rules need a spacing and a constant cut-off.
 ///
 /// With phase bits, the centres of points are rounded as a stamp rounds them.
-pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> Drawing {
+pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> FloatDrawing {
     let deviation = deviation(scene);
     let projected = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
         if is_point(splat, camera, rules, hybrid.points) {
@@ -47,7 +47,7 @@ pub fn draw(scene: &Scene, camera: &Camera, rules: &Rules, hybrid: &Hybrid) -> D
         let [r, g, b] = cell.colour;
         *out = [r, g, b, 1.0 - cell.transmittance];
     }
-    Drawing { picture, counts }
+    FloatDrawing { picture, counts }
 }
 
 /// Points are the samples beyond the distance k.
@@ -132,7 +132,7 @@ struct FloatPrimitive {
     is_point: bool,
 }
 
-impl Projected for FloatPrimitive {
+impl ScreenSplat for FloatPrimitive {
     fn bounds(&self) -> PixelBox {
         self.footprint.bounds
     }

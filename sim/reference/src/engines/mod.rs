@@ -99,7 +99,7 @@ impl Counts {
 
 /// A picture and what became of the splats.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Drawing {
+pub struct FloatDrawing {
     /// The picture.
     pub picture: Picture,
     /// The counts.

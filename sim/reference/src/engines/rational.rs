@@ -12,7 +12,7 @@ use num_traits::{Signed, ToPrimitive, Zero};
 
 /// A footprint as it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ExactFootprint {
+pub struct RationalFootprint {
     /// Centre, pixels.
     pub centre: [f64; 2],
     /// Depth, scene units.
@@ -33,7 +33,7 @@ pub struct ExactFootprint {
     pub cutoff: f64,
 }
 
-impl ExactFootprint {
+impl RationalFootprint {
     /// G = 1 / sqrt(1 - rho^2) with the correlation rho of x and y.
     pub fn gain(&self) -> f64 {
         (1.0 + self.shear * self.shear * self.horizontal / self.vertical).sqrt()
@@ -53,7 +53,7 @@ pub fn project(
     weight: f64,
     camera: &Camera,
     rules: &Rules,
-) -> Option<ExactFootprint> {
+) -> Option<RationalFootprint> {
     let rotation = camera.rotation.map(|row| row.map(exact));
     let turn = |v: &[BigRational; 3]| -> [BigRational; 3] {
         std::array::from_fn(|row| (0..3).map(|k| &rotation[row][k] * &v[k]).sum())
@@ -124,7 +124,7 @@ pub fn project(
         return None;
     }
     let faint = 2.0 * (peak / rules.alpha_min).ln();
-    Some(ExactFootprint {
+    Some(RationalFootprint {
         centre: centre.each_ref().map(double),
         depth: double(z),
         cancellation,

@@ -2,7 +2,7 @@
 //!
 //! With the sums A_s = min(1, sum alpha) and C_s = sum alpha c of sheet s, nearest first: C = sum_s C_s prod_(i<s) (1 - A_i).
 
-use super::compositor::{self, Projected};
+use super::compositor::{self, ScreenSplat};
 use super::float::{self, Footprint};
 use crate::camera::Camera;
 use crate::picture::Picture;

@@ -4,10 +4,10 @@
 //! optical axis and sin a = R/|C|, the tangent cone cuts the image plane between tan(b - a) and tan(b + a), and the minor
 //! half-axis is sin a / sqrt(cos^2 b - sin^2 a). The corrected index is the paper's d = sin(atan(i tan a)) / tan a.
 
-use super::compositor::{self, Projected};
+use super::compositor::{self, ScreenSplat};
 use super::float::{effective_cutoff, screen_position, visible_position};
 use super::jacobian::ScreenVariance;
-use super::{Culled, Drawing, PixelBox, pixel_range};
+use super::{Culled, FloatDrawing, PixelBox, pixel_range};
 use crate::camera::Camera;
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
@@ -78,7 +78,7 @@ pub fn draw(
     rules: &Rules,
     compositing: Compositing,
     shape: Shape,
-) -> Drawing {
+) -> FloatDrawing {
     let spheres = compositor::project_all(scene, camera, rules, |splat, weight, colour| {
         project(splat, weight, colour, camera, rules, shape)
     });
@@ -181,7 +181,7 @@ fn project(
     })
 }
 
-impl Projected for SphereFootprint {
+impl ScreenSplat for SphereFootprint {
     fn bounds(&self) -> PixelBox {
         self.bounds
     }

@@ -263,10 +263,10 @@ impl FloatFragment {
 }
 
 /// What a pixel has gathered, nearest first.
-pub type FloatPixel = Vec<FloatFragment>;
+pub type FragmentList = Vec<FloatFragment>;
 
 /// Accumulate, replace or discard (SURF 4).
-fn accumulate(pixel: &mut FloatPixel, sample: FloatFragment, threshold: f64) {
+fn accumulate(pixel: &mut FragmentList, sample: FloatFragment, threshold: f64) {
     let Some(kept) = pixel.first_mut() else {
         pixel.push(sample);
         return;
@@ -279,7 +279,7 @@ fn accumulate(pixel: &mut FloatPixel, sample: FloatFragment, threshold: f64) {
 }
 
 /// Accumulate or separate, insert, merge the nearest pair (SURF 6).
-fn layer(pixel: &mut FloatPixel, sample: FloatFragment, threshold: f64, count: usize) {
+fn layer(pixel: &mut FragmentList, sample: FloatFragment, threshold: f64, count: usize) {
     let gap = |a: &FloatFragment, b: &FloatFragment| {
         (b.range[0] - a.range[1]).max(a.range[0] - b.range[1])
     };
@@ -303,17 +303,17 @@ fn layer(pixel: &mut FloatPixel, sample: FloatFragment, threshold: f64, count: u
 
 /// A picture with what it was resolved from.
 #[derive(Clone, Debug)]
-pub struct SurfaceDrawing {
+pub struct FloatSurfaceDrawing {
     /// The picture.
     pub picture: Picture,
     /// What became of the points.
     pub counts: Counts,
     /// Fragments of every pixel, row-major.
-    pub fragments: Vec<FloatPixel>,
+    pub fragments: Vec<FragmentList>,
 }
 
 /// Draws the scene in its own order.
-pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDrawing {
+pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> FloatSurfaceDrawing {
     let projected: Vec<Result<SurfaceFootprint, Culled>> = scene
         .points
         .par_iter()
@@ -321,7 +321,7 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDraw
         .collect();
     let mut counts = Counts::of_projected(&projected);
     let footprints: Vec<&SurfaceFootprint> = projected.iter().flatten().collect();
-    let mut fragments = vec![FloatPixel::new(); camera.width * camera.height];
+    let mut fragments = vec![FragmentList::new(); camera.width * camera.height];
     let bands = fragments
         .par_chunks_mut((camera.width * BAND).max(1))
         .enumerate();
@@ -344,7 +344,7 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDraw
         ];
         *out = resolve(pixel, place, camera, scene, style);
     });
-    SurfaceDrawing {
+    FloatSurfaceDrawing {
         picture,
         counts,
         fragments,
@@ -354,7 +354,7 @@ pub fn draw(scene: &SurfaceScene, camera: &Camera, style: &Style) -> SurfaceDraw
 /// Gathers one splat into a band of rows; returns the pixels inside its cut-off.
 fn gather(
     splat: &SurfaceFootprint,
-    pixels: &mut [FloatPixel],
+    pixels: &mut [FragmentList],
     width: usize,
     rows: std::ops::Range<usize>,
     style: &Style,
@@ -423,7 +423,7 @@ pub fn overlapping_layers(scene: &SurfaceScene, camera: &Camera, style: &Style) 
 
 /// Divides, shades, covers and composites a pixel's fragments.
 fn resolve(
-    pixel: &FloatPixel,
+    pixel: &FragmentList,
     place: [f64; 2],
     camera: &Camera,
     scene: &SurfaceScene,

@@ -3,7 +3,7 @@
 use super::tests::{load_plain, shared_data};
 use super::*;
 use crate::engines::float;
-use crate::framing::{Frame, USUAL_FOV};
+use crate::framing::{FramingInput, USUAL_FOV};
 use crate::metrics::compare;
 use crate::rules::Compositing;
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ fn pictures_of_one_scene_agree_between_formats() {
             order: a.order,
             ..load_plain(&other)
         };
-        let camera = Frame::of_scene(&a, None)
+        let camera = FramingInput::of_scene(&a, None)
             .camera(None, USUAL_FOV, 320, 240)
             .unwrap();
         let camera_b = if b.up == a.up {

@@ -39,7 +39,7 @@ mod tests;
 pub use error::{LoadError, Problem};
 pub use load::{LoadOptions, Loaded, demo, load, load_with_notes};
 pub use order::SortOrder;
-pub use ply::stream::{GaussianFile, Parts};
+pub use ply::stream::{FileParts, GaussianFile};
 pub use transfer::Transfer;
 pub use view::Bounds;
 

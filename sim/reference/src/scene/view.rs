@@ -58,7 +58,7 @@ impl Scene {
     }
 
     /// The view that figures in `docs` are taken from, close enough that outer parts may be cut off; the command line frames by
-    /// [`crate::framing::Frame`], which looks the same way and shows all.
+    /// [`crate::framing::FramingInput`], which looks the same way and shows all.
     ///
     /// Volumes are seen along +z from twice the largest extent with 30 degrees. Captures are seen across their
     /// thinner horizontal side, without stray splats counting. Synthetic scenes have [`synthetic::camera`].

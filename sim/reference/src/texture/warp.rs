@@ -9,7 +9,7 @@
 
 use super::Texture;
 use crate::camera::Camera;
-use crate::engines::surface::{FloatFragment, SurfaceDrawing};
+use crate::engines::surface::{FloatFragment, FloatSurfaceDrawing};
 use crate::hybrid::{DEVIATION_PER_SPACING, Hybrid, Points, spacing};
 use crate::rules::{Antialias, Rules};
 use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
@@ -35,7 +35,7 @@ pub struct DepthImage {
 
 impl DepthImage {
     /// The nearest surface of a drawing, unlit, where it covers the pixel.
-    pub fn of_drawing(drawing: &SurfaceDrawing, camera: &Camera) -> DepthImage {
+    pub fn of_drawing(drawing: &FloatSurfaceDrawing, camera: &Camera) -> DepthImage {
         let seen = |fragment: &FloatFragment| {
             let [near, far] = fragment.range;
             let colour = fragment.colour.map(|sum| sum / fragment.weight);

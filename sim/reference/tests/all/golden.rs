@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use splatline_reference::camera::Camera;
-use splatline_reference::engines::compositor::{self, Projected};
+use splatline_reference::engines::compositor::{self, ScreenSplat};
 use splatline_reference::engines::float::Footprint;
 use splatline_reference::engines::golden::{self, ALL, Deviation, GoldenA, GoldenSplat};
 use splatline_reference::engines::{Culled, PixelBox, exact, float};
@@ -123,7 +123,7 @@ impl FadedTail {
     const END: f64 = 9.0;
 }
 
-impl Projected for FadedTail {
+impl ScreenSplat for FadedTail {
     fn bounds(&self) -> PixelBox {
         self.0.bounds
     }

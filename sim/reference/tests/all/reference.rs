@@ -4,9 +4,9 @@ use super::oracle::{Engine, naive_picture};
 use super::scenes::{scene_of, straight_camera};
 use proptest::prelude::*;
 use splatline_reference::camera::Camera;
-use splatline_reference::engines::compositor::{self, Projected};
+use splatline_reference::engines::compositor::{self, ScreenSplat};
 use splatline_reference::engines::golden::rotated_axes;
-use splatline_reference::engines::{Culled, Drawing, exact, float};
+use splatline_reference::engines::{Culled, FloatDrawing, exact, float};
 use splatline_reference::picture::Picture;
 use splatline_reference::rules::{Compositing, Rules};
 use splatline_reference::scene::{Scene, Splat, Weight};
@@ -54,7 +54,7 @@ fn draw(
     camera: &Camera,
     rules: &Rules,
     compositing: Compositing,
-) -> Drawing {
+) -> FloatDrawing {
     match engine {
         Engine::Float => float::draw(scene, camera, rules, compositing),
         Engine::Exact => exact::draw(scene, camera, rules, compositing),
@@ -77,7 +77,7 @@ fn largest_difference(a: &Picture, b: &Picture) -> f64 {
 }
 
 /// Every splat at every pixel, through the engine's own opacity but without its bounds, bins and tiles.
-fn every_splat_at_every_pixel<P: Projected>(
+fn every_splat_at_every_pixel<P: ScreenSplat>(
     projected: &[Result<P, Culled>],
     camera: &Camera,
     rules: &Rules,

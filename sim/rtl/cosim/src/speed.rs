@@ -20,7 +20,7 @@ use splatline::rules::{Compositing, Rules as KernelRules};
 use splatline::setup::Cull;
 use splatline_sim::design::{DesignChoice, DesignJob};
 use splatline_sim::fast::lanes::VectorLevel;
-use splatline_sim::fast::{Scratch, TILE, tile_painter};
+use splatline_sim::fast::{PaintScratch, TILE, tile_painter};
 use splatline_sim::fixed::kernel_rules;
 use splatline_sim::machine::primitive::picture_cycles;
 use splatline_sim::rules::Rules;
@@ -316,13 +316,13 @@ impl TimedModel<'_> {
             false,
         );
         let tiles = self.tiles.par_iter();
-        let paint = |scratch: &mut Scratch, tile: &Tile| {
+        let paint = |scratch: &mut PaintScratch, tile: &Tile| {
             let [columns, rows] = tile.size();
             let mut pixels = vec![Pixel::default(); columns * rows];
             painter.paint(scratch, tile.window, self.results, &tile.list, &mut pixels);
             pixels
         };
-        tiles.map_init(Scratch::default, paint).collect()
+        tiles.map_init(PaintScratch::default, paint).collect()
     }
 
     /// What the last turn drew and counted.

@@ -14,7 +14,7 @@ pub mod synthesis;
 
 pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
 
-use super::config::{Config, Layout, Overlap, Termination};
+use super::config::{Config, LaneLayout, Overlap, Termination};
 use super::primitive::QUEUE;
 use circuit::{Bits, GeometryCircuit, Operators};
 use serde::Serialize;
@@ -135,7 +135,7 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
         or_lanes(config.table_ports).min(lanes),
         or_lanes(config.buffer_banks),
     );
-    let queues = if config.layout == Layout::Rows {
+    let queues = if config.layout == LaneLayout::Rows {
         lanes
     } else {
         1

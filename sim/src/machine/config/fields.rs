@@ -1,6 +1,6 @@
 //! The table of fields: section, key, range, meaning, and how to read and write it in a [`Config`].
 
-use super::{Assignment, Binning, Config, Layout, Overlap, Sorter, Termination, TileWalk};
+use super::{Assignment, Binning, Config, LaneLayout, Overlap, Sorter, Termination, TileWalk};
 use crate::machine::memory::parts::PARTS;
 
 /// What a field may hold. Values are passed as integers; a choice is its index.
@@ -53,7 +53,12 @@ const DEPTH: Range = Range::Number(1, 65_536);
 const WIDTHS: Range = Range::OneOf(&[8, 16, 32, 64]);
 const LANES: Range = Range::OneOf(&[1, 2, 4, 8, 16, 32, 64]);
 
-const LAYOUTS: [Layout; 4] = [Layout::Run, Layout::Aligned, Layout::Quad, Layout::Rows];
+const LAYOUTS: [LaneLayout; 4] = [
+    LaneLayout::Run,
+    LaneLayout::Aligned,
+    LaneLayout::Quad,
+    LaneLayout::Rows,
+];
 const OVERLAPS: [Overlap; 3] = [Overlap::Serial, Overlap::Pipelined, Overlap::Primitive];
 const ASSIGNMENTS: [Assignment; 2] = [Assignment::Static, Assignment::Dynamic];
 const TERMINATIONS: [Termination; 2] = [Termination::Discard, Termination::Skip];

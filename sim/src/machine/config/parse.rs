@@ -1,7 +1,7 @@
 //! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
 
 use super::fields::{ConfigField, FIELDS, Range, field};
-use super::{Config, Layout, Overlap, primitive};
+use super::{Config, LaneLayout, Overlap, primitive};
 use crate::input;
 use std::fmt::Write;
 use std::path::Path;
@@ -170,14 +170,14 @@ impl Config {
                 allowed.to_owned(),
             ));
         }
-        if self.layout == Layout::Quad && self.lanes < 2 {
+        if self.layout == LaneLayout::Quad && self.lanes < 2 {
             return Err((
                 "layout",
                 "\"quad\"".to_owned(),
                 "allowed with 2 or more lanes".to_owned(),
             ));
         }
-        if self.layout == Layout::Rows && self.overlap == Overlap::Serial {
+        if self.layout == LaneLayout::Rows && self.overlap == Overlap::Serial {
             return Err((
                 "layout",
                 "\"rows\"".to_owned(),
@@ -205,7 +205,7 @@ impl Config {
             );
             return Err(("raster_units", self.raster_units.to_string(), allowed));
         }
-        if self.lanes > u32::from(self.tile_width) && self.layout != Layout::Rows {
+        if self.lanes > u32::from(self.tile_width) && self.layout != LaneLayout::Rows {
             let allowed = format!(
                 "allowed are up to tile_width = {} lanes in this layout",
                 self.tile_width

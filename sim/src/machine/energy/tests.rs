@@ -84,8 +84,8 @@ proptest! {
 
 /// A workload of one tile of 16 x 8 pixels with one splat of two rows.
 fn one_splat() -> Workload {
-    use crate::machine::workload::{Pair, Row, SplatWork, Tile};
-    let row = |x, length| Row {
+    use crate::machine::workload::{Pair, SplatWork, Tile, WorkloadRow};
+    let row = |x, length| WorkloadRow {
         open: crate::machine::workload::mask(x, length),
         covered: crate::machine::workload::mask(x, length),
         x: x as u8,

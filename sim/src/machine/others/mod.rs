@@ -18,7 +18,7 @@ mod tests;
 
 pub use pixels::tested;
 
-use super::config::{Config, Layout};
+use super::config::{Config, LaneLayout};
 use super::energy::actions::{UnitActions, of};
 use super::energy::{Energy, EnergyTable, sum};
 use super::timing::{Timing, simulate_alone};
@@ -166,7 +166,7 @@ pub const PRESETS: [Preset; 7] = [
 fn sixteen_lanes() -> Config {
     Config {
         lanes: 16,
-        layout: Layout::Aligned,
+        layout: LaneLayout::Aligned,
         ..Config::default()
     }
 }
@@ -174,7 +174,7 @@ fn sixteen_lanes() -> Config {
 fn sixteen_rows() -> Config {
     Config {
         lanes: 16,
-        layout: Layout::Rows,
+        layout: LaneLayout::Rows,
         ..Config::default()
     }
 }

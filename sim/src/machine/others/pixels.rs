@@ -3,7 +3,7 @@
 //! Rows of a pair keep what is inside and what is open; only which pixels are visited changes, and with it which rows there are.
 
 use super::Tested;
-use crate::machine::workload::{Mask, Pair, Row, Workload, mask};
+use crate::machine::workload::{Mask, Pair, Workload, WorkloadRow, mask};
 
 /// The same workload with the pixels that a machine tests.
 pub fn tested(workload: &Workload, how: Tested) -> Workload {
@@ -35,10 +35,15 @@ pub fn tested(workload: &Workload, how: Tested) -> Workload {
 }
 
 /// First row of the tile and the rows of a pair.
-fn rows_tested(rows: &[Row], first_row: u8, tile: [u16; 2], how: Tested) -> (u8, Vec<Row>) {
+fn rows_tested(
+    rows: &[WorkloadRow],
+    first_row: u8,
+    tile: [u16; 2],
+    how: Tested,
+) -> (u8, Vec<WorkloadRow>) {
     let [width, height] = tile.map(u32::from);
     // The rows of the whole tile; those that the pair does not have are empty.
-    let mut all = vec![Row::default(); height as usize];
+    let mut all = vec![WorkloadRow::default(); height as usize];
     for (place, row) in all.iter_mut().skip(first_row.into()).zip(rows) {
         *place = *row;
     }
@@ -57,15 +62,15 @@ fn rows_tested(rows: &[Row], first_row: u8, tile: [u16; 2], how: Tested) -> (u8,
 }
 
 /// Widens what a row visits; what is inside and open stays.
-fn visit(row: &mut Row, first: u32, end: u32) {
+fn visit(row: &mut WorkloadRow, first: u32, end: u32) {
     row.x = first as u8;
     row.length = (end - first) as u8;
 }
 
 /// From the first pixel inside to the last, and the next, which tells that the row is over.
-fn one_more(row: &Row, width: u32) -> Row {
+fn one_more(row: &WorkloadRow, width: u32) -> WorkloadRow {
     if row.covered == 0 {
-        return Row::default();
+        return WorkloadRow::default();
     }
     let first = row.covered.trailing_zeros();
     let end = (64 - row.covered.leading_zeros() + 1).min(width);
@@ -76,10 +81,10 @@ fn one_more(row: &Row, width: u32) -> Row {
 }
 
 /// Squares of the tile that hold a pixel inside; from the first row of squares that has one to the last.
-fn sub_tiles(mut all: Vec<Row>, width: u32, side: u32) -> (u8, Vec<Row>) {
+fn sub_tiles(mut all: Vec<WorkloadRow>, width: u32, side: u32) -> (u8, Vec<WorkloadRow>) {
     let side_rows = side.max(1) as usize;
     let bands = all.len().div_ceil(side_rows);
-    let inside = |rows: &[Row]| rows.iter().fold(0, |sum: Mask, row| sum | row.covered);
+    let inside = |rows: &[WorkloadRow]| rows.iter().fold(0, |sum: Mask, row| sum | row.covered);
     let mut met = Vec::with_capacity(bands);
     for rows in all.chunks_mut(side_rows) {
         let columns = inside(rows);
@@ -93,7 +98,7 @@ fn sub_tiles(mut all: Vec<Row>, width: u32, side: u32) -> (u8, Vec<Row>) {
                 (Some(first), Some(last)) => {
                     visit(row, first * side, ((last + 1) * side).min(width));
                 }
-                _ => *row = Row::default(),
+                _ => *row = WorkloadRow::default(),
             }
         }
     }

@@ -1,10 +1,14 @@
 use super::*;
 use crate::machine::tests::workload;
-use crate::machine::workload::Row;
+use crate::machine::workload::WorkloadRow;
 use proptest::prelude::*;
 
 /// Pixels of a pair as a grid of the tile, naively: `true` where the machine tests.
-fn grid(rows: &[Row], first_row: usize, of: impl Fn(&Row, u32) -> bool) -> Vec<Vec<bool>> {
+fn grid(
+    rows: &[WorkloadRow],
+    first_row: usize,
+    of: impl Fn(&WorkloadRow, u32) -> bool,
+) -> Vec<Vec<bool>> {
     let mut grid = vec![vec![false; 16]; 8];
     for (place, row) in grid.iter_mut().skip(first_row).zip(rows) {
         for (x, pixel) in place.iter_mut().enumerate() {
@@ -14,11 +18,11 @@ fn grid(rows: &[Row], first_row: usize, of: impl Fn(&Row, u32) -> bool) -> Vec<V
     grid
 }
 
-fn visited(row: &Row, x: u32) -> bool {
+fn visited(row: &WorkloadRow, x: u32) -> bool {
     row.visited() >> x & 1 == 1
 }
 
-fn inside(row: &Row, x: u32) -> bool {
+fn inside(row: &WorkloadRow, x: u32) -> bool {
     row.covered >> x & 1 == 1
 }
 

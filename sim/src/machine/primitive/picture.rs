@@ -11,7 +11,7 @@
 //! no rows are stored, and the units of a picture stay in the second-level cache. [`PrimitiveClock`](super::PrimitiveClock), fed by the kernel's
 //! rows, is the definition.
 
-use super::spans::Spans;
+use super::spans::SpanMemory;
 use super::{
     BEGINS, FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SETUP_INTERVAL, SLOTS, SPLATS,
     TILE, Turns,
@@ -166,7 +166,7 @@ where
             units,
             mut observe,
         } = self;
-        let mut spans = Spans::new(usize::from(window.end[1] - window.first[1]));
+        let mut spans = SpanMemory::new(usize::from(window.end[1] - window.first[1]));
         let blocks = blocks(&window);
         for footprint in footprints {
             let bounds = Window::of(footprint);

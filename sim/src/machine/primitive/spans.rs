@@ -16,15 +16,15 @@ const STEP: usize = 8;
 const SPARE: usize = 32;
 
 /// Spans of one footprint's rows: memory that is used again for every footprint.
-pub struct Spans {
+pub struct SpanMemory {
     first: Vec<u16>,
     end: Vec<u16>,
 }
 
-impl Spans {
+impl SpanMemory {
     /// Room for so many rows.
     pub fn new(rows: usize) -> Self {
-        Spans {
+        SpanMemory {
             first: vec![0; rows + SPARE],
             end: vec![0; rows + SPARE],
         }

@@ -5,19 +5,19 @@ mod picture;
 mod primitive;
 mod properties;
 
-use super::config::{Assignment, Binning, Config, Layout, Overlap, Termination};
-use super::workload::{Pair, Row, SplatWork, Tile, Workload, mask};
+use super::config::{Assignment, Binning, Config, LaneLayout, Overlap, Termination};
+use super::workload::{Pair, SplatWork, Tile, Workload, WorkloadRow, mask};
 use proptest::prelude::*;
 
 /// Rows with arbitrary spans and pixels; a quarter of them is empty.
-fn row() -> impl Strategy<Value = Row> {
+fn row() -> impl Strategy<Value = WorkloadRow> {
     (0u32..16, 0u32..20, any::<u64>(), any::<u64>()).prop_map(|(x, length, open, covered)| {
         let length = (length.saturating_sub(4)).min(16 - x);
         if length == 0 {
-            return Row::default();
+            return WorkloadRow::default();
         }
         let visited = mask(x, length);
-        Row {
+        WorkloadRow {
             open: open & visited,
             covered: covered & visited,
             x: x as u8,
@@ -77,12 +77,17 @@ pub(in crate::machine) fn machine() -> impl Strategy<Value = Config> {
     let rest = (0u32..9, 1u32..12, 1u32..3, 1u32..4, 0u32..3, 0u32..3);
     (choices, raster, memory, rest).prop_map(|(choices, raster, memory, rest)| {
         let (layout, lanes, [serial, fixed, skip, exact], raster_units, tile_termination) = choices;
-        let layout = [Layout::Run, Layout::Aligned, Layout::Quad, Layout::Rows][layout];
-        let serial = serial && layout != Layout::Rows;
+        let layout = [
+            LaneLayout::Run,
+            LaneLayout::Aligned,
+            LaneLayout::Quad,
+            LaneLayout::Rows,
+        ][layout];
+        let serial = serial && layout != LaneLayout::Rows;
         Config {
             tile_width: 16,
             tile_height: 8,
-            lanes: (1 << lanes).max(if layout == Layout::Quad { 2 } else { 1 }),
+            lanes: (1 << lanes).max(if layout == LaneLayout::Quad { 2 } else { 1 }),
             layout,
             overlap: if serial {
                 Overlap::Serial

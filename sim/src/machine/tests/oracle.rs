@@ -3,7 +3,7 @@
 //! It shares the bands with the fast model and nothing else. Within a cycle its stages act until nothing changes any more,
 //! because a result may pass through an empty FIFO in the cycle in which it is ready.
 
-use super::super::config::{Assignment, Config, Layout, Overlap};
+use super::super::config::{Assignment, Config, LaneLayout, Overlap};
 use super::super::lanes::{Band, LaneShape, LaneWork};
 use super::super::simulate_alone;
 use super::{machine, workload};
@@ -18,7 +18,7 @@ struct OracleLane {
 /// Cycles until the last band of one tile has left the lanes.
 fn ticking(work: &LaneWork, config: &Config, packet_bytes: u32) -> u64 {
     let transfer = u64::from((packet_bytes + config.list_bytes).div_ceil(config.read_bandwidth));
-    let lanes = if config.layout == Layout::Rows {
+    let lanes = if config.layout == LaneLayout::Rows {
         config.lanes as usize
     } else {
         1

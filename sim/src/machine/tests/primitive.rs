@@ -3,7 +3,7 @@
 use super::super::config::Config;
 use super::super::primitive::{LaneRun, PrimitiveClock};
 use super::super::simulate_alone;
-use super::super::workload::{Pair, Row, SplatWork, Tile, Workload, mask};
+use super::super::workload::{Pair, SplatWork, Tile, Workload, WorkloadRow, mask};
 use super::workload;
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 /// Two tiles without splats between two with one: written while the second one is drawn, as far as there is time before it is read out.
 #[test]
 fn gaps_of_the_write_channel_take_backgrounds() {
-    let row = |length| Row {
+    let row = |length| WorkloadRow {
         open: 0,
         covered: mask(0, length),
         x: 0,

@@ -1,6 +1,8 @@
 //! Closed forms where they exist, conservation, monotonicity, and safety of the interlock pixel by pixel.
 
-use super::super::config::{Assignment, Config, FIELDS, Layout, Overlap, Termination, TileWalk};
+use super::super::config::{
+    Assignment, Config, FIELDS, LaneLayout, Overlap, Termination, TileWalk,
+};
 use super::super::lanes::{LaneShape, LaneWork};
 use super::super::observe::{Event, Stage};
 use super::super::timing::PixelWork;
@@ -34,7 +36,7 @@ proptest! {
     fn one_serial_unit_costs_its_closed_form(workload in workload(), config in machine(), lanes in 0u32..5) {
         let config = Config {
             overlap: Overlap::Serial,
-            layout: Layout::Run,
+            layout: LaneLayout::Run,
             lanes: 1 << lanes,
             pixel_termination: Termination::Discard,
             binning: super::Binning::Box,
@@ -89,7 +91,7 @@ proptest! {
         let timing = simulate_alone(&workload, &config);
         let lanes = &timing.units["lanes"];
         prop_assert_eq!(lanes.busy, timing.pixels.groups);
-        if config.layout != Layout::Rows {
+        if config.layout != LaneLayout::Rows {
             prop_assert_eq!(lanes.stalled.get("row_generator"), None);
             prop_assert_eq!(lanes.stalled.get("hazard"), None);
         }
@@ -107,7 +109,7 @@ proptest! {
         }
         let pixels = &timing.pixels;
         prop_assert!(pixels.live <= pixels.covered && pixels.covered <= pixels.visited);
-        if config.layout != Layout::Rows || config.stretch() == 1 {
+        if config.layout != LaneLayout::Rows || config.stretch() == 1 {
             prop_assert!(pixels.visited <= pixels.slots);
         }
         let totals = workload.totals();
@@ -207,7 +209,7 @@ fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)
             .iter()
             .zip(u32::from(pair.first_row)..)
         {
-            let y = if config.layout == Layout::Quad {
+            let y = if config.layout == LaneLayout::Quad {
                 y / 2
             } else {
                 y
@@ -229,7 +231,7 @@ fn spans(workload: &Workload, config: &Config) -> HashMap<(u32, u32), (u64, u64)
 fn issues((visited, wanted): &(u64, u64), event: &Event, config: &Config) -> Vec<(u32, u64)> {
     let stride = config.stride();
     let low = visited.trailing_zeros();
-    let start = if config.layout == Layout::Run {
+    let start = if config.layout == LaneLayout::Run {
         low
     } else {
         low - low % stride

@@ -4,7 +4,7 @@
 //! visited pixels are covered and which have not finished; a test holds the sums against the painter's own counts.
 
 use super::kept::Before;
-use super::{Bins, Pair, Row, TilePart, Workload, assemble, room_for};
+use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, room_for};
 use crate::camera::Camera;
 use crate::design::DesignJob;
 use crate::fixed::{
@@ -240,7 +240,7 @@ impl ExtractJob<'_> {
             let first = part.rows.len();
             part.rows.resize(
                 first + usize::from(visible.end[1] - visible.first[1]),
-                Row::default(),
+                WorkloadRow::default(),
             );
             let note = Note {
                 footprint,
@@ -292,7 +292,7 @@ struct Note<'a> {
 }
 
 impl Note<'_> {
-    fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [Row]) {
+    fn rows<R: Spans>(&self, mut runs: R, target: &mut Target, rows: &mut [WorkloadRow]) {
         let drop = runs.fraction() as i32 - i32::from(self.widths.radial);
         while let Some(run) = runs.next_span() {
             // A second seed within a row of the tile continues its run.
@@ -300,7 +300,7 @@ impl Note<'_> {
             let row = &mut rows[usize::from(run.y - self.first_row)];
             *row = match row.length {
                 0 => part,
-                _ => Row {
+                _ => WorkloadRow {
                     open: row.open | part.open,
                     covered: row.covered | part.covered,
                     x: row.x,
@@ -311,11 +311,11 @@ impl Note<'_> {
     }
 
     /// The same comparison as in the painter's lanes.
-    fn row<L: Lane>(&self, run: Span<L>, drop: i32, target: &mut Target) -> Row {
+    fn row<L: Lane>(&self, run: Span<L>, drop: i32, target: &mut Target) -> WorkloadRow {
         let radial = i32::from(self.widths.radial);
         let end = shift_unsigned(self.footprint.cutoff.into(), 28 - radial, Rounding::Nearest);
         let x = run.x - self.window.first[0];
-        let mut row = Row {
+        let mut row = WorkloadRow {
             open: 0,
             covered: 0,
             x: x as u8,

@@ -32,7 +32,7 @@ pub fn mask(from: u32, count: u32) -> Mask {
 
 /// One row of a splat-tile pair. A row whose span is empty has length 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Row {
+pub struct WorkloadRow {
     /// Visited pixels that had not finished before this splat.
     pub open: Mask,
     /// Visited pixels inside the footprint, r < c, finished or not.
@@ -43,7 +43,7 @@ pub struct Row {
     pub length: u8,
 }
 
-impl Row {
+impl WorkloadRow {
     /// The visited pixels.
     pub fn visited(&self) -> Mask {
         mask(self.x.into(), self.length.into())
@@ -99,7 +99,7 @@ pub struct Workload {
     /// Pairs of all tiles, in drawing order within each.
     pub pairs: Vec<Pair>,
     /// Rows of all pairs.
-    pub rows: Vec<Row>,
+    pub rows: Vec<WorkloadRow>,
     /// Bits in which the sort keys of visible splats differ; all where the keys are not known.
     pub key_bits: u64,
     /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
@@ -154,7 +154,7 @@ impl Workload {
 struct TilePart {
     finished_after: Option<u32>,
     pairs: Vec<Pair>,
-    rows: Vec<Row>,
+    rows: Vec<WorkloadRow>,
     /// The finished pixels, where somebody wants them.
     pixels: Vec<Pixel>,
 }

@@ -2,7 +2,7 @@
 //!
 //! A scene of a million splats that each fill the screen is a small file and a workload of terabytes.
 
-use super::{Pair, Row, Tile};
+use super::{Pair, Tile, WorkloadRow};
 use crate::memory::{self, TooLarge};
 use splatline::footprint::Footprint;
 use splatline::setup::Cull;
@@ -41,8 +41,8 @@ fn bytes(footprints: &[Result<Footprint, Cull>], viewport: [usize; 2], tile: [u1
         };
         let (across, down) = (tiles(0, columns), tiles(1, rows));
         let height = u64::from(print.end[1].saturating_sub(print.first[1]));
-        let each =
-            across * height * size_of::<Row>() as u64 + across * down * size_of::<Pair>() as u64;
+        let each = across * height * size_of::<WorkloadRow>() as u64
+            + across * down * size_of::<Pair>() as u64;
         bytes = bytes.saturating_add(COPIES * each);
     }
     bytes
@@ -73,7 +73,8 @@ mod tests {
             };
             let footprints = fixed::footprints(&scene, &camera, &options);
             let made = extract_from(&footprints, &camera, &options, tile);
-            let made = made.rows.len() * size_of::<Row>() + made.pairs.len() * size_of::<Pair>();
+            let made =
+                made.rows.len() * size_of::<WorkloadRow>() + made.pairs.len() * size_of::<Pair>();
             let estimated = bytes(&footprints, [96, 64], tile) as usize;
             assert!((made..10 * made).contains(&estimated), "{made} {estimated}");
         }

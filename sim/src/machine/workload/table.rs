@@ -6,7 +6,7 @@
 //! splat. Rows are computed in double precision from r = a dx^2 + 2 b dx dy + c dy^2 < cutoff. A table has no opacities, so
 //! nothing ever finishes.
 
-use super::{Bins, Pair, Row, TilePart, Workload, assemble, mask};
+use super::{Bins, Pair, TilePart, Workload, WorkloadRow, assemble, mask};
 use splatline::format::Traversal;
 use thiserror::Error;
 
@@ -343,7 +343,7 @@ fn tile_part<'a>(
 }
 
 impl WorkTableEntry {
-    fn row(&self, y: u16, [from, to]: [u16; 2], origin: u16, traversal: Traversal) -> Row {
+    fn row(&self, y: u16, [from, to]: [u16; 2], origin: u16, traversal: Traversal) -> WorkloadRow {
         let [a, b, c] = self.conic;
         let dy = f64::from(y) + 0.5 - self.centre[1];
         let radial = |x: u16| {
@@ -355,14 +355,14 @@ impl WorkTableEntry {
             .fold(0u64, |all, x| all | 1 << (x - origin));
         let (first, last) = match traversal {
             Traversal::Box => (from - origin, to - origin),
-            Traversal::Spans if covered == 0 => return Row::default(),
+            Traversal::Spans if covered == 0 => return WorkloadRow::default(),
             Traversal::Spans => (
                 covered.trailing_zeros() as u16,
                 64 - covered.leading_zeros() as u16,
             ),
         };
         let length = last - first;
-        Row {
+        WorkloadRow {
             open: mask(first.into(), length.into()),
             covered,
             x: first as u8,

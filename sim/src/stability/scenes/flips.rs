@@ -8,7 +8,7 @@
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
 use crate::fixed;
-use crate::reference::compositor::{self, Projected};
+use crate::reference::compositor::{self, ScreenSplat};
 use crate::reference::float::Footprint as Exact;
 use crate::reference::{Culled, PixelBox};
 use crate::rules::Rules;
@@ -82,7 +82,7 @@ impl Decides for Double<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
         self.projected[index]
             .as_ref()
-            .map_or(NOWHERE, Projected::bounds)
+            .map_or(NOWHERE, ScreenSplat::bounds)
     }
 
     fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {

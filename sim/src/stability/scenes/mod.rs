@@ -21,7 +21,7 @@ use crate::picture::Picture;
 use crate::reference::compositor;
 use crate::reference::float::{self, Footprint};
 use crate::reference::golden::conic_difference;
-use crate::reference::{Culled, Drawing};
+use crate::reference::{Culled, FloatDrawing};
 use crate::rules::{Compositing, Rules};
 use crate::scene::{Scene, Splat};
 use crate::vector;
@@ -213,7 +213,7 @@ fn relative_to(scene: &Scene, origin: [f64; 3]) -> Scene {
 /// What double precision makes of a scene.
 struct DecisionTruth {
     projected: Vec<Result<Footprint, Culled>>,
-    drawing: Drawing,
+    drawing: FloatDrawing,
     /// Splats nearest first, culled ones too.
     order: Vec<usize>,
 }

@@ -3,7 +3,7 @@
 //! The way from a row's radial index to the seed of its first pixel is 200 cycles long. One footprint alone would wait for it; the rows of the
 //! next ones fill the time.
 
-use super::parts::Parts;
+use super::parts::CellParts;
 use super::{PixelMethod, Prepare};
 use crate::fast::lanes::narrow::Narrow;
 use crate::fast::paint::CHECK_INTERVAL;
@@ -12,7 +12,7 @@ use splatline::raster::{RowConstants, Window};
 
 /// What a footprint's rows in a tile and its pixels are computed from.
 #[derive(Clone, Copy, Debug)]
-pub struct Prepared<B> {
+pub struct CellFootprint<B> {
     pub rows: RowConstants<i64>,
     pub numbers: B,
 }
@@ -29,7 +29,7 @@ struct Listed<B> {
 
 /// Memory for the footprints of a tile, used again and again.
 pub struct Batch<B, const DEEP: bool, const ROWS: usize> {
-    parts: Parts<DEEP, ROWS>,
+    parts: CellParts<DEEP, ROWS>,
     listed: [Listed<B>; CHECK_INTERVAL],
 }
 
@@ -38,7 +38,7 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
     #[inline(always)]
     pub fn new() -> Self {
         Batch {
-            parts: Parts::new(),
+            parts: CellParts::new(),
             listed: [Listed::default(); CHECK_INTERVAL],
         }
     }
@@ -59,7 +59,7 @@ impl<B: Copy + Default, const DEEP: bool, const ROWS: usize> Batch<B, DEEP, ROWS
             if self.parts.is_full() {
                 break;
             }
-            let Some(Prepared { rows, numbers }) = prepare(&list[count..]) else {
+            let Some(CellFootprint { rows, numbers }) = prepare(&list[count..]) else {
                 break;
             };
             if !self.parts.fill(lanes, &rows, window) {

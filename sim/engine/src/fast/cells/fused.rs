@@ -8,9 +8,9 @@
 //! As in [`pixels`](crate::fast::pixels), an opacity of 0 changes no pixel.
 
 use super::intervals::{Intervals, TableReach};
-use super::parts::Part;
+use super::parts::CellPart;
 use super::scale::Scale;
-use super::tile::{COLUMNS, PixelGroup, Word};
+use super::tile::{COLUMNS, CellWord, PixelGroup};
 use super::{CellPainting, CellTiles, TileOf};
 use crate::fast::lanes::factors::Factors;
 use crate::fast::lanes::fused::{DROPPED, Pairs};
@@ -24,7 +24,7 @@ use splatline::rules::Rules;
 
 /// What a footprint's pixels need beside its rows, in the kernel's words shifted to the [`Scale`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SplatNumbers {
+pub struct FusedSplatNumbers {
     /// One past the largest radial index inside.
     end: i64,
     peak: u64,
@@ -41,8 +41,8 @@ pub struct FusedScheme {
 
 impl super::PixelScheme for FusedScheme {
     type PixelGroup = PixelGroup<u64, COLUMNS>;
-    type Format = Scale;
-    type SplatNumbers = SplatNumbers;
+    type PixelFormat = Scale;
+    type SplatNumbers = FusedSplatNumbers;
 
     /// For widths that have a scale and a table within the kernel's range.
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
@@ -64,7 +64,7 @@ impl super::PixelScheme for FusedScheme {
     }
 
     #[inline(always)]
-    fn numbers(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+    fn numbers(&self, footprint: &Footprint) -> Option<FusedSplatNumbers> {
         let FusedScheme { widths, scale, .. } = self;
         let end = self.intervals.reach.end(footprint.cutoff)?;
         let in_format = |value: u32, fraction: u8| u64::from(value) < 16 << fraction;
@@ -73,7 +73,7 @@ impl super::PixelScheme for FusedScheme {
                 .colour
                 .iter()
                 .all(|c| in_format(*c, widths.colour));
-        fits.then(|| SplatNumbers {
+        fits.then(|| FusedSplatNumbers {
             end,
             peak: u64::from(footprint.opacity) << scale.peak,
             colour: footprint.colour.map(|c| u64::from(c) << scale.colour),
@@ -141,17 +141,17 @@ pub struct FusedPixels<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
 
 /// Pixels counted, lane by lane.
 #[derive(Clone, Copy)]
-pub struct Counts<L: Narrow> {
+pub struct FusedCounts<L: Narrow> {
     covered: L::Word,
     live: L::Word,
 }
 
-impl<L: Narrow> Counts<L> {
+impl<L: Narrow> FusedCounts<L> {
     /// None.
     #[inline(always)]
     pub fn new(lanes: L) -> Self {
         let [covered, live] = [lanes.wide_splat(0); 2];
-        Counts { covered, live }
+        FusedCounts { covered, live }
     }
 
     /// Adds the words whose most significant bits are set.
@@ -165,7 +165,7 @@ impl<L: Narrow> Counts<L> {
 
 /// A numbers on vectors.
 #[derive(Clone, Copy)]
-pub struct SplatWords<L: Narrow> {
+pub struct FusedSplatWords<L: Narrow> {
     end: L::Word,
     peak: L::Word,
     colour: [L::Word; 3],
@@ -241,7 +241,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool, const DEEP: bool>
 
     /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
-    fn radial(&self, colours: &SplatWords<L>, part: &Part) -> L::Word {
+    fn radial(&self, colours: &FusedSplatWords<L>, part: &CellPart) -> L::Word {
         let lanes = self.lanes;
         let [radial, first] = [part.radial, part.first].map(|word| lanes.wide_splat(word as i64));
         let along = self.multiply(self.iota, first);
@@ -282,14 +282,14 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
     for FusedPixels<'_, L, STOP_BEFORE, DEEP>
 {
     type PixelGroup = PixelGroup<u64, COLUMNS>;
-    type SplatNumbers = SplatNumbers;
-    type SplatWords = SplatWords<L>;
-    type Counts = Counts<L>;
+    type SplatNumbers = FusedSplatNumbers;
+    type SplatWords = FusedSplatWords<L>;
+    type Counts = FusedCounts<L>;
 
     #[inline(always)]
-    fn splat_words(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
+    fn splat_words(&self, numbers: &FusedSplatNumbers, second: i64) -> FusedSplatWords<L> {
         let splat = |value: i64| self.lanes.wide_splat(value);
-        SplatWords {
+        FusedSplatWords {
             end: splat(numbers.end),
             peak: splat(numbers.peak as i64),
             colour: numbers.colour.map(|c| splat(c as i64)),
@@ -302,10 +302,10 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
     #[inline(always)]
     fn paint(
         &self,
-        colours: &SplatWords<L>,
-        part: &Part,
+        colours: &FusedSplatWords<L>,
+        part: &CellPart,
         cell: &mut Self::PixelGroup,
-        counts: &mut Counts<L>,
+        counts: &mut FusedCounts<L>,
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
@@ -342,12 +342,12 @@ impl<L: Narrow, const STOP_BEFORE: bool, const DEEP: bool> super::PixelMethod<L>
     }
 
     #[inline(always)]
-    fn no_counts(&self) -> Counts<L> {
-        Counts::new(self.lanes)
+    fn no_counts(&self) -> FusedCounts<L> {
+        FusedCounts::new(self.lanes)
     }
 
     #[inline(always)]
-    fn total(&self, counts: Counts<L>) -> [u64; 2] {
+    fn total(&self, counts: FusedCounts<L>) -> [u64; 2] {
         [counts.covered, counts.live].map(|words| self.lanes.sum(words))
     }
 }

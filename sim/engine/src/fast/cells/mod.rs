@@ -17,11 +17,11 @@ mod tile;
 use super::lanes::fused::{FusedLanes, FusedTask};
 use super::lanes::narrow::Narrow;
 use super::lanes::{VectorLevel, prefetch};
-use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
+use super::paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::is_tame;
-use batch::{Batch, Prepared};
+use batch::{Batch, CellFootprint};
 pub use intervals::TableReach;
-use parts::Part;
+use parts::CellPart;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
@@ -31,7 +31,7 @@ use splatline::raster::{EllipseSpans, Window};
 use splatline::rules::{Compositing, Rules};
 use splatline::setup::Cull;
 use splatline::target::Target;
-use tile::{Format, Tile, TileGroup};
+use tile::{CellTile, PixelFormat, TileGroup};
 
 /// Painters for any design, and for narrow ones.
 pub type FusedPainter<D> = CellPainter<D, fused::FusedScheme>;
@@ -48,12 +48,12 @@ pub struct CellTiles {
     narrow: Option<TileOf<narrow::NarrowScheme>>,
 }
 
-type TileOf<P> = Tile<<P as PixelScheme>::PixelGroup, <P as PixelScheme>::Format>;
+type TileOf<P> = CellTile<<P as PixelScheme>::PixelGroup, <P as PixelScheme>::PixelFormat>;
 
 /// One way of computing pixels: makes of footprints what it needs of them. The same for a whole picture.
 pub trait PixelScheme: Send + Sync + Sized {
     type PixelGroup: TileGroup;
-    type Format: Format<Word = <Self::PixelGroup as TileGroup>::Word>;
+    type PixelFormat: PixelFormat<Word = <Self::PixelGroup as TileGroup>::Word>;
     /// What a footprint's pixels need beside its rows.
     type SplatNumbers: Copy + Default;
 
@@ -61,7 +61,7 @@ pub trait PixelScheme: Send + Sync + Sized {
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self>;
 
     /// How pixels are written in a tile.
-    fn format(&self) -> Self::Format;
+    fn format(&self) -> Self::PixelFormat;
 
     /// The thread's tile.
     fn tile(tiles: &mut CellTiles) -> &mut Option<TileOf<Self>>;
@@ -88,7 +88,7 @@ pub trait PixelMethod<L: Narrow>: Copy {
     fn paint(
         &self,
         colours: &Self::SplatWords,
-        part: &Part,
+        part: &CellPart,
         cell: &mut Self::PixelGroup,
         counts: &mut Self::Counts,
     );
@@ -131,14 +131,14 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
 impl<D: Design + Send + Sync, P: PixelScheme> TilePainter for CellPainter<D, P> {
     fn paint(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut PaintScratch,
         window: Window,
         footprints: &Results,
         list: &[u32],
         pixels: &mut [Pixel],
     ) -> Coverage {
         let format = self.scheme.format();
-        let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| Tile::new(format));
+        let tile = P::tile(&mut scratch.cells).get_or_insert_with(|| CellTile::new(format));
         self.lanes.run(CellPainting {
             scheme: &self.scheme,
             rules: &self.rules,
@@ -160,7 +160,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
         footprints: &Results,
         list: &[u32],
         window: &Window,
-    ) -> Option<Prepared<P::SplatNumbers>> {
+    ) -> Option<CellFootprint<P::SplatNumbers>> {
         let footprint = |index: &u32| &footprints[*index as usize];
         if let Some(next) = list.get(AHEAD) {
             prefetch(footprint(next));
@@ -170,7 +170,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
             .constants()
             .widened();
         let numbers = self.scheme.numbers(footprint)?;
-        is_tame(&rows).then_some(Prepared { rows, numbers })
+        is_tame(&rows).then_some(CellFootprint { rows, numbers })
     }
 
     /// The scalar painter on the tile's pixels.
@@ -193,7 +193,7 @@ impl<D: Design, P: PixelScheme> CellPainter<D, P> {
 }
 
 /// Gives what is needed of the footprint that a list begins with; nothing if vectors cannot draw it.
-pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<Prepared<B>> + 'a;
+pub type Prepare<'a, B> = dyn Fn(&[u32]) -> Option<CellFootprint<B>> + 'a;
 
 /// A tile to be painted, by whatever vectors.
 pub struct CellPainting<'a, P: PixelScheme> {

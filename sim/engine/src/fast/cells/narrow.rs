@@ -5,9 +5,9 @@
 //! [`fused`](super::fused), conditions stay in the words as their most significant bits, and an opacity of 0 changes no pixel.
 
 use super::intervals::TableReach;
-use super::parts::Part;
+use super::parts::CellPart;
 use super::products::{Products, Split};
-use super::tile::{COLUMNS, PixelGroup, Word};
+use super::tile::{COLUMNS, CellWord, PixelGroup};
 use super::{CellPainting, CellTiles, TileOf};
 use crate::fast::lanes::factors::NarrowFactors;
 use crate::fast::lanes::narrow::Narrow;
@@ -25,7 +25,7 @@ type CellOfTwo = PixelGroup<u32, { ROWS * COLUMNS }>;
 
 /// What a footprint's pixels need beside its rows.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct SplatNumbers {
+pub struct NarrowSplatNumbers {
     /// One past the largest radial index inside.
     end: u32,
     peak: u32,
@@ -45,8 +45,8 @@ pub struct NarrowScheme {
 
 impl super::PixelScheme for NarrowScheme {
     type PixelGroup = CellOfTwo;
-    type Format = Products;
-    type SplatNumbers = SplatNumbers;
+    type PixelFormat = Products;
+    type SplatNumbers = NarrowSplatNumbers;
 
     fn new(widths: &Widths, rules: &Rules, table: &FootprintTable, lane_bits: u32) -> Option<Self> {
         let constants = Blend::new(widths, rules).constants();
@@ -74,14 +74,14 @@ impl super::PixelScheme for NarrowScheme {
     }
 
     #[inline(always)]
-    fn numbers(&self, footprint: &Footprint) -> Option<SplatNumbers> {
+    fn numbers(&self, footprint: &Footprint) -> Option<NarrowSplatNumbers> {
         let NarrowScheme {
             products, reach, ..
         } = self;
         let end = reach.end(footprint.cutoff)?;
         let fits = footprint.opacity <= products.peak
             && footprint.colour.iter().all(|c| *c <= products.colour);
-        fits.then_some(SplatNumbers {
+        fits.then_some(NarrowSplatNumbers {
             end: end as u32,
             peak: footprint.opacity,
             colour: footprint.colour,
@@ -187,7 +187,7 @@ pub struct NarrowPixels<'a, L: Narrow, const STOP_BEFORE: bool> {
 
 /// A numbers on vectors.
 #[derive(Clone, Copy)]
-pub struct SplatWords<L: Narrow> {
+pub struct NarrowSplatWords<L: Narrow> {
     end: L::Short,
     peak: [L::Short; 2],
     /// In the lower halves of the words, and in the upper ones.
@@ -198,7 +198,7 @@ pub struct SplatWords<L: Narrow> {
 
 /// Pixels counted, lane by lane: at most as many as a batch has cells, and so far below 2^32.
 #[derive(Clone, Copy)]
-pub struct Counts<L: Narrow> {
+pub struct NarrowCounts<L: Narrow> {
     covered: L::Short,
     live: L::Short,
 }
@@ -244,7 +244,7 @@ impl<'a, L: Narrow, const STOP_BEFORE: bool> NarrowPixels<'a, L, STOP_BEFORE> {
 
     /// The radial indices of a cell's pixels, 0 where they are negative.
     #[inline(always)]
-    fn radial(&self, colours: &SplatWords<L>, part: &Part) -> L::Short {
+    fn radial(&self, colours: &NarrowSplatWords<L>, part: &CellPart) -> L::Short {
         let lanes = self.lanes;
         let [radial, first] = [part.radial, part.first].map(|word| lanes.short_pairs(word));
         let along = lanes.short_mul(self.iota, first);
@@ -270,15 +270,15 @@ impl<L: Narrow, const STOP_BEFORE: bool> super::PixelMethod<L>
     for NarrowPixels<'_, L, STOP_BEFORE>
 {
     type PixelGroup = CellOfTwo;
-    type SplatNumbers = SplatNumbers;
-    type SplatWords = SplatWords<L>;
-    type Counts = Counts<L>;
+    type SplatNumbers = NarrowSplatNumbers;
+    type SplatWords = NarrowSplatWords<L>;
+    type Counts = NarrowCounts<L>;
 
     #[inline(always)]
-    fn splat_words(&self, numbers: &SplatNumbers, second: i64) -> SplatWords<L> {
+    fn splat_words(&self, numbers: &NarrowSplatNumbers, second: i64) -> NarrowSplatWords<L> {
         let lanes = self.lanes;
         let splat = |value: u32| lanes.short_splat(value);
-        SplatWords {
+        NarrowSplatWords {
             end: splat(numbers.end),
             peak: self.opacity.split(lanes, splat(numbers.peak)),
             colour: numbers.colour.map(|c| [splat(c), splat(c << 16)]),
@@ -289,10 +289,10 @@ impl<L: Narrow, const STOP_BEFORE: bool> super::PixelMethod<L>
     #[inline(always)]
     fn paint(
         &self,
-        colours: &SplatWords<L>,
-        part: &Part,
+        colours: &NarrowSplatWords<L>,
+        part: &CellPart,
         cell: &mut Self::PixelGroup,
-        counts: &mut Counts<L>,
+        counts: &mut NarrowCounts<L>,
     ) {
         let lanes = self.lanes;
         let radial = self.radial(colours, part);
@@ -336,15 +336,15 @@ impl<L: Narrow, const STOP_BEFORE: bool> super::PixelMethod<L>
     }
 
     #[inline(always)]
-    fn no_counts(&self) -> Counts<L> {
-        Counts {
+    fn no_counts(&self) -> NarrowCounts<L> {
+        NarrowCounts {
             covered: self.zero,
             live: self.zero,
         }
     }
 
     #[inline(always)]
-    fn total(&self, counts: Counts<L>) -> [u64; 2] {
+    fn total(&self, counts: NarrowCounts<L>) -> [u64; 2] {
         [counts.covered, counts.live].map(|words| self.lanes.short_sum(words).into())
     }
 }

@@ -27,7 +27,7 @@ const WIDTH: i64 = COLUMNS as i64;
 
 /// One cell of a footprint. Where cells have two rows, each word is two of 32 bits, the upper one that of the second row.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct CellPart {
     /// Radial index and first difference at the cell's left edge, to be cut to the lanes' word.
     pub radial: u64,
     pub first: u64,
@@ -35,7 +35,7 @@ pub struct Part {
     pub place: u64,
 }
 
-impl Part {
+impl CellPart {
     /// The cell's number in the tile.
     #[inline(always)]
     pub fn cell(&self) -> usize {
@@ -56,7 +56,7 @@ struct Block {
 }
 
 /// Cells of footprints in a tile: memory that is used again and again.
-pub struct Parts<const DEEP: bool, const ROWS: usize> {
+pub struct CellParts<const DEEP: bool, const ROWS: usize> {
     radial: [u64; ROOM],
     first: [u64; ROOM],
     place: [u64; ROOM],
@@ -65,11 +65,11 @@ pub struct Parts<const DEEP: bool, const ROWS: usize> {
     visited: u64,
 }
 
-impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
+impl<const DEEP: bool, const ROWS: usize> CellParts<DEEP, ROWS> {
     /// No cells.
     #[inline(always)]
     pub fn new() -> Self {
-        Parts {
+        CellParts {
             radial: [0; ROOM],
             first: [0; ROOM],
             place: [0; ROOM],
@@ -105,13 +105,13 @@ impl<const DEEP: bool, const ROWS: usize> Parts<DEEP, ROWS> {
 
     /// The cells of these numbers in the list.
     #[inline(always)]
-    pub fn range(&self, first: usize, end: usize) -> impl Iterator<Item = Part> {
+    pub fn range(&self, first: usize, end: usize) -> impl Iterator<Item = CellPart> {
         let end = end.min(ROOM);
         let range = first.min(end)..end;
         let lists = [&self.radial, &self.first, &self.place];
         let [radial, first, place] = lists.map(|list| list[range.clone()].iter());
         let words = radial.zip(first).zip(place);
-        words.map(|((radial, first), place)| Part {
+        words.map(|((radial, first), place)| CellPart {
             radial: *radial,
             first: *first,
             place: *place,

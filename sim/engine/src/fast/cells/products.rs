@@ -11,7 +11,7 @@
 //!
 //! Sums of colours keep the bits below their last one that the product has left, and in them the next rounding's half.
 
-use super::tile::{Format, Word};
+use super::tile::{CellWord, PixelFormat};
 use splatline::blend::{BlendConstants, FINISHED, Pixel};
 use splatline::format::{Rounding, Widths};
 
@@ -119,7 +119,7 @@ impl Products {
     }
 }
 
-impl Format for Products {
+impl PixelFormat for Products {
     type Word = u32;
 
     #[inline(always)]
@@ -134,7 +134,7 @@ impl Format for Products {
 
     #[inline(always)]
     fn pixel(&self, [transmittance, colour @ ..]: [u32; 4]) -> Pixel {
-        const { assert!(<u32 as Word>::MARK == FINISHED) };
+        const { assert!(<u32 as CellWord>::MARK == FINISHED) };
         Pixel {
             transmittance,
             colour: colour.map(|sum| sum >> self.sum),

@@ -16,7 +16,7 @@
 //! A result is rounded where it stands: half of its last bit is the product's addend, and the bits below are cut off by a mask. That gives
 //! the kernel's `(a b + half) >> shift`, because cutting twice is cutting once. The sums in the tile hold their next rounding's half.
 
-use super::tile::{Format, Word};
+use super::tile::{CellWord, PixelFormat};
 use splatline::blend::{BlendConstants, FINISHED, Pixel};
 use splatline::format::{Rounding, Widths};
 
@@ -92,7 +92,7 @@ fn at_scale(least: u64, from: u32, to: u32) -> Option<u64> {
         .filter(|least| exact && *least < 1 << 62)
 }
 
-impl Format for Scale {
+impl PixelFormat for Scale {
     type Word = u64;
 
     #[inline(always)]

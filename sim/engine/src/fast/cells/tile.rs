@@ -20,16 +20,16 @@ pub const CELLS_OF_ROW: usize = TILE[0] as usize / COLUMNS;
 const _: () = assert!(CELLS_OF_ROW.is_power_of_two() && (TILE[0] as usize).is_multiple_of(COLUMNS));
 
 /// A word of a pixel.
-pub trait Word: Copy + Default + PartialEq + BitAnd<Output = Self> + Send {
+pub trait CellWord: Copy + Default + PartialEq + BitAnd<Output = Self> + Send {
     /// The most significant bit: the mark of a finished pixel, which no product sees.
     const MARK: Self;
 }
 
-impl Word for u64 {
+impl CellWord for u64 {
     const MARK: u64 = 1 << 63;
 }
 
-impl Word for u32 {
+impl CellWord for u32 {
     const MARK: u32 = 1 << 31;
 }
 
@@ -43,7 +43,7 @@ pub struct PixelGroup<W, const N: usize> {
 
 /// A cell of any size.
 pub trait TileGroup: Copy + Send {
-    type Word: Word;
+    type Word: CellWord;
     const ROWS: usize;
     /// All pixels alike.
     fn filled(words: [Self::Word; 4]) -> Self;
@@ -55,7 +55,7 @@ pub trait TileGroup: Copy + Send {
     fn is_finished(&self) -> bool;
 }
 
-impl<W: Word, const N: usize> TileGroup for PixelGroup<W, N> {
+impl<W: CellWord, const N: usize> TileGroup for PixelGroup<W, N> {
     type Word = W;
     const ROWS: usize = N / COLUMNS;
 
@@ -91,8 +91,8 @@ impl<W: Word, const N: usize> TileGroup for PixelGroup<W, N> {
 }
 
 /// How the kernel's pixels are written as words.
-pub trait Format: Copy + Send {
-    type Word: Word;
+pub trait PixelFormat: Copy + Send {
+    type Word: CellWord;
     /// Transmittance, red, green and blue.
     fn words(&self, pixel: Pixel) -> [Self::Word; 4];
     /// Can vectors go on with this pixel, whatever they add to it? If not, `words` may be wrong.
@@ -103,7 +103,7 @@ pub trait Format: Copy + Send {
 
 /// The cells of one tile, kept from tile to tile by a thread.
 #[derive(Clone, Debug)]
-pub struct Tile<C, F> {
+pub struct CellTile<C, F> {
     cells: Box<[C]>,
     window: Window,
     format: F,
@@ -111,10 +111,10 @@ pub struct Tile<C, F> {
     spilled: Option<Vec<Pixel>>,
 }
 
-impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
+impl<C: TileGroup, F: PixelFormat<Word = C::Word>> CellTile<C, F> {
     /// Memory for a tile, empty.
     pub fn new(format: F) -> Self {
-        Tile {
+        CellTile {
             cells: vec![C::filled(format.words(Pixel::default())); AREA / COLUMNS / C::ROWS].into(),
             window: Window {
                 first: [0; 2],
@@ -178,7 +178,7 @@ impl<C: TileGroup, F: Format<Word = C::Word>> Tile<C, F> {
         pixels
     }
 
-    /// The inverse of [`Tile::to_pixels`].
+    /// The inverse of [`CellTile::to_pixels`].
     pub fn set_pixels(&mut self, pixels: &[Pixel]) {
         if !pixels.iter().all(|pixel| self.format.holds(*pixel)) {
             self.spilled = Some(pixels.into());

@@ -2,6 +2,7 @@
 
 #![allow(unsafe_code)]
 
+use super::wide::Words;
 use super::{Portable, Wide};
 
 /// Double-precision operations on the bits of [`Wide::Word`], each rounded once to nearest, halves to even.
@@ -31,8 +32,6 @@ pub trait Doubles: Wide {
     /// Is any bit of the word set?
     fn wide_any(self, a: Self::Word) -> bool;
 }
-
-type Words = [i64; 8];
 
 #[inline(always)]
 fn double(bits: i64) -> f64 {

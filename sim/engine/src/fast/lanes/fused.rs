@@ -7,6 +7,7 @@
 
 use super::factors::Factors;
 use super::narrow::Narrow;
+use super::wide::Words;
 use super::{Portable, Wide};
 
 /// Fraction bits that the fused product drops.
@@ -119,8 +120,6 @@ impl FusedLanes {
         }
     }
 }
-
-type Words = [i64; 8];
 
 #[inline(always)]
 fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {

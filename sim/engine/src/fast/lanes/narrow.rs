@@ -65,9 +65,9 @@ pub trait Narrow: Fused {
     fn short_factored(self, factors: &NarrowFactors, index: Self::Short) -> [Self::Short; 2];
 }
 
-type Words = [u32; 16];
+type ShortWords = [u32; 16];
 
-fn zip(a: Words, b: Words, operation: impl Fn(u32, u32) -> u32) -> Words {
+fn zip(a: ShortWords, b: ShortWords, operation: impl Fn(u32, u32) -> u32) -> ShortWords {
     std::array::from_fn(|k| operation(a[k], b[k]))
 }
 
@@ -76,89 +76,89 @@ fn halves(word: u32) -> [u32; 2] {
 }
 
 impl Narrow for Portable {
-    type Short = Words;
+    type Short = ShortWords;
 
-    fn short_splat(self, value: u32) -> Words {
+    fn short_splat(self, value: u32) -> ShortWords {
         [value; 16]
     }
-    fn short_pairs(self, value: u64) -> Words {
+    fn short_pairs(self, value: u64) -> ShortWords {
         std::array::from_fn(|k| (value >> (32 * (k % 2))) as u32)
     }
-    fn short_iota(self) -> Words {
+    fn short_iota(self) -> ShortWords {
         std::array::from_fn(|k| k as u32)
     }
-    fn short_read(self, from: &[u32; 16]) -> Words {
+    fn short_read(self, from: &[u32; 16]) -> ShortWords {
         *from
     }
-    fn short_write(self, to: &mut [u32; 16], value: Words) {
+    fn short_write(self, to: &mut [u32; 16], value: ShortWords) {
         *to = value;
     }
-    fn short_add(self, a: Words, b: Words) -> Words {
+    fn short_add(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, u32::wrapping_add)
     }
-    fn short_sub(self, a: Words, b: Words) -> Words {
+    fn short_sub(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, u32::wrapping_sub)
     }
-    fn short_mul(self, a: Words, b: Words) -> Words {
+    fn short_mul(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, u32::wrapping_mul)
     }
-    fn upper_halves(self, a: Words, b: Words) -> Words {
+    fn upper_halves(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, |a, b| {
             let ([a, above_a], [b, above_b]) = (halves(a), halves(b));
             ((a * b) >> 16) | ((above_a * above_b) & 0xffff_0000)
         })
     }
-    fn both_halves(self, a: Words, b: Words) -> Words {
+    fn both_halves(self, a: ShortWords, b: ShortWords) -> ShortWords {
         let signed = |word: u32| halves(word).map(|half| i32::from(half as u16 as i16));
         zip(a, b, |a, b| {
             let ([a, above_a], [b, above_b]) = (signed(a), signed(b));
             (a * b).wrapping_add(above_a * above_b) as u32
         })
     }
-    fn short_shl(self, a: Words, by: Words) -> Words {
+    fn short_shl(self, a: ShortWords, by: ShortWords) -> ShortWords {
         zip(a, by, |a, by| a << by)
     }
-    fn short_shr(self, a: Words, by: Words) -> Words {
+    fn short_shr(self, a: ShortWords, by: ShortWords) -> ShortWords {
         zip(a, by, |a, by| a >> by)
     }
-    fn short_sar(self, a: Words, by: Words) -> Words {
+    fn short_sar(self, a: ShortWords, by: ShortWords) -> ShortWords {
         zip(a, by, |a, by| (a as i32 >> by) as u32)
     }
-    fn short_and(self, a: Words, b: Words) -> Words {
+    fn short_and(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, |a, b| a & b)
     }
-    fn short_max(self, a: Words, b: Words) -> Words {
+    fn short_max(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, |a, b| (a as i32).max(b as i32) as u32)
     }
-    fn short_min(self, a: Words, b: Words) -> Words {
+    fn short_min(self, a: ShortWords, b: ShortWords) -> ShortWords {
         zip(a, b, u32::min)
     }
-    fn short_merge(self, a: Words, mask: Words, b: Words) -> Words {
+    fn short_merge(self, a: ShortWords, mask: ShortWords, b: ShortWords) -> ShortWords {
         std::array::from_fn(|k| (a[k] & mask[k]) | b[k])
     }
-    fn short_all(self, a: Words, b: Words, c: Words) -> Words {
+    fn short_all(self, a: ShortWords, b: ShortWords, c: ShortWords) -> ShortWords {
         std::array::from_fn(|k| a[k] & b[k] & c[k])
     }
-    fn short_without(self, a: Words, b: Words, c: Words) -> Words {
+    fn short_without(self, a: ShortWords, b: ShortWords, c: ShortWords) -> ShortWords {
         std::array::from_fn(|k| a[k] & b[k] & !c[k])
     }
-    fn short_blend(self, a: Words, b: Words, c: Words) -> Words {
+    fn short_blend(self, a: ShortWords, b: ShortWords, c: ShortWords) -> ShortWords {
         std::array::from_fn(|k| (a[k] & b[k]) | (!a[k] & c[k]))
     }
-    fn short_spread(self, a: Words) -> Words {
+    fn short_spread(self, a: ShortWords) -> ShortWords {
         a.map(|a| (a as i32 >> 31) as u32)
     }
-    fn short_marks(self, bits: u64) -> Words {
+    fn short_marks(self, bits: u64) -> ShortWords {
         let halves = self.short_pairs(bits);
         std::array::from_fn(|k| halves[k] << (31 - k / 2))
     }
-    fn short_marked(self, a: Words) -> u16 {
+    fn short_marked(self, a: ShortWords) -> u16 {
         (0..16).fold(0, |bits, k| bits | ((a[k] >> 31) as u16) << k)
     }
-    fn short_sum(self, a: Words) -> u32 {
+    fn short_sum(self, a: ShortWords) -> u32 {
         a.into_iter().fold(0, u32::wrapping_add)
     }
-    fn short_factored(self, factors: &NarrowFactors, index: Words) -> [Words; 2] {
+    fn short_factored(self, factors: &NarrowFactors, index: ShortWords) -> [ShortWords; 2] {
         let pairs = index.map(|index| factors.neighbours(index));
         [0, 1].map(|which| pairs.map(|pair| pair[which]))
     }

@@ -8,86 +8,92 @@ const WIDTH: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
-type Words = [u32; WIDTH];
+type PortableWords = [u32; WIDTH];
 
 #[inline(always)]
-fn zip(a: Words, b: Words, operation: impl Fn(u32, u32) -> u32) -> Words {
+fn zip(a: PortableWords, b: PortableWords, operation: impl Fn(u32, u32) -> u32) -> PortableWords {
     std::array::from_fn(|k| operation(a[k], b[k]))
 }
 
 impl Lanes for Portable {
     const WIDTH: usize = WIDTH;
-    type Words = Words;
+    type Words = PortableWords;
     type Mask = [bool; WIDTH];
     type Count = u64;
 
     #[inline(always)]
-    fn splat(self, value: u32) -> Words {
+    fn splat(self, value: u32) -> PortableWords {
         [value; WIDTH]
     }
     #[inline(always)]
-    fn iota(self) -> Words {
+    fn iota(self) -> PortableWords {
         std::array::from_fn(|k| k as u32)
     }
     #[inline(always)]
-    fn load(self, from: &[u32]) -> Words {
+    fn load(self, from: &[u32]) -> PortableWords {
         from.first_chunk().copied().unwrap_or_default()
     }
     #[inline(always)]
-    fn store(self, to: &mut [u32], value: Words) {
+    fn store(self, to: &mut [u32], value: PortableWords) {
         if let Some(to) = to.first_chunk_mut() {
             *to = value;
         }
     }
     #[inline(always)]
-    fn add(self, a: Words, b: Words) -> Words {
+    fn add(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, u32::wrapping_add)
     }
     #[inline(always)]
-    fn sub(self, a: Words, b: Words) -> Words {
+    fn sub(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, u32::wrapping_sub)
     }
     #[inline(always)]
-    fn mul(self, a: Words, b: Words) -> Words {
+    fn mul(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, u32::wrapping_mul)
     }
     #[inline(always)]
-    fn shl(self, a: Words, by: u32) -> Words {
+    fn shl(self, a: PortableWords, by: u32) -> PortableWords {
         a.map(|a| a << by)
     }
     #[inline(always)]
-    fn shr(self, a: Words, by: u32) -> Words {
+    fn shr(self, a: PortableWords, by: u32) -> PortableWords {
         a.map(|a| a >> by)
     }
     #[inline(always)]
-    fn sar(self, a: Words, by: u32) -> Words {
+    fn sar(self, a: PortableWords, by: u32) -> PortableWords {
         a.map(|a| ((a as i32) >> by) as u32)
     }
     #[inline(always)]
-    fn and(self, a: Words, b: Words) -> Words {
+    fn and(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, |a, b| a & b)
     }
     #[inline(always)]
-    fn or(self, a: Words, b: Words) -> Words {
+    fn or(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, |a, b| a | b)
     }
     #[inline(always)]
-    fn max_signed(self, a: Words, b: Words) -> Words {
+    fn max_signed(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, |a, b| (a as i32).max(b as i32) as u32)
     }
     #[inline(always)]
-    fn min_unsigned(self, a: Words, b: Words) -> Words {
+    fn min_unsigned(self, a: PortableWords, b: PortableWords) -> PortableWords {
         zip(a, b, u32::min)
     }
     #[inline(always)]
-    fn product(self, a: Words, b: Words, drop: ProductShift) -> Words {
+    fn product(self, a: PortableWords, b: PortableWords, drop: ProductShift) -> PortableWords {
         zip(a, b, |a, b| {
             let product = u64::from(a) * u64::from(b);
             (product.wrapping_add(drop.half) >> drop.shift) as u32
         })
     }
     #[inline(always)]
-    fn product_from(self, a: Words, b: Words, drop: ProductShift, least: u64) -> Words {
+    fn product_from(
+        self,
+        a: PortableWords,
+        b: PortableWords,
+        drop: ProductShift,
+        least: u64,
+    ) -> PortableWords {
         zip(a, b, |a, b| {
             let product = u64::from(a) * u64::from(b);
             let product = if product < least { 0 } else { product };
@@ -95,14 +101,19 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
-    fn signed_product(self, a: Words, b: Words, drop: ProductShift) -> Words {
+    fn signed_product(
+        self,
+        a: PortableWords,
+        b: PortableWords,
+        drop: ProductShift,
+    ) -> PortableWords {
         zip(a, b, |a, b| {
             let product = i64::from(a as i32) * i64::from(b as i32);
             (product.wrapping_add(drop.half as i64) >> drop.shift) as u32
         })
     }
     #[inline(always)]
-    fn gather(self, table: &[u32], index: Words, mask: Self::Mask) -> Words {
+    fn gather(self, table: &[u32], index: PortableWords, mask: Self::Mask) -> PortableWords {
         std::array::from_fn(|k| {
             let place = (index[k] as usize).min(table.len().saturating_sub(1));
             let entry = table.get(place).copied().unwrap_or(0);
@@ -110,7 +121,7 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
-    fn greater(self, a: Words, b: Words) -> Self::Mask {
+    fn greater(self, a: PortableWords, b: PortableWords) -> Self::Mask {
         std::array::from_fn(|k| (a[k] as i32) > b[k] as i32)
     }
     #[inline(always)]
@@ -126,7 +137,7 @@ impl Lanes for Portable {
         std::array::from_fn(|k| a[k] & !b[k])
     }
     #[inline(always)]
-    fn negative(self, a: Words) -> Self::Mask {
+    fn negative(self, a: PortableWords) -> Self::Mask {
         a.map(|a| (a as i32) < 0)
     }
     #[inline(always)]
@@ -134,11 +145,11 @@ impl Lanes for Portable {
         !a.iter().any(|a| *a)
     }
     #[inline(always)]
-    fn clear(self, a: Words, mask: Self::Mask) -> Words {
+    fn clear(self, a: PortableWords, mask: Self::Mask) -> PortableWords {
         std::array::from_fn(|k| if mask[k] { 0 } else { a[k] })
     }
     #[inline(always)]
-    fn select(self, a: Words, b: Words, mask: Self::Mask) -> Words {
+    fn select(self, a: PortableWords, b: PortableWords, mask: Self::Mask) -> PortableWords {
         std::array::from_fn(|k| if mask[k] { b[k] } else { a[k] })
     }
     #[inline(always)]

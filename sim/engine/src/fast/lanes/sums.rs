@@ -75,7 +75,7 @@ mod x86 {
 
     /// Magnitudes of even and odd attributes, the signs of all, and what rounds their products.
     #[derive(Clone, Copy)]
-    pub struct AttributeWords {
+    pub struct AttributeFactors {
         even: __m256i,
         odd: __m256i,
         signs: __m256i,
@@ -85,15 +85,15 @@ mod x86 {
     }
 
     impl PixelSums for Avx2 {
-        type Attributes = AttributeWords;
+        type Attributes = AttributeFactors;
 
         #[inline(always)]
-        fn attributes(self, values: &[i32; 8], shift: ShareShift) -> AttributeWords {
+        fn attributes(self, values: &[i32; 8], shift: ShareShift) -> AttributeFactors {
             // SAFETY: an array of eight words is read.
             unsafe {
                 let values = _mm256_loadu_si256(values.as_ptr().cast());
                 let even = _mm256_abs_epi32(values);
-                AttributeWords {
+                AttributeFactors {
                     even,
                     odd: _mm256_srli_epi64::<32>(even),
                     signs: _mm256_srai_epi32::<31>(values),
@@ -106,8 +106,8 @@ mod x86 {
 
         /// Odd words are not shifted down and up again but only up, to where the upper half of a word holds them.
         #[inline(always)]
-        fn add_shares(self, sums: &mut Sums, weight: &i64, attributes: &AttributeWords) -> bool {
-            let AttributeWords {
+        fn add_shares(self, sums: &mut Sums, weight: &i64, attributes: &AttributeFactors) -> bool {
+            let AttributeFactors {
                 even,
                 odd,
                 signs,

@@ -51,7 +51,8 @@ pub trait Wide: Copy + Send + Sync {
     fn wide_select(self, a: Self::Word, b: Self::Word, truth: Self::Truth) -> Self::Word;
 }
 
-type Words = [i64; 8];
+/// Eight words of 64 bits as an array.
+pub(super) type Words = [i64; 8];
 
 #[inline(always)]
 fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {

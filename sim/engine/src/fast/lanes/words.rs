@@ -6,6 +6,7 @@
 #![allow(unsafe_code)]
 
 use super::sums::PixelSums;
+use super::wide::Words;
 use super::{Portable, VectorLevel, Wide};
 
 /// A falling table's intervals: an entry in the upper half of a word, its fall to the next one in the lower. Their number is a power of two.
@@ -81,8 +82,6 @@ pub fn dispatch_pixels<T: PixelTask>(choice: VectorLevel, task: T) -> T::Output 
     let _ = choice;
     task.run(Portable)
 }
-
-type Words = [i64; 8];
 
 impl PixelWords for Portable {
     #[inline(always)]

@@ -3,13 +3,12 @@
 //! A vector goes on whatever happens to one of its splats. So the first reason to cull is noted per word, and beside it a doubt: doubles hold the kernel's
 //! numbers only within the ranges below, and whatever comes near their ends, or near the half of a last bit, is set up by the kernel itself.
 
+use super::number::Word;
 use super::position::COORDINATE;
 use super::real::Real;
-use super::stages::{Splats, Stages};
-use crate::fast::lanes::{Doubles, Wide};
+use super::stages::{SplatLanes, Stages};
+use crate::fast::lanes::Doubles;
 use splatline::setup::Cull;
-
-type Word<W> = <W as Wide>::Word;
 
 /// Depths, in kernel units, that doubles take.
 const DEPTHS: [f64; 2] = [1.0 / (1u64 << 30) as f64, (1u64 << 30) as f64];
@@ -84,7 +83,7 @@ impl<W: Doubles> Stages<'_, W> {
     /// Puts splats in doubt that vectors do not take: products of their numbers must stay within the range of doubles, and coordinates be normalised.
     /// What is computed of them has no meaning, so that this doubt must stay whatever culls them: see [`Self::trust`].
     #[inline(always)]
-    pub fn doubt_inputs(&self, splats: &Splats<W>) {
+    pub fn doubt_inputs(&self, splats: &SplatLanes<W>) {
         let (math, reals) = (self.math, self.reals);
         let zero = math.splat(0);
         for coordinate in splats.centre {

@@ -27,7 +27,7 @@ use splatline::rules::{Cutoff, Rules};
 use splatline::setup::{Cull, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View, round_entry};
-use stages::{Footprints, Splats, Stages};
+use stages::{Footprints, SplatLanes, Stages};
 use std::cell::Cell;
 
 /// What setup makes of a splat.
@@ -44,10 +44,10 @@ pub trait Batched: Sized {
     fn set_up_alone<D: Design>(&self, design: D, view: &View, rules: &Rules) -> Self::Outcome;
 
     /// What vectors read.
-    fn parts(&self) -> Parts;
+    fn parts(&self) -> SplatFields;
 
     /// By vectors.
-    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> Self::Lists;
+    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &SplatLanes<L>) -> Self::Lists;
 
     /// Is the `k`th of its vector in doubt, so that the kernel sets it up?
     fn is_in_doubt(lists: &Self::Lists, k: usize) -> bool;
@@ -108,7 +108,7 @@ fn covers(view: &View, rules: &Rules) -> bool {
 
 /// What vectors read of a splat.
 #[derive(Clone, Copy)]
-pub struct Parts {
+pub struct SplatFields {
     centre: [SoftFloat; 3],
     axes: [Axis; 3],
     weight: SoftFloat,
@@ -174,8 +174,8 @@ impl Batched for VolumeSplat {
     }
 
     #[inline(always)]
-    fn parts(&self) -> Parts {
-        Parts {
+    fn parts(&self) -> SplatFields {
+        SplatFields {
             centre: self.centre,
             axes: self.axes,
             weight: self.weight,
@@ -183,7 +183,7 @@ impl Batched for VolumeSplat {
     }
 
     #[inline(always)]
-    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> Lists {
+    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &SplatLanes<L>) -> Lists {
         Lists::new(stages.math.lanes, &stages.setup(words))
     }
 
@@ -212,7 +212,7 @@ fn weight(number: SoftFloat) -> f64 {
 
 /// Splats to words.
 #[inline(always)]
-fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = Parts>) -> Splats<L> {
+fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = SplatFields>) -> SplatLanes<L> {
     let mut lists = [[0; 8]; 19];
     for (k, splat) in splats.take(L::WIDE).enumerate() {
         let [a, b, c] = splat.axes;
@@ -253,7 +253,7 @@ fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = Parts>) -> Splats<L> {
         z_power,
     ] = words;
     let number = |mantissa, exponent| Number { mantissa, exponent };
-    Splats {
+    SplatLanes {
         centre: [number(x, x_power), number(y, y_power), number(z, z_power)],
         axes: [[ax, ay, az], [bx, by, bz], [cx, cy, cz]],
         exponents: [a, b, c],

@@ -42,7 +42,8 @@ pub struct Arithmetic<W: Wide> {
 }
 
 type Truth<W> = <W as Wide>::Truth;
-type Word<W> = <W as Wide>::Word;
+/// A vector of words.
+pub(super) type Word<W> = <W as Wide>::Word;
 
 impl<W: Wide> Arithmetic<W> {
     /// The same word everywhere.

@@ -2,14 +2,12 @@
 //!
 //! Splats come with normalised mantissas (`is_mild`), so that the leading bit of a coordinate needs no counting.
 
-use super::number::{Arithmetic, Number};
+use super::number::{Arithmetic, Number, Word};
 use crate::fast::lanes::Wide;
 use splatline::footprint::depth::{KEY_BITS, MANTISSA};
 use splatline::format::Widths;
 use splatline::math::{Extended, shift_round};
 use splatline::view::{View, round_entry};
-
-type Word<W> = <W as Wide>::Word;
 
 /// Magnitude bits of a normalised coordinate.
 pub const COORDINATE: u32 = 31;
@@ -19,7 +17,7 @@ const BEYOND: i32 = 1 << 26;
 
 /// A point in camera space: three words with one exponent.
 #[derive(Clone, Copy)]
-pub struct CameraPoint<W: Wide> {
+pub struct CameraPoints<W: Wide> {
     pub value: [Word<W>; 3],
     pub exponent: Word<W>,
 }
@@ -91,7 +89,7 @@ impl<W: Wide> Arithmetic<W> {
         view: &View,
         widths: &Widths,
         centre: &[Number<W>; 3],
-    ) -> CameraPoint<W> {
+    ) -> CameraPoints<W> {
         let bits = u32::from(widths.position);
         let (difference, exponent) = self.difference(view, centre, bits);
         let low = bits.saturating_sub(30);
@@ -114,7 +112,7 @@ impl<W: Wide> Arithmetic<W> {
             }
             *sum = self.add(*sum, self.round(cross, low));
         }
-        CameraPoint {
+        CameraPoints {
             value,
             exponent: self.plus(exponent, i64::from(low) - 30),
         }

@@ -12,12 +12,10 @@
 //!
 //! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
 
-use super::number::{Arithmetic, Number};
+use super::number::{Arithmetic, Number, Word};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::math::{RECIPROCALS, ROOTS, SoftFloat};
 use std::cell::Cell;
-
-type Word<W> = <W as Wide>::Word;
 
 /// A double per splat.
 #[derive(Clone, Copy)]

@@ -3,8 +3,8 @@
 //! Where the kernel returns early with a reason, a vector goes on and keeps the first reason per word; what is computed for a culled
 //! splat is defined but of no use.
 
-use super::number::{Arithmetic, Number};
-use super::position::CameraPoint;
+use super::number::{Arithmetic, Number, Word};
+use super::position::CameraPoints;
 use super::real::{Real, Reals};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::format::Widths;
@@ -13,11 +13,9 @@ use splatline::rules::{Cutoff, Rules, THRESHOLD};
 use splatline::setup::Cull;
 use splatline::view::View;
 
-type Word<W> = <W as Wide>::Word;
-
 /// Splats, one per word.
 #[derive(Clone, Copy)]
-pub struct Splats<W: Wide> {
+pub struct SplatLanes<W: Wide> {
     pub centre: [Number<W>; 3],
     /// Mantissas of the axes.
     pub axes: [[Word<W>; 3]; 3],
@@ -65,7 +63,7 @@ pub struct Stages<'a, W: Wide> {
 
 /// A projected centre with what the Jacobian needs of it.
 #[derive(Clone, Copy)]
-pub struct Projected<W: Wide> {
+pub struct ProjectedWords<W: Wide> {
     /// Camera-space depth, not rounded, and its sort key.
     pub depth: Number<W>,
     pub key: Word<W>,
@@ -85,7 +83,7 @@ pub struct Variance<W: Wide> {
 impl<W: Doubles> Stages<'_, W> {
     /// `splatline::setup::setup`.
     #[inline(always)]
-    pub fn setup(&self, splats: &Splats<W>) -> Footprints<W> {
+    pub fn setup(&self, splats: &SplatLanes<W>) -> Footprints<W> {
         let mut culled = self.math.splat(0);
         self.doubt_inputs(splats);
         let projected = self.project(splats, &mut culled);
@@ -143,10 +141,10 @@ impl<W: Doubles> Stages<'_, W> {
     }
 
     #[inline(always)]
-    pub fn project(&self, splats: &Splats<W>, culled: &mut Word<W>) -> Projected<W> {
+    pub fn project(&self, splats: &SplatLanes<W>, culled: &mut Word<W>) -> ProjectedWords<W> {
         let (math, reals, bits) = (self.math, self.reals, u32::from(self.widths.view));
         let inputs = reals.doubt.get();
-        let CameraPoint { value, exponent } =
+        let CameraPoints { value, exponent } =
             math.to_camera(self.view, &self.widths, &splats.centre);
         let (behind_near, before_far) = math.depth_range(value[2], exponent, self.view);
         self.cull_unless(culled, Cull::Near, behind_near);
@@ -179,7 +177,7 @@ impl<W: Doubles> Stages<'_, W> {
             reals.multiply(focal[1], inverse, self.bits()),
         ];
         let ratio = [self.ratio(0, on_plane[0]), self.ratio(1, on_plane[1])];
-        Projected {
+        ProjectedWords {
             depth: Number {
                 mantissa: value[2],
                 exponent,
@@ -210,7 +208,12 @@ impl<W: Doubles> Stages<'_, W> {
 
     /// Axis `k` on the screen.
     #[inline(always)]
-    fn column(&self, splats: &Splats<W>, k: usize, projected: &Projected<W>) -> [Real<W>; 2] {
+    fn column(
+        &self,
+        splats: &SplatLanes<W>,
+        k: usize,
+        projected: &ProjectedWords<W>,
+    ) -> [Real<W>; 2] {
         self.column_and_depth(splats, k, projected).0
     }
 
@@ -218,9 +221,9 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn column_and_depth(
         &self,
-        splats: &Splats<W>,
+        splats: &SplatLanes<W>,
         k: usize,
-        projected: &Projected<W>,
+        projected: &ProjectedWords<W>,
     ) -> ([Real<W>; 2], Real<W>) {
         let unit = self.axis_unit(splats, k);
         let x = self.turned(splats, k, 0, unit);
@@ -235,20 +238,26 @@ impl<W: Doubles> Stages<'_, W> {
 
     /// Unit of axis `k` times W.
     #[inline(always)]
-    pub fn axis_unit(&self, splats: &Splats<W>, k: usize) -> Real<W> {
+    pub fn axis_unit(&self, splats: &SplatLanes<W>, k: usize) -> Real<W> {
         self.reals.power(self.math.plus(splats.exponents[k], -30))
     }
 
     /// One row of W a.
     #[inline(always)]
-    pub fn turned(&self, splats: &Splats<W>, k: usize, row: usize, unit: Real<W>) -> Real<W> {
+    pub fn turned(&self, splats: &SplatLanes<W>, k: usize, row: usize, unit: Real<W>) -> Real<W> {
         let mantissa = self.rotate(row, &splats.axes[k]);
         self.reals.wide(mantissa, unit, self.bits())
     }
 
     /// A component seen along the viewing ray, times the gain.
     #[inline(always)]
-    fn shear(&self, projected: &Projected<W>, axis: usize, across: Real<W>, z: Real<W>) -> Real<W> {
+    fn shear(
+        &self,
+        projected: &ProjectedWords<W>,
+        axis: usize,
+        across: Real<W>,
+        z: Real<W>,
+    ) -> Real<W> {
         let (reals, bits) = (self.reals, self.bits());
         let along = reals.opposite(reals.times(projected.ratio[axis], z));
         reals.multiply(reals.sum([across, along], bits), projected.gain[axis], bits)
@@ -260,7 +269,7 @@ impl<W: Doubles> Stages<'_, W> {
         &self,
         columns: &mut [[Real<W>; 2]; 3],
         weight: Real<W>,
-        projected: &Projected<W>,
+        projected: &ProjectedWords<W>,
     ) -> Real<W> {
         let (math, reals, bits) = (self.math, self.reals, self.bits());
         let [across, down] = projected.gain;
@@ -418,7 +427,7 @@ impl<W: Doubles> Stages<'_, W> {
     }
 
     #[inline(always)]
-    fn peak(&self, weight: Real<W>, projected: &Projected<W>, inverse: Real<W>) -> Real<W> {
+    fn peak(&self, weight: Real<W>, projected: &ProjectedWords<W>, inverse: Real<W>) -> Real<W> {
         let (reals, bits) = (self.reals, self.bits());
         let mut peak = weight;
         if self.rules.normalised {

@@ -4,8 +4,8 @@
 //! weight at the centre, the tangent plane's depth, the normal towards the eye. Colours are numbers of one splat each and stay so.
 
 use super::real::Real;
-use super::stages::{Footprints, Projected, Splats, Stages, Variance, power};
-use super::{Batched, Floats, Lists, Parts, list};
+use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance, power};
+use super::{Batched, Floats, Lists, SplatFields, list};
 use crate::fast::lanes::{Doubles, Lanes, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
@@ -31,9 +31,9 @@ impl Batched for SurfaceSplat {
     }
 
     #[inline(always)]
-    fn parts(&self) -> Parts {
+    fn parts(&self) -> SplatFields {
         let [first, second] = self.frame;
-        Parts {
+        SplatFields {
             centre: self.centre,
             axes: [first, second, self.normal],
             weight: self.weight,
@@ -41,7 +41,7 @@ impl Batched for SurfaceSplat {
     }
 
     #[inline(always)]
-    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &Splats<L>) -> SurfaceLists {
+    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &SplatLanes<L>) -> SurfaceLists {
         SurfaceLists::new(stages.math.lanes, &stages.surface(words))
     }
 
@@ -70,7 +70,7 @@ struct SurfaceWords<W: Wide> {
 impl<W: Doubles> Stages<'_, W> {
     /// `splatline::setup::setup_surface`.
     #[inline(always)]
-    fn surface(&self, splats: &Splats<W>) -> SurfaceWords<W> {
+    fn surface(&self, splats: &SplatLanes<W>) -> SurfaceWords<W> {
         let (math, reals) = (self.math, self.reals);
         let mut culled = math.splat(0);
         self.doubt_inputs(splats);
@@ -207,8 +207,8 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     fn facing_normal(
         &self,
-        splats: &Splats<W>,
-        projected: &Projected<W>,
+        splats: &SplatLanes<W>,
+        projected: &ProjectedWords<W>,
     ) -> ([W::Word; 3], W::Word) {
         let (math, reals) = (self.math, self.reals);
         let unit = self.axis_unit(splats, 2);

@@ -11,7 +11,7 @@ use super::TILE;
 use super::lanes::sums::PixelSums;
 use super::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
 use super::lanes::{VectorLevel, prefetch};
-use super::paint::{CHECK_INTERVAL, Results, Scratch, TableMemory, TilePainter};
+use super::paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
 use path::{BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, Pixels, SplatNumbers};
 use path::{WordPixels, X_RAY};
@@ -104,7 +104,7 @@ impl<D: Design> WordPainter<D> {
 impl<D: Design + Send + Sync> TilePainter for WordPainter<D> {
     fn paint(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut PaintScratch,
         window: Window,
         footprints: &Results,
         list: &[u32],

@@ -11,7 +11,7 @@
 //!   is negative, hence below stop, hence marked again. So pixels outside or finished need no selection, only opacity 0.
 //! - A table that falls is interpolated without a sign: low + ((change rest + half) >> k) = low - ((fall rest + half - 1) >> k).
 
-use super::tile::Row;
+use super::tile::PixelRow;
 use crate::fast::cells::TableReach;
 use crate::fast::lanes::words::{Falls, PixelWords};
 use crate::fast::tile::TILE;
@@ -335,7 +335,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         &self,
         splat: &SplatWords<L>,
         pixels: &Pixels,
-        row: &mut Row,
+        row: &mut PixelRow,
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
@@ -360,7 +360,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         radial: L::Word,
         inside: L::Truth,
         x: usize,
-        row: &mut Row,
+        row: &mut PixelRow,
         counts: &mut Coverage,
     ) {
         let lanes = self.lanes;
@@ -407,7 +407,7 @@ impl<'a, L: PixelWords, const OPERATOR: u8> WordPixels<'a, L, OPERATOR> {
         alpha: L::Word,
         inside: L::Truth,
         x: usize,
-        row: &mut Row,
+        row: &mut PixelRow,
     ) {
         let lanes = self.lanes;
         let hidden = |word: L::Word| self.rounded(lanes.wide_mul_unsigned(word, alpha), self.share);

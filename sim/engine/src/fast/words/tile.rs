@@ -19,12 +19,12 @@ const ROWS: usize = TILE[1] as usize;
 pub const MARK: u64 = 1 << 63;
 
 /// One row: transmittance, red, green, blue. The spare columns hold finished pixels.
-pub type Row = [[u64; STRIDE]; 4];
+pub type PixelRow = [[u64; STRIDE]; 4];
 
 /// The planes of one tile, kept from tile to tile by a thread.
 #[derive(Clone, Debug)]
 pub struct WordTile {
-    rows: Box<[Row; ROWS]>,
+    rows: Box<[PixelRow; ROWS]>,
     /// A bit for each pixel of a row that had not finished when it was last looked at.
     live: [u64; ROWS],
     window: Window,
@@ -65,7 +65,7 @@ impl WordTile {
 
     /// Row `y` of the screen.
     #[inline(always)]
-    pub fn row(&mut self, y: u16) -> &mut Row {
+    pub fn row(&mut self, y: u16) -> &mut PixelRow {
         let row = y.wrapping_sub(self.window.first[1]) % TILE[1];
         &mut self.rows[usize::from(row)]
     }

@@ -12,9 +12,10 @@ mod tiles;
 pub use renderer::{SurfaceFacts, SurfaceRenderer};
 
 use super::quantise::{axis, exp2, position, scale_log2, scaled, view};
-use super::render::{Engine, best_engine};
+use super::render::{PaintEngine, best_engine};
 use crate::camera::Camera;
 use crate::design::{DesignChoice, DesignJob};
+use crate::fast::setup::SurfaceOutcome;
 use crate::picture::Picture;
 use crate::scene::points::{Material, SurfacePoint, SurfaceScene};
 use crate::surface::Style;
@@ -23,10 +24,9 @@ use fixed::types::U4F28;
 use rayon::prelude::*;
 use splatline::blend::Pixel;
 use splatline::blend::shading;
-use splatline::footprint::surface::SurfaceFootprint;
 use splatline::format::{Design, Traversal};
 use splatline::rules as kernel;
-use splatline::setup::{Cull, setup_surface};
+use splatline::setup::setup_surface;
 use splatline::splat::surface::SurfaceSplat;
 use splatline::view::View;
 
@@ -88,8 +88,6 @@ pub struct SurfaceDrawing {
     pub facts: SurfaceFacts,
 }
 
-type SurfaceOutcome = Result<SurfaceFootprint, Cull>;
-
 /// Compiled once, not for every design.
 fn set_up_each(
     splats: &[SurfaceSplat],
@@ -103,10 +101,10 @@ pub fn footprints(
     points: &QuantisedPoints,
     style: &Style,
     design: &DesignChoice,
-) -> Vec<Result<SurfaceFootprint, Cull>> {
+) -> Vec<SurfaceOutcome> {
     struct FootprintsJob<'a>(&'a QuantisedPoints, kernel::Rules);
     impl DesignJob for FootprintsJob<'_> {
-        type Output = Vec<Result<SurfaceFootprint, Cull>>;
+        type Output = Vec<SurfaceOutcome>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Self::Output {
             let FootprintsJob(points, rules) = self;
             set_up_each(&points.splats, &|splat| {
@@ -159,7 +157,7 @@ pub struct SurfaceOptions<'a> {
     /// Order of the pixels.
     pub traversal: Traversal,
     /// Which implementation draws; all give the same bits.
-    pub engine: Engine,
+    pub engine: PaintEngine,
     /// Are visited and covered pixels counted? If not, footprints behind others may be left out, and the counts are anything.
     pub counts: bool,
 }

@@ -4,7 +4,7 @@
 //! parts of the points: setup, bounds -> tile lists in the scene's order -> tiles, each in a place of its own -> picture
 //! ```
 
-use super::tiles::{GatherTiles, HostCell, Resolved, Scratch, SurfaceTiles, TileConstants};
+use super::tiles::{GatherTiles, HostCell, Resolved, SurfaceScratch, SurfaceTiles, TileConstants};
 use super::{QuantisedPoints, SurfaceOptions, direction, kernel_rules, material};
 use crate::camera::Camera;
 use crate::design::DesignJob;
@@ -15,7 +15,7 @@ use crate::fast::surface::GatherNumbers;
 use crate::fast::{TILE, TableMemory};
 use crate::fixed::frame::converter;
 use crate::fixed::quantise::exp2;
-use crate::fixed::render::Engine;
+use crate::fixed::render::PaintEngine;
 use crate::picture::Picture;
 use crate::scene::points::SurfaceScene;
 use crate::surface::Buffer;
@@ -40,7 +40,7 @@ use std::time::Instant;
 
 thread_local! {
     /// A thread's memory for the tile that it paints, kept from frame to frame.
-    static SCRATCH: RefCell<Scratch> = RefCell::default();
+    static SCRATCH: RefCell<SurfaceScratch> = RefCell::default();
 }
 
 /// What a frame did beside its pixels.
@@ -164,7 +164,7 @@ impl<'a> SurfaceFrames<'a> {
         let table = TableMemory::new(&design.widths, &rules);
         let threshold = (style.threshold * exp2(points.scale_log2 + 23)).round() as u32;
         let numbers = match (engine, traversal) {
-            (Engine::Vectors(_), Traversal::Spans) => GatherNumbers::new(
+            (PaintEngine::Vectors(_), Traversal::Spans) => GatherNumbers::new(
                 &design.widths,
                 &rules,
                 &table.table(),
@@ -204,8 +204,8 @@ impl<'a> SurfaceFrames<'a> {
             .edge
             .and_then(|tau| EdgeFilter::new((tau * exp2(30)) as u32));
         let engine = match options.engine {
-            Engine::Vectors(choice) => Some(choice),
-            Engine::Scalar => None,
+            PaintEngine::Vectors(choice) => Some(choice),
+            PaintEngine::Scalar => None,
         };
         design.dispatch(SurfaceFrameJob {
             points,
@@ -289,12 +289,14 @@ fn set_up_part<D: Design>(
     design: D,
     view: &View,
     rules: &kernel::Rules,
-    engine: Engine,
+    engine: PaintEngine,
     (splats, outcomes): (&[SurfaceSplat], &mut [SurfaceOutcome]),
 ) {
     match engine {
-        Engine::Vectors(choice) => setup::set_up(design, view, rules, splats, outcomes, choice),
-        Engine::Scalar => {
+        PaintEngine::Vectors(choice) => {
+            setup::set_up(design, view, rules, splats, outcomes, choice)
+        }
+        PaintEngine::Scalar => {
             for (splat, outcome) in splats.iter().zip(outcomes) {
                 *outcome = setup_surface(design, view, rules, splat);
             }

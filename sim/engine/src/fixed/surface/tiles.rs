@@ -25,13 +25,13 @@ pub struct Resolved {
 
 /// A thread's memory.
 #[derive(Default)]
-pub struct Scratch {
+pub struct SurfaceScratch {
     sums: Option<SumTile>,
     /// A vector of whatever cells were drawn last.
     cells: Option<Box<dyn Any>>,
 }
 
-impl Scratch {
+impl SurfaceScratch {
     /// So many empty cells.
     fn cells<C: Cell + 'static>(&mut self, count: usize) -> &mut [C] {
         let cells = self.cells.get_or_insert_with(|| Box::new(Vec::<C>::new()));
@@ -53,7 +53,7 @@ pub trait SurfaceTiles: Sync {
     /// the number of those at which fragments had to be merged.
     fn paint(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut SurfaceScratch,
         window: Window,
         footprints: &[SurfaceOutcome],
         list: &[u32],
@@ -213,7 +213,7 @@ impl<'a, D: Design, C: HostCell> GatherTiles<'a, D, C> {
 impl<D: Design + Sync, C: HostCell> SurfaceTiles for GatherTiles<'_, D, C> {
     fn paint(
         &self,
-        scratch: &mut Scratch,
+        scratch: &mut SurfaceScratch,
         window: Window,
         footprints: &[SurfaceOutcome],
         list: &[u32],

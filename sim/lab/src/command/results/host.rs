@@ -13,7 +13,7 @@ use splatline_lab::baseline::{FloatScene, boxes, spans, textbook};
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fast::lanes::{self, VectorLevel};
-use splatline_sim::fixed::{Engine, Times};
+use splatline_sim::fixed::{PaintEngine, Times};
 use splatline_sim::metrics::{self, ChannelError};
 use splatline_sim::picture::Picture;
 use splatline_sim::plan::draw::on_threads;
@@ -94,7 +94,7 @@ fn contenders<'a>(
         };
         let settings = Settings {
             design,
-            engine: Engine::Vectors(choice),
+            engine: PaintEngine::Vectors(choice),
             ..Settings::new(subject.rules)
         };
         let renderer = Renderer::new(&subject.scene, &subject.camera, settings);
@@ -237,7 +237,7 @@ fn count_pixels(
     pixels: &mut [[f32; 4]],
 ) -> Result<[u64; 2]> {
     let settings = Settings {
-        engine: Engine::Vectors(choice),
+        engine: PaintEngine::Vectors(choice),
         counts: true,
         ..Settings::new(subject.rules)
     };

@@ -8,11 +8,11 @@ use crate::command::options::DrawScaledOptions;
 use anyhow::{Context, Result};
 use plotters::prelude::SeriesLabelPosition;
 use serde::{Deserialize, Serialize};
-use splatline_lab::plot::{self, Curve, Marker, Panel};
+use splatline_lab::plot::{self, Curve, Marker, PlotPanel};
 use splatline_lab::results::table;
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::fast::lanes::{self, VectorLevel};
-use splatline_sim::fixed::Engine;
+use splatline_sim::fixed::PaintEngine;
 use splatline_sim::memory;
 use splatline_sim::progress::ProgressMeter;
 use splatline_sim::renderer::{Renderer, Settings};
@@ -118,7 +118,7 @@ fn measure(options: &DrawScaledOptions) -> Result<ScaleRow> {
     let camera = synthetic::camera(width, height);
     let renderer = |counts| {
         let settings = Settings {
-            engine: Engine::Vectors(vectors),
+            engine: PaintEngine::Vectors(vectors),
             counts,
             ..Settings::new(Rules::GAUSSIAN_3D)
         };
@@ -254,7 +254,7 @@ fn svg(measured: &[ScaleRow]) -> Result<String, String> {
 /// A curve's name and its points.
 type NamedPoints<'a> = (&'a str, Vec<(f64, f64)>);
 
-fn panel(title: &'static str, curves: [NamedPoints; 2]) -> Panel<'static> {
+fn panel(title: &'static str, curves: [NamedPoints; 2]) -> PlotPanel<'static> {
     let curve = |((name, points), tone): (NamedPoints, Tone)| Curve {
         name: name.to_owned(),
         tone,
@@ -266,7 +266,7 @@ fn panel(title: &'static str, curves: [NamedPoints; 2]) -> Panel<'static> {
             .collect(),
     };
     let tones = [DESIGNS[0], DESIGNS[2]];
-    Panel {
+    PlotPanel {
         title,
         across: "splats",
         columns: 3.7..7.3,

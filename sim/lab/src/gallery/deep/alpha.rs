@@ -11,7 +11,7 @@ use splatline_sim::camera::Camera;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::metrics::{CompareError, compare};
 use splatline_sim::picture::Picture;
-use splatline_sim::reference::compositor::Projected;
+use splatline_sim::reference::compositor::ScreenSplat;
 use splatline_sim::reference::float;
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::{self, LoadOptions, Scene, synthetic};

@@ -2,7 +2,7 @@
 //!
 //! Colour is the representation, the marker is the rounding. Both axes of error are logarithmic to base 2.
 
-use crate::plot::{self, Curve, Marker, Panel};
+use crate::plot::{self, Curve, Marker, PlotPanel};
 use crate::study::deep::{LAYERS, Stack, representation_name, rounding_name};
 use plotters::prelude::SeriesLabelPosition;
 use splatline::blend::deep::{ChannelRounding, Representation};
@@ -20,7 +20,7 @@ const ERRORS: (f64, f64) = (-32.0, 0.0);
 
 /// The plot, or why the back end refused it.
 pub fn svg(stacks: &[Stack]) -> Result<String, String> {
-    let against_width = Panel {
+    let against_width = PlotPanel {
         title: &format!("largest error after any layer, opacity 2^{LEFT_LOG2_ALPHA}"),
         across: "bits of the word",
         columns: 8.0..32.0,
@@ -30,7 +30,7 @@ pub fn svg(stacks: &[Stack]) -> Result<String, String> {
         legend: SeriesLabelPosition::LowerLeft,
         curves: against_width(stacks),
     };
-    let against_layers = Panel {
+    let against_layers = PlotPanel {
         title: &format!("error, opacity 2^{RIGHT_LOG2_ALPHA}, {RIGHT_WIDTH} bits"),
         across: "layers, 10^",
         columns: 0.0..5.0,

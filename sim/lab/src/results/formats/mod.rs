@@ -9,7 +9,7 @@ mod writers;
 use super::{ResultPage, opening, table};
 use anyhow::{Context, Result, ensure};
 use splatline_sim::camera::Camera;
-use splatline_sim::framing::{Frame, USUAL_FOV};
+use splatline_sim::framing::{FramingInput, USUAL_FOV};
 use splatline_sim::metrics::{ChannelError, compare};
 use splatline_sim::picture::Picture;
 use splatline_sim::reference::float;
@@ -60,7 +60,7 @@ impl Original {
         };
         let scene = load(&path, &LoadOptions::default())?;
         let [width, height] = SIZE;
-        let camera = Frame::of_scene(&scene, None).camera(None, USUAL_FOV, width, height)?;
+        let camera = FramingInput::of_scene(&scene, None).camera(None, USUAL_FOV, width, height)?;
         let picture = draw(&scene, &camera);
         Ok(Original {
             scene,

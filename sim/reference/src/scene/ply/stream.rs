@@ -30,7 +30,7 @@ pub struct GaussianFile {
 }
 
 /// The parts of a file, in its order.
-pub struct Parts<'a> {
+pub struct FileParts<'a> {
     file: &'a GaussianFile,
     reader: BufReader<File>,
     left: u64,
@@ -130,13 +130,13 @@ impl GaussianFile {
     }
 
     /// Reads the file from its start in parts of so many records, at least 1.
-    pub fn parts(&self, size: usize) -> Result<Parts<'_>, LoadError> {
+    pub fn parts(&self, size: usize) -> Result<FileParts<'_>, LoadError> {
         let open = || {
             let mut file = File::open(&self.path)?;
             file.seek(SeekFrom::Start(self.body))?;
             Ok(BufReader::with_capacity(1 << 20, file))
         };
-        Ok(Parts {
+        Ok(FileParts {
             file: self,
             reader: open().map_err(|error| self.error(error))?,
             left: self.count,
@@ -149,7 +149,7 @@ impl GaussianFile {
     }
 }
 
-impl Iterator for Parts<'_> {
+impl Iterator for FileParts<'_> {
     type Item = Result<Scene, LoadError>;
 
     /// The next part; it holds fewer splats than records if some cannot be drawn.
