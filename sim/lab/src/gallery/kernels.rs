@@ -1,6 +1,6 @@
 //! Exhibits of systems 6, 7, 14, 15 and 16: antialiasing, kernels, hybrid points, spheres and stamps.
 
-mod hybrid;
+pub mod hybrid;
 mod plane;
 mod shapes;
 mod sphere;

@@ -20,7 +20,7 @@ const STRIDE: usize = TILE[0] as usize + SPARE;
 const ROWS: usize = TILE[1] as usize;
 
 /// Columns and rows of a block, whose farthest pixel is known.
-const BLOCK: usize = 8;
+const BLOCK: usize = 4;
 
 /// Blocks of a tile: columns and rows.
 const BLOCKS: [usize; 2] = [TILE[0] as usize / BLOCK, ROWS / BLOCK];

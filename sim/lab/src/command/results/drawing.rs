@@ -8,6 +8,7 @@ use super::hardware::surface_points;
 use anyhow::Result;
 use splatline::blend::deep::{Channel, ChannelRounding, Representation};
 use splatline::setup::{Ellipse, Index};
+use splatline_lab::gallery::kernels;
 use splatline_lab::results::table;
 use splatline_sim::camera::Camera;
 use splatline_sim::cli::Failure;
@@ -35,6 +36,10 @@ const FRAMES: usize = 3;
 const SIZE: usize = 512;
 
 const LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
+
+/// Stamps are drawn from a distance, in units of k, at which every footprint is the same circle.
+const STAMPS: &str = "7 stamps, from 1.94 k";
+const STAMPS_FROM: f64 = 1.937;
 
 /// One way to draw.
 struct Way<'a> {
@@ -122,10 +127,10 @@ fn volume_plans(scene: &Scene, design: &DesignChoice) -> Vec<(&'static str, Prep
         ("5 X-ray", usual, Compositing::XRay, None),
         ("6 distance scaling", swan, Compositing::FrontToBack, None),
         (
-            "7 stamps",
+            STAMPS,
             swan,
             Compositing::FrontToBack,
-            Some(mixed(Points::None, Some(3))),
+            Some(mixed(Points::All, Some(3))),
         ),
         (
             "14 points and splats",
@@ -135,7 +140,10 @@ fn volume_plans(scene: &Scene, design: &DesignChoice) -> Vec<(&'static str, Prep
         ),
     ];
     let plan = |(name, rules, order, points)| {
-        let camera = scene.default_camera(SIZE, SIZE);
+        let camera = match name {
+            STAMPS => kernels::hybrid::camera(scene, STAMPS_FROM, SIZE),
+            _ => scene.default_camera(SIZE, SIZE),
+        };
         let mut prepared = Prepared::of_splats(scene.clone(), camera, rules, design.clone());
         prepared.plan.look = Look::Splats {
             rules,
