@@ -87,31 +87,30 @@ impl BlockSpans {
         }
     }
 
-    /// The runs in block number `block` of the tile that begins at column `left`; `false` if a word was too long for the arithmetic.
+    /// The runs in block number `block` of the tile that begins at column `left`; the largest distance from the centre.
     #[inline(always)]
     pub fn fill<L: Wide>(
         &mut self,
-        lanes: L,
-        constants: &RowConstants<i64>,
+        math: Arithmetic<L>,
+        words: &RowWords<L>,
         rows: &Recurrences,
         left: u16,
         block: usize,
-    ) -> bool {
-        let math = Arithmetic { lanes };
-        let words = RowWords::new(math, constants);
+    ) -> L::Word {
+        let lanes = math.lanes;
         let first_column = i64::from(left) + (block * usize::from(BLOCK)) as i64;
         let columns = [first_column, first_column + i64::from(BLOCK)];
         let mut large = math.splat(0);
         for start in (0..rows.count).step_by(L::WIDE) {
             let centre = lanes.wide_load(window(&rows.centre, start));
             let vertical = lanes.wide_load(window(&rows.vertical, start));
-            let runs = runs(math, &words, [centre, vertical], columns, &mut large);
+            let runs = runs(math, words, [centre, vertical], columns, &mut large);
             lanes.wide_store(window_mut(&mut self.x, start), runs.x);
             lanes.wide_store(window_mut(&mut self.end, start), runs.end);
             lanes.wide_store(window_mut(&mut self.radial, start), runs.radial);
             lanes.wide_store(window_mut(&mut self.first, start), runs.first);
         }
-        is_zero(lanes, excess(lanes, constants, large))
+        large
     }
 
     /// The run of row number `row`, if it has pixels in the block.
@@ -170,11 +169,14 @@ impl RowBatch {
             .map(|x| usize::from(x.saturating_sub(left)));
         let block = usize::from(BLOCK);
         self.touched = (first / block, last.div_ceil(block).min(BLOCKS));
-        let mut fits = true;
+        let math = Arithmetic { lanes };
+        let words = RowWords::new(math, constants);
+        let mut large = math.splat(0);
         for number in self.touched() {
-            fits &= self.blocks[number].fill(lanes, constants, &self.recurrences, left, number);
+            let far = self.blocks[number].fill(math, &words, &self.recurrences, left, number);
+            large = math.max(large, far);
         }
-        fits
+        is_zero(lanes, excess(lanes, constants, large))
     }
 
     /// Blocks that the footprint's box touches; the others hold what an earlier footprint left there.
