@@ -44,6 +44,19 @@ impl<'a> SheetBuffer<'a> {
         })
     }
 
+    /// A sheet that somebody has drawn already, as [`target`](Self::target) would have been drawn.
+    pub fn drawn(
+        pixels: &'a mut [Pixel],
+        window: Window,
+        stride: usize,
+        widths: &Widths,
+    ) -> Result<Self, TargetError> {
+        Ok(SheetBuffer {
+            target: Target::new(pixels, window, stride)?,
+            clear: Pixel::clear(widths),
+        })
+    }
+
     /// Where to draw the slab's splats, by a painter that adds ([`Compositing::XRay`](crate::rules::Compositing::XRay)).
     ///
     /// Opacity saturates at 1 where a slab is denser than that; colour at its format's end.

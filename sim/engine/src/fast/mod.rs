@@ -22,6 +22,7 @@ mod words;
 
 pub use paint::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter, tile_painter};
 pub use tile::TILE;
+pub use words::visit::{OpacityVisitor, TakeOpacities};
 
 #[cfg(test)]
 mod tests;

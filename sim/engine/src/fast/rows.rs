@@ -11,7 +11,9 @@ use super::recurrence::is_zero;
 use super::setup::number::{Arithmetic, RoundingShift, turn_of};
 use super::tile::TILE;
 use core::ops::Range;
-use splatline::raster::{BLOCK, RowConstants, VERTICAL_FRACTION};
+use splatline::footprint::Footprint;
+use splatline::format::{RuntimeWidths, Widths};
+use splatline::raster::{BLOCK, EllipseSpans, RowConstants, VERTICAL_FRACTION, Window};
 
 /// Most rows of a footprint in a tile.
 const ROWS: usize = TILE[1] as usize;
@@ -23,6 +25,32 @@ const ROOM: usize = ROWS + 8;
 pub const BLOCKS: usize = (TILE[0] / BLOCK) as usize;
 
 const _: () = assert!(TILE[0].is_multiple_of(BLOCK) && BLOCK > 0);
+
+/// What rows are computed from in a design that is known by its numbers, so that one compiled copy serves all.
+#[derive(Clone, Debug)]
+pub struct RuntimeRows {
+    design: RuntimeWidths,
+    /// Bits of the design's lanes.
+    lane_bits: u32,
+}
+
+impl RuntimeRows {
+    /// Rows of a design with lanes of so many bits.
+    pub fn new(widths: &Widths, lane_bits: u32) -> Option<Self> {
+        let design = RuntimeWidths::new(*widths).ok()?;
+        Some(RuntimeRows { design, lane_bits })
+    }
+
+    /// Rows of a footprint in the window, as its design's lanes have them.
+    #[inline(always)]
+    pub fn constants(&self, footprint: &Footprint, window: &Window) -> RowConstants<i64> {
+        let mut constants = EllipseSpans::new(self.design, footprint, window).constants();
+        if self.lane_bits < i64::BITS {
+            constants.second = (constants.second as i32).into();
+        }
+        constants
+    }
+}
 
 /// The runs of one footprint's rows in one block of a tile.
 struct BlockSpans {

@@ -5,9 +5,10 @@
 
 use super::frame::{TileLists, paint_apart, table, table_entries};
 use super::quantise::{QuantisedScene, kernel_rules};
-use super::render::{Options, seen};
+use super::render::{Options, PaintEngine, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
+use crate::fast::{OpacityVisitor, TILE, TakeOpacities};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -15,22 +16,29 @@ use rayon::prelude::*;
 use splatline::blend::deep::{Channel, DeepPixel};
 use splatline::draw::Painter;
 use splatline::footprint::Footprint;
-use splatline::format::Design;
+use splatline::format::{Design, Lane, Traversal, Widths};
+use splatline::raster::Window;
 use splatline::rules::Compositing as KernelCompositing;
 
 /// Draws `scene` through `channel`, front to back or, if the options say so, back to front (X-ray counts as front to back).
-pub fn draw(scene: &Scene, camera: &Camera, options: &Options, channel: Channel) -> Picture {
-    struct DeepJob<'a>(&'a QuantisedScene, &'a Options<'a>, Channel);
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    engine: PaintEngine,
+    channel: Channel,
+) -> Picture {
+    struct DeepJob<'a>(&'a QuantisedScene, &'a Options<'a>, PaintEngine, Channel);
     impl DesignJob for DeepJob<'_> {
         type Output = Vec<DeepPixel>;
         fn run<D: Design + Send + Sync>(self, design: D) -> Vec<DeepPixel> {
-            draw_with(design, self.0, self.1, self.2)
+            draw_with(design, self.0, self.1, self.2, self.3)
         }
     }
     let quantised = QuantisedScene::new(scene, camera, options.rules);
     let pixels = options
         .design
-        .dispatch(DeepJob(&quantised, options, channel));
+        .dispatch(DeepJob(&quantised, options, engine, channel));
     to_picture(&pixels, camera, &channel, quantised.colour_log2)
 }
 
@@ -49,35 +57,88 @@ fn draw_with<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     options: &Options,
+    engine: PaintEngine,
     channel: Channel,
 ) -> Vec<DeepPixel> {
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
     let back_to_front = options.compositing == Compositing::BackToFront;
-    let footprints = in_order(seen(design, quantised, &rules), back_to_front);
+    let footprints = in_order(seen(design, quantised, &rules, engine), back_to_front);
     let memory = table_entries(&widths, &rules);
     let table = table(&memory, &widths, &rules);
+    let visitor = match (engine, options.traversal) {
+        (PaintEngine::Vectors(choice), Traversal::Spans) => {
+            OpacityVisitor::new(&widths, &rules, &table, D::Lane::BITS, choice)
+        }
+        _ => None,
+    };
     let order = KernelCompositing::FrontToBack;
     let painter = Painter::new(design, &rules, table, order, options.traversal);
-    let tiles = TileLists::in_bands(footprints.iter(), quantised.view.viewport);
-    let clear = DeepPixel::clear(&channel);
-    let (pixels, _) = paint_apart(clear, &tiles, |window, list, pixels| {
-        let width = usize::from(window.end[0]);
-        for layer in list {
-            let footprint = &footprints[*layer as usize];
-            let colour = footprint.colour.map(|c| c << (28 - widths.colour));
-            painter.visit(footprint, &window, |x, y, alpha| {
-                let pixel = &mut pixels[usize::from(y - window.first[1]) * width + usize::from(x)];
-                let alpha = alpha << (31 - widths.alpha);
-                if back_to_front {
-                    pixel.back_to_front(&channel, alpha, &colour, [x, y], *layer);
-                } else {
-                    pixel.front_to_back(&channel, alpha, &colour, [x, y], *layer);
-                }
+    let layers = Layers {
+        channel,
+        back_to_front,
+        widths,
+        footprints: &footprints,
+        visitor,
+        alone: &|index, window, take| {
+            let footprint = &footprints[index as usize];
+            painter.visit(footprint, &window, |x, y, opacity| {
+                take(index, [x, y], &[opacity.into()]);
             });
+        },
+    };
+    layers.paint(quantised.view.viewport)
+}
+
+/// Visits a footprint's pixels in a window by the kernel.
+type Alone<'a> = dyn Fn(u32, Window, &mut TakeOpacities) + Sync + 'a;
+
+/// Layers of a picture, in drawing order. They do not know the design's type, so that one compiled copy serves all.
+struct Layers<'a> {
+    channel: Channel,
+    back_to_front: bool,
+    widths: Widths,
+    footprints: &'a [Footprint],
+    visitor: Option<OpacityVisitor>,
+    alone: &'a Alone<'a>,
+}
+
+impl Layers<'_> {
+    fn paint(&self, viewport: [u16; 2]) -> Vec<DeepPixel> {
+        let tiles = TileLists::in_order(self.footprints.iter(), viewport, TILE);
+        let clear = DeepPixel::clear(&self.channel);
+        let paint = |window: Window, list: &[u32], pixels: &mut [DeepPixel]| {
+            self.paint_tile(window, list, pixels);
+        };
+        paint_apart(clear, &tiles, paint).0
+    }
+
+    fn paint_tile(&self, window: Window, list: &[u32], pixels: &mut [DeepPixel]) {
+        let columns = usize::from(window.columns());
+        let mut take = |layer: u32, [x, y]: [u16; 2], opacities: &[i64]| {
+            let colour = self.footprints[layer as usize].colour;
+            let colour = colour.map(|c| c << (28 - self.widths.colour));
+            let [first, row] = [x - window.first[0], y - window.first[1]].map(usize::from);
+            let pixels = pixels[row * columns + first..].iter_mut();
+            for ((pixel, opacity), x) in pixels.zip(opacities).zip(x..) {
+                let alpha = (*opacity as u32) << (31 - self.widths.alpha);
+                if alpha == 0 {
+                    continue;
+                }
+                let channel = &self.channel;
+                if self.back_to_front {
+                    pixel.back_to_front(channel, alpha, &colour, [x, y], layer);
+                } else {
+                    pixel.front_to_back(channel, alpha, &colour, [x, y], layer);
+                }
+            }
+        };
+        let alone = |layer: u32, take: &mut TakeOpacities| (self.alone)(layer, window, take);
+        match &self.visitor {
+            Some(visitor) => visitor.visit(window, self.footprints, list, &alone, &mut take),
+            None => list.iter().for_each(|layer| alone(*layer, &mut take)),
         }
-    });
-    pixels
+    }
 }
 
 fn to_picture(

@@ -18,9 +18,6 @@ use splatline::raster::Window;
 use splatline::rules as kernel;
 use splatline::target::Target;
 
-/// Rows of a band: a tile as wide as the screen, for compositing that keeps much memory per pixel.
-const BAND: u16 = 16;
-
 /// What stands for a splat when splats are ordered.
 pub(super) trait DepthOrdered: Sync {
     /// Its footprint, if it has one.
@@ -76,14 +73,6 @@ impl TileLists {
             }
         }
         TileLists { grid, lists }
-    }
-
-    /// The same by bands of rows.
-    pub(super) fn in_bands<'a>(
-        footprints: impl Iterator<Item = &'a Footprint>,
-        viewport: [u16; 2],
-    ) -> Self {
-        TileLists::in_order(footprints, viewport, [viewport[0].max(1), BAND])
     }
 }
 

@@ -192,10 +192,11 @@ pub(super) fn seen<D: Design + Send + Sync>(
     design: D,
     quantised: &QuantisedScene,
     rules: &kernel::Rules,
+    engine: PaintEngine,
 ) -> Vec<(usize, Footprint)> {
     let view = &quantised.view;
     seen_by(&quantised.splats, &|_, splats, outcomes| {
-        set_up_splats(design, view, rules, best_engine(), (splats, outcomes));
+        set_up_splats(design, view, rules, engine, (splats, outcomes));
     })
 }
 

@@ -1,37 +1,50 @@
-//! Sheet buffers through the kernel: every band of rows lends memory for one sheet and one frame.
+//! Sheet buffers: tile by tile, each slab's splats are added by whatever paints tiles, and the sheet is laid behind what the tile holds.
 
-use super::frame::{TileLists, paint_apart, table, table_entries, to_picture};
+use super::frame::{TileLists, paint_apart, to_picture};
 use super::quantise::{QuantisedScene, kernel_rules};
-use super::render::{Options, seen};
+use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
+use crate::fast::setup::Outcome;
+use crate::fast::{PaintScratch, TILE, TilePainter};
 use crate::picture::Picture;
+use crate::rules::Compositing;
 use crate::scene::Scene;
 use crate::sheets::{SheetKind, SheetPlan};
 use fixed::types::{I2F30, I8F24};
 use rayon::prelude::*;
 use splatline::blend::sheets::{AxisSlabs, DepthSlabs, Facing, SheetBuffer, depth_spread};
 use splatline::blend::{Blend, Pixel};
-use splatline::draw::Painter;
 use splatline::footprint::{Footprint, depth};
-use splatline::format::Design;
-use splatline::rules::Compositing;
+use splatline::format::{Design, Widths};
+use splatline::raster::{BLOCK, Window};
 use splatline::splat::VolumeSplat;
 use splatline::target::Target;
 
 /// Draws `scene` sheet by sheet, nearest first.
-pub fn draw(scene: &Scene, camera: &Camera, options: &Options, plan: &SheetPlan) -> Picture {
-    struct SheetsJob<'a>(&'a QuantisedScene, &'a Options<'a>, &'a SheetPlan);
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    engine: PaintEngine,
+    plan: &SheetPlan,
+) -> Picture {
+    struct SheetsJob<'a>(
+        &'a QuantisedScene,
+        &'a Options<'a>,
+        PaintEngine,
+        &'a SheetPlan,
+    );
     impl DesignJob for SheetsJob<'_> {
         type Output = Vec<Pixel>;
-        fn run<D: Design + Send + Sync>(self, design: D) -> Vec<Pixel> {
-            draw_with(design, self.0, self.1, self.2)
+        fn run<D: Design + Send + Sync + 'static>(self, design: D) -> Vec<Pixel> {
+            draw_with(design, self.0, self.1, self.2, self.3)
         }
     }
     let quantised = QuantisedScene::with_depths(scene, camera, options.rules);
     let pixels = options
         .design
-        .dispatch(SheetsJob(&quantised, options, plan));
+        .dispatch(SheetsJob(&quantised, options, engine, plan));
     to_picture(
         &pixels,
         camera,
@@ -40,42 +53,93 @@ pub fn draw(scene: &Scene, camera: &Camera, options: &Options, plan: &SheetPlan)
     )
 }
 
-fn draw_with<D: Design + Send + Sync>(
+fn draw_with<D: Design + Send + Sync + 'static>(
     design: D,
     quantised: &QuantisedScene,
     options: &Options,
+    engine: PaintEngine,
     plan: &SheetPlan,
 ) -> Vec<Pixel> {
     let rules = kernel_rules(options.rules);
     let widths = design.widths();
     let slabs = SlabRule::new(plan, quantised.scale_log2);
-    let parts = slabs.sorted_parts(quantised, seen(design, quantised, &rules));
-    let memory = table_entries(&widths, &rules);
-    let table = table(&memory, &widths, &rules);
-    let painter = Painter::new(design, &rules, table, Compositing::XRay, options.traversal);
-    let blend = Blend::new(&widths, &rules);
-    let footprints = parts.iter().map(|(_, footprint)| footprint);
-    let tiles = TileLists::in_bands(footprints, quantised.view.viewport);
-    let clear = Pixel::clear(&widths);
-    let (pixels, _) = paint_apart(clear, &tiles, |window, list, frame| {
-        let columns = usize::from(window.end[0]);
-        let mut memory = frame.to_vec();
-        let buffers = (
-            Target::new(frame, window, columns),
-            SheetBuffer::new(&mut memory, window, columns, &widths),
-        );
-        let (Ok(mut target), Ok(mut sheet)) = buffers else {
-            unreachable!("the memory has just been made for the window")
+    let seen = seen(design, quantised, &rules, engine);
+    let (slabs, footprints) = slabs.sorted_parts(quantised, seen);
+    let sums = Options {
+        compositing: Compositing::XRay,
+        ..*options
+    };
+    let painter = painter(design, &rules, &sums, engine, false);
+    let sheets = Sheets {
+        painter: &*painter,
+        slabs: &slabs,
+        footprints: &footprints,
+        blend: Blend::new(&widths, &rules),
+        widths,
+    };
+    sheets.paint(quantised.view.viewport)
+}
+
+/// All footprints in their sheets, nearest sheet first. It does not know the design's type, so that one compiled copy serves all.
+struct Sheets<'a> {
+    painter: &'a dyn TilePainter,
+    slabs: &'a [i64],
+    footprints: &'a [Outcome],
+    blend: Blend,
+    widths: Widths,
+}
+
+impl Sheets<'_> {
+    fn paint(&self, viewport: [u16; 2]) -> Vec<Pixel> {
+        let tiles = TileLists::in_order(self.footprints.iter().flatten(), viewport, TILE);
+        let clear = Pixel::clear(&self.widths);
+        let paint = |window: Window, list: &[u32], pixels: &mut [Pixel]| {
+            self.paint_tile(window, list, pixels);
         };
-        let slab = |index: &u32| parts[*index as usize].0;
+        paint_apart(clear, &tiles, paint).0
+    }
+
+    fn paint_tile(&self, window: Window, list: &[u32], pixels: &mut [Pixel]) {
+        let (mut scratch, mut memory) = (PaintScratch::default(), pixels.to_vec());
+        let Ok(mut target) = Target::new(pixels, window, columns(&window)) else {
+            unreachable!("the tile's memory has just been made for its window")
+        };
+        let slab = |index: &u32| self.slabs[*index as usize];
         for of_slab in list.chunk_by(|a, b| slab(a) == slab(b)) {
-            for index in of_slab {
-                painter.draw(&parts[*index as usize].1, sheet.target());
+            let touched = self.touched(of_slab, &window);
+            let sheet = &mut memory[..touched.pixels()];
+            let footprints = self.footprints;
+            (self.painter).paint(&mut scratch, touched, footprints, of_slab, sheet);
+            let sheet = SheetBuffer::drawn(sheet, touched, columns(&touched), &self.widths);
+            if let Ok(mut sheet) = sheet {
+                sheet.composite_behind(&self.blend, &mut target);
             }
-            sheet.composite_behind(&blend, &mut target);
         }
-    });
-    pixels
+    }
+
+    /// The part of the tile that these footprints touch, from the beginning of a block: a row has seeds at every block.
+    fn touched(&self, list: &[u32], tile: &Window) -> Window {
+        let footprints = list
+            .iter()
+            .flat_map(|index| &self.footprints[*index as usize]);
+        let windows = footprints.map(|footprint| Window::of(footprint).intersect(tile));
+        let all = windows.reduce(|a, b| Window {
+            first: [0, 1].map(|axis| a.first[axis].min(b.first[axis])),
+            end: [0, 1].map(|axis| a.end[axis].max(b.end[axis])),
+        });
+        let all = all.unwrap_or(Window {
+            end: tile.first,
+            ..*tile
+        });
+        Window {
+            first: [all.first[0] - all.first[0] % BLOCK, all.first[1]],
+            ..all
+        }
+    }
+}
+
+fn columns(window: &Window) -> usize {
+    window.columns().into()
 }
 
 /// The plan in the kernel's formats.
@@ -112,7 +176,7 @@ impl SlabRule {
         &self,
         quantised: &QuantisedScene,
         seen: Vec<(usize, Footprint)>,
-    ) -> Vec<(i64, Footprint)> {
+    ) -> (Vec<i64>, Vec<Outcome>) {
         let mut parts: Vec<(i64, Footprint)> = seen
             .into_par_iter()
             .flat_map_iter(|(index, footprint)| {
@@ -120,7 +184,8 @@ impl SlabRule {
             })
             .collect();
         parts.par_sort_by_key(|(slab, _)| *slab);
-        parts
+        let parts = parts.into_iter();
+        parts.map(|(slab, footprint)| (slab, Ok(footprint))).unzip()
     }
 
     /// The sheets that a splat takes part in, with its footprint in each.

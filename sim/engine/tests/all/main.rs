@@ -4,5 +4,6 @@ mod allocations;
 mod harmonics;
 mod kernels;
 mod rounded_camera;
+mod sheets;
 mod surface;
 mod warp;

@@ -1,6 +1,6 @@
 //! Exhibits of systems 6, 7, 14, 15 and 16: antialiasing, kernels, hybrid points, spheres and stamps.
 
-pub mod hybrid;
+mod hybrid;
 mod plane;
 mod shapes;
 mod sphere;
@@ -13,6 +13,7 @@ use splatline_sim::picture::Picture;
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::path::{Path, PathBuf};
 
+pub use hybrid::camera as distant_camera;
 pub use plane::{KernelPlane, plane};
 
 /// All exhibits; those that need a data set that is missing say so in their caption and have no pictures.

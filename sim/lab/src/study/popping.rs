@@ -91,7 +91,7 @@ pub fn orbit(
     for frame in 0..2 * half {
         let camera = camera(scene, angle(frame), size)?;
         let plan = SheetPlan::new(kind, 1.0, scene, &camera);
-        let picture = fixed::sheets::draw(scene, &camera, &options, &plan);
+        let picture = fixed::sheets::draw(scene, &camera, &options, fixed::best_engine(), &plan);
         if frame + 1 == half {
             let float = reference::sheets::draw(scene, &camera, &rules, &plan);
             errors = Some(compare(&picture, &float)?);

@@ -9,7 +9,7 @@ use super::lanes::prefetch;
 use super::lanes::sums::{PixelSums, ShareShift};
 use super::lanes::words::{PixelTask, dispatch_pixels};
 use super::lanes::{VectorLevel, words::PixelWords};
-use super::rows::{RowBatch, RunWords};
+use super::rows::{RowBatch, RunWords, RuntimeRows};
 use super::setup::SurfaceOutcome;
 use super::words::path::{DRAW_FINISHING, PathNumbers, SplatWords, WordPixels};
 use super::words::{AHEAD, columns};
@@ -18,9 +18,9 @@ use splatline::draw::Coverage;
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, SurfaceFootprint, attribute_fraction, depth_in_pixel,
 };
-use splatline::format::{Rounding, RuntimeWidths, Widths};
+use splatline::format::{Rounding, Widths};
 use splatline::kernel::FootprintTable;
-use splatline::raster::{EllipseSpans, RowConstants, Window};
+use splatline::raster::Window;
 use splatline::rules::Rules;
 use tile::{AttributeWords, SampleWords};
 pub use tile::{SumCell, SumTile};
@@ -31,10 +31,8 @@ const LOOK_INTERVAL: usize = 256;
 /// Everything about gathering that is constant for a picture, as numbers: one compiled copy draws all designs.
 #[derive(Clone, Debug)]
 pub struct GatherNumbers {
-    design: RuntimeWidths,
+    rows: RuntimeRows,
     path: PathNumbers,
-    /// Bits of the design's lanes.
-    lane_bits: u32,
     /// Left shift, half of a unit and right shift from an opacity to a weight.
     weight: [i64; 3],
     share: ShareShift,
@@ -58,9 +56,8 @@ impl GatherNumbers {
         let down = drop.max(0) as u32;
         let share = u32::from(attribute_fraction(widths));
         Some(GatherNumbers {
-            design: RuntimeWidths::new(*widths).ok()?,
+            rows: RuntimeRows::new(widths, lane_bits)?,
             path: PathNumbers::new(widths, rules, table, lane_bits)?,
-            lane_bits,
             weight: [(-drop).max(0).into(), half(down) as i64, down.into()],
             share: ShareShift {
                 by: share,
@@ -68,17 +65,6 @@ impl GatherNumbers {
             },
             threshold,
         })
-    }
-
-    /// Rows of a footprint in the window, as its design's lanes have them.
-    #[inline(always)]
-    fn rows(&self, footprint: &SurfaceFootprint, window: &Window) -> RowConstants<i64> {
-        let rows = EllipseSpans::new(self.design, &footprint.footprint, window);
-        let mut constants = rows.constants();
-        if self.lane_bits < i64::BITS {
-            constants.second = (constants.second as i32).into();
-        }
-        constants
     }
 
     /// The attributes in the order of the sums; `None` if one exceeds its format.
@@ -218,7 +204,7 @@ impl PixelTask for GatherTask<'_, '_> {
             }
             let values = numbers.attributes(&footprint.attributes)?;
             let attributes = words.splat(lanes, &values, numbers, footprint.attributes.material);
-            let rows = numbers.rows(footprint, &self.window);
+            let rows = numbers.rows.constants(&footprint.footprint, &self.window);
             let splat = numbers.path.splat(&footprint.footprint);
             let splat = splat.filter(|_| is_near(footprint) && batch.fill(lanes, &rows, left));
             let Some(splat) = splat else {

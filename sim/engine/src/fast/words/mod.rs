@@ -6,6 +6,7 @@
 
 pub(super) mod path;
 mod tile;
+pub mod visit;
 
 use super::TILE;
 use super::lanes::sums::PixelSums;

@@ -73,7 +73,7 @@ pub fn run(data: &Path, choice: VectorLevel) -> Result<String, Failure> {
         rows.push(measured(planned(name, plan, choice)?)?);
     }
     if let Some((_, plan)) = volume.first() {
-        for way in whole(plan)? {
+        for way in whole(plan, choice)? {
             rows.push(measured(way)?);
         }
     }
@@ -141,7 +141,7 @@ fn volume_plans(scene: &Scene, design: &DesignChoice) -> Vec<(&'static str, Prep
     ];
     let plan = |(name, rules, order, points)| {
         let camera = match name {
-            STAMPS => kernels::hybrid::camera(scene, STAMPS_FROM, SIZE),
+            STAMPS => kernels::distant_camera(scene, STAMPS_FROM, SIZE),
             _ => scene.default_camera(SIZE, SIZE),
         };
         let mut prepared = Prepared::of_splats(scene.clone(), camera, rules, design.clone());
@@ -233,7 +233,8 @@ fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) 
 }
 
 /// Systems that are drawn from the scene to the picture in one call.
-fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
+fn whole(prepared: &Prepared, choice: VectorLevel) -> Result<Vec<Way<'_>>> {
+    let engine = fixed::PaintEngine::Vectors(choice);
     let splats = prepared.splats()?;
     let options = move || splats.options(&prepared.plan.entry);
     let (scene, camera) = (splats.scene, splats.camera);
@@ -253,21 +254,21 @@ fn whole(prepared: &Prepared) -> Result<Vec<Way<'_>>> {
         way(
             "5 axis-aligned sheets, whole",
             Box::new(move || {
-                fixed::sheets::draw(scene, camera, &options(), &axis);
+                fixed::sheets::draw(scene, camera, &options(), engine, &axis);
                 Ok(TimedFrame::default())
             }),
         ),
         way(
             "5 image-aligned sheets, whole",
             Box::new(move || {
-                fixed::sheets::draw(scene, camera, &options(), &image);
+                fixed::sheets::draw(scene, camera, &options(), engine, &image);
                 Ok(TimedFrame::default())
             }),
         ),
         way(
             "8 deep alpha channel, whole",
             Box::new(move || {
-                fixed::deep::draw(scene, camera, &options(), channel);
+                fixed::deep::draw(scene, camera, &options(), engine, channel);
                 Ok(TimedFrame::default())
             }),
         ),

@@ -314,7 +314,8 @@ fn draw(
         traversal: design.traversal,
     };
     let channel = Channel::new(representation, rounding, width).map_err(|_| WidthProblem(width))?;
-    Ok(fixed::deep::draw(scene, camera, &options, channel))
+    let engine = fixed::best_engine();
+    Ok(fixed::deep::draw(scene, camera, &options, engine, channel))
 }
 
 /// Largest number of splats over one pixel.

@@ -1,0 +1,134 @@
+//! Opacities of pixels on words, for compositing that keeps more or other things than a pixel's colour and transmittance.
+//!
+//! What [`Painter::visit`](splatline::draw::Painter::visit) gives, bit for bit, a run at a time: rows and opacities are those of painting,
+//! and whoever asked composites them.
+
+use super::columns;
+use super::path::{DRAW_FINISHING, PathNumbers, Pixels, SplatWords, WordPixels};
+use crate::fast::lanes::VectorLevel;
+use crate::fast::lanes::sums::PixelSums;
+use crate::fast::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
+use crate::fast::rows::{RowBatch, RuntimeRows};
+use crate::fast::tile::TILE;
+use splatline::footprint::Footprint;
+use splatline::format::Widths;
+use splatline::kernel::FootprintTable;
+use splatline::raster::Window;
+use splatline::rules::Rules;
+
+/// Takes a footprint's number and the opacities of adjacent pixels from a column and row of the screen on, UQ1.alpha; 0 where a pixel is
+/// transparent.
+pub type TakeOpacities<'a> = dyn FnMut(u32, [u16; 2], &[i64]) + 'a;
+
+/// Visits one footprint by the kernel.
+pub type VisitAlone<'a> = dyn Fn(u32, &mut TakeOpacities) + 'a;
+
+/// Visits footprints' pixels along spans.
+#[derive(Clone, Debug)]
+pub struct OpacityVisitor {
+    rows: RuntimeRows,
+    path: PathNumbers,
+    choice: VectorLevel,
+}
+
+impl OpacityVisitor {
+    /// For a design with lanes of so many bits; `None` where only the kernel can.
+    pub fn new(
+        widths: &Widths,
+        rules: &Rules,
+        table: &FootprintTable,
+        lane_bits: u32,
+        choice: VectorLevel,
+    ) -> Option<Self> {
+        Some(OpacityVisitor {
+            rows: RuntimeRows::new(widths, lane_bits)?,
+            path: PathNumbers::new(widths, rules, table, lane_bits)?,
+            choice,
+        })
+    }
+
+    /// Visits the footprints of `list`, in this order, in the pixels of `window`, which is at most a [`TILE`](crate::fast::TILE) and begins a block.
+    /// What vectors cannot do is visited by `alone`.
+    pub fn visit(
+        &self,
+        window: Window,
+        footprints: &[Footprint],
+        list: &[u32],
+        alone: &VisitAlone,
+        take: &mut TakeOpacities,
+    ) {
+        let task = VisitTask {
+            visitor: self,
+            window,
+            footprints,
+            list,
+            alone,
+            take,
+        };
+        dispatch_pixels(self.choice, task);
+    }
+}
+
+struct VisitTask<'a> {
+    visitor: &'a OpacityVisitor,
+    window: Window,
+    footprints: &'a [Footprint],
+    list: &'a [u32],
+    alone: &'a VisitAlone<'a>,
+    take: &'a mut TakeOpacities<'a>,
+}
+
+impl PixelTask for VisitTask<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: PixelSums>(self, lanes: L) {
+        let OpacityVisitor { rows, path, .. } = self.visitor;
+        let pixels = WordPixels::<L, DRAW_FINISHING>::new(lanes, path);
+        let (mut batch, mut memory) = (RowBatch::new(), [0; ROOM]);
+        let left = self.window.first[0];
+        for index in self.list {
+            let footprint = &self.footprints[*index as usize];
+            let constants = rows.constants(footprint, &self.window);
+            let numbers = path.splat(footprint);
+            let Some(numbers) = numbers.filter(|_| batch.fill(lanes, &constants, left)) else {
+                (self.alone)(*index, self.take);
+                continue;
+            };
+            let splat = pixels.splat(&numbers, constants.second);
+            for row in 0..batch.rows() {
+                for block in batch.touched() {
+                    if let Some(run) = batch.run(row, block) {
+                        let place = [run.x as u16, constants.rows[0] + row as u16];
+                        let run = columns(&run, left);
+                        opacities(&pixels, &splat, &run, &mut memory);
+                        (self.take)(*index, place, &memory[..run.length]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Words of a run, and what a vector may write beyond it.
+const ROOM: usize = TILE[0] as usize + 8;
+
+/// Writes the opacities of a run's pixels.
+#[inline(always)]
+fn opacities<L: PixelWords>(
+    pixels: &WordPixels<L, DRAW_FINISHING>,
+    splat: &SplatWords<L>,
+    run: &Pixels,
+    opacities: &mut [i64; ROOM],
+) {
+    let lanes = pixels.lanes();
+    let mut radial = pixels.start(splat, run);
+    for from in (0..run.length).step_by(L::WIDE) {
+        let inside = pixels.inside(splat, radial[0], run.length - from);
+        let Some(room) = opacities[from % ROOM..].first_chunk_mut() else {
+            break;
+        };
+        lanes.wide_store(room, pixels.alpha(splat, radial[0], inside));
+        radial = pixels.step(splat, radial);
+    }
+}

@@ -1,0 +1,68 @@
+//! Sheets and the deep channel, painted by vectors: the same bits as by the kernel's own painter.
+
+use splatline::blend::deep::{Channel, ChannelRounding, Representation};
+use splatline_engine::camera::Camera;
+use splatline_engine::design::DesignChoice;
+use splatline_engine::fast::lanes::VectorLevel;
+use splatline_engine::fixed::{self, Options, PaintEngine};
+use splatline_engine::picture::Picture;
+use splatline_engine::rules::{Compositing, Rules};
+use splatline_engine::scene::{Scene, synthetic};
+use splatline_engine::sheets::{SheetKind, SheetPlan};
+
+const LEVELS: [VectorLevel; 3] = [VectorLevel::Best, VectorLevel::Avx2, VectorLevel::Portable];
+
+/// Splats in several tiles, some of them over many blocks, seen by a picture whose size is no multiple of either.
+fn scene() -> (Scene, Camera) {
+    let scene = synthetic::random_gaussians(600, 7, 4.0);
+    let camera = scene.default_camera(150, 101);
+    (scene, camera)
+}
+
+/// Draws by the kernel and by vectors of every level, in every design.
+fn all_agree(what: &str, draw: impl Fn(&Options, PaintEngine) -> Picture) {
+    for design in DesignChoice::all() {
+        for compositing in [Compositing::FrontToBack, Compositing::BackToFront] {
+            let options = Options {
+                rules: &Rules::EWA,
+                compositing,
+                design: &design,
+                traversal: design.traversal,
+            };
+            let expected = draw(&options, PaintEngine::Scalar);
+            let seen = expected
+                .pixels
+                .iter()
+                .filter(|pixel| pixel[3] > 0.0)
+                .count();
+            assert!(seen > 5_000, "{what}: {seen} pixels");
+            for level in LEVELS {
+                let drawn = draw(&options, PaintEngine::Vectors(level));
+                assert!(drawn == expected, "{what}, {}, {level:?}", design.name);
+            }
+        }
+    }
+}
+
+#[test]
+fn sheets_by_vectors_are_the_kernels() {
+    let (scene, camera) = scene();
+    for kind in SheetKind::ALL {
+        let plan = SheetPlan::new(kind, 0.5, &scene, &camera);
+        all_agree(&format!("{kind:?}"), |options, engine| {
+            fixed::sheets::draw(&scene, &camera, options, engine, &plan)
+        });
+    }
+}
+
+#[test]
+fn the_deep_channel_by_vectors_is_the_kernels() {
+    let (scene, camera) = scene();
+    for width in [8, 24] {
+        let representation = Representation::Transmittance;
+        let channel = Channel::new(representation, ChannelRounding::Nearest, width).unwrap();
+        all_agree(&format!("{width} bits"), |options, engine| {
+            fixed::deep::draw(&scene, &camera, options, engine, channel)
+        });
+    }
+}
