@@ -33,7 +33,7 @@ pub enum Overlap {
     Serial,
     /// They work at the same time, with FIFOs between them.
     Pipelined,
-    /// They are the circuit of `sim/rtl`, cycle by cycle: pipelines that stop as a whole, and registered queues.
+    /// They are the circuit of `sim/rtl`, cycle by cycle: pipelines that never stand still, and queues with counted places behind them.
     Primitive,
 }
 
