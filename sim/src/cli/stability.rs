@@ -10,17 +10,22 @@ use crate::stability::scenes::{self, SceneLine};
 use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
 
 /// Heads the page that `--markdown` writes.
-const HEADING: &str = "# Stability on hard cases\n\nPrinted by `cargo run --release -- stability --markdown docs/stability.md`.\n\n";
+const HEADING: &str = "# Stability on hard cases\n\nThis page is for whoever wants to know whether fixed point holds where scenes are hard: far from the \
+origin, needle-shaped, nearly transparent, in deep stacks. It says how far each design is from the truth, stage by\nstage, beside \
+the usual formulas in single precision (`f32`). [The error analysis](error-analysis.md) derives the bounds.\n\nPrinted by `cargo \
+run --release -- stability --markdown docs/stability.md`; do not edit.\n\n";
 
-const CASES: &str = "## Sixteen splats a case, stage by stage\n\nTruth is exact rational arithmetic; `f32` is the usual formulas in \
-single precision. The last column compares\nwithout any tolerance. Columns are explained in `sim/src/stability/mod.rs`.\n\n";
+const CASES: &str = "## Sixteen splats a case, stage by stage\n\nThe truth is exact rational arithmetic, and `f32` is the usual formulas in single \
+precision. The last column names the stages in which an engine is worse than `f32`, compared without any \
+tolerance.\n`sim/src/stability/mod.rs` explains the columns.\n\n";
 
-const SCENES: &str = "## Scenes as people have them\n\nDrawn at 512x512 under the `3dgs` rules and compared with double precision \
-(`--only scenes` prints this part alone). All pixels count,\nthose on a threshold too; differences are in units of the picture's largest \
-sample (at least 1), and no sample is clamped. \"Added\"\nand \"removed\" count pairs of a splat and a pixel that were decided \
-otherwise at the smallest opacity, 1/255, of all pairs that the reference\nblends; \"stopped early\" and \"late\" count pixels that another \
-splat than the reference's finished; \"lost\" are splats that were culled although the reference \
-draws them. Engines are explained in `sim/src/stability/scenes/mod.rs`,\nthe scenes in `sim/reference/src/hard/classes.rs`.\n\n";
+const SCENES: &str = "## Scenes as people have them\n\nEach scene is drawn at 512x512 under the `3dgs` rules and compared with double precision; \
+`--only scenes` prints this part alone. All pixels count, those on a threshold too. Differences are in units of the\npicture's \
+largest sample (at least 1), and no sample is clamped.\n\n- \"where nothing flips\" is PSNR over the pixels at which nothing was \
+decided otherwise than by the reference.\n- \"added\" and \"removed\" count pairs of a splat and a pixel that were decided \
+otherwise at the smallest opacity, 1/255, \"of\" all pairs that the reference blends.\n- \"stopped early\" and \"late\" count \
+pixels that another splat than the reference's finished.\n- \"lost\" are splats that were culled although the reference draws \
+them.\n\n`sim/src/stability/scenes/mod.rs` explains the engines, `sim/reference/src/hard/classes.rs` the scenes.\n\n";
 
 /// Everything measured, as JSON.
 #[derive(serde::Serialize)]

@@ -46,8 +46,8 @@ pub fn markdown(extent: StabilityExtent) -> String {
     let [growing, shrinking] = designs;
     let note = synthesis::statement(&FAMILY.calibration());
     format!(
-        "LUT, FF, DSP and memory are those of the primitive with one lane ({note}).\n\nFrom the widths that `standard24` began with to today's, one after the other, as numbers of cases that are worse than f32:\n\n{}\n\
-         Today's widths with one of them a bit smaller:\n\n{}",
+        "LUT, FF, DSP and memory are those of the primitive with one lane ({note}).\n\nThe next table goes from the widths that `standard24` began with to today's, one after the other. It counts the cases that are worse than f32:\n\n{}\n\
+         The last table takes a bit off one of today's widths at a time:\n\n{}",
         table(&growing, &lines),
         table(&shrinking, &lines)
     )

@@ -125,7 +125,7 @@ pub fn summary(lines: &[StabilityLine]) -> String {
 pub fn bounds(lines: &[StabilityLine]) -> String {
     let designs = ["lean18", JUDGED, "deep32"];
     let mut text = format!(
-        "Each step's bound (`docs/error-analysis.md`): the largest part of it that a splat or a pixel uses, and in which case; 1 is the bound.\n\n\
+        "`docs/error-analysis.md` derives a bound for each step. The table has the largest part of it that a splat or a pixel uses, and the case in which it does; 1 is the bound.\n\n\
          | step | {} |\n|---|{}\n",
         designs.join(" | "),
         "---|".repeat(designs.len())
