@@ -2,7 +2,7 @@
 //! `standard24`) over a thousand pixels, by ways of writing vectors: a plain loop, this crate's vectors on arrays, AVX2 and AVX-512, and a portable crate.
 //!
 //! All give the same words. Those that choose instructions when they are compiled have what the build's flags allow: once more with
-//! `RUSTFLAGS="-C target-cpu=native"` they have all of the processor's. docs/host-speed.md says what follows.
+//! `RUSTFLAGS="-C target-cpu=native"` they have all of the processor's. docs/decisions/host-vectors.md says what follows.
 
 use divan::Bencher;
 use splatline_sim::fast::lanes::{Floats, ProductShift, VectorLevel, VectorTask, dispatch};
