@@ -1,4 +1,4 @@
-//! `cargo bench -p splatline-sim --bench products`: the products of a pixel (share, rest of the transmittance, three colours, in the widths of
+//! `cargo bench -p splatline-lab --bench products`: the products of a pixel (share, rest of the transmittance, three colours, in the widths of
 //! `standard24`) over a thousand pixels, by ways of writing vectors: a plain loop, this crate's vectors on arrays, AVX2 and AVX-512, and a portable crate.
 //!
 //! All give the same words. Those that choose instructions when they are compiled have what the build's flags allow: once more with
