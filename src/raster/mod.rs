@@ -37,6 +37,7 @@ impl Window {
     }
 
     /// The pixels that both windows contain; empty where `first >= end` on an axis.
+    #[inline]
     pub fn intersect(&self, other: &Window) -> Window {
         let mut both = *self;
         for axis in 0..2 {
@@ -47,11 +48,13 @@ impl Window {
     }
 
     /// Columns; 0 where `first >= end`.
+    #[inline]
     pub const fn columns(&self) -> u16 {
         self.end[0].saturating_sub(self.first[0])
     }
 
     /// Rows; 0 where `first >= end`.
+    #[inline]
     pub const fn rows(&self) -> u16 {
         self.end[1].saturating_sub(self.first[1])
     }
@@ -73,6 +76,7 @@ impl Window {
     }
 
     /// Has it no pixel?
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.first[0] >= self.end[0] || self.first[1] >= self.end[1]
     }

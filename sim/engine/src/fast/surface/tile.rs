@@ -116,9 +116,16 @@ impl SumTile {
             let place = |pixel: u16| usize::from(pixel - self.window.first[axis]) / BLOCK;
             place(pixels.first[axis])..=place(pixels.end[axis] - 1).min(BLOCKS[axis] - 1)
         };
-        let farthest = blocks(1).flat_map(|y| self.farthest[y][blocks(0)].iter());
-        let farthest = farthest.fold(0, |far, block| far.max(*block));
-        i64::from(depth) > farthest.saturating_add(threshold.into())
+        // Most footprints are seen in the first block.
+        let nearest = i64::from(depth) - i64::from(threshold);
+        for row in &self.farthest[blocks(1)] {
+            for farthest in &row[blocks(0)] {
+                if nearest <= *farthest {
+                    return false;
+                }
+            }
+        }
+        true
     }
 
     /// Which of the samples in the pixels from column `x` of the tile on, in row `y` of the screen, are not dropped for being farther than their pixel?
