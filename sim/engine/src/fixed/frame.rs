@@ -58,6 +58,13 @@ impl TileLists {
         TileLists { grid, lists }
     }
 
+    /// By these keys, the smallest first, ties by index.
+    pub(super) fn by_keys(parts: Vec<Vec<Key>>, viewport: [u16; 2]) -> Self {
+        let grid = Grid::new(viewport, TILE);
+        let lists = tile_lists(&grid, parts);
+        TileLists { grid, lists }
+    }
+
     /// In the order in which they are given, by tiles of this size.
     pub(super) fn in_order<'a>(
         footprints: impl Iterator<Item = &'a Footprint>,

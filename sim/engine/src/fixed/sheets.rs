@@ -5,8 +5,9 @@ use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
+use crate::fast::order::{Key, part_length};
 use crate::fast::setup::Outcome;
-use crate::fast::{PaintScratch, TILE, TilePainter};
+use crate::fast::{PaintScratch, TilePainter};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -64,7 +65,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     let widths = design.widths();
     let slabs = SlabRule::new(plan, quantised.scale_log2);
     let seen = seen(design, quantised, &rules, engine);
-    let (slabs, footprints) = slabs.sorted_parts(quantised, seen);
+    let (slabs, footprints) = slabs.all_parts(quantised, seen);
     let sums = Options {
         compositing: Compositing::XRay,
         ..*options
@@ -80,7 +81,7 @@ fn draw_with<D: Design + Send + Sync + 'static>(
     sheets.paint(quantised.view.viewport)
 }
 
-/// All footprints in their sheets, nearest sheet first. It does not know the design's type, so that one compiled copy serves all.
+/// All footprints in their sheets. It does not know the design's type, so that one compiled copy serves all.
 struct Sheets<'a> {
     painter: &'a dyn TilePainter,
     slabs: &'a [i64],
@@ -91,12 +92,32 @@ struct Sheets<'a> {
 
 impl Sheets<'_> {
     fn paint(&self, viewport: [u16; 2]) -> Vec<Pixel> {
-        let tiles = TileLists::in_order(self.footprints.iter().flatten(), viewport, TILE);
+        let tiles = TileLists::by_keys(self.keys(), viewport);
         let clear = Pixel::clear(&self.widths);
         let paint = |window: Window, list: &[u32], pixels: &mut [Pixel]| {
             self.paint_tile(window, list, pixels);
         };
         paint_apart(clear, &tiles, paint).0
+    }
+
+    /// What orders footprints: the nearest sheet first, in the scene's order within a sheet.
+    fn keys(&self) -> Vec<Vec<Key>> {
+        let nearest = self.slabs.par_iter().min().copied().unwrap_or(0);
+        let part = part_length(self.slabs.len());
+        let keys = |(number, footprints): (usize, &[Outcome])| {
+            let numbered = (number * part..).zip(footprints);
+            let key = |(index, outcome): (usize, &Outcome)| {
+                let bounds = Window::of(outcome.as_ref().ok()?);
+                (!bounds.is_empty()).then_some(Key {
+                    depth: (self.slabs[index] - nearest) as u64,
+                    index: index as u32,
+                    bounds,
+                })
+            };
+            numbered.filter_map(key).collect()
+        };
+        let parts = self.footprints.par_chunks(part).enumerate();
+        parts.map(keys).collect()
     }
 
     fn paint_tile(&self, window: Window, list: &[u32], pixels: &mut [Pixel]) {
@@ -171,20 +192,15 @@ impl SlabRule {
         }
     }
 
-    /// All splats in their sheets, nearest sheet first. Compiled once, not for every design.
-    fn sorted_parts(
+    /// All splats in their sheets: the sheets, and the footprints. Compiled once, not for every design.
+    fn all_parts(
         &self,
         quantised: &QuantisedScene,
         seen: Vec<(usize, Footprint)>,
     ) -> (Vec<i64>, Vec<Outcome>) {
-        let mut parts: Vec<(i64, Footprint)> = seen
-            .into_par_iter()
-            .flat_map_iter(|(index, footprint)| {
-                self.parts(quantised, &quantised.splats[index], footprint)
-            })
-            .collect();
-        parts.par_sort_by_key(|(slab, _)| *slab);
-        let parts = parts.into_iter();
+        let parts = seen.into_par_iter().flat_map_iter(|(index, footprint)| {
+            self.parts(quantised, &quantised.splats[index], footprint)
+        });
         parts.map(|(slab, footprint)| (slab, Ok(footprint))).unzip()
     }
 
