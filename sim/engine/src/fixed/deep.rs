@@ -8,7 +8,7 @@ use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::{Options, PaintEngine, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
-use crate::fast::{OpacityVisitor, TILE, TakeOpacities};
+use crate::fast::{OpacityVisitor, TakeOpacities};
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use crate::scene::Scene;
@@ -105,7 +105,7 @@ struct Layers<'a> {
 
 impl Layers<'_> {
     fn paint(&self, viewport: [u16; 2]) -> Vec<DeepPixel> {
-        let tiles = TileLists::in_order(self.footprints.iter(), viewport, TILE);
+        let tiles = TileLists::by_key(self.footprints, viewport, &|layer, _| layer.into());
         let clear = DeepPixel::clear(&self.channel);
         let paint = |window: Window, list: &[u32], pixels: &mut [DeepPixel]| {
             self.paint_tile(window, list, pixels);

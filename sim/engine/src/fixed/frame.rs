@@ -5,7 +5,8 @@
 
 use crate::camera::Camera;
 use crate::fast::TILE;
-use crate::fast::order::{Grid, Key, tile_lists};
+use crate::fast::order::{Grid, Key, part_length, tile_lists};
+use crate::fast::setup::Outcome;
 use crate::picture::Picture;
 use crate::rules::Compositing;
 use rayon::prelude::*;
@@ -30,6 +31,12 @@ impl DepthOrdered for Footprint {
     }
 }
 
+impl DepthOrdered for Outcome {
+    fn footprint(&self) -> Option<&Footprint> {
+        self.as_ref().ok()
+    }
+}
+
 /// For every tile the footprints whose box touches it, in drawing order.
 pub(super) struct TileLists {
     grid: Grid,
@@ -43,60 +50,45 @@ impl TileLists {
         compositing: Compositing,
         viewport: [u16; 2],
     ) -> Self {
-        let grid = Grid::new(viewport, TILE);
-        let part = splats.len().div_ceil(rayon::current_num_threads()).max(1);
-        let keys_of = |(start, part): (usize, &[_])| keys(part, start);
-        let parts: Vec<Vec<Key>> = splats
-            .par_chunks(part)
-            .enumerate()
-            .map(|(number, chunk)| keys_of((number * part, chunk)))
-            .collect();
-        let mut lists = tile_lists(&grid, parts);
+        let mut tiles = TileLists::by_key(splats, viewport, &|_, footprint| footprint.depth);
         if compositing == Compositing::BackToFront {
-            lists.iter_mut().for_each(|list| list.reverse());
+            tiles.lists.iter_mut().for_each(|list| list.reverse());
         }
-        TileLists { grid, lists }
+        tiles
     }
 
-    /// By these keys, the smallest first, ties by index.
-    pub(super) fn by_keys(parts: Vec<Vec<Key>>, viewport: [u16; 2]) -> Self {
-        let grid = Grid::new(viewport, TILE);
-        let lists = tile_lists(&grid, parts);
-        TileLists { grid, lists }
-    }
-
-    /// In the order in which they are given, by tiles of this size.
-    pub(super) fn in_order<'a>(
-        footprints: impl Iterator<Item = &'a Footprint>,
+    /// By a key of a splat's index and footprint, at most 48 bits, the smallest first, ties by index.
+    pub(super) fn by_key(
+        splats: &[impl DepthOrdered],
         viewport: [u16; 2],
-        tile: [u16; 2],
+        key: &(dyn Fn(u32, &Footprint) -> u64 + Sync),
     ) -> Self {
-        let grid = Grid::new(viewport, tile);
-        let mut lists = vec![Vec::new(); grid.len()];
-        for (index, footprint) in (0..).zip(footprints) {
-            let bounds = Window::of(footprint);
-            if !bounds.is_empty() {
-                grid.touched(&bounds, |tile| lists[tile].push(index));
-            }
-        }
+        let grid = Grid::new(viewport, TILE);
+        let part = part_length(splats.len());
+        let keys = |(number, splats): (usize, &[_])| keys(splats, (number * part) as u32, key);
+        let parts = splats.par_chunks(part).enumerate().map(keys).collect();
+        let lists = tile_lists(&grid, parts);
         TileLists { grid, lists }
     }
 }
 
 /// Keys of the splats that have a footprint, numbered from `start`.
-fn keys(splats: &[impl DepthOrdered], start: usize) -> Vec<Key> {
-    let footprints = splats.iter().zip(start as u32..);
-    footprints
-        .filter_map(|(splat, index)| {
-            let footprint = splat.footprint()?;
-            let bounds = Window::of(footprint);
-            (!bounds.is_empty()).then_some(Key {
-                depth: footprint.depth,
-                index,
-                bounds,
-            })
+fn keys(
+    splats: &[impl DepthOrdered],
+    start: u32,
+    key: &dyn Fn(u32, &Footprint) -> u64,
+) -> Vec<Key> {
+    let numbered = splats.iter().zip(start..);
+    let keys = numbered.filter_map(|(splat, index)| {
+        let footprint = splat.footprint()?;
+        let bounds = Window::of(footprint);
+        (!bounds.is_empty()).then(|| Key {
+            depth: key(index, footprint),
+            index,
+            bounds,
         })
-        .collect()
+    });
+    keys.collect()
 }
 
 /// The footprint table's entries for the rules' kernel.

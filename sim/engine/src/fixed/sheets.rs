@@ -5,7 +5,6 @@ use super::quantise::{QuantisedScene, kernel_rules};
 use super::render::{Options, PaintEngine, painter, seen};
 use crate::camera::Camera;
 use crate::design::DesignJob;
-use crate::fast::order::{Key, part_length};
 use crate::fast::setup::Outcome;
 use crate::fast::{PaintScratch, TilePainter};
 use crate::picture::Picture;
@@ -92,32 +91,14 @@ struct Sheets<'a> {
 
 impl Sheets<'_> {
     fn paint(&self, viewport: [u16; 2]) -> Vec<Pixel> {
-        let tiles = TileLists::by_keys(self.keys(), viewport);
+        let nearest = self.slabs.par_iter().min().copied().unwrap_or(0);
+        let key = |index: u32, _: &Footprint| (self.slabs[index as usize] - nearest) as u64;
+        let tiles = TileLists::by_key(self.footprints, viewport, &key);
         let clear = Pixel::clear(&self.widths);
         let paint = |window: Window, list: &[u32], pixels: &mut [Pixel]| {
             self.paint_tile(window, list, pixels);
         };
         paint_apart(clear, &tiles, paint).0
-    }
-
-    /// What orders footprints: the nearest sheet first, in the scene's order within a sheet.
-    fn keys(&self) -> Vec<Vec<Key>> {
-        let nearest = self.slabs.par_iter().min().copied().unwrap_or(0);
-        let part = part_length(self.slabs.len());
-        let keys = |(number, footprints): (usize, &[Outcome])| {
-            let numbered = (number * part..).zip(footprints);
-            let key = |(index, outcome): (usize, &Outcome)| {
-                let bounds = Window::of(outcome.as_ref().ok()?);
-                (!bounds.is_empty()).then_some(Key {
-                    depth: (self.slabs[index] - nearest) as u64,
-                    index: index as u32,
-                    bounds,
-                })
-            };
-            numbered.filter_map(key).collect()
-        };
-        let parts = self.footprints.par_chunks(part).enumerate();
-        parts.map(keys).collect()
     }
 
     fn paint_tile(&self, window: Window, list: &[u32], pixels: &mut [Pixel]) {
