@@ -1,6 +1,7 @@
 //! The verilated machine and its memory behind a safe function.
 #![allow(unsafe_code)]
 
+use crate::switch::Number;
 use anyhow::{Context, Result, ensure};
 use libloading::Library;
 use std::path::Path;
@@ -104,6 +105,7 @@ impl MachineOutcome {
 
 type MachineRun = unsafe extern "C" fn(
     u32,
+    u32,
     *const MachineFrame,
     *const ConstantWords,
     u64,
@@ -118,6 +120,7 @@ type MachineRun = unsafe extern "C" fn(
 /// A machine in a shared library.
 pub struct MachineModel {
     run: MachineRun,
+    mistake: u32,
     /// Keeps the code loaded.
     _library: Library,
 }
@@ -125,11 +128,17 @@ pub struct MachineModel {
 impl MachineModel {
     /// Loads it.
     pub fn new(path: &Path) -> Result<MachineModel> {
+        MachineModel::with_mistake(path, 0)
+    }
+
+    /// The same with one of the mistakes that the machine was built with ([`crate::switch`]); 0 is none.
+    pub fn with_mistake(path: &Path, mistake: Number) -> Result<MachineModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbol has the shim's type.
         unsafe {
             let library = Library::new(path).context("the machine's library")?;
             Ok(MachineModel {
                 run: *library.get(b"machine_run")?,
+                mistake: mistake as u32,
                 _library: library,
             })
         }
@@ -149,6 +158,7 @@ impl MachineModel {
         unsafe {
             (self.run)(
                 1,
+                self.mistake,
                 frame,
                 constants.as_ptr(),
                 constants.len() as u64,

@@ -17,6 +17,11 @@ use std::path::Path;
 /// Where the page is kept.
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/setup-unit.md");
 
+/// What `rtl -- setup` and `rtl -- setup mutants` printed last, which they write and the page repeats.
+pub const COMPARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-cosim.md");
+/// The second of them.
+pub const JUDGED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-mutants.md");
+
 /// Where the counts are kept.
 const COUNTS: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -25,6 +30,15 @@ const COUNTS: &str = concat!(
 
 const HEAD: &str = include_str!("../../setup-head.md");
 const NOTES: &str = include_str!("../../setup-notes.md");
+
+const COMPARED_HEAD: &str = "
+What `rtl -- setup` prints; loads in parts of 10,000 splats, of which the first is drawn without pauses and those behind it with pauses at both ends (every tenth without):
+
+";
+const JUDGED_HEAD: &str = "
+What `rtl -- setup mutants` prints, lean18 with two cores, each load at full speed and with long pauses. All mistakes but those in a package are choices in one circuit (`sim/rtl/cosim/src/switch.rs`), so that judging them takes a minute:
+
+";
 
 /// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012).
 const DEVICES: [(&str, Family, [u64; 3]); 1] = [("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744])];
@@ -58,8 +72,7 @@ pub fn report() -> Result<()> {
 
 /// The page again, from the counts of the last synthesis.
 pub fn page() -> Result<()> {
-    let text = fs::read_to_string(COUNTS)?;
-    write_page(&parse(&text).context("not a table of counts")?)
+    Ok(atomic::write(REPORT.as_ref(), page_text()?.as_bytes())?)
 }
 
 /// Writes a design's packages into a folder; gives Yosys' words for reading them with all units.
@@ -106,6 +119,16 @@ fn unit(subject: &Subject, family: Family, cores: u32) -> Result<SetupUnit> {
 }
 
 fn write_page(units: &[SetupUnit]) -> Result<()> {
+    Ok(atomic::write(REPORT.as_ref(), text_of(units)?.as_bytes())?)
+}
+
+/// The page as it would be written without synthesis.
+pub fn page_text() -> Result<String> {
+    let text = fs::read_to_string(COUNTS)?;
+    text_of(&parse(&text).context("not a table of counts")?)
+}
+
+fn text_of(units: &[SetupUnit]) -> Result<String> {
     let mut text = HEAD.to_owned();
     for unit in units {
         let seen = if unit.fitted() { "" } else { " ." };
@@ -132,8 +155,12 @@ fn write_page(units: &[SetupUnit]) -> Result<()> {
             }
         }
     }
-    text.push_str(NOTES);
-    Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
+    let read = |path: &str| fs::read_to_string(path).context("what a command printed last");
+    let (compared, judged) = (read(COMPARED)?, read(JUDGED)?);
+    for part in [NOTES, COMPARED_HEAD, &compared, JUDGED_HEAD, &judged] {
+        text.push_str(part);
+    }
+    Ok(text)
 }
 
 /// One line of the second table.
