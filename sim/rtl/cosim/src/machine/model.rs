@@ -101,6 +101,16 @@ impl MachineOutcome {
     pub fn cycles(&self) -> u64 {
         self.geometry + self.sort + self.fill + self.raster
     }
+
+    /// How far it came.
+    fn last_phase(&self) -> &'static str {
+        match self {
+            Self { raster: 1.., .. } => "raster",
+            Self { fill: 1.., .. } => "its lists",
+            Self { sort: 1.., .. } => "the sort",
+            _ => "geometry",
+        }
+    }
 }
 
 type MachineRun = unsafe extern "C" fn(
@@ -170,7 +180,13 @@ impl MachineModel {
                 &mut outcome,
             );
         }
-        ensure!(outcome.hangs == 0, "the machine hangs: {outcome:?}");
+        ensure!(
+            outcome.hangs == 0,
+            "the machine hangs in {}, after {} words read and {} written",
+            outcome.last_phase(),
+            outcome.read,
+            outcome.written
+        );
         Ok(outcome)
     }
 }
