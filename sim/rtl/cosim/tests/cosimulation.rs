@@ -116,7 +116,7 @@ mod with_verilator {
         let mut seen = setup::bench::SetupFindings::default();
         for (index, load) in setup::loads::synthetic(400, 1)
             .iter()
-            .chain(&setup::loads::exact(300, 1))
+            .chain(&setup::exact::exact(300, 1))
             .chain(&scenes)
             .enumerate()
         {

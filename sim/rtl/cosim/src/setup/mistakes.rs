@@ -2,7 +2,8 @@
 
 use super::bench::{LONG, SetupLoad, run};
 use super::circuit::{SetupSpec, library};
-use super::loads::{captured, exact, synthetic};
+use super::exact::exact;
+use super::loads::{captured, synthetic};
 use super::model::SetupModel;
 use super::program::units;
 use super::vectors::difference;

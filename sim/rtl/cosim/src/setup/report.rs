@@ -3,7 +3,8 @@
 use super::area::COMPARED;
 use super::bench::{LONG, SetupFindings, SetupLoad, run};
 use super::circuit::{SetupSpec, library};
-use super::loads::{captured, exact, synthetic};
+use super::exact::exact;
+use super::loads::{captured, synthetic};
 use super::model::SetupModel;
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
