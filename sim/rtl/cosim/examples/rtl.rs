@@ -38,6 +38,7 @@ const USAGE: &str = "usage: rtl COMMAND
   mutants PART  those whose name contains PART
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   setup         the setup unit's packets and culls against the kernel's, a million splats for each design
+  setup exact   the same with splats of few bits: a minute
   setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
   setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
   setup fmax CORES   Fmax of the setup unit with so many cores by nextpnr on the ECP5
@@ -80,6 +81,7 @@ fn main() -> ExitCode {
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
         ["setup"] => setup::report::full(),
+        ["setup", "exact"] => setup::report::few(),
         ["setup", "units"] => setup_units(),
         ["setup", "area"] => setup::area::report(),
         ["setup", "fmax", cores] => cores

@@ -17,9 +17,11 @@ use std::path::Path;
 /// Where the page is kept.
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/setup-unit.md");
 
-/// What `rtl -- setup` and `rtl -- setup mutants` printed last, which they write and the page repeats.
+/// What `rtl -- setup` printed last, which it writes and the page repeats.
 pub const COMPARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-cosim.md");
-/// The second of them.
+/// The same of `rtl -- setup exact`.
+pub const COMPARED_FEW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-exact.md");
+/// The same of `rtl -- setup mutants`.
 pub const JUDGED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-mutants.md");
 
 /// Where the counts are kept.
@@ -35,10 +37,11 @@ const COMPARED_HEAD: &str = "
 What `rtl -- setup` prints; loads in parts of 10,000 splats, of which the first is drawn without pauses and those behind it with pauses at both ends (every tenth without):
 
 ";
-const JUDGED_HEAD: &str = "
-What `rtl -- setup mutants` prints, lean18 with two cores, each load at full speed and with long pauses. All mistakes but those in a package are choices in one circuit (`sim/rtl/cosim/src/switch.rs`), so that judging them takes a minute:
+const FEW_HEAD: &str = "
+What `rtl -- setup exact` prints, splats of few bits that show what those above do not:
 
 ";
+const JUDGED_HEAD: &str = include_str!("../../setup-mutants-head.md");
 
 /// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012).
 const DEVICES: [(&str, Family, [u64; 3]); 1] = [("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744])];
@@ -156,9 +159,14 @@ fn text_of(units: &[SetupUnit]) -> Result<String> {
         }
     }
     let read = |path: &str| fs::read_to_string(path).context("what a command printed last");
-    let (compared, judged) = (read(COMPARED)?, read(JUDGED)?);
-    for part in [NOTES, COMPARED_HEAD, &compared, JUDGED_HEAD, &judged] {
-        text.push_str(part);
+    for (head, kept) in [
+        (NOTES, None),
+        (COMPARED_HEAD, Some(COMPARED)),
+        (FEW_HEAD, Some(COMPARED_FEW)),
+        (JUDGED_HEAD, Some(JUDGED)),
+    ] {
+        text.push_str(head);
+        text.push_str(&kept.map_or(Ok(String::new()), read)?);
     }
     Ok(text)
 }
