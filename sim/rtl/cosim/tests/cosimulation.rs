@@ -196,7 +196,7 @@ mod with_verilator {
                 );
             }
             // Once, and without room for its lists.
-            let judged = machine::mistakes::judged(&model, &design.widths, &case);
+            let judged = machine::mistakes::judged_once(&model, &design.widths, &case);
             assert_eq!(judged.unwrap(), None, "{}", case.seen.name);
         }
     }
