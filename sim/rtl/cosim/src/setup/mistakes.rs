@@ -179,5 +179,6 @@ fn spec<'a>(mistake: Option<&'a Mutant>, choices: &'a [Mutant]) -> SetupSpec<'a>
 /// What the mistakes are judged by.
 pub fn judges() -> Result<Vec<SetupLoad>> {
     let (captured, _) = captured(400)?;
-    Ok([synthetic(400, 1), exact(300, 1), captured].concat())
+    // The quickest to show a mistake first.
+    Ok([exact(300, 1), synthetic(400, 1), captured].concat())
 }
