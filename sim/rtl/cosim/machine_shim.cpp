@@ -27,12 +27,14 @@ struct Outcome {
 
 }  // namespace
 
-// Draws the frame `rounds` times, one after the other in one machine; the cycles of the last one count.
-extern "C" void machine_run(uint32_t seed, const Frame* frame, const Constant* constants, uint64_t constant_count, const Entry* table,
+// Draws the frame `rounds` times, one after the other in one machine; the cycles of the last one count. `mistake` picks one of those that the machine
+// was built with.
+extern "C" void machine_run(uint32_t seed, uint32_t mistake, const Frame* frame, const Constant* constants, uint64_t constant_count, const Entry* table,
                             uint64_t table_count, uint32_t* words, uint64_t size, uint32_t rounds, Outcome* out) {
     VerilatedContext context;
     context.randReset(2);
     context.randSeed(static_cast<int>(seed));
+    pick_mistake(context, mistake);
     MODEL m{&context, "top"};
     Memory memory{words, size, frame->latency, frame->pauses, seed, frame->bytes};
     Clocked<MODEL> clocked{m, memory};

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include "verilated.h"
 
 #define TEXT_(a) #a
@@ -9,3 +10,10 @@
 #define HEADER_(a) TEXT(a.h)
 #define HEADER HEADER_(MODEL)
 #include HEADER
+
+// Of a circuit that was built with several mistakes: which of them it makes. Circuits without any do not ask.
+inline void pick_mistake(VerilatedContext& context, uint32_t mistake) {
+    const std::string argument = "+mistake=" + std::to_string(mistake);
+    const char* arguments[] = {"circuit", argument.c_str()};
+    context.commandArgs(2, arguments);
+}

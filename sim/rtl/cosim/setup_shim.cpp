@@ -23,8 +23,10 @@ struct Simulation {
 
 }  // namespace
 
-extern "C" void* setup_make(uint32_t seed) {
+// `mistake` picks one of those that the circuit was built with.
+extern "C" void* setup_make(uint32_t seed, uint32_t mistake) {
     auto* simulation = new Simulation;
+    pick_mistake(simulation->context, mistake);
     // Registers start with random bits: nothing may depend on a value before reset.
     simulation->context.randReset(2);
     simulation->context.randSeed(static_cast<int>(seed));

@@ -38,6 +38,7 @@ const USAGE: &str = "usage: rtl COMMAND
   mutants PART  those whose name contains PART
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   setup         the setup unit's packets and culls against the kernel's, a million splats for each design
+  setup exact   the same with splats of few bits: a minute
   setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
   setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
   setup fmax CORES   Fmax of the setup unit with so many cores by nextpnr on the ECP5
@@ -80,6 +81,7 @@ fn main() -> ExitCode {
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
         ["setup"] => setup::report::full(),
+        ["setup", "exact"] => setup::report::few(),
         ["setup", "units"] => setup_units(),
         ["setup", "area"] => setup::area::report(),
         ["setup", "fmax", cores] => cores
@@ -461,47 +463,53 @@ fn judge_order_mutants(part: &str) -> Result<()> {
         "without a mistake: {}",
         clean.unwrap_or_default()
     );
-    judge_mistakes(&order::mistakes::MISTAKES, part, |mutant| {
+    let table = judge_mistakes(&order::mistakes::MISTAKES, part, |mutant| {
         order::mistakes::verdict(Some(mutant), &loads)
-    })
+    })?;
+    survivors(&table)
 }
 
 /// The mutation check of the whole machine; the circuit without a mistake must pass.
 fn judge_machine_mutants(part: &str) -> Result<()> {
-    let cases = machine::mistakes::judges()?;
-    let clean = machine::mistakes::verdict(None, &cases)?;
-    ensure!(
-        clean.is_none(),
-        "without a mistake: {}",
-        clean.unwrap_or_default()
-    );
-    judge_mistakes(&machine::mistakes::MISTAKES, part, |mutant| {
-        machine::mistakes::verdict(Some(mutant), &cases)
-    })
+    let judge = machine::mistakes::MachineJudge::new()?;
+    let all = &machine::mistakes::MISTAKES;
+    survivors(&judge_mistakes(all, part, |mutant| judge.verdict(mutant))?)
 }
 
 /// The same for the setup unit.
 fn judge_setup_mutants(part: &str) -> Result<()> {
-    let loads = setup::mistakes::judges()?;
-    judge_mistakes(&setup::mistakes::MISTAKES, part, |mutant| {
-        setup::mistakes::verdict(mutant, &loads)
-    })
+    let judge = setup::mistakes::SetupJudge::new()?;
+    let all = &setup::mistakes::MISTAKES;
+    let table = judge_mistakes(all, part, |mutant| judge.verdict(mutant))?;
+    if part.is_empty() {
+        write_whole(setup::area::JUDGED.as_ref(), &table)?;
+    }
+    survivors(&table)
 }
 
-/// Prints how each mistake was noticed whose name contains `part`; an error if one was not.
+/// Prints how each mistake was noticed whose name contains `part`, line by line as a judgement takes a while; gives the table.
 fn judge_mistakes(
     mistakes: &[mutants::Mutant],
     part: &str,
     verdict: impl Fn(&mutants::Mutant) -> Result<Option<String>>,
-) -> Result<()> {
-    println!("| mistake | unit | noticed as |\n|---|---|---|");
-    let mut survivors = 0;
+) -> Result<String> {
+    let mut table = "| mistake | unit | noticed as |\n|---|---|---|\n".to_owned();
+    print!("{table}");
     for mutant in mistakes.iter().filter(|mutant| mutant.name.contains(part)) {
         let verdict = verdict(mutant)?;
-        survivors += usize::from(verdict.is_none());
-        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
-        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
+        let noticed = verdict.unwrap_or_else(|| NOT_NOTICED.to_owned());
+        let line = format!("| {} | {} | {noticed} |\n", mutant.name, mutant.file);
+        print!("{line}");
+        table += &line;
     }
+    Ok(table)
+}
+
+const NOT_NOTICED: &str = "**not noticed**";
+
+/// An error if the table has a mistake that was not noticed.
+fn survivors(table: &str) -> Result<()> {
+    let survivors = table.matches(NOT_NOTICED).count();
     ensure!(survivors == 0, "{survivors} mutants survive");
     Ok(())
 }

@@ -4,7 +4,7 @@
 //! verilated circuit and the only place with foreign code; [`mod@bench`] drives a tile through it; [`golden`] draws the same tile by the
 //! kernel; [`stamps`] holds the cycles of its handshakes against the machine's clock (`splatline_sim::machine::primitive`), and [`picture`] those of
 //! whole pictures under a memory's limits; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
-//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`bitstream`] packs it for a device, [`layouts`] what other arrangements of lanes would do,
+//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`switch`] puts many of them into one circuit, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`bitstream`] packs it for a device, [`layouts`] what other arrangements of lanes would do,
 //! [`speed`] how many times as fast as the verilated circuit the model is.
 
 pub mod area;
@@ -29,6 +29,7 @@ pub mod setup;
 pub mod speed;
 pub mod stamps;
 pub mod suite;
+pub mod switch;
 pub mod tables;
 pub mod units;
 pub mod verilate;

@@ -47,6 +47,15 @@ fn committed_tables_are_the_generators() {
     );
 }
 
+#[test]
+fn the_committed_page_of_the_setup_unit_is_the_commands() {
+    let committed = std::fs::read_to_string(setup::area::REPORT).unwrap();
+    assert!(
+        committed == setup::area::page_text().unwrap(),
+        "docs/setup-unit.md is stale; run `cargo run -p splatline-rtl --example rtl -- setup area page` and commit the result"
+    );
+}
+
 #[cfg(has_rtl)]
 mod with_verilator {
     use super::{machine, order, setup};
@@ -107,6 +116,7 @@ mod with_verilator {
         let mut seen = setup::bench::SetupFindings::default();
         for (index, load) in setup::loads::synthetic(400, 1)
             .iter()
+            .chain(&setup::exact::exact(300, 1))
             .chain(&scenes)
             .enumerate()
         {
@@ -162,6 +172,7 @@ mod with_verilator {
             cores: 2,
             lanes: 4,
             mistake: None,
+            choices: &[],
             effort: "-O1",
         };
         let folder = tempfile::tempdir().unwrap();
@@ -184,11 +195,9 @@ mod with_verilator {
                     "{apart}: {found:?}, {model:?}"
                 );
             }
-            let timing = machine::bench::MEMORIES[0];
-            let room = case.room - 1;
-            let found =
-                machine::bench::draw(&model, &design.widths, &case.seen, timing, room, 1).unwrap();
-            assert_eq!((found.outcome.full, found.outcome.beyond), (1, 0));
+            // Once, and without room for its lists.
+            let judged = machine::mistakes::judged_once(&model, &design.widths, &case);
+            assert_eq!(judged.unwrap(), None, "{}", case.seen.name);
         }
     }
 
@@ -359,6 +368,24 @@ mod with_verilator {
     fn there_is_no_circuit_with_three_lanes() {
         let error = Model::new("lean18", 3, 1).err();
         assert_eq!(error, Some(Missing::Model("lean18".to_owned(), 3)));
+    }
+
+    #[test]
+    #[ignore = "verilates and compiles two setup units: a minute; also `cargo run -p splatline-rtl --example rtl -- setup mutants`"]
+    fn every_mistake_of_the_setup_unit_is_noticed() {
+        let judge = setup::mistakes::SetupJudge::new().unwrap();
+        for mistake in &setup::mistakes::MISTAKES {
+            assert!(judge.verdict(mistake).unwrap().is_some(), "{mistake:?}");
+        }
+    }
+
+    #[test]
+    #[ignore = "verilates and compiles three machines: minutes; also `cargo run -p splatline-rtl --example rtl -- machine mutants`"]
+    fn every_mistake_of_the_machine_is_noticed() {
+        let judge = machine::mistakes::MachineJudge::new().unwrap();
+        for mistake in &machine::mistakes::MISTAKES {
+            assert!(judge.verdict(mistake).unwrap().is_some(), "{mistake:?}");
+        }
     }
 
     #[test]

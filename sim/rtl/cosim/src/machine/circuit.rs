@@ -2,6 +2,7 @@
 
 use crate::mutants::Mutant;
 use crate::setup::text::text;
+use crate::switch::with_choices;
 use crate::verilate::{self, Target, units, write};
 use crate::{area, package};
 use anyhow::Result;
@@ -21,6 +22,8 @@ pub struct MachineSpec<'a> {
     pub lanes: usize,
     /// A mistake.
     pub mistake: Option<&'a Mutant>,
+    /// Mistakes of which a number picks one when it is simulated.
+    pub choices: &'a [Mutant],
     /// The C++ compiler's effort.
     pub effort: &'a str,
 }
@@ -36,6 +39,7 @@ pub fn library(folder: &Path, spec: &MachineSpec) -> Result<PathBuf> {
         ("splatline_setup_pkg.sv".to_owned(), text(design, widths)?),
     ];
     files.extend(units("machine_files.txt")?);
+    let files = with_choices(files, spec.choices)?;
     let mut sources = write(folder, files, spec.mistake)?;
     sources.push(area::rtl().join("cosim/flat_machine.sv"));
     let target = Target {

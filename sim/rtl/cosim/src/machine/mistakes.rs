@@ -1,14 +1,18 @@
 //! Machines with one mistake each between their units: does a frame notice it? Mistakes within the units are judged by their own benches.
 
-use super::bench::{MEMORIES, draw};
+use super::bench::{MEMORIES, MachineFindings, draw};
 use super::circuit::{MachineSpec, library};
 use super::model::MachineModel;
 use crate::mutants::{Mutant, mutant};
 use crate::order::loads::{Seen, ordered};
-use anyhow::Result;
+use crate::switch::{Number, chosen};
+use anyhow::{Result, ensure};
 use splatline::format::{Lean18, Widths};
+use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::scene::synthetic;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 
 const MACHINE: &str = "splat_machine.sv";
 const FETCH: &str = "packet_fetch.sv";
@@ -55,8 +59,9 @@ pub struct Case {
     pub empty: Vec<bool>,
 }
 
-/// Frames small enough for every mistake: a crowd with lists that end within words, culled splats and tiles cut by the edge; and a few splats among
-/// tiles without any, of which some are at the edges.
+/// Frames small enough for every mistake: a crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among
+/// tiles without any, of which some are at the edges; a single row of pixels, whose many tiles are looked up while those without splats are
+/// written; and one tile alone with more splats than wait for it, behind which no word is on its way when its pixels begin to leave.
 pub fn judges() -> Result<Vec<Case>> {
     let crowd = Seen {
         name: "crowd",
@@ -68,6 +73,16 @@ pub fn judges() -> Result<Vec<Case>> {
         scene: synthetic::random_gaussians(7, 5, 2.0),
         camera: synthetic::camera(200, 100),
     };
+    let row = Seen {
+        name: "row",
+        scene: synthetic::random_gaussians(40, 3, 0.5),
+        camera: row_of(2_000),
+    };
+    let tile = Seen {
+        name: "tile",
+        scene: synthetic::random_gaussians(300, 4, 20.0),
+        camera: synthetic::camera(32, 32),
+    };
     let design = DesignChoice::load("lean18")?;
     let case = |seen: Seen| {
         let lists = ordered(&seen, &design).1.lists;
@@ -77,43 +92,114 @@ pub fn judges() -> Result<Vec<Case>> {
             empty: lists.iter().map(Vec::is_empty).collect(),
         }
     };
-    Ok([crowd, sparse].map(case).into())
+    Ok([crowd, sparse, row, tile].map(case).into())
 }
 
-/// What the frames say of a mistake, or nothing if it survives: with all memories, twice in one machine; and one whose lists have no room.
-pub fn verdict(mistake: Option<&Mutant>, cases: &[Case]) -> Result<Option<String>> {
-    let folder = tempfile::tempdir()?;
-    let widths: Widths = Lean18::WIDTHS;
-    let spec = MachineSpec {
+/// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.
+fn row_of(columns: usize) -> Camera {
+    let camera = synthetic::camera(columns, columns);
+    Camera {
+        fy: 1.0,
+        cy: 0.5,
+        height: 1,
+        ..camera
+    }
+}
+
+/// The mistakes' judge: one machine with all of them that have a choice, and the frames.
+pub struct MachineJudge {
+    cases: Vec<Case>,
+    chosen: Vec<Number>,
+    library: PathBuf,
+    folder: TempDir,
+}
+
+impl MachineJudge {
+    /// Builds the machine, which must draw the frames without a mistake.
+    pub fn new() -> Result<MachineJudge> {
+        let folder = tempfile::tempdir()?;
+        let judge = MachineJudge {
+            cases: judges()?,
+            chosen: chosen("machine_files.txt", &MISTAKES)?,
+            library: library(folder.path(), &spec(None, &MISTAKES))?,
+            folder,
+        };
+        let clean = judge.drawn(&judge.library, 0)?;
+        ensure!(
+            clean.is_none(),
+            "without a mistake: {}",
+            clean.unwrap_or_default()
+        );
+        Ok(judge)
+    }
+
+    /// What the frames say of a mistake, or nothing if it survives.
+    pub fn verdict(&self, mistake: &Mutant) -> Result<Option<String>> {
+        let place = MISTAKES.iter().position(|known| known.name == mistake.name);
+        let number = place.map_or(0, |place| place + 1);
+        if self.chosen.contains(&number) {
+            return self.drawn(&self.library, number);
+        }
+        let folder = TempDir::new_in(self.folder.path())?;
+        let alone = library(folder.path(), &spec(Some(mistake), &[]))?;
+        self.drawn(&alone, 0)
+    }
+
+    fn drawn(&self, library: &Path, number: Number) -> Result<Option<String>> {
+        let model = MachineModel::with_mistake(library, number)?;
+        for case in &self.cases {
+            let word = judged(&model, &WIDTHS, case);
+            let word = word.unwrap_or_else(|error| Some(format!("{error:#}")));
+            if let Some(word) = word {
+                return Ok(Some(format!("{}: {word}", case.seen.name)));
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// The design that is mutated.
+const WIDTHS: Widths = Lean18::WIDTHS;
+
+fn spec<'a>(mistake: Option<&'a Mutant>, choices: &'a [Mutant]) -> MachineSpec<'a> {
+    MachineSpec {
         design: "lean18",
-        widths: &widths,
+        widths: &WIDTHS,
         cores: 2,
         lanes: 4,
         mistake,
+        choices,
         effort: "-O1",
-    };
-    let model = MachineModel::new(&library(folder.path(), &spec)?)?;
-    for case in cases {
-        let word = judged(&model, &widths, case).unwrap_or_else(|error| Some(format!("{error:#}")));
-        if let Some(word) = word {
-            return Ok(Some(format!("{}: {word}", case.seen.name)));
-        }
     }
-    Ok(None)
 }
 
+/// What a case's frames say, or nothing if all are as they should be.
 fn judged(model: &MachineModel, widths: &Widths, case: &Case) -> Result<Option<String>> {
-    let Case { seen, room, .. } = case;
     for timing in MEMORIES {
-        let found = draw(model, widths, seen, timing, *room, 2)?;
-        if !found.agree() {
-            return Ok(Some(format!(
-                "{} of {} pixels differ, {} accesses astray",
-                found.mismatches, found.pixels, found.outcome.beyond
-            )));
+        let found = draw(model, widths, &case.seen, timing, case.room, 2)?;
+        if let Some(word) = different(&found) {
+            return Ok(Some(word));
         }
+    }
+    judged_once(model, widths, case)
+}
+
+/// The same of a single frame, since one that is said to be whole too early is so by the time a second one ends; and of one whose lists have no room.
+pub fn judged_once(model: &MachineModel, widths: &Widths, case: &Case) -> Result<Option<String>> {
+    let Case { seen, room, .. } = case;
+    let found = draw(model, widths, seen, MEMORIES[2], *room, 1)?;
+    if let Some(word) = different(&found) {
+        return Ok(Some(word));
     }
     let found = draw(model, widths, seen, MEMORIES[0], room - 1, 1)?;
     let refused = found.outcome.full == 1 && found.outcome.beyond == 0;
     Ok((!refused).then(|| "lists without room are drawn".to_owned()))
+}
+
+fn different(found: &MachineFindings) -> Option<String> {
+    let word = format!(
+        "{} of {} pixels differ, {} accesses astray",
+        found.mismatches, found.pixels, found.outcome.beyond
+    );
+    (!found.agree()).then_some(word)
 }

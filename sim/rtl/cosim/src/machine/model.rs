@@ -1,6 +1,7 @@
 //! The verilated machine and its memory behind a safe function.
 #![allow(unsafe_code)]
 
+use crate::switch::Number;
 use anyhow::{Context, Result, ensure};
 use libloading::Library;
 use std::path::Path;
@@ -100,9 +101,20 @@ impl MachineOutcome {
     pub fn cycles(&self) -> u64 {
         self.geometry + self.sort + self.fill + self.raster
     }
+
+    /// How far it came.
+    fn last_phase(&self) -> &'static str {
+        match self {
+            Self { raster: 1.., .. } => "raster",
+            Self { fill: 1.., .. } => "its lists",
+            Self { sort: 1.., .. } => "the sort",
+            _ => "geometry",
+        }
+    }
 }
 
 type MachineRun = unsafe extern "C" fn(
+    u32,
     u32,
     *const MachineFrame,
     *const ConstantWords,
@@ -118,6 +130,7 @@ type MachineRun = unsafe extern "C" fn(
 /// A machine in a shared library.
 pub struct MachineModel {
     run: MachineRun,
+    mistake: u32,
     /// Keeps the code loaded.
     _library: Library,
 }
@@ -125,11 +138,17 @@ pub struct MachineModel {
 impl MachineModel {
     /// Loads it.
     pub fn new(path: &Path) -> Result<MachineModel> {
+        MachineModel::with_mistake(path, 0)
+    }
+
+    /// The same with one of the mistakes that the machine was built with ([`crate::switch`]); 0 is none.
+    pub fn with_mistake(path: &Path, mistake: Number) -> Result<MachineModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbol has the shim's type.
         unsafe {
             let library = Library::new(path).context("the machine's library")?;
             Ok(MachineModel {
                 run: *library.get(b"machine_run")?,
+                mistake: mistake as u32,
                 _library: library,
             })
         }
@@ -149,6 +168,7 @@ impl MachineModel {
         unsafe {
             (self.run)(
                 1,
+                self.mistake,
                 frame,
                 constants.as_ptr(),
                 constants.len() as u64,
@@ -160,7 +180,13 @@ impl MachineModel {
                 &mut outcome,
             );
         }
-        ensure!(outcome.hangs == 0, "the machine hangs: {outcome:?}");
+        ensure!(
+            outcome.hangs == 0,
+            "the machine hangs in {}, after {} words read and {} written",
+            outcome.last_phase(),
+            outcome.read,
+            outcome.written
+        );
         Ok(outcome)
     }
 }

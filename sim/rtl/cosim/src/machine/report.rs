@@ -60,6 +60,7 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
             cores,
             lanes,
             mistake: None,
+            choices: &[],
             effort: "-O2",
         };
         let model = MachineModel::new(&library(folder.path(), &spec)?)?;

@@ -17,6 +17,13 @@ use std::path::Path;
 /// Where the page is kept.
 pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/setup-unit.md");
 
+/// What `rtl -- setup` printed last, which it writes and the page repeats.
+pub const COMPARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-cosim.md");
+/// The same of `rtl -- setup exact`.
+pub const COMPARED_FEW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-exact.md");
+/// The same of `rtl -- setup mutants`.
+pub const JUDGED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-mutants.md");
+
 /// Where the counts are kept.
 const COUNTS: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
@@ -25,6 +32,16 @@ const COUNTS: &str = concat!(
 
 const HEAD: &str = include_str!("../../setup-head.md");
 const NOTES: &str = include_str!("../../setup-notes.md");
+
+const COMPARED_HEAD: &str = "
+What `rtl -- setup` prints; loads in parts of 10,000 splats, of which the first is drawn without pauses and those behind it with pauses at both ends (every tenth without):
+
+";
+const FEW_HEAD: &str = "
+What `rtl -- setup exact` prints, splats of few bits that show what those above do not:
+
+";
+const JUDGED_HEAD: &str = include_str!("../../setup-mutants-head.md");
 
 /// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012).
 const DEVICES: [(&str, Family, [u64; 3]); 1] = [("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744])];
@@ -58,8 +75,7 @@ pub fn report() -> Result<()> {
 
 /// The page again, from the counts of the last synthesis.
 pub fn page() -> Result<()> {
-    let text = fs::read_to_string(COUNTS)?;
-    write_page(&parse(&text).context("not a table of counts")?)
+    Ok(atomic::write(REPORT.as_ref(), page_text()?.as_bytes())?)
 }
 
 /// Writes a design's packages into a folder; gives Yosys' words for reading them with all units.
@@ -106,6 +122,16 @@ fn unit(subject: &Subject, family: Family, cores: u32) -> Result<SetupUnit> {
 }
 
 fn write_page(units: &[SetupUnit]) -> Result<()> {
+    Ok(atomic::write(REPORT.as_ref(), text_of(units)?.as_bytes())?)
+}
+
+/// The page as it would be written without synthesis.
+pub fn page_text() -> Result<String> {
+    let text = fs::read_to_string(COUNTS)?;
+    text_of(&parse(&text).context("not a table of counts")?)
+}
+
+fn text_of(units: &[SetupUnit]) -> Result<String> {
     let mut text = HEAD.to_owned();
     for unit in units {
         let seen = if unit.fitted() { "" } else { " ." };
@@ -132,8 +158,17 @@ fn write_page(units: &[SetupUnit]) -> Result<()> {
             }
         }
     }
-    text.push_str(NOTES);
-    Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
+    let read = |path: &str| fs::read_to_string(path).context("what a command printed last");
+    for (head, kept) in [
+        (NOTES, None),
+        (COMPARED_HEAD, Some(COMPARED)),
+        (FEW_HEAD, Some(COMPARED_FEW)),
+        (JUDGED_HEAD, Some(JUDGED)),
+    ] {
+        text.push_str(head);
+        text.push_str(&kept.map_or(Ok(String::new()), read)?);
+    }
+    Ok(text)
 }
 
 /// One line of the second table.

@@ -5,8 +5,10 @@ use super::model::{RECORD, SetupInputs, SetupModel, SetupOutputs};
 use super::program::program;
 use crate::workload::split_mix;
 use anyhow::{Result, ensure};
+use splatline::footprint::Footprint;
 use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::{Design, RuntimeWidths, Widths};
+use splatline::math::SoftFloat;
 use splatline::rules::Rules;
 use splatline::setup::{Cull, setup};
 use splatline::splat::VolumeSplat;
@@ -253,16 +255,57 @@ fn compare(
     }
     findings.mismatches += 1;
     if findings.first_difference.is_none() {
-        let got = match out.cull {
-            0 => format!("{:?}", layout.decode(&out.packet)),
-            reason => format!("{:?}", Cull::ALL.get(usize::from(reason) - 1)),
+        let words = match (expected, out.cull) {
+            (Ok(packet), 0) => match (layout.decode(packet), layout.decode(&out.packet)) {
+                (Ok(wanted), Ok(got)) => in_words(&wanted, &got),
+                (_, got) => format!("a packet that decodes to {got:?}"),
+            },
+            (Ok(_), cull) => format!("culled: {:?}", known(cull)),
+            (Err(cull), 0) => format!("not culled: {cull:?}"),
+            (Err(cull), other) => format!("{:?}, not {cull:?}", known(other)),
         };
-        let wanted = match expected {
-            Ok(packet) => format!("{:?}", layout.decode(packet)),
-            Err(cull) => format!("{cull:?}"),
-        };
-        findings.first_difference = Some(format!(
-            "splat {index}: the kernel has {wanted}, the circuit {got}"
-        ));
+        findings.first_difference = Some(format!("splat {index}: {words}"));
     }
+}
+
+fn known(reason: u8) -> Option<Cull> {
+    Cull::ALL.get(usize::from(reason).wrapping_sub(1)).copied()
+}
+
+/// The first field that is another one, with both values, and the names of the others.
+fn in_words(wanted: &Footprint, got: &Footprint) -> String {
+    let number = |x: SoftFloat| format!("{} * 2^{}", x.mantissa, x.exponent);
+    let fields = |f: &Footprint| {
+        [
+            ("depth", f.depth.to_string()),
+            ("centre", format!("{:?}", f.centre)),
+            ("horizontal", number(f.ldl.horizontal)),
+            ("squared width", number(f.ldl.squared_width)),
+            ("shear", number(f.ldl.shear)),
+            ("vertical", number(f.ldl.vertical)),
+            (
+                "conic",
+                format!("{:?} * 2^{}", f.conic.mantissa, f.conic.exponent),
+            ),
+            ("cut-off", f.cutoff.to_string()),
+            ("opacity", f.opacity.to_string()),
+            ("colour", format!("{:?}", f.colour)),
+            ("first", format!("{:?}", f.first)),
+            ("end", format!("{:?}", f.end)),
+        ]
+    };
+    let (wanted, got) = (fields(wanted), fields(got));
+    let mut differ = wanted
+        .iter()
+        .zip(&got)
+        .filter(|(wanted, got)| wanted != got);
+    let Some(((name, wanted), (_, got))) = differ.next() else {
+        return "the same fields in other bits".to_owned();
+    };
+    let others: Vec<&str> = differ.map(|(wanted, _)| wanted.0).collect();
+    let others = match others.as_slice() {
+        [] => String::new(),
+        others => format!("; and {}", others.join(", ")),
+    };
+    format!("{name} {got}, not {wanted}{others}")
 }

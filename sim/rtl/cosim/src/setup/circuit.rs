@@ -5,6 +5,7 @@ use super::program::program;
 use super::text::with_program;
 use crate::mutants::Mutant;
 use crate::package;
+use crate::switch::with_choices;
 use crate::verilate::{self, Target, units, write};
 use anyhow::Result;
 use splatline::format::Widths;
@@ -23,6 +24,8 @@ pub struct SetupSpec<'a> {
     pub cores: usize,
     /// A mistake.
     pub mistake: Option<&'a Mutant>,
+    /// Mistakes of which a number picks one when it is simulated.
+    pub choices: &'a [Mutant],
     /// The C++ compiler's effort: little where building takes longer than running.
     pub effort: &'a str,
 }
@@ -36,6 +39,7 @@ impl<'a> SetupSpec<'a> {
             program,
             cores,
             mistake: None,
+            choices: &[],
             effort: "-O1",
         }
     }
@@ -55,6 +59,7 @@ pub fn library(folder: &Path, spec: &SetupSpec) -> Result<PathBuf> {
         ),
     ];
     files.extend(units("setup_files.txt")?);
+    let files = with_choices(files, spec.choices)?;
     let sources = write(folder, files, spec.mistake)?;
     let target = Target {
         top: "setup_unit",

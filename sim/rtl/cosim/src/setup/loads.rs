@@ -53,7 +53,7 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
     loads
 }
 
-fn name_of(rules: &KernelRules) -> &'static str {
+pub(super) fn name_of(rules: &KernelRules) -> &'static str {
     if rules.normalised { "ewa" } else { "3dgs" }
 }
 

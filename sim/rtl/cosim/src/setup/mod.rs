@@ -6,6 +6,7 @@ pub mod bench;
 pub mod circuit;
 pub mod constants;
 pub use splatline_sim::machine::area::setup as counts;
+pub mod exact;
 pub mod loads;
 pub mod mistakes;
 pub mod model;

@@ -1,6 +1,7 @@
 //! The verilated setup unit behind a safe handle.
 #![allow(unsafe_code)]
 
+use crate::switch::Number;
 use anyhow::{Context, Result};
 use libloading::Library;
 use splatline::footprint::packet::Packet;
@@ -62,13 +63,19 @@ pub struct SetupModel {
 impl SetupModel {
     /// The circuit in a shared library, after reset. The seed chooses what its registers held before.
     pub fn new(path: &Path, seed: u32) -> Result<SetupModel> {
+        SetupModel::with_mistake(path, seed, 0)
+    }
+
+    /// The same with one of the mistakes that the circuit was built with ([`crate::switch`]); 0 is none.
+    pub fn with_mistake(path: &Path, seed: u32, mistake: Number) -> Result<SetupModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
         // shim's types, and the simulation is freed by the same library before it is unloaded.
         let mut model = unsafe {
             let library = Library::new(path).context("the setup unit's library")?;
-            let make: unsafe extern "C" fn(u32) -> *mut c_void = *library.get(b"setup_make")?;
+            let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
+                *library.get(b"setup_make")?;
             SetupModel {
-                simulation: make(seed),
+                simulation: make(seed, mistake as u32),
                 tick: *library.get(b"setup_tick")?,
                 destroy: *library.get(b"setup_destroy")?,
                 _library: library,

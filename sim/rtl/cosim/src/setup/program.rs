@@ -208,7 +208,7 @@ pub fn program(widths: &Widths) -> Result<Program> {
     Program::new(std::mem::take(&mut builder.operations))
 }
 
-/// A program that is no setup: the record's weight through rounding, reciprocal, root and logarithm, each into a field of the packet that only
+/// A program that is no setup: the record's weight (beside a term of 0) through rounding, reciprocal, root and logarithm, each into a field of the packet that only
 /// [`Layout`](splatline::footprint::packet::Layout) touches on its way (`shear`, `vertical`, `horizontal`, cut-off). For vectors of those units alone.
 pub fn units(widths: &Widths) -> Result<Program> {
     let mut builder = Builder::default();
@@ -220,7 +220,8 @@ pub fn units(widths: &Widths) -> Result<Program> {
         Unit::First(0),
         None,
     );
-    let shear = builder.round("rounded", value(given), bits);
+    let nothing = plain(Operand::Input(AXES));
+    let shear = builder.sum("rounded", vec![plain(value(given)), nothing], bits);
     let whole = builder.round("31 bits", value(given), 31);
     let vertical = builder.reciprocal("reciprocal", whole, bits);
     let seed = builder.root("root, seed", whole, 31);

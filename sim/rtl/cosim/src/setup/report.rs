@@ -1,12 +1,15 @@
 //! The setup unit against the kernel as a table: every design, load and rule.
 
+use super::area::{COMPARED, COMPARED_FEW};
 use super::bench::{LONG, SetupFindings, SetupLoad, run};
 use super::circuit::{SetupSpec, library};
+use super::exact::exact;
 use super::loads::{captured, synthetic};
 use super::model::SetupModel;
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use splatline::format::{Lean18, RuntimeWidths, Standard24, Widths};
+use splatline_sim::atomic;
 use std::path::Path;
 
 /// Designs and cores that are compared: of several cores a number that divides no round.
@@ -20,15 +23,30 @@ const CHUNK: usize = 10_000;
 
 /// Every splat of three scenes and a hundred thousand others, under both kinds of rules.
 pub fn full() -> Result<()> {
-    println!(
-        "| design | cores | load | splats | near | far | range | degenerate | transparent | outside | cycles a splat, without pauses | mismatches |"
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
-    let (loads, missing) = captured(1)?;
+    let (scenes, missing) = captured(1)?;
     for name in missing {
         println!("(no {name}: its data is not at hand)");
     }
-    let loads = [loads, synthetic(12_000, 1)].concat();
+    compared([scenes, synthetic(12_000, 1)].concat(), COMPARED)
+}
+
+/// Splats of few bits, for which a minute is enough.
+pub fn few() -> Result<()> {
+    compared(exact(12_000, 1), COMPARED_FEW)
+}
+
+/// Prints the loads' lines, and writes them where the page takes them from.
+fn compared(loads: Vec<SetupLoad>, kept: &str) -> Result<()> {
+    let mut page = String::new();
+    let mut say = |line: &str| {
+        println!("{line}");
+        page += line;
+        page.push('\n');
+    };
+    say(
+        "| design | cores | load | splats | near | far | range | degenerate | transparent | outside | cycles a splat, without pauses | mismatches |",
+    );
+    say("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let mut total = SetupFindings::default();
     for (design, widths, cores) in SUBJECTS {
         let folder = tempfile::tempdir()?;
@@ -39,14 +57,15 @@ pub fn full() -> Result<()> {
         let library = library(folder.path(), &spec)?;
         for load in &loads {
             let findings = all(&library, &widths, load)?;
-            print_line(design, cores, load, &findings);
+            say(&line(design, cores, load, &findings));
             total = total.and(&findings);
         }
     }
-    println!(
+    say(&format!(
         "\n{} splats, {} mismatches, {} without a place in a record",
         total.splats, total.mismatches, total.unfit
-    );
+    ));
+    atomic::write(kept.as_ref(), page.as_bytes())?;
     ensure!(
         total.mismatches == 0,
         "{}",
@@ -93,13 +112,13 @@ fn all(library: &Path, widths: &Widths, load: &SetupLoad) -> Result<SetupFinding
     })
 }
 
-fn print_line(design: &str, cores: usize, load: &SetupLoad, findings: &SetupFindings) {
+fn line(design: &str, cores: usize, load: &SetupLoad, findings: &SetupFindings) -> String {
     let culled = findings.culled.map(|count| count.to_string()).join(" | ");
-    println!(
+    format!(
         "| {design} | {cores} | {} | {} | {culled} | {:.2} | {} |",
         load.name,
         findings.splats,
         findings.cycles as f64 / 100.0,
         findings.mismatches
-    );
+    )
 }

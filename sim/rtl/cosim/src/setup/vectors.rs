@@ -8,6 +8,8 @@ use super::bench::{SetupLoad, record, write_constants};
 use super::circuit::{SetupSpec, library};
 use super::model::{SetupInputs, SetupModel};
 use super::program::units;
+use crate::switch::Number;
+use crate::workload::split_mix;
 use anyhow::{Result, ensure};
 use splatline::footprint::packet::{Layout, Packet};
 use splatline::format::Widths;
@@ -16,6 +18,7 @@ use splatline::rules::Rules;
 use splatline::setup::cutoff;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline_sim::vectors::hard_cases;
+use std::path::Path;
 
 /// Cycles for a result after which the unit counts as hanging.
 const PATIENCE: u32 = 20_000;
@@ -27,7 +30,17 @@ pub fn first_difference(design: &str, widths: &Widths, step: usize) -> Result<Op
         program: units,
         ..SetupSpec::new(design, widths, 3)
     };
-    let mut model = SetupModel::new(&library(folder.path(), &spec)?, 1)?;
+    difference(&library(folder.path(), &spec)?, 0, widths, step)
+}
+
+/// The same of a circuit with one of the mistakes that it was built with.
+pub fn difference(
+    library: &Path,
+    mistake: Number,
+    widths: &Widths,
+    step: usize,
+) -> Result<Option<String>> {
+    let mut model = SetupModel::with_mistake(library, 1, mistake)?;
     let (view, _) = hard_cases(1, [640, 480], 1);
     let load = SetupLoad {
         name: "units".to_owned(),
@@ -66,26 +79,33 @@ pub fn first_difference(design: &str, widths: &Widths, step: usize) -> Result<Op
     Ok(None)
 }
 
-/// Mantissas of the design's width and of 31 bits, at an odd and an even exponent.
+/// Mantissas of the design's width, and some of 31 bits, at an odd and an even exponent.
 fn numbers(widths: &Widths, step: usize) -> Vec<SoftFloat> {
     let bits = u32::from(widths.mantissa);
     let usual = (1i32 << (bits - 1)..(1i64 << bits) as i32).step_by(step);
     let carrying = (0..31).flat_map(|shift| [i32::MAX >> shift, (1 << 30) >> shift]);
-    let mantissas = usual.chain(carrying.filter(|mantissa| *mantissa > 0));
+    let mut state = 1;
+    let long = (0..2_000).map(|_| (split_mix(&mut state) >> 34) as i32 | 1 << 30);
+    let carrying = carrying.filter(|mantissa| *mantissa > 0);
+    let mantissas = usual.chain(carrying).chain(long);
     mantissas
         .flat_map(|mantissa| [-27, -20].map(|exponent| SoftFloat { mantissa, exponent }))
         .collect()
 }
 
-/// A splat with this weight and nothing else.
+/// A splat with this weight, and in its first axis a 0 of a large power: a term that must not count.
 fn bearing(weight: SoftFloat) -> VolumeSplat {
     let nothing = SoftFloat {
         mantissa: 0,
         exponent: 0,
     };
+    let large = Axis {
+        mantissa: [0, 1, 0],
+        exponent: 100,
+    };
     VolumeSplat {
         centre: [nothing; 3],
-        axes: [Axis::default(); 3],
+        axes: [large, Axis::default(), Axis::default()],
         weight,
         colour: [0.0; 3].map(splatline::float::colour),
     }
