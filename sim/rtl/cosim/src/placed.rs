@@ -111,14 +111,14 @@ pub fn keep(file: &Path, line: &PlacedLine) -> Result<()> {
     Ok(atomic::write(file, [HEADING, &text].concat().as_bytes())?)
 }
 
-/// A circuit's line of the table: the median's speed and path, and the extremes. `now` are its sources as they are; empty, if it was never placed.
+/// A circuit's line of the table: the median's speed and path (of two in the middle the slower), and the extremes. `now` are its sources as they are; empty, if it was never placed.
 pub fn summary(lines: &[PlacedLine], now: u64) -> String {
     let mut by_speed: Vec<&PlacedLine> = lines.iter().collect();
     by_speed.sort_by(|a, b| a.mhz.total_cmp(&b.mhz));
     let (Some(slowest), Some(fastest)) = (by_speed.first(), by_speed.last()) else {
         return String::new();
     };
-    let median = by_speed[by_speed.len() / 2];
+    let median = by_speed[(by_speed.len() - 1) / 2];
     let seeds: Vec<String> = lines.iter().map(|line| line.seed.to_string()).collect();
     let counts = median
         .fabric
