@@ -1,7 +1,8 @@
 // BITS bits, STAGES cycles later: what a value has to wait for while its pipeline computes something else from it.
 //
-// A few stages are registers. Longer ones are a ring in block RAM (a read, then a register), since registers for every stage of
-// every field would outnumber the arithmetic.
+// A few stages are registers. Longer ones are a ring, since registers for every stage of every field would outnumber the arithmetic: up to 17 stages in
+// look-up tables, and from there on in block RAM (a read, then a register). Block RAM stands in a few lines across the device, and a circuit that takes
+// much of it is drawn apart along them: all its wires become longer.
 module delay #(
     parameter BITS = 8,
     parameter STAGES = 1
@@ -13,13 +14,35 @@ module delay #(
     output logic [BITS-1:0] out
 );
   // From so many bits and stages on a ring pays.
-  localparam RING = STAGES >= 5 && BITS >= 16;
+  localparam RING = STAGES >= 8 && BITS >= 16;
+  // What a look-up table holds as a memory, and the register behind it.
+  localparam SHORT = STAGES <= 17;
 
   generate
     if (STAGES == 0) begin : gen_wire
       logic unused;
       assign unused = &{1'b0, clk, rst, advance};
       assign out = in;
+    end else if (RING && SHORT) begin : gen_short_ring
+      localparam PLACE = $clog2(STAGES - 1);
+      logic [BITS-1:0] memory[0:(1<<PLACE)-1];
+      // Where to write, and where what came STAGES - 1 cycles ago lies. Counters of its own, as below.
+      logic [PLACE-1:0] place, from;
+      (* keep *)
+      always_ff @(posedge clk) begin
+        if (rst) begin
+          place <= 0;
+          from <= PLACE'(0) - PLACE'(STAGES - 1);
+        end else if (advance) begin
+          place <= place + 1'b1;
+          from <= from + 1'b1;
+        end
+      end
+      always_ff @(posedge clk)
+        if (advance) begin
+          memory[place] <= in;
+          out <= memory[from];
+        end
     end else if (RING) begin : gen_ring
       localparam PLACE = $clog2(STAGES);
       (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];

@@ -36,6 +36,8 @@ module lane #(
   logic [PLACE*(LEFT+2)-1:0] been;
   logic [PLACE-1:0] first;
   assign first = {run.row, run.column};
+  // Whether the run has a pixel so many columns on.
+  logic [INTERVAL-2:0] reaches;
   assign been_valid = {left_valid, active, active && !final_pixel};
   assign been = {left, address, address};
   always_ff @(posedge clk) begin
@@ -45,13 +47,22 @@ module lane #(
   end
   genvar i;
   generate
+    for (i = 0; i < INTERVAL - 1; i = i + 1) begin : gen_reaches
+      assign reaches[i] = run.count > (COLUMN_BITS + 1)'(i);
+    end
     for (i = 0; i <= LEFT + 1; i = i + 1) begin : gen_been
       // The run comes to that column `ahead` cycles after its first pixel, which would be i + 1 cycles after the place was left. The pixel
-      // that leaves next is a column further than the one that leaves now.
+      // that leaves next is a column further than the one that leaves now. Few distances matter: they are compared one by one, beside the run's
+      // length and not behind another subtraction.
+      localparam NEXT = i == 0 ? 1 : 0;
       logic [COLUMN_BITS:0] ahead;
-      assign ahead = {1'b0, been[PLACE*i+:COLUMN_BITS]} - {1'b0, first[COLUMN_BITS-1:0]} + (COLUMN_BITS + 1)'(i == 0);
-      assign meets[i] = been_valid[i] && been[PLACE*i+COLUMN_BITS+:PLACE-COLUMN_BITS] == first[PLACE-1:COLUMN_BITS]
-          && ahead < (COLUMN_BITS + 1)'(INTERVAL - 1 - i) && ahead < run.count;
+      logic too_early;
+      assign ahead = {1'b0, been[PLACE*i+:COLUMN_BITS]} - {1'b0, first[COLUMN_BITS-1:0]};
+      always_comb begin
+        too_early = 0;
+        for (int d = 0; d < INTERVAL - 1 - i; d = d + 1) too_early = too_early || (ahead == (COLUMN_BITS + 1)'(d - NEXT) && reaches[d]);
+      end
+      assign meets[i] = been_valid[i] && been[PLACE*i+COLUMN_BITS+:PLACE-COLUMN_BITS] == first[PLACE-1:COLUMN_BITS] && too_early;
     end
   endgenerate
 

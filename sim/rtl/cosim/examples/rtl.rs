@@ -27,8 +27,8 @@ const USAGE: &str = "usage: rtl COMMAND
   area          LUT, FF, DSP and memory of all circuits by Yosys (15 minutes): calibrates the estimate, writes docs/area.md
   area DESIGN   one design's lines of it
   area page     docs/area.md again without synthesis
-  area fmax     Fmax by nextpnr, where it is there and the device is large enough (an hour), into docs/area.md
-  area fmax WORDS  circuits whose name contains WORDS on the ECP5 alone, as `lean18 splat_primitive 1`
+  area fmax     Fmax by nextpnr on the ECP5, of what was not placed yet (some minutes a seed), into docs/area.md
+  area fmax WORDS [SEED]  circuits whose name contains WORDS, as `lean18 splat_primitive 1`, with five seeds or with one
   area flat WORDS  what these circuits take on the ECP5, flattened between registers as they would be placed, without placing them
   bitstream DESIGN LANES FILE   the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
   speed         how many times as fast as the verilated circuits the model is
@@ -65,7 +65,11 @@ fn main() -> ExitCode {
         ["area", "page"] => area::page(),
         ["area", "fmax"] => fmax::report(),
         ["area", "flat", words] => fmax::counts_of(words),
-        ["area", "fmax", words] => fmax::part(words),
+        ["area", "fmax", words] => fmax::part(words, None),
+        ["area", "fmax", words, seed] => seed
+            .parse()
+            .context("a seed")
+            .and_then(|seed| fmax::part(words, Some(seed))),
         ["bitstream", design, lanes, file] => lanes
             .parse()
             .context("a number of lanes")

