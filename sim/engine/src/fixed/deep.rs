@@ -74,7 +74,7 @@ fn draw_with<D: Design + Send + Sync>(
     };
     let order = KernelCompositing::FrontToBack;
     let painter = Painter::new(design, &rules, table, order, options.traversal);
-    let layers = Layers {
+    let layers = DeepLayers {
         channel,
         back_to_front,
         widths,
@@ -94,7 +94,7 @@ fn draw_with<D: Design + Send + Sync>(
 type Alone<'a> = dyn Fn(u32, Window, &mut TakeOpacities) + Sync + 'a;
 
 /// Layers of a picture, in drawing order. They do not know the design's type, so that one compiled copy serves all.
-struct Layers<'a> {
+struct DeepLayers<'a> {
     channel: Channel,
     back_to_front: bool,
     widths: Widths,
@@ -103,7 +103,7 @@ struct Layers<'a> {
     alone: &'a Alone<'a>,
 }
 
-impl Layers<'_> {
+impl DeepLayers<'_> {
     fn paint(&self, viewport: [u16; 2]) -> Vec<DeepPixel> {
         let tiles = TileLists::by_key(self.footprints, viewport, &|layer, _| layer.into());
         let clear = DeepPixel::clear(&self.channel);

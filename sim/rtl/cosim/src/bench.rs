@@ -4,7 +4,7 @@ use crate::model::{Inputs, Missing, Model, Outputs, Packet, RESET_CYCLES, ReadOu
 use crate::package::table;
 use crate::roots::Roots;
 use crate::stamps::Stamps;
-use crate::workload::Tile;
+use crate::workload::BenchTile;
 use splatline::blend::{Blend, FINISHED, Pixel};
 use splatline::footprint::Footprint;
 use splatline::footprint::packet::Layout;
@@ -104,7 +104,7 @@ impl Bench {
     }
 
     /// Inputs that offer a tile.
-    pub(crate) fn tile_offer(&self, tile: &Tile) -> Inputs {
+    pub(crate) fn tile_offer(&self, tile: &BenchTile) -> Inputs {
         let [first_column, first_row] = tile.window.first;
         let [end_column, end_row] = tile.window.end;
         Inputs {
@@ -145,7 +145,7 @@ impl Bench {
     /// Draws a tile. The error says which handshake the circuit did not answer.
     pub fn draw(
         &mut self,
-        tile: &Tile,
+        tile: &BenchTile,
         footprints: &[Footprint],
         pauses: Pauses,
     ) -> Result<BenchOutcome, String> {
@@ -182,7 +182,7 @@ impl Bench {
     }
 
     /// A tile's packets, as [`Bench::draw_at_once`] takes them.
-    pub fn encoded(&self, tile: &Tile, footprints: &[Footprint]) -> Vec<Packet> {
+    pub fn encoded(&self, tile: &BenchTile, footprints: &[Footprint]) -> Vec<Packet> {
         let footprint = |index: &u32| &footprints[*index as usize];
         let encode = |index| self.layout.encode(footprint(index));
         tile.list.iter().map(encode).collect()
@@ -192,7 +192,7 @@ impl Bench {
     /// the first packet's handshake to the last packet's last pixel.
     pub fn draw_at_once(
         &mut self,
-        tile: &Tile,
+        tile: &BenchTile,
         packets: &[Packet],
         pixels: &mut [ReadOut],
     ) -> Result<u64, String> {
@@ -205,7 +205,7 @@ impl Bench {
 
     fn packets(
         &mut self,
-        tile: &Tile,
+        tile: &BenchTile,
         footprints: &[Footprint],
         pauses: Pauses,
     ) -> Result<(), String> {

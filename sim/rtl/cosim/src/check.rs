@@ -4,7 +4,7 @@ use crate::bench::{Bench, Pauses};
 use crate::golden::Golden;
 use crate::stamps::{Distances, STAGES};
 use crate::units;
-use crate::workload::{Tile, Workload};
+use crate::workload::{BenchTile, BenchWorkload};
 use splatline::blend::Pixel;
 use splatline::format::Design;
 use splatline::rules::Rules;
@@ -74,7 +74,7 @@ pub fn compare<D: Design>(
     design: D,
     lanes: usize,
     rules: &Rules,
-    workload: &Workload,
+    workload: &BenchWorkload,
     tiles: impl IntoIterator<Item = usize>,
     pauses: Pauses,
 ) -> Findings {
@@ -132,7 +132,7 @@ pub fn compare<D: Design>(
     findings
 }
 
-fn difference(tile: &Tile, got: &[Pixel], expected: &[Pixel]) -> Option<String> {
+fn difference(tile: &BenchTile, got: &[Pixel], expected: &[Pixel]) -> Option<String> {
     let at = got
         .iter()
         .zip(expected)

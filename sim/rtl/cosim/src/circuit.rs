@@ -4,7 +4,7 @@
 use crate::area::rtl;
 use crate::mutants::Mutant;
 use crate::package;
-use crate::verilate::{Target, library, units, write};
+use crate::verilate::{VerilatorTarget, library, units, write};
 use anyhow::Result;
 use splatline::format::Widths;
 use splatline_sim::machine::primitive::SETUP_INTERVAL;
@@ -55,7 +55,7 @@ impl<'a> Spec<'a> {
         );
         let mut sources = write(folder, files, self.mistake)?;
         sources.push(rtl().join("cosim/flat_primitive.sv"));
-        let target = Target {
+        let target = VerilatorTarget {
             top: "flat_primitive",
             parameters: &[
                 format!("LANES={}", self.lanes),

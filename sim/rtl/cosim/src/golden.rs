@@ -1,6 +1,6 @@
 //! The same tile by the kernel.
 
-use crate::workload::Tile;
+use crate::workload::BenchTile;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::footprint::Footprint;
@@ -30,7 +30,7 @@ impl<'a, D: Design> Golden<'a, D> {
     }
 
     /// The window's pixels, row by row, and what was visited.
-    pub fn draw(&self, tile: &Tile, footprints: &[Footprint]) -> (Vec<Pixel>, Coverage) {
+    pub fn draw(&self, tile: &BenchTile, footprints: &[Footprint]) -> (Vec<Pixel>, Coverage) {
         let widths = self.design.widths();
         let table = FootprintTable::new(&self.memory, &widths, self.rules.table_range)
             .expect("the table was made for these widths");

@@ -7,7 +7,7 @@ use crate::bench::{Bench, Pauses, pixel};
 use crate::golden::Golden;
 use crate::model::{Inputs, Outputs};
 use crate::suite::LANES;
-use crate::workload::{self, Tile, Workload};
+use crate::workload::{self, BenchTile, BenchWorkload};
 use splatline::blend::Pixel;
 use splatline::format::Lean18;
 use splatline::raster::Window;
@@ -19,8 +19,8 @@ const PATIENCE: usize = 20_000;
 /// A tile of random splats that cover it, a circuit, and what the kernel draws.
 struct HandshakeScene {
     bench: Bench,
-    load: Workload,
-    tile: Tile,
+    load: BenchWorkload,
+    tile: BenchTile,
     expected: Vec<Pixel>,
 }
 
@@ -273,7 +273,7 @@ fn an_empty_window_reads_out_nothing() {
                 end: last,
             };
             let list = Vec::new();
-            let offer = scene.bench.tile_offer(&Tile { window, list });
+            let offer = scene.bench.tile_offer(&BenchTile { window, list });
             scene.until(&offer, |out| out.tile_ready == 1);
             let packet = scene.packet(0);
             scene.until(&packet, |out| out.packet_ready == 1);

@@ -5,7 +5,7 @@
 //! queues were endless, plus the pipeline's latency.
 
 use crate::golden::Golden;
-use crate::workload::{GuitarView, TILE, Tile, Workload, guitar, tiles};
+use crate::workload::{BenchTile, BenchWorkload, GuitarView, TILE, guitar, tiles};
 use anyhow::{Context, Result};
 use splatline::footprint::Footprint;
 use splatline::format::Lean18;
@@ -96,7 +96,7 @@ impl PacketLayout {
     }
 }
 
-fn utilisation(workload: &Workload, layout: PacketLayout, size: [u16; 2]) -> f64 {
+fn utilisation(workload: &BenchWorkload, layout: PacketLayout, size: [u16; 2]) -> f64 {
     let tiles = tiles(&workload.footprints, [SIZE as u16; 2], size);
     let rules = kernel_rules(&Rules::GAUSSIAN_3D);
     let golden = Golden::new(Lean18, &rules);
@@ -108,7 +108,7 @@ fn utilisation(workload: &Workload, layout: PacketLayout, size: [u16; 2]) -> f64
     covered as f64 / (cycles as f64 * LANES as f64)
 }
 
-fn tile_cycles(tile: &Tile, footprints: &[Footprint], layout: PacketLayout) -> u64 {
+fn tile_cycles(tile: &BenchTile, footprints: &[Footprint], layout: PacketLayout) -> u64 {
     let drawn = tile.list.iter().map(|index| &footprints[*index as usize]);
     if let PacketLayout::Rows(queue) = layout {
         let mut clock = PrimitiveClock::new(LANES, queue);

@@ -139,18 +139,17 @@ pub struct ReadOut {
     pub blue: u32,
 }
 
-/// What a tile took; `Drawn` of shim.cpp.
+/// What a tile took; `DrawnCycles` of shim.cpp.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Drawn {
+pub struct DrawnCycles {
     /// From the tile's offer to its last pixel's read-out.
     pub cycles: u64,
     /// From the first packet's handshake to the last packet's last pixel; 0 without packets.
     pub raster_cycles: u64,
 }
 
-/// Words of a packet's place in [`Inputs`].
-pub type Packet = [u32; splatline::footprint::packet::WORDS];
+pub use splatline::footprint::packet::Packet;
 
 /// Why there is no circuit to simulate.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -232,7 +231,7 @@ impl Model {
         inputs: &Inputs,
         packets: &[Packet],
         pixels: &mut [ReadOut],
-    ) -> Option<Drawn> {
+    ) -> Option<DrawnCycles> {
         let drawn = self.circuit.draw(inputs, packets, pixels)?;
         self.cycles += drawn.cycles;
         Some(drawn)
@@ -254,7 +253,7 @@ type Draw = unsafe extern "C" fn(
     usize,
     *mut ReadOut,
     usize,
-    *mut Drawn,
+    *mut DrawnCycles,
 ) -> bool;
 
 /// The C functions of one verilated model.
@@ -297,8 +296,8 @@ impl Circuit {
         inputs: &Inputs,
         packets: &[Packet],
         pixels: &mut [ReadOut],
-    ) -> Option<Drawn> {
-        let mut drawn = Drawn::default();
+    ) -> Option<DrawnCycles> {
+        let mut drawn = DrawnCycles::default();
         // SAFETY: as in `tick`; the slices are passed with their lengths.
         let answered = unsafe {
             (self.functions.draw)(
@@ -340,7 +339,7 @@ fn load(path: &Path, name: &str) -> Result<(Functions, Library), libloading::Err
 
 #[cfg(has_rtl)]
 mod linked {
-    use super::{Drawn, Functions, Inputs, Missing, Outputs, Packet, ReadOut};
+    use super::{DrawnCycles, Functions, Inputs, Missing, Outputs, Packet, ReadOut};
     use std::ffi::c_void;
 
     /// The functions of one model that build.rs has linked in.
@@ -357,7 +356,7 @@ mod linked {
                     count: usize,
                     pixels: *mut ReadOut,
                     pixel_count: usize,
-                    drawn: *mut Drawn,
+                    drawn: *mut DrawnCycles,
                 ) -> bool;
             }
             Functions {

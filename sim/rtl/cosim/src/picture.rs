@@ -9,7 +9,7 @@
 
 use crate::bench::{Bench, pixel};
 use crate::model::{Inputs, Outputs};
-use crate::workload::{Tile, Workload};
+use crate::workload::{BenchTile, BenchWorkload};
 use anyhow::{Context, Result, ensure};
 use splatline::blend::Pixel;
 use splatline::footprint::packet::Layout;
@@ -99,7 +99,7 @@ pub fn machine(lanes: usize, limits: &Limits) -> Config {
 pub fn model_cycles(
     design: &DesignChoice,
     rules: &Rules,
-    workload: &Workload,
+    workload: &BenchWorkload,
     config: &Config,
 ) -> Result<u64> {
     let [width, height] = workload.viewport.context("a workload from a scene")?;
@@ -128,7 +128,7 @@ pub fn model_cycles(
 pub fn circuit_cycles(
     bench: &mut Bench,
     widths: &Widths,
-    workload: &Workload,
+    workload: &BenchWorkload,
     config: &Config,
 ) -> Result<(u64, Vec<Vec<Pixel>>)> {
     let layout = &Layout::new(widths);
@@ -178,7 +178,7 @@ pub fn circuit_cycles(
             reading.pixels.push(Vec::new());
         }
     }
-    let clear = |tile: &Tile| vec![Pixel::clear(widths); tile.size().iter().product()];
+    let clear = |tile: &BenchTile| vec![Pixel::clear(widths); tile.size().iter().product()];
     let mut pictures: Vec<Vec<Pixel>> = workload.tiles.iter().map(clear).collect();
     for (place, pixels) in places.into_iter().zip(reading.pixels) {
         pictures[place] = pixels;
@@ -190,14 +190,14 @@ pub fn circuit_cycles(
 struct Handed {
     /// Tiles with splats: their places in the workload, and the tiles.
     places: Vec<usize>,
-    tiles: Vec<Tile>,
+    tiles: Vec<BenchTile>,
     /// Pixels of the tiles without, and how many with splats come before them.
     backgrounds: Vec<(usize, u64)>,
 }
 
 impl Handed {
-    fn new(workload: &Workload) -> Handed {
-        let mut all: Vec<(usize, &Tile)> = workload.tiles.iter().enumerate().collect();
+    fn new(workload: &BenchWorkload) -> Handed {
+        let mut all: Vec<(usize, &BenchTile)> = workload.tiles.iter().enumerate().collect();
         all.sort_by_key(|(_, tile)| {
             let [x, y] = tile.window.first;
             [y, x]
@@ -262,7 +262,7 @@ impl Background {
 
 /// The side of the bench that offers tiles, packets and their ends.
 struct CircuitDrawing<'a> {
-    tiles: &'a [Tile],
+    tiles: &'a [BenchTile],
     drawn: usize,
     phase: PicturePhase,
 }
@@ -279,7 +279,7 @@ impl CircuitDrawing<'_> {
         self.drawn == self.tiles.len()
     }
 
-    fn offer(&self, bench: &Bench, workload: &Workload, packet: Option<u32>) -> Inputs {
+    fn offer(&self, bench: &Bench, workload: &BenchWorkload, packet: Option<u32>) -> Inputs {
         match (&self.phase, packet) {
             (PicturePhase::Tile, _) => match self.tiles.get(self.drawn) {
                 Some(tile) => bench.tile_offer(tile),
@@ -336,7 +336,7 @@ impl Reading {
         self.written == Some(now) || self.pixel_cycles == 1
     }
 
-    fn is_busy(&self, tiles: &[Tile]) -> bool {
+    fn is_busy(&self, tiles: &[BenchTile]) -> bool {
         let last = self
             .pixels
             .last()

@@ -9,7 +9,7 @@
 use crate::bench::Bench;
 use crate::model::{Packet, ReadOut};
 use crate::suite::{DESIGNS, LANES};
-use crate::workload::{GuitarView, Tile, Workload, from_scene, guitar_scene, tiles};
+use crate::workload::{BenchTile, BenchWorkload, GuitarView, from_scene, guitar_scene, tiles};
 use anyhow::{Context, Result, anyhow, ensure};
 use rayon::prelude::*;
 use rustix::time::{ClockId, clock_gettime};
@@ -89,7 +89,7 @@ fn measure(
     design: &'static str,
     choice: &DesignChoice,
     lanes: usize,
-    workload: &Workload,
+    workload: &BenchWorkload,
 ) -> Result<String> {
     let rules = kernel_rules(&Rules::GAUSSIAN_3D);
     let circuit = TimedCircuit {
@@ -166,11 +166,11 @@ struct TimedCircuit<'a> {
     choice: &'a DesignChoice,
     lanes: usize,
     rules: &'a KernelRules,
-    workload: &'a Workload,
+    workload: &'a BenchWorkload,
 }
 
 /// A tile's packets, and where its pixels are read out to.
-type Job<'a> = (&'a Tile, Vec<Packet>, Vec<ReadOut>);
+type Job<'a> = (&'a BenchTile, Vec<Packet>, Vec<ReadOut>);
 
 impl TimedCircuit<'_> {
     fn bench(&self) -> Result<Bench> {
@@ -232,7 +232,7 @@ impl TimedCircuit<'_> {
     }
 }
 
-fn job<'a>(bench: &Bench, tile: &'a Tile, workload: &Workload) -> Job<'a> {
+fn job<'a>(bench: &Bench, tile: &'a BenchTile, workload: &BenchWorkload) -> Job<'a> {
     let packets = bench.encoded(tile, &workload.footprints);
     let pixels = tile.size().iter().product();
     (tile, packets, vec![ReadOut::default(); pixels])
@@ -251,10 +251,10 @@ fn pixel(out: &ReadOut) -> Pixel {
 #[derive(Clone, Copy)]
 struct TimedModel<'a> {
     rules: &'a KernelRules,
-    workload: &'a Workload,
+    workload: &'a BenchWorkload,
     viewport: [u16; 2],
     /// The host's tiles.
-    tiles: &'a [Tile],
+    tiles: &'a [BenchTile],
     results: &'a [Result<Footprint, Cull>],
     lanes: usize,
 }
@@ -316,7 +316,7 @@ impl TimedModel<'_> {
             false,
         );
         let tiles = self.tiles.par_iter();
-        let paint = |scratch: &mut PaintScratch, tile: &Tile| {
+        let paint = |scratch: &mut PaintScratch, tile: &BenchTile| {
             let [columns, rows] = tile.size();
             let mut pixels = vec![Pixel::default(); columns * rows];
             painter.paint(scratch, tile.window, self.results, &tile.list, &mut pixels);
@@ -336,7 +336,7 @@ impl TimedModel<'_> {
     fn in_tiles_of_the_circuit(&self, pixels: &[Vec<Pixel>]) -> Vec<Vec<Pixel>> {
         let columns = usize::from(self.viewport[0]);
         let mut frame = vec![Pixel::default(); columns * usize::from(self.viewport[1])];
-        let row = |tile: &Tile, y: usize| {
+        let row = |tile: &BenchTile, y: usize| {
             let [x, top] = tile.window.first.map(usize::from);
             let first = (top + y) * columns + x;
             first..first + tile.size()[0]
@@ -346,7 +346,7 @@ impl TimedModel<'_> {
                 frame[row(tile, y)].copy_from_slice(pixels);
             }
         }
-        let cut = |tile: &Tile| {
+        let cut = |tile: &BenchTile| {
             let rows = (0..tile.size()[1]).flat_map(|y| frame[row(tile, y)].iter().copied());
             rows.collect()
         };

@@ -1,7 +1,7 @@
 //! In which cycle every handshake inside the circuit took place, and whether the machine's clock says the same, splat by splat.
 
 use crate::model::Outputs;
-use crate::workload::{Tile, Workload};
+use crate::workload::{BenchTile, BenchWorkload};
 use splatline::format::Design;
 use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::machine::primitive::{
@@ -114,8 +114,8 @@ impl Stamps {
         &self,
         design: D,
         lanes: usize,
-        tile: &Tile,
-        workload: &Workload,
+        tile: &BenchTile,
+        workload: &BenchWorkload,
     ) -> Timed {
         let mut timed = Timed::default();
         // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
@@ -159,8 +159,8 @@ impl Stamps {
         &self,
         design: D,
         lanes: usize,
-        tile: &Tile,
-        workload: &Workload,
+        tile: &BenchTile,
+        workload: &BenchWorkload,
     ) -> Option<String> {
         // Which is that of the circuit as it usually is.
         let first = self

@@ -4,7 +4,7 @@ use crate::bench::{Bench, Pauses};
 use crate::check::{Findings, compare};
 use crate::golden::Golden;
 use crate::picture::{self, LIMITS, PictureCycles};
-use crate::workload::{self, GuitarView, Workload};
+use crate::workload::{self, BenchWorkload, GuitarView};
 use anyhow::Result;
 use splatline::blend::Pixel;
 use splatline::format::{Design, Widths};
@@ -97,7 +97,7 @@ pub struct Loads {
     choice: DesignChoice,
     scene_rules: Rules,
     rules: splatline::rules::Rules,
-    workloads: Vec<Workload>,
+    workloads: Vec<BenchWorkload>,
     /// Workloads left out because their data is missing.
     pub missing: Vec<&'static str>,
 }
@@ -249,7 +249,7 @@ impl Loads {
 const QUICK: (usize, usize) = (6_000, 200);
 
 /// Keeps tiles spread over the workload until the limits are reached.
-fn shorten(workload: &mut Workload) {
+fn shorten(workload: &mut BenchWorkload) {
     let (mut pairs, mut tiles) = (0, Vec::new());
     // A stride coprime to every number of tiles that occurs visits them all, far apart from each other.
     let count = workload.tiles.len();
@@ -270,7 +270,7 @@ struct ModelLine<'a> {
     bench: &'a mut Bench,
     lanes: usize,
     rules: &'a splatline::rules::Rules,
-    workload: &'a Workload,
+    workload: &'a BenchWorkload,
     pauses: Pauses,
 }
 
@@ -294,7 +294,7 @@ impl DesignJob for ModelLine<'_> {
 /// The words of a picture's tiles against the kernel's: how many pixels differ.
 struct WordsLine<'a> {
     rules: &'a splatline::rules::Rules,
-    workload: &'a Workload,
+    workload: &'a BenchWorkload,
     pixels: &'a [Vec<Pixel>],
 }
 

@@ -10,7 +10,7 @@ use anyhow::{Context, Result, ensure};
 use std::ops::Range;
 
 /// The place of a mistake in its list, from 1 on; 0 is none.
-pub type Number = usize;
+pub type MistakeNumber = usize;
 
 /// A unit with choices, and which of the mistakes are among them.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub struct Switched {
     /// The text.
     pub text: String,
     /// Mistakes of this unit that have a choice.
-    pub chosen: Vec<Number>,
+    pub chosen: Vec<MistakeNumber>,
 }
 
 /// What a module is told the number by: `+mistake=NUMBER`.
@@ -37,7 +37,7 @@ pub fn switched(file: &str, text: &str, mistakes: &[Mutant]) -> Result<Switched>
     let numbered = (1..)
         .zip(mistakes)
         .filter(|(_, mistake)| of_module && mistake.file == file);
-    let mut places: Vec<(Number, Range<usize>, String)> = Vec::new();
+    let mut places: Vec<(MistakeNumber, Range<usize>, String)> = Vec::new();
     let items = items(text);
     for (number, mistake) in numbered {
         let changed = mistake.applied(text)?;
@@ -50,7 +50,7 @@ pub fn switched(file: &str, text: &str, mistakes: &[Mutant]) -> Result<Switched>
         let end = item.end + changed.len() - text.len();
         places.push((number, item.clone(), changed[item.start..end].to_owned()));
     }
-    let chosen: Vec<Number> = places.iter().map(|place| place.0).collect();
+    let chosen: Vec<MistakeNumber> = places.iter().map(|place| place.0).collect();
     if chosen.is_empty() {
         return Ok(Switched {
             text: text.to_owned(),
@@ -60,7 +60,7 @@ pub fn switched(file: &str, text: &str, mistakes: &[Mutant]) -> Result<Switched>
     let mut result = String::new();
     let mut done = 0;
     for item in &items {
-        let wrong: Vec<(Number, &str)> = places
+        let wrong: Vec<(MistakeNumber, &str)> = places
             .iter()
             .filter(|place| place.1 == *item)
             .map(|place| (place.0, place.2.as_str()))
@@ -92,7 +92,7 @@ pub fn with_choices(
 }
 
 /// Mistakes that have a choice in the units of a list in `sim/rtl`; the others are built alone.
-pub fn chosen(list: &str, mistakes: &[Mutant]) -> Result<Vec<Number>> {
+pub fn chosen(list: &str, mistakes: &[Mutant]) -> Result<Vec<MistakeNumber>> {
     let mut all = Vec::new();
     for (name, text) in units(list)? {
         all.extend(switched(&name, &text, mistakes)?.chosen);
@@ -101,7 +101,7 @@ pub fn chosen(list: &str, mistakes: &[Mutant]) -> Result<Vec<Number>> {
 }
 
 /// The choice between an item and its wrong texts.
-fn choice(right: &str, wrong: &[(Number, &str)]) -> Result<String> {
+fn choice(right: &str, wrong: &[(MistakeNumber, &str)]) -> Result<String> {
     let (head, body) = parts(right)?;
     let mut text = format!("{head} begin\n");
     for (number, wrong) in wrong {

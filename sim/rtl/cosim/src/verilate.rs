@@ -10,7 +10,7 @@ use std::process::Command;
 use std::{env, fs};
 
 /// What becomes of the sources.
-pub struct Target<'a> {
+pub struct VerilatorTarget<'a> {
     /// The unit at the top.
     pub top: &'a str,
     /// Its parameters, as `NAME=value`.
@@ -52,7 +52,7 @@ pub fn write(
 }
 
 /// Builds a shared library in a folder.
-pub fn library(folder: &Path, sources: &[PathBuf], target: &Target) -> Result<PathBuf> {
+pub fn library(folder: &Path, sources: &[PathBuf], target: &VerilatorTarget) -> Result<PathBuf> {
     let verilator = env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
     let root = run(Command::new(&verilator).args(["--getenv", "VERILATOR_ROOT"]))?;
     let include = Path::new(root.trim()).join("include");
@@ -66,7 +66,12 @@ pub fn library(folder: &Path, sources: &[PathBuf], target: &Target) -> Result<Pa
     compile(folder, &model, &include, target)
 }
 
-fn compile(folder: &Path, model: &Path, include: &Path, target: &Target) -> Result<PathBuf> {
+fn compile(
+    folder: &Path,
+    model: &Path,
+    include: &Path,
+    target: &VerilatorTarget,
+) -> Result<PathBuf> {
     let library = folder.join(format!("{}.so", target.prefix));
     let generated = fs::read_dir(model)?.flatten().map(|file| file.path());
     let generated = generated.filter(|path| path.extension().is_some_and(|kind| kind == "cpp"));

@@ -20,14 +20,14 @@ pub const TILE: [u16; 2] = [1 << TILE_BITS[0], 1 << TILE_BITS[1]];
 
 /// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Tile {
+pub struct BenchTile {
     /// The pixels.
     pub window: Window,
     /// Indices of footprints.
     pub list: Vec<u32>,
 }
 
-impl Tile {
+impl BenchTile {
     /// Columns and rows.
     pub fn size(&self) -> [usize; 2] {
         [0, 1].map(|axis| usize::from(self.window.end[axis] - self.window.first[axis]))
@@ -36,13 +36,13 @@ impl Tile {
 
 /// Footprints and the tiles that draw them.
 #[derive(Clone, Debug)]
-pub struct Workload {
+pub struct BenchWorkload {
     /// What it is.
     pub name: &'static str,
     /// Footprints, nearest first.
     pub footprints: Vec<Footprint>,
     /// Tiles.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<BenchTile>,
     /// Columns and rows of the picture that the tiles make, row by row, if they make one.
     pub viewport: Option<[u16; 2]>,
 }
@@ -72,7 +72,7 @@ pub fn guitar(
     rules: &Rules,
     view: GuitarView,
     size: usize,
-) -> Result<Option<Workload>> {
+) -> Result<Option<BenchWorkload>> {
     let seen = guitar_scene(view, size)?;
     Ok(seen.map(|(scene, camera)| from_scene("guitar", &scene, &camera, design, rules)))
 }
@@ -93,7 +93,7 @@ pub fn guitar_scene(view: GuitarView, size: usize) -> Result<Option<(Scene, Came
 }
 
 /// The scanned lion as round volume splats in a square picture; nothing where the data is missing.
-pub fn lion(design: &DesignChoice, rules: &Rules, size: usize) -> Result<Option<Workload>> {
+pub fn lion(design: &DesignChoice, rules: &Rules, size: usize) -> Result<Option<BenchWorkload>> {
     let Some(file) = shared("points/lion_takanawa.ply") else {
         return Ok(None);
     };
@@ -105,28 +105,28 @@ pub fn lion(design: &DesignChoice, rules: &Rules, size: usize) -> Result<Option<
 }
 
 /// A few thousand Gaussians of all sizes over a small picture.
-pub fn crowd(design: &DesignChoice, rules: &Rules) -> Workload {
+pub fn crowd(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
     let scene = synthetic::random_gaussians(2_000, 9, 4.0);
     let camera = synthetic::camera(150, 100);
     from_scene("crowd", &scene, &camera, design, rules)
 }
 
 /// A few Gaussians in a picture most of whose tiles have none.
-pub fn sparse(design: &DesignChoice, rules: &Rules) -> Workload {
+pub fn sparse(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
     let scene = synthetic::random_gaussians(20, 9, 4.0);
     let camera = synthetic::camera(480, 320);
     from_scene("sparse", &scene, &camera, design, rules)
 }
 
 /// Twenty thousand large, nearly transparent splats.
-pub fn deep_stack(design: &DesignChoice, rules: &Rules, size: usize) -> Workload {
+pub fn deep_stack(design: &DesignChoice, rules: &Rules, size: usize) -> BenchWorkload {
     let scene = synthetic::deep_stack(1);
     let camera = scene.default_camera(size, size);
     from_scene("deep stack", &scene, &camera, design, rules)
 }
 
 /// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
-pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<Workload> {
+pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<BenchWorkload> {
     let set = golden::GoldenA::load(&golden::archive())?;
     Ok(from_scene(
         "hard",
@@ -144,7 +144,7 @@ pub fn from_scene(
     camera: &Camera,
     design: &DesignChoice,
     rules: &Rules,
-) -> Workload {
+) -> BenchWorkload {
     let options = fixed::Options {
         rules,
         compositing: Compositing::FrontToBack,
@@ -158,7 +158,7 @@ pub fn from_scene(
     footprints.sort_by_key(|footprint| footprint.depth);
     let viewport = [camera.width, camera.height].map(|size| size as u16);
     let tiles = tiles(&footprints, viewport, TILE);
-    Workload {
+    BenchWorkload {
         name,
         footprints,
         tiles,
@@ -167,13 +167,13 @@ pub fn from_scene(
 }
 
 /// The tiles of a viewport, of `size` columns and rows, with the footprints whose boxes touch them.
-pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Vec<Tile> {
+pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Vec<BenchTile> {
     let [columns, rows] = [0, 1].map(|axis| viewport[axis].div_ceil(size[axis]));
-    let mut tiles: Vec<Tile> = (0..columns * rows)
+    let mut tiles: Vec<BenchTile> = (0..columns * rows)
         .map(|i| [i % columns * size[0], i / columns * size[1]])
         .map(|first| {
             let last = [0, 1].map(|axis| (first[axis] + size[axis]).min(viewport[axis]));
-            Tile {
+            BenchTile {
                 window: Window { first, end: last },
                 list: Vec::new(),
             }
@@ -191,8 +191,8 @@ pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Ve
 
 /// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
-pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Workload {
-    let mut random = Random(seed);
+pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
+    let mut random = WorkloadRandom(seed);
     let mut footprints = Vec::with_capacity(count);
     let mut tiles = Vec::new();
     while footprints.len() < count {
@@ -202,12 +202,12 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Work
         while footprints.len() < list.end as usize {
             footprints.extend(random.footprint(widths, &window));
         }
-        tiles.push(Tile {
+        tiles.push(BenchTile {
             window,
             list: list.collect(),
         });
     }
-    Workload {
+    BenchWorkload {
         name: "random packets",
         footprints,
         tiles,
@@ -224,9 +224,9 @@ pub fn split_mix(state: &mut u64) -> u64 {
     z ^ (z >> 31)
 }
 
-struct Random(u64);
+struct WorkloadRandom(u64);
 
-impl Random {
+impl WorkloadRandom {
     fn bits(&mut self, count: u8) -> u32 {
         (split_mix(&mut self.0) >> (64 - u32::from(count))) as u32
     }

@@ -65,7 +65,7 @@ mod with_verilator {
     use splatline_rtl::bench::{Bench, Pauses};
     use splatline_rtl::model::{Inputs, Missing, Model};
     use splatline_rtl::suite::{Extent, LANES, Loads, rules};
-    use splatline_rtl::workload::{self, Tile};
+    use splatline_rtl::workload::{self, BenchTile};
     use splatline_sim::design::DesignChoice;
 
     /// Every word, the cycle of every handshake where the lanes do not pause, and the cycles of pictures, for both rules.
@@ -285,7 +285,7 @@ mod with_verilator {
     #[test]
     fn an_empty_tile_is_transparent_black() {
         let load = workload::random(&Lean18::WIDTHS, 1, 1, 1);
-        let tile = Tile {
+        let tile = BenchTile {
             list: Vec::new(),
             ..load.tiles[0].clone()
         };

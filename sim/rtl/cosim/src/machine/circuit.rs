@@ -3,7 +3,7 @@
 use crate::mutants::Mutant;
 use crate::setup::text::text;
 use crate::switch::with_choices;
-use crate::verilate::{self, Target, units, write};
+use crate::verilate::{self, VerilatorTarget, units, write};
 use crate::{area, package};
 use anyhow::Result;
 use splatline::format::Widths;
@@ -42,7 +42,7 @@ pub fn library(folder: &Path, spec: &MachineSpec) -> Result<PathBuf> {
     let files = with_choices(files, spec.choices)?;
     let mut sources = write(folder, files, spec.mistake)?;
     sources.push(area::rtl().join("cosim/flat_machine.sv"));
-    let target = Target {
+    let target = VerilatorTarget {
         top: "flat_machine",
         parameters: &[
             format!("CORES={}", spec.cores),

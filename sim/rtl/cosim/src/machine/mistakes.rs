@@ -5,7 +5,7 @@ use super::circuit::{MachineSpec, library};
 use super::model::MachineModel;
 use crate::mutants::{Mutant, mutant};
 use crate::order::loads::{Seen, ordered};
-use crate::switch::{Number, chosen};
+use crate::switch::{MistakeNumber, chosen};
 use anyhow::{Result, ensure};
 use splatline::format::{Lean18, Widths};
 use splatline_sim::camera::Camera;
@@ -50,7 +50,7 @@ pub const MISTAKES: [Mutant; 24] = [
 ];
 
 /// A scene that mistakes are judged by, and its list entries.
-pub struct Case {
+pub struct MachineCase {
     /// The scene.
     pub seen: Seen,
     /// List entries.
@@ -62,7 +62,7 @@ pub struct Case {
 /// Frames small enough for every mistake: a crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among
 /// tiles without any, of which some are at the edges; a single row of pixels, whose many tiles are looked up while those without splats are
 /// written; and one tile alone with more splats than wait for it, behind which no word is on its way when its pixels begin to leave.
-pub fn judges() -> Result<Vec<Case>> {
+pub fn judges() -> Result<Vec<MachineCase>> {
     let crowd = Seen {
         name: "crowd",
         scene: synthetic::random_gaussians(120, 9, 4.0),
@@ -86,7 +86,7 @@ pub fn judges() -> Result<Vec<Case>> {
     let design = DesignChoice::load("lean18")?;
     let case = |seen: Seen| {
         let lists = ordered(&seen, &design).1.lists;
-        Case {
+        MachineCase {
             seen,
             room: lists.iter().map(Vec::len).sum(),
             empty: lists.iter().map(Vec::is_empty).collect(),
@@ -108,8 +108,8 @@ fn row_of(columns: usize) -> Camera {
 
 /// The mistakes' judge: one machine with all of them that have a choice, and the frames.
 pub struct MachineJudge {
-    cases: Vec<Case>,
-    chosen: Vec<Number>,
+    cases: Vec<MachineCase>,
+    chosen: Vec<MistakeNumber>,
     library: PathBuf,
     folder: TempDir,
 }
@@ -145,7 +145,7 @@ impl MachineJudge {
         self.drawn(&alone, 0)
     }
 
-    fn drawn(&self, library: &Path, number: Number) -> Result<Option<String>> {
+    fn drawn(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {
         let model = MachineModel::with_mistake(library, number)?;
         for case in &self.cases {
             let word = judged(&model, &WIDTHS, case);
@@ -174,7 +174,7 @@ fn spec<'a>(mistake: Option<&'a Mutant>, choices: &'a [Mutant]) -> MachineSpec<'
 }
 
 /// What a case's frames say, or nothing if all are as they should be.
-fn judged(model: &MachineModel, widths: &Widths, case: &Case) -> Result<Option<String>> {
+fn judged(model: &MachineModel, widths: &Widths, case: &MachineCase) -> Result<Option<String>> {
     for timing in MEMORIES {
         let found = draw(model, widths, &case.seen, timing, case.room, 2)?;
         if let Some(word) = different(&found) {
@@ -185,8 +185,12 @@ fn judged(model: &MachineModel, widths: &Widths, case: &Case) -> Result<Option<S
 }
 
 /// The same of a single frame, since one that is said to be whole too early is so by the time a second one ends; and of one whose lists have no room.
-pub fn judged_once(model: &MachineModel, widths: &Widths, case: &Case) -> Result<Option<String>> {
-    let Case { seen, room, .. } = case;
+pub fn judged_once(
+    model: &MachineModel,
+    widths: &Widths,
+    case: &MachineCase,
+) -> Result<Option<String>> {
+    let MachineCase { seen, room, .. } = case;
     let found = draw(model, widths, seen, MEMORIES[2], *room, 1)?;
     if let Some(word) = different(&found) {
         return Ok(Some(word));

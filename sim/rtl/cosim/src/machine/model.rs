@@ -1,7 +1,7 @@
 //! The verilated machine and its memory behind a safe function.
 #![allow(unsafe_code)]
 
-use crate::switch::Number;
+use crate::switch::MistakeNumber;
 use anyhow::{Context, Result, ensure};
 use libloading::Library;
 use std::path::Path;
@@ -142,7 +142,7 @@ impl MachineModel {
     }
 
     /// The same with one of the mistakes that the machine was built with ([`crate::switch`]); 0 is none.
-    pub fn with_mistake(path: &Path, mistake: Number) -> Result<MachineModel> {
+    pub fn with_mistake(path: &Path, mistake: MistakeNumber) -> Result<MachineModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbol has the shim's type.
         unsafe {
             let library = Library::new(path).context("the machine's library")?;

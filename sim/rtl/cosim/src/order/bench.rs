@@ -6,7 +6,7 @@ use anyhow::Result;
 
 /// How memory and feeder behave.
 #[derive(Clone, Copy, Debug)]
-pub struct Timing {
+pub struct BenchTiming {
     /// Cycles from a request to its word, and from a word to its place.
     pub latency: u32,
     /// How many of 8 cycles the memory holds a request back.
@@ -16,18 +16,18 @@ pub struct Timing {
 }
 
 /// At full speed, with pauses, and with words that arrive after all that a digit's sums take.
-pub const MEMORIES: [Timing; 3] = [
-    Timing {
+pub const MEMORIES: [BenchTiming; 3] = [
+    BenchTiming {
         latency: 20,
         pauses: 0,
         interval: 8,
     },
-    Timing {
+    BenchTiming {
         latency: 7,
         pauses: 3,
         interval: 1,
     },
-    Timing {
+    BenchTiming {
         latency: 400,
         pauses: 0,
         interval: 1,
@@ -128,7 +128,7 @@ impl OrderLoad {
 pub fn run(
     model: &OrderModel,
     load: &OrderLoad,
-    timing: Timing,
+    timing: BenchTiming,
     seed: u32,
 ) -> Result<OrderFindings> {
     let entries: usize = load.lists.iter().map(Vec::len).sum();
@@ -139,7 +139,7 @@ pub fn run(
 pub fn run_with_room(
     model: &OrderModel,
     load: &OrderLoad,
-    timing: Timing,
+    timing: BenchTiming,
     seed: u32,
     room: usize,
 ) -> Result<OrderFindings> {

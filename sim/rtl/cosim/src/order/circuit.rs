@@ -1,7 +1,7 @@
 //! Sorters that are built while the program runs: with digits of any width, or with one mistake in them.
 
 use crate::mutants::Mutant;
-use crate::verilate::{self, Target, units, write};
+use crate::verilate::{self, VerilatorTarget, units, write};
 use anyhow::Result;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ pub fn library(
     effort: &str,
 ) -> Result<PathBuf> {
     let sources = write(folder, units("order_files.txt")?, mistake)?;
-    let target = Target {
+    let target = VerilatorTarget {
         top: "splat_order",
         parameters: &[format!("DIGIT={digit}")],
         prefix: "Vorder",

@@ -6,7 +6,7 @@ use super::text::with_program;
 use crate::mutants::Mutant;
 use crate::package;
 use crate::switch::with_choices;
-use crate::verilate::{self, Target, units, write};
+use crate::verilate::{self, VerilatorTarget, units, write};
 use anyhow::Result;
 use splatline::format::Widths;
 use std::path::{Path, PathBuf};
@@ -61,7 +61,7 @@ pub fn library(folder: &Path, spec: &SetupSpec) -> Result<PathBuf> {
     files.extend(units("setup_files.txt")?);
     let files = with_choices(files, spec.choices)?;
     let sources = write(folder, files, spec.mistake)?;
-    let target = Target {
+    let target = VerilatorTarget {
         top: "setup_unit",
         parameters: &[format!("CORES={}", spec.cores)],
         prefix: "Vsetup",

@@ -8,7 +8,7 @@ use super::model::SetupModel;
 use super::program::units;
 use super::vectors::difference;
 use crate::mutants::{Mutant, mutant};
-use crate::switch::{Number, chosen};
+use crate::switch::{MistakeNumber, chosen};
 use anyhow::{Context, Result, ensure};
 use splatline::format::{Lean18, RuntimeWidths, Widths};
 use std::fs;
@@ -77,7 +77,7 @@ pub const MISTAKES: [Mutant; 48] = [
 /// The mistakes' judge: one circuit with all of them that have a choice, and what it sets up.
 pub struct SetupJudge {
     loads: Vec<SetupLoad>,
-    chosen: Vec<Number>,
+    chosen: Vec<MistakeNumber>,
     library: PathBuf,
     units: PathBuf,
     folder: TempDir,
@@ -127,7 +127,7 @@ impl SetupJudge {
     }
 
     /// By packets, and then by what no packet shows.
-    fn judged(&self, number: Number) -> Result<Option<String>> {
+    fn judged(&self, number: MistakeNumber) -> Result<Option<String>> {
         let word = self.compared(&self.library, number)?;
         if word.is_some() {
             return Ok(word);
@@ -136,7 +136,7 @@ impl SetupJudge {
         Ok(word.map(|word| format!("units: {word}")))
     }
 
-    fn compared(&self, library: &Path, number: Number) -> Result<Option<String>> {
+    fn compared(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {
         let design = RuntimeWidths::new(WIDTHS).ok();
         let design = design.context("widths out of range")?;
         for load in &self.loads {

@@ -1,7 +1,7 @@
 //! The verilated setup unit behind a safe handle.
 #![allow(unsafe_code)]
 
-use crate::switch::Number;
+use crate::switch::MistakeNumber;
 use anyhow::{Context, Result};
 use libloading::Library;
 use splatline::footprint::packet::Packet;
@@ -67,7 +67,7 @@ impl SetupModel {
     }
 
     /// The same with one of the mistakes that the circuit was built with ([`crate::switch`]); 0 is none.
-    pub fn with_mistake(path: &Path, seed: u32, mistake: Number) -> Result<SetupModel> {
+    pub fn with_mistake(path: &Path, seed: u32, mistake: MistakeNumber) -> Result<SetupModel> {
         // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
         // shim's types, and the simulation is freed by the same library before it is unloaded.
         let mut model = unsafe {

@@ -8,7 +8,7 @@ use super::bench::{SetupLoad, record, write_constants};
 use super::circuit::{SetupSpec, library};
 use super::model::{SetupInputs, SetupModel};
 use super::program::units;
-use crate::switch::Number;
+use crate::switch::MistakeNumber;
 use crate::workload::split_mix;
 use anyhow::{Result, ensure};
 use splatline::footprint::packet::{Layout, Packet};
@@ -36,7 +36,7 @@ pub fn first_difference(design: &str, widths: &Widths, step: usize) -> Result<Op
 /// The same of a circuit with one of the mistakes that it was built with.
 pub fn difference(
     library: &Path,
-    mistake: Number,
+    mistake: MistakeNumber,
     widths: &Widths,
     step: usize,
 ) -> Result<Option<String>> {
