@@ -23,49 +23,41 @@ module delay #(
       logic unused;
       assign unused = &{1'b0, clk, rst, advance};
       assign out = in;
-    end else if (RING && SHORT) begin : gen_short_ring
-      localparam PLACE = $clog2(STAGES - 1);
-      logic [BITS-1:0] memory[0:(1<<PLACE)-1];
-      // Where to write, and where what came STAGES - 1 cycles ago lies. Counters of its own, as below.
-      logic [PLACE-1:0] place, from;
-      (* keep *)
-      always_ff @(posedge clk) begin
-        if (rst) begin
-          place <= 0;
-          from <= PLACE'(0) - PLACE'(STAGES - 1);
-        end else if (advance) begin
-          place <= place + 1'b1;
-          from <= from + 1'b1;
-        end
-      end
-      always_ff @(posedge clk)
-        if (advance) begin
-          memory[place] <= in;
-          out <= memory[from];
-        end
     end else if (RING) begin : gen_ring
-      localparam PLACE = $clog2(STAGES);
-      (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];
-      // Where to write, and where what came STAGES - 2 cycles ago lies: a cycle passes in `word`, another one in `out`. Each ring keeps counters of its
-      // own beside its memory, although those of all rings of a size say the same.
+      // Cycles that pass behind the memory: in `out`, and in block RAM's `word` before it.
+      localparam BEHIND = SHORT ? 1 : 2;
+      // A look-up table's word is read before it is written again in the same cycle; block RAM has a word more, so that both never meet.
+      localparam PLACE = $clog2(SHORT ? STAGES - 1 : STAGES);
+      // Where to write, and where what came STAGES - BEHIND cycles ago lies. Each ring keeps counters of its own beside its memory, although those of
+      // all rings of a size say the same.
       logic [PLACE-1:0] place, from;
-      logic [BITS-1:0] word;
       (* keep *)
       always_ff @(posedge clk) begin
         if (rst) begin
           place <= 0;
-          from <= PLACE'(0) - PLACE'(STAGES - 2);
+          from <= PLACE'(0) - PLACE'(STAGES - BEHIND);
         end else if (advance) begin
           place <= place + 1'b1;
           from <= from + 1'b1;
         end
       end
-      always_ff @(posedge clk)
-        if (advance) begin
-          memory[place] <= in;
-          word <= memory[from];
-          out <= word;
-        end
+      if (SHORT) begin : gen_tables
+        logic [BITS-1:0] memory[0:(1<<PLACE)-1];
+        always_ff @(posedge clk)
+          if (advance) begin
+            memory[place] <= in;
+            out <= memory[from];
+          end
+      end else begin : gen_block
+        (* ram_style = "block", no_rw_check *) logic [BITS-1:0] memory[0:(1<<PLACE)-1];
+        logic [BITS-1:0] word;
+        always_ff @(posedge clk)
+          if (advance) begin
+            memory[place] <= in;
+            word <= memory[from];
+            out <= word;
+          end
+      end
     end else begin : gen_registers
       logic [BITS*STAGES-1:0] stages;
       logic unused;

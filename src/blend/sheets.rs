@@ -36,12 +36,9 @@ impl<'a> SheetBuffer<'a> {
         stride: usize,
         widths: &Widths,
     ) -> Result<Self, TargetError> {
-        let mut target = Target::new(pixels, window, stride)?;
-        target.clear(widths);
-        Ok(SheetBuffer {
-            target,
-            clear: Pixel::clear(widths),
-        })
+        let mut sheet = SheetBuffer::drawn(pixels, window, stride, widths)?;
+        sheet.target.clear(widths);
+        Ok(sheet)
     }
 
     /// A sheet that somebody has drawn already, as [`target`](Self::target) would have been drawn.

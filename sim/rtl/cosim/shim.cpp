@@ -40,8 +40,10 @@ struct Simulation {
     MODEL model{&context, "top"};
 };
 
-void* make(uint32_t seed) {
+// `mistake` picks one of those that the circuit was built with.
+void* make(uint32_t seed, uint32_t mistake) {
     auto* simulation = new Simulation;
+    pick_mistake(simulation->context, mistake);
     // Registers start with random bits: nothing may depend on a value before reset.
     simulation->context.randReset(2);
     simulation->context.randSeed(static_cast<int>(seed));
@@ -147,7 +149,7 @@ bool draw(void* simulation, const Inputs* in, const uint32_t* packets, size_t co
 }  // namespace
 
 extern "C" {
-void* JOIN(NAME, _make)(uint32_t seed) { return make(seed); }
+void* JOIN(NAME, _make)(uint32_t seed, uint32_t mistake) { return make(seed, mistake); }
 void JOIN(NAME, _destroy)(void* simulation) { destroy(simulation); }
 void JOIN(NAME, _tick)(void* simulation, const Inputs* in, Outputs* out) { tick(simulation, in, out); }
 bool JOIN(NAME, _draw)(void* simulation, const Inputs* in, const uint32_t* packets, size_t count, ReadOut* pixels, size_t pixel_count,

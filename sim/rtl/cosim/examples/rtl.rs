@@ -5,7 +5,7 @@ use splatline::format::Traversal;
 use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
 use splatline_rtl::stamps::{Distances, STAGES};
-use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine, rules};
+use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine};
 use splatline_rtl::{
     area, bitstream, fmax, formal, layouts, machine, mutants, order, package, setup, speed, tables,
 };
@@ -23,10 +23,10 @@ const USAGE: &str = "usage: rtl COMMAND
   package FILE.toml FOLDER   the package of a design of your own into a folder
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
-  cosim shapes  the quick part for 1 to 16 lanes, a packet in every cycle, and a third design: circuits that are built for it (an hour)
-  area          LUT, FF, DSP and memory of all circuits by Yosys (15 minutes): calibrates the estimate, writes docs/area.md
+  cosim shapes  the quick part for 1 to 16 lanes, a packet in every cycle, and a third design: circuits that are built for it (a quarter of an hour)
+  area          LUT, FF, DSP and memory of all circuits by Yosys (18 minutes): calibrates the estimate, writes docs/area.md
   area DESIGN   one design's lines of it
-  area page     docs/area.md again without synthesis
+  area page     docs/area.md again without synthesis, and the model's clocks
   area fmax     Fmax by nextpnr on the ECP5, of what was not placed yet (some minutes a seed), into docs/area.md
   area fmax WORDS [SEED]  circuits whose name contains WORDS, as `lean18 splat_primitive 1`, with five seeds or with one
   area flat WORDS  what these circuits take on the ECP5, flattened between registers as they would be placed, without placing them
@@ -163,11 +163,11 @@ fn cosim(extent: Extent) -> Result<()> {
     println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let (mut lines, mut pictures) = (Vec::new(), Vec::new());
     for design in DESIGNS {
-        for (name, rules) in rules() {
-            let loads = Loads::new(design, name, &rules, extent)?;
+        for loads in Loads::all(design, extent)? {
             for lanes in LANES {
                 let mut bench = loads.bench(lanes)?;
-                for passes in loads.check(&mut bench, lanes).chunks(PASSES) {
+                let found: Vec<Line> = loads.check(&mut bench, lanes).collect();
+                for passes in found.chunks(PASSES) {
                     print_line(passes);
                     lines.extend_from_slice(passes);
                 }
@@ -254,13 +254,16 @@ fn cosim_shapes() -> Result<()> {
         let (found, drawn) = shape(design, lanes, interval)?;
         let sum = |of: fn(&Line) -> u64| found.iter().map(of).sum::<u64>();
         let worst = drawn.iter().map(|line| line.cycles.deviation().abs());
+        let worst = match worst.reduce(f64::max) {
+            Some(worst) => format!("{:.4} %", 100.0 * worst),
+            None => "-".to_owned(),
+        };
         println!(
-            "| {design} | {lanes} | {interval} | {} | {} | {} | {} | {:.4} % |",
+            "| {design} | {lanes} | {interval} | {} | {} | {} | {} | {worst} |",
             sum(|line| line.findings.visited),
             sum(|line| line.findings.mismatches),
             sum(|line| line.findings.timed),
             sum(|line| line.findings.wrong_cycles),
-            100.0 * worst.fold(0.0, f64::max)
         );
         lines.extend(found);
         pictures.extend(drawn);
@@ -288,8 +291,7 @@ fn shape(
     };
     let library = spec.library(folder.path())?;
     let (mut lines, mut pictures) = (Vec::new(), Vec::new());
-    for rules in rules() {
-        let loads = Loads::of(design, choice.clone(), rules, Extent::Quick)?;
+    for loads in Loads::all_of(design, &choice, Extent::Quick)? {
         let mut bench = loads.bench_around(Model::from_library(&library, circuit::NAME, 1)?);
         bench.setup_interval = interval;
         lines.extend(loads.check(&mut bench, lanes));

@@ -1,10 +1,11 @@
 //! Area: what Yosys makes of the primitive for three families of FPGAs, beside what the model estimates.
 //!
 //! The counts go into `sim/src/machine/area/synthesised.csv`, which calibrates the estimate, and with it onto the page. `page` writes the
-//! page again without synthesis, for a changed estimate.
+//! page again without synthesis, for a changed estimate, and the model's clocks from what was placed.
 
 use crate::mutants::run;
 use crate::package;
+use crate::placed::{self, CLOCKS, PLACED};
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use splatline::format::Widths;
@@ -13,6 +14,7 @@ use splatline_sim::machine::area::synthesis::{
     Subject, Synthesised, SynthesisedPart, subjects, to_csv,
 };
 use splatline_sim::machine::area::{Calibration, Fabric, Family};
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -94,30 +96,32 @@ pub fn synthesised_cells(script: &str, folder: &Path) -> Result<Fabric> {
 /// Units that are the same whatever the number of lanes: synthesised once for each design and family.
 const SHARED: [&str; 2] = ["splat_setup", "row_generator"];
 
-/// Synthesises `unit` and what it contains, but for `boxes`, and counts. Hierarchy is kept, so that equal lanes are synthesised once.
+/// Synthesises `unit` with these parameters and what it contains, but for `boxes`, and counts. Where a circuit is placed it is flattened first, as it would be
+/// there; elsewhere hierarchy is kept, so that equal lanes are synthesised once.
 fn synthesise(
     subject: &Subject,
     family: Family,
     unit: &str,
-    lanes: Option<u32>,
+    parameters: &[(&str, u32)],
     boxes: &[&str],
 ) -> Result<Fabric> {
     let folder = tempfile::tempdir()?;
     let read = sources(folder.path(), subject.name, &subject.widths)?;
-    let lanes = lanes.map_or(String::new(), |lanes| {
-        format!("chparam -set LANES {lanes} {unit}; ")
-    });
+    let parameters: String = parameters
+        .iter()
+        .map(|(name, value)| format!("chparam -set {name} {value} {unit}; "))
+        .collect();
     let boxes: String = boxes
         .iter()
         .map(|name| format!("blackbox {name}; "))
         .collect();
-    let keep = if family == Family::Xilinx7 {
-        ""
-    } else {
-        " -noflatten"
+    let options = match family {
+        Family::Xilinx7 => "",
+        Family::Ecp5 => " -abc9",
+        Family::Ice40 => " -noflatten",
     };
     let script = format!(
-        "{read}; {boxes}{lanes}{}{keep} -top {unit}; flatten; opt_clean",
+        "{read}; {boxes}{parameters}{}{options} -top {unit}; flatten; opt_clean",
         synthesis(family),
     );
     synthesised_cells(&script, folder.path())
@@ -134,8 +138,9 @@ const COUNTS: &str = concat!(
 
 const HEAD: &str = "# Area of the splat primitive
 
-Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23, hierarchy kept), which writes the counts into `sim/src/machine/area/synthesised.csv` too:
-they calibrate the estimate. LUT counts contain those used as memory and shift registers; memory is in whole blocks. A tile of 32 x 32 pixels is held in the primitive.
+Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23), which writes the counts into `sim/src/machine/area/synthesised.csv` too: they calibrate the estimate. For the
+ECP5 each unit is flattened and synthesised as it would be placed (`-abc9`); for iCE40 hierarchy is kept. The primitive is the sum of setup, rows and what is left without both. LUT counts contain those
+used as memory and shift registers; memory is in whole blocks. The primitive holds two tiles of 32 x 32 pixels and sets a packet up in four cycles.
 Each cell: synthesis, the model's estimate (`sim/src/machine/area`), and its error. Lines with a point (.) were not fitted.
 
 | design | family | part | LUT | FF | DSP | memory, kbit |
@@ -172,6 +177,8 @@ fn write_page(lines: &[Synthesised]) -> Result<()> {
         .map(|found| line(found, &Calibration::fitted(found.family, lines)))
         .collect();
     let fmax = crate::fmax::table()?;
+    let clocks = placed::clocks(&placed::read(PLACED.as_ref())?);
+    atomic::write(CLOCKS.as_ref(), clocks.as_bytes())?;
     let text = [HEAD, &table, "\n", &fmax, NOTES].concat();
     Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
 }
@@ -202,12 +209,17 @@ fn circuits(subject: &Subject) -> Result<Vec<Synthesised>> {
             eprint!("{}", line(&circuit, &family.calibration()));
             found.push(circuit);
         };
-        let [setup, rows] = SHARED.map(|unit| synthesise(subject, family, unit, None, &[]));
-        let (setup, rows) = (setup?, rows?);
-        keep(SynthesisedPart::Setup, setup);
+        let [setup_unit, row_unit] = SHARED;
+        let setup =
+            |interval| synthesise(subject, family, setup_unit, &[("INTERVAL", interval)], &[]);
+        keep(SynthesisedPart::Setup(1), setup(1)?);
+        let setup = setup(SETUP_INTERVAL)?;
+        keep(SynthesisedPart::Setup(SETUP_INTERVAL), setup);
+        let rows = synthesise(subject, family, row_unit, &[], &[])?;
         keep(SynthesisedPart::Rows, rows);
         for lanes in LANES {
-            let rest = synthesise(subject, family, "splat_primitive", Some(lanes), &SHARED)?;
+            let of_lanes = [("LANES", lanes)];
+            let rest = synthesise(subject, family, "splat_primitive", &of_lanes, &SHARED)?;
             ensure!(rest.luts > 0, "yosys counts no look-up tables");
             keep(SynthesisedPart::Lanes(lanes), rest + setup + rows);
         }
@@ -218,7 +230,8 @@ fn circuits(subject: &Subject) -> Result<Vec<Synthesised>> {
 fn line(found: &Synthesised, calibration: &Calibration) -> String {
     let seen = if found.fitted() { "" } else { " ." };
     let part = match found.part {
-        SynthesisedPart::Setup => "of it setup".to_owned(),
+        SynthesisedPart::Setup(SETUP_INTERVAL) => "of it setup".to_owned(),
+        SynthesisedPart::Setup(_) => "setup of a packet in every cycle, alone".to_owned(),
         SynthesisedPart::Rows => "of it rows".to_owned(),
         SynthesisedPart::Lanes(1) => format!("1 lane{seen}"),
         SynthesisedPart::Lanes(lanes) => format!("{lanes} lanes{seen}"),

@@ -4,6 +4,7 @@
 use crate::area::rtl;
 use crate::mutants::Mutant;
 use crate::package;
+use crate::switch::with_choices;
 use crate::verilate::{VerilatorTarget, library, units, write};
 use anyhow::Result;
 use splatline::format::Widths;
@@ -26,6 +27,8 @@ pub struct Spec<'a> {
     pub setup_interval: u32,
     /// A mistake.
     pub mistake: Option<&'a Mutant>,
+    /// Mistakes of which a number picks one when it is simulated.
+    pub choices: &'a [Mutant],
     /// The C++ compiler's effort: little where building takes longer than running.
     pub effort: &'a str,
 }
@@ -39,6 +42,7 @@ impl<'a> Spec<'a> {
             lanes,
             setup_interval: SETUP_INTERVAL,
             mistake: None,
+            choices: &[],
             effort: "-O0",
         }
     }
@@ -53,6 +57,7 @@ impl<'a> Spec<'a> {
                 package::text(self.design, self.widths)?,
             ),
         );
+        let files = with_choices(files, self.choices)?;
         let mut sources = write(folder, files, self.mistake)?;
         sources.push(rtl().join("cosim/flat_primitive.sv"));
         let target = VerilatorTarget {

@@ -1,6 +1,7 @@
 //! The verilated splat primitive behind a safe handle. All unsafe code of the crate is in this file.
 #![allow(unsafe_code)]
 
+use crate::switch::MistakeNumber;
 use libloading::Library;
 use std::ffi::c_void;
 use std::fmt;
@@ -192,17 +193,28 @@ impl Model {
     /// The circuit of a design after reset. The seed chooses what its registers held before.
     pub fn new(design: &str, lanes: usize, seed: u32) -> Result<Model, Missing> {
         let functions = linked::functions(design, lanes)?;
-        Ok(Self::after_reset(Circuit::new(functions, None, seed)))
+        Ok(Self::after_reset(Circuit::new(functions, None, seed, 0)))
     }
 
     /// The circuit `name` in a shared library made of a verilated model and the shim.
     pub fn from_library(path: &Path, name: &str, seed: u32) -> Result<Model, Missing> {
+        Model::with_mistake(path, name, seed, 0)
+    }
+
+    /// The same with one of the mistakes that the circuit was built with ([`crate::switch`]); 0 is none.
+    pub fn with_mistake(
+        path: &Path,
+        name: &str,
+        seed: u32,
+        mistake: MistakeNumber,
+    ) -> Result<Model, Missing> {
         let (functions, library) = load(path, name)
             .map_err(|error| Missing::Library(format!("{}: {error}", path.display())))?;
         Ok(Self::after_reset(Circuit::new(
             functions,
             Some(library),
             seed,
+            mistake,
         )))
     }
 
@@ -243,7 +255,7 @@ impl Model {
     }
 }
 
-type Make = unsafe extern "C" fn(u32) -> *mut c_void;
+type Make = unsafe extern "C" fn(u32, u32) -> *mut c_void;
 type Destroy = unsafe extern "C" fn(*mut c_void);
 type Tick = unsafe extern "C" fn(*mut c_void, *const Inputs, *mut Outputs);
 type Draw = unsafe extern "C" fn(
@@ -274,9 +286,14 @@ struct Circuit {
 }
 
 impl Circuit {
-    fn new(functions: Functions, library: Option<Library>, seed: u32) -> Self {
+    fn new(
+        functions: Functions,
+        library: Option<Library>,
+        seed: u32,
+        mistake: MistakeNumber,
+    ) -> Self {
         // SAFETY: the shim allocates a simulation that nothing else refers to; the library, if any, is still loaded.
-        let simulation = unsafe { (functions.make)(seed) };
+        let simulation = unsafe { (functions.make)(seed, mistake as u32) };
         Circuit {
             simulation,
             functions,
@@ -346,7 +363,7 @@ mod linked {
     macro_rules! functions {
         ($make:ident, $destroy:ident, $tick:ident, $draw:ident) => {{
             unsafe extern "C" {
-                fn $make(seed: u32) -> *mut c_void;
+                fn $make(seed: u32, mistake: u32) -> *mut c_void;
                 fn $destroy(simulation: *mut c_void);
                 fn $tick(simulation: *mut c_void, inputs: *const Inputs, outputs: *mut Outputs);
                 fn $draw(

@@ -3,8 +3,11 @@
 use crate::check::Findings;
 use crate::circuit::{self, Spec};
 use crate::model::Model;
-use crate::suite::{Extent, Loads, PictureLine, rules};
+use crate::suite::{Extent, Loads, PictureLine};
+use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
 use anyhow::{Context, Result, ensure};
+use splatline::format::{Lean18, Widths};
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// One mistake: in `file`, the text `from` (which occurs once) becomes `to`.
@@ -320,42 +323,44 @@ pub const MUTANTS: [Mutant; 44] = [
 /// The circuit that is mutated.
 const DESIGN: &str = "lean18";
 const LANES: usize = 4;
+const WIDTHS: Widths = Lean18::WIDTHS;
 
-/// The mistakes' judge: workloads set up once.
+/// The mistakes' judge: one circuit with all of them that have a choice, and workloads.
 pub struct MutantJudge {
     loads: Vec<Loads>,
+    circuit: SwitchedCircuit,
 }
 
 impl MutantJudge {
-    /// Sets the quick suite's workloads up for the rules of both kinds.
+    /// Builds the circuit, and sets the quick suite's workloads up for all rules; without a mistake they must agree.
     pub fn new() -> Result<MutantJudge> {
-        let loads = rules()
-            .iter()
-            .map(|(name, rules)| Loads::new(DESIGN, name, rules, Extent::Quick))
-            .collect::<Result<_>>()?;
-        Ok(MutantJudge { loads })
+        let judge = MutantJudge {
+            loads: Loads::all(DESIGN, Extent::Quick)?,
+            circuit: SwitchedCircuit::new("files.txt", &MUTANTS, build)?,
+        };
+        nothing_said(judge.drawn(judge.circuit.library(), 0)?)?;
+        Ok(judge)
     }
 
     /// What the suite says of a mutant: its first difference, or nothing if it survives.
     pub fn verdict(&self, mutant: &Mutant) -> Result<Option<String>> {
-        let folder = tempfile::tempdir()?;
-        let spec = Spec {
-            mistake: Some(mutant),
-            ..Spec::new(DESIGN, self.loads[0].widths(), LANES)
-        };
-        let library = spec.library(folder.path())?;
+        self.circuit
+            .judged(mutant, |library, number| self.drawn(library, number))
+    }
+
+    fn drawn(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {
         for loads in &self.loads {
-            let model = Model::from_library(&library, circuit::NAME, 1)?;
-            let lines = loads.check(&mut loads.bench_around(model), LANES);
-            let worst = lines.into_iter().find(|line| !line.findings.agree());
-            if let Some(line) = worst {
+            let model = Model::with_mistake(library, circuit::NAME, 1, number)?;
+            let mut bench = loads.bench_around(model);
+            let mut lines = loads.check(&mut bench, LANES);
+            if let Some(line) = lines.find(|line| !line.findings.agree()) {
                 let Findings {
                     first_difference, ..
                 } = line.findings;
                 return Ok(Some(first_difference.unwrap_or_default()));
             }
             // What goes wrong between tiles alone shows where one is drawn while another is read out.
-            let model = Model::from_library(&library, circuit::NAME, 1)?;
+            let model = Model::with_mistake(library, circuit::NAME, 1, number)?;
             let pictures = loads.pictures(&mut loads.bench_around(model), LANES)?;
             let worst = pictures.iter().find(|line| !line.cycles.agree());
             if let Some(line) = worst {
@@ -367,6 +372,17 @@ impl MutantJudge {
         }
         Ok(None)
     }
+}
+
+/// The circuit with one mistake, or with choices of these.
+fn build(folder: &Path, mistake: Option<&Mutant>, choices: &[Mutant]) -> Result<PathBuf> {
+    let spec = Spec {
+        mistake,
+        choices,
+        effort: "-O1",
+        ..Spec::new(DESIGN, &WIDTHS, LANES)
+    };
+    spec.library(folder)
 }
 
 /// Standard output of a command that succeeded.

@@ -23,8 +23,8 @@ use splatline_sim::machine::{Config, simulate_alone};
 use splatline_sim::rules::{Compositing, Rules};
 use std::collections::VecDeque;
 
-/// Cycles in which a picture must at least come forward.
-const PATIENCE: u64 = 1 << 24;
+/// A picture that takes so many times the model's cycles, and some more, will not end.
+const PATIENCE: u64 = 4;
 
 /// A memory's limits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,12 +124,13 @@ pub fn model_cycles(
     Ok(simulate_alone(&work, config).raster)
 }
 
-/// The circuit's cycles of the same picture until its last pixel is written, and its tiles' pixels.
+/// The circuit's cycles of the same picture until its last pixel is written, and its tiles' pixels; `expected` are the model's cycles.
 pub fn circuit_cycles(
     bench: &mut Bench,
     widths: &Widths,
     workload: &BenchWorkload,
     config: &Config,
+    expected: u64,
 ) -> Result<(u64, Vec<Vec<Pixel>>)> {
     let layout = &Layout::new(widths);
     let Handed {
@@ -146,6 +147,7 @@ pub fn circuit_cycles(
         || !bench.cycles_since_reset().is_multiple_of(interval)
     {}
     let start = bench.cycles();
+    let patience = PATIENCE * expected + (1 << 20);
     let mut background = Background::new(config, &backgrounds);
     let mut drawing = CircuitDrawing {
         tiles: &tiles,
@@ -159,7 +161,7 @@ pub fn circuit_cycles(
     };
     while !drawing.is_done() || reading.is_busy(&tiles) || background.is_owed() {
         let now = bench.cycles() - start;
-        ensure!(now < PATIENCE, "the circuit hangs");
+        ensure!(now < patience, "the circuit hangs");
         background.hand_out(drawing.drawn);
         if !reading.is_busy(&tiles) {
             background.write();

@@ -12,6 +12,12 @@ use std::path::Path;
 /// Where the lines are kept.
 pub const PLACED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/placed.csv");
 
+/// Where the model's clocks are kept.
+pub const CLOCKS: &str = concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../src/machine/clock/placed.csv"
+);
+
 const HEADING: &str =
     "circuit,sources,tool,seed,luts,flip_flops,dsps,memory_kbit,mhz,seconds,path\n";
 
@@ -111,6 +117,35 @@ pub fn keep(file: &Path, line: &PlacedLine) -> Result<()> {
     Ok(atomic::write(file, [HEADING, &text].concat().as_bytes())?)
 }
 
+/// The place of the median among so many; of two in the middle the slower one's.
+fn middle(count: usize) -> usize {
+    (count - 1) / 2
+}
+
+/// Seeds from which on a median is taken for a circuit's clock: two seeds differ by up to a fifth.
+const ENOUGH: usize = 5;
+
+/// What the model takes for its clock, `sim/src/machine/clock/placed.csv`: the median of each whole primitive that was placed often enough.
+pub fn clocks(lines: &[PlacedLine]) -> String {
+    let mut text = "design,lanes,family,device,mhz,conditions,source\n".to_owned();
+    for seeds in lines.chunk_by(|a, b| a.circuit == b.circuit) {
+        let Some((design, lanes)) = seeds[0].circuit.split_once(" splat_primitive ") else {
+            continue;
+        };
+        if seeds.len() < ENOUGH {
+            continue;
+        }
+        let mut speeds: Vec<f64> = seeds.iter().map(|line| line.mhz).collect();
+        speeds.sort_by(f64::total_cmp);
+        text += &format!(
+            "{design},{lanes},ecp5,ECP5 LFE5U-85F grade 6,{:.1},median of {} seeds,docs/area.md\n",
+            speeds[middle(speeds.len())],
+            speeds.len()
+        );
+    }
+    text
+}
+
 /// A circuit's line of the table: the median's speed and path (of two in the middle the slower), and the extremes. `now` are its sources as they are; empty, if it was never placed.
 pub fn summary(lines: &[PlacedLine], now: u64) -> String {
     let mut by_speed: Vec<&PlacedLine> = lines.iter().collect();
@@ -118,7 +153,7 @@ pub fn summary(lines: &[PlacedLine], now: u64) -> String {
     let (Some(slowest), Some(fastest)) = (by_speed.first(), by_speed.last()) else {
         return String::new();
     };
-    let median = by_speed[(by_speed.len() - 1) / 2];
+    let median = by_speed[middle(by_speed.len())];
     let seeds: Vec<String> = lines.iter().map(|line| line.seed.to_string()).collect();
     let counts = median
         .fabric
@@ -162,6 +197,22 @@ mod tests {
             seconds: 60,
             path: "`a` to `b`: 9.0, 5.0 of it wires".to_owned(),
         }
+    }
+
+    #[test]
+    fn the_models_clock_is_the_median() {
+        let speeds = [(1, 90.25), (2, 100.0), (3, 80.0), (4, 99.0), (5, 81.0)];
+        let lines = speeds.map(|(seed, mhz)| line(seed, 5, mhz));
+        let told = "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/area.md";
+        assert_eq!(clocks(&lines).lines().nth(1), Some(told));
+        assert_eq!(clocks(&lines[..4]).lines().count(), 1);
+    }
+
+    /// `rtl -- area page` writes it.
+    #[test]
+    fn the_committed_clocks_are_of_what_was_placed() {
+        let committed = fs::read_to_string(CLOCKS).unwrap();
+        assert_eq!(committed, clocks(&read(PLACED.as_ref()).unwrap()));
     }
 
     #[test]

@@ -102,25 +102,54 @@ pub struct Loads {
     pub missing: Vec<&'static str>,
 }
 
-/// The rules by name.
-pub fn rules() -> [(&'static str, Rules); 2] {
+/// The rules of scenes by name.
+fn rules() -> [(&'static str, Rules); 2] {
     [("3dgs", Rules::GAUSSIAN_3D), ("ewa", Rules::EWA)]
 }
 
 impl Loads {
-    /// Sets all workloads up.
-    pub fn new(
-        design: &'static str,
-        rules_name: &'static str,
-        rules: &Rules,
-        extent: Extent,
-    ) -> Result<Loads> {
+    /// Sets all workloads of a design up, for each of the rules.
+    pub fn all(design: &'static str, extent: Extent) -> Result<Vec<Loads>> {
         let choice = DesignChoice::named(design).expect("the suite names existing designs");
-        Self::of(design, choice, (rules_name, *rules), extent)
+        Self::all_of(design, &choice, extent)
     }
 
     /// The same for a design of any widths.
-    pub fn of(
+    pub fn all_of(
+        design: &'static str,
+        choice: &DesignChoice,
+        extent: Extent,
+    ) -> Result<Vec<Loads>> {
+        let of = |rules| Self::of(design, choice.clone(), rules, extent);
+        let scenes: Result<Vec<Loads>> = rules().into_iter().map(of).collect();
+        let faint = Self::faint(design, choice.clone(), extent);
+        Ok(scenes?.into_iter().chain([faint]).collect())
+    }
+
+    /// Random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a footprint where it
+    /// becomes faint, and `ewa` draws what is there.
+    fn faint(design: &'static str, choice: DesignChoice, extent: Extent) -> Loads {
+        let rules = Rules {
+            alpha_min: Rules::GAUSSIAN_3D.alpha_min,
+            ..Rules::EWA
+        };
+        let count = match extent {
+            Extent::Quick => 600,
+            Extent::Full => 20_000,
+        };
+        Loads {
+            design,
+            rules_name: "ewa, faint skipped",
+            scene_rules: rules,
+            rules: kernel_rules(&rules),
+            workloads: vec![workload::random(&choice.widths, count, 20, 9)],
+            choice,
+            missing: Vec::new(),
+        }
+    }
+
+    /// Sets the workloads of scenes up for one of their rules.
+    fn of(
         design: &'static str,
         choice: DesignChoice,
         (rules_name, rules): (&'static str, Rules),
@@ -133,6 +162,7 @@ impl Loads {
         let mut workloads = vec![
             workload::random(&widths, random, 20, 7),
             workload::random(&widths, random / 4, 1, 8),
+            workload::vast(&widths, random / 12, 10),
             workload::crowd(&choice, rules),
             workload::sparse(&choice, rules),
             workload::deep_stack(&choice, rules, if full { 128 } else { 64 }),
@@ -170,29 +200,29 @@ impl Loads {
         &self.choice.widths
     }
 
-    /// Draws everything by a circuit with so many lanes: as fast as it goes, with packets that come late, with back-pressure everywhere.
-    pub fn check(&self, bench: &mut Bench, lanes: usize) -> Vec<Line> {
-        let mut lines = Vec::new();
-        for workload in &self.workloads {
-            for pauses in PASSES_BY_PAUSES {
-                let findings = self.choice.dispatch(ModelLine {
-                    bench,
-                    lanes,
-                    rules: &self.rules,
-                    workload,
-                    pauses,
-                });
-                lines.push(Line {
-                    design: self.design,
-                    lanes,
-                    rules: self.rules_name,
-                    workload: workload.name,
-                    pauses,
-                    findings,
-                });
-            }
-        }
-        lines
+    /// Draws everything by a circuit with so many lanes: as fast as it goes, with packets that come late, with back-pressure everywhere. Lines come as
+    /// they are asked for, so that whoever looks for a difference need not wait for the rest.
+    pub fn check<'a>(
+        &'a self,
+        bench: &'a mut Bench,
+        lanes: usize,
+    ) -> impl Iterator<Item = Line> + 'a {
+        let passes = |workload| PASSES_BY_PAUSES.map(|pauses| (workload, pauses));
+        let all = self.workloads.iter().flat_map(passes);
+        all.map(move |(workload, pauses)| Line {
+            design: self.design,
+            lanes,
+            rules: self.rules_name,
+            workload: workload.name,
+            pauses,
+            findings: self.choice.dispatch(ModelLine {
+                bench: &mut *bench,
+                lanes,
+                rules: &self.rules,
+                workload,
+                pauses,
+            }),
+        })
     }
 
     /// Cycles of whole pictures under the limits of memories, by model and circuit, and the circuit's words against the kernel's.
@@ -204,7 +234,7 @@ impl Loads {
                 let model =
                     picture::model_cycles(&self.choice, &self.scene_rules, workload, &config)?;
                 let (circuit, pixels) =
-                    picture::circuit_cycles(bench, self.widths(), workload, &config)?;
+                    picture::circuit_cycles(bench, self.widths(), workload, &config, model)?;
                 let mismatches = self.choice.dispatch(WordsLine {
                     rules: &self.rules,
                     workload,

@@ -6,8 +6,10 @@
 
 use crate::mutants::Mutant;
 use crate::verilate::units;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use std::ops::Range;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 
 /// The place of a mistake in its list, from 1 on; 0 is none.
 pub type MistakeNumber = usize;
@@ -98,6 +100,63 @@ pub fn chosen(list: &str, mistakes: &[Mutant]) -> Result<Vec<MistakeNumber>> {
         all.extend(switched(&name, &text, mistakes)?.chosen);
     }
     Ok(all)
+}
+
+/// Builds a circuit in a folder: with one mistake, or with choices of these.
+pub type BuildCircuit = fn(&Path, Option<&Mutant>, &[Mutant]) -> Result<PathBuf>;
+
+/// A circuit with all mistakes of a list that have a choice; the others are built when they are asked for.
+pub struct SwitchedCircuit {
+    mistakes: &'static [Mutant],
+    chosen: Vec<MistakeNumber>,
+    build: BuildCircuit,
+    library: PathBuf,
+    folder: TempDir,
+}
+
+impl SwitchedCircuit {
+    /// Builds the circuit of the units of a list in `sim/rtl`.
+    pub fn new(list: &str, mistakes: &'static [Mutant], build: BuildCircuit) -> Result<Self> {
+        let folder = tempfile::tempdir()?;
+        Ok(SwitchedCircuit {
+            mistakes,
+            chosen: chosen(list, mistakes)?,
+            build,
+            library: build(folder.path(), None, mistakes)?,
+            folder,
+        })
+    }
+
+    /// Where it lies; without a number it has no mistake.
+    pub fn library(&self) -> &Path {
+        &self.library
+    }
+
+    /// What is said of the library with a mistake and of the number that picks it there, 0 where it is the only one.
+    pub fn judged<T>(
+        &self,
+        mistake: &Mutant,
+        judge: impl FnOnce(&Path, MistakeNumber) -> Result<T>,
+    ) -> Result<T> {
+        let place = self
+            .mistakes
+            .iter()
+            .position(|known| known.name == mistake.name);
+        let number = place.map_or(0, |place| place + 1);
+        if self.chosen.contains(&number) {
+            return judge(&self.library, number);
+        }
+        let folder = TempDir::new_in(self.folder.path())?;
+        judge(&(self.build)(folder.path(), Some(mistake), &[])?, 0)
+    }
+}
+
+/// What is said of a circuit without a mistake must be nothing; else no verdict means anything.
+pub fn nothing_said(word: Option<String>) -> Result<()> {
+    match word {
+        None => Ok(()),
+        Some(word) => bail!("without a mistake: {word}"),
+    }
 }
 
 /// The choice between an item and its wrong texts.
@@ -240,7 +299,8 @@ endmodule
     /// The circuits change; a mistake whose place has gone would say so only when it is judged.
     #[test]
     fn every_mistake_has_its_place() {
-        let lists: [(&str, &[Mutant], usize); 3] = [
+        let lists: [(&str, &[Mutant], usize); 4] = [
+            ("files.txt", &crate::mutants::MUTANTS, 42),
             ("setup_files.txt", &crate::setup::mistakes::MISTAKES, 47),
             ("machine_files.txt", &crate::machine::mistakes::MISTAKES, 22),
             ("order_files.txt", &crate::order::mistakes::MISTAKES, 23),

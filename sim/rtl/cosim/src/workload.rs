@@ -192,6 +192,30 @@ pub fn tiles(footprints: &[Footprint], viewport: [u16; 2], size: [u16; 2]) -> Ve
 /// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
 /// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
 pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
+    random_between(
+        "random packets",
+        [-4.0, 20.0],
+        widths,
+        count,
+        per_tile,
+        seed,
+    )
+}
+
+/// The same with half-widths from 2^27 to 2^35 pixels, which setup does not give and the row unit cuts from 2^30 on.
+pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
+    random_between("vast packets", [27.0, 33.0], widths, count, 10, seed)
+}
+
+/// Random footprints whose longer axis has a deviation of two to the power of something in this range, in pixels.
+fn random_between(
+    name: &'static str,
+    powers: [f64; 2],
+    widths: &Widths,
+    count: usize,
+    per_tile: usize,
+    seed: u64,
+) -> BenchWorkload {
     let mut random = WorkloadRandom(seed);
     let mut footprints = Vec::with_capacity(count);
     let mut tiles = Vec::new();
@@ -200,7 +224,7 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Benc
         let window = random.window(block);
         let list = footprints.len() as u32..(footprints.len() + per_tile) as u32;
         while footprints.len() < list.end as usize {
-            footprints.extend(random.footprint(widths, &window));
+            footprints.extend(random.footprint(widths, &window, powers));
         }
         tiles.push(BenchTile {
             window,
@@ -208,7 +232,7 @@ pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> Benc
         });
     }
     BenchWorkload {
-        name: "random packets",
+        name,
         footprints,
         tiles,
         viewport: None,
@@ -223,6 +247,12 @@ pub fn split_mix(state: &mut u64) -> u64 {
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     z ^ (z >> 31)
 }
+
+/// The farthest centre that is tried, in pixels.
+const FARTHEST: f64 = 1e8;
+
+/// Setup keeps the middle of a row nearer than 2^30 pixels. Beyond 2^31 it leaves its word, and circuit and kernel differ.
+const FARTHEST_MIDDLE: f64 = 1e9;
 
 struct WorkloadRandom(u64);
 
@@ -257,9 +287,14 @@ impl WorkloadRandom {
     }
 
     /// A footprint that touches the window, or nothing if this one cannot be had.
-    fn footprint(&mut self, widths: &Widths, window: &Window) -> Option<Footprint> {
+    fn footprint(
+        &mut self,
+        widths: &Widths,
+        window: &Window,
+        powers: [f64; 2],
+    ) -> Option<Footprint> {
         let (long, ratio, angle) = (
-            self.between(-4.0, 20.0),
+            self.between(powers[0], powers[1]),
             self.between(0.0, 15.0),
             self.between(0.0, 3.15),
         );
@@ -301,16 +336,19 @@ impl WorkloadRandom {
             along * cosine - across * sine,
             along * sine + across * cosine,
         ];
+        let mut centres = [0.0; 2];
         for axis in 0..2 {
             let middle = f64::from(window.first[axis] + window.end[axis]) / 2.0;
             let size = f64::from(TILE[axis]);
             let spot = self.between(-1.0, 1.0);
-            let centre = middle
-                + if rim {
-                    point[axis] + spot * size / 2.0
-                } else {
-                    spot * (reach[axis] + size / 2.0)
-                };
+            let offset = if rim {
+                point[axis] + spot * size / 2.0
+            } else {
+                spot * (reach[axis] + size / 2.0)
+            };
+            // A packet's centre has 28 bits before the point.
+            let centre = (middle + offset).clamp(-FARTHEST, FARTHEST);
+            centres[axis] = centre;
             footprint.centre[axis] = (centre * f64::from(widths.subpixel).exp2()) as i64;
             // `as` saturates: boxes are clipped to the widest viewport.
             footprint.first[axis] = (centre - reach[axis] - 0.5).ceil() as u16;
@@ -318,6 +356,12 @@ impl WorkloadRandom {
             if footprint.end[axis] <= footprint.first[axis] {
                 return None;
             }
+        }
+        // How far the middle of a visible row can lie from the first column.
+        let shear = (long - short) * sine * cosine / (long * sine * sine + short * cosine * cosine);
+        let rows = (f64::from(window.first[1]) - centres[1]).abs() + f64::from(TILE[1]);
+        if centres[0].abs() + (shear * rows).abs() > FARTHEST_MIDDLE {
+            return None;
         }
         Some(footprint)
     }

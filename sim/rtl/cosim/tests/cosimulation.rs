@@ -64,16 +64,19 @@ mod with_verilator {
     use splatline::rules::Rules as KernelRules;
     use splatline_rtl::bench::{Bench, Pauses};
     use splatline_rtl::model::{Inputs, Missing, Model};
-    use splatline_rtl::suite::{Extent, LANES, Loads, rules};
+    use splatline_rtl::mutants::Mutant;
+    use splatline_rtl::suite::{Extent, LANES, Loads};
     use splatline_rtl::workload::{self, BenchTile};
     use splatline_sim::design::DesignChoice;
 
-    /// Every word, the cycle of every handshake where the lanes do not pause, and the cycles of pictures, for both rules.
+    /// Every word, the cycle of every handshake where the lanes do not pause, and the cycles of pictures, for all rules.
     fn agrees(design: &'static str) {
-        for (name, rules) in rules() {
-            let loads = Loads::new(design, name, &rules, Extent::Quick).unwrap();
+        for loads in Loads::all(design, Extent::Quick).unwrap() {
             for missing in &loads.missing {
-                println!("{design} {name}: no {missing}, its data is not at hand");
+                println!(
+                    "{design} {}: no {missing}, its data is not at hand",
+                    loads.rules_name
+                );
             }
             for lanes in LANES {
                 let mut bench = loads.bench(lanes).unwrap();
@@ -374,31 +377,33 @@ mod with_verilator {
     #[ignore = "verilates and compiles two setup units: a minute; also `cargo run -p splatline-rtl --example rtl -- setup mutants`"]
     fn every_mistake_of_the_setup_unit_is_noticed() {
         let judge = setup::mistakes::SetupJudge::new().unwrap();
-        for mistake in &setup::mistakes::MISTAKES {
-            assert!(judge.verdict(mistake).unwrap().is_some(), "{mistake:?}");
-        }
+        every(&setup::mistakes::MISTAKES, |mistake| judge.verdict(mistake));
     }
 
     #[test]
     #[ignore = "verilates and compiles three machines: minutes; also `cargo run -p splatline-rtl --example rtl -- machine mutants`"]
     fn every_mistake_of_the_machine_is_noticed() {
         let judge = machine::mistakes::MachineJudge::new().unwrap();
-        for mistake in &machine::mistakes::MISTAKES {
-            assert!(judge.verdict(mistake).unwrap().is_some(), "{mistake:?}");
-        }
+        every(&machine::mistakes::MISTAKES, |mistake| {
+            judge.verdict(mistake)
+        });
     }
 
     #[test]
-    #[ignore = "verilates and compiles 32 circuits: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
+    #[ignore = "verilates and compiles two circuits and draws by them: minutes; also `cargo run -p splatline-rtl --example rtl -- mutants`"]
     fn every_mutant_is_noticed() {
         let judge = splatline_rtl::mutants::MutantJudge::new().unwrap();
-        // SPLATLINE_MUTANTS=N tries N of them, spread over the list.
-        let all = &splatline_rtl::mutants::MUTANTS;
+        every(&splatline_rtl::mutants::MUTANTS, |mutant| {
+            judge.verdict(mutant)
+        });
+    }
+
+    /// Every mistake is noticed. SPLATLINE_MUTANTS=N tries N of them, spread over the list.
+    fn every(all: &[Mutant], verdict: impl Fn(&Mutant) -> anyhow::Result<Option<String>>) {
         let asked = std::env::var("SPLATLINE_MUTANTS").ok();
         let count = asked.map_or(all.len(), |text| text.parse().expect("a number"));
         for mutant in all.iter().step_by(all.len().div_ceil(count.max(1))) {
-            let verdict = judge.verdict(mutant).unwrap();
-            assert!(verdict.is_some(), "{mutant:?} survives");
+            assert!(verdict(mutant).unwrap().is_some(), "{mutant:?} survives");
         }
     }
 }

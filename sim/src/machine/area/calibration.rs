@@ -7,18 +7,19 @@
 use super::Fabric;
 use super::circuit::Bits;
 use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
+use crate::machine::primitive::SETUP_INTERVAL;
 use serde::{Deserialize, Serialize};
 
 /// A family of devices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Family {
-    /// Xilinx 7 series: LUT6, 25 x 18 multipliers (UG479), 18 kbit memories (UG473).
+    /// Xilinx 7 series: LUT6, signed 25 x 18 multipliers (UG479), 18 kbit memories (UG473).
     #[default]
     Xilinx7,
-    /// Lattice ECP5: LUT4, 18-bit multipliers, 18 kbit memories (FPGA-DS-02012).
+    /// Lattice ECP5: LUT4, signed or unsigned 18-bit multipliers, 18 kbit memories (FPGA-DS-02012).
     Ecp5,
-    /// Lattice iCE40: LUT4, 16-bit multipliers (UltraPlus), 4 kbit memories (FPGA-DS-02008).
+    /// Lattice iCE40: LUT4, signed or unsigned 16-bit multipliers (UltraPlus), 4 kbit memories (FPGA-DS-02008).
     Ice40,
 }
 
@@ -36,8 +37,10 @@ pub struct PriceLine {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lines {
-    /// Splat setup.
+    /// Splat setup of a packet in every cycle.
     pub setup: PriceLine,
+    /// Splat setup of a packet in four cycles, whose shifters and multipliers are shared.
+    pub shared_setup: PriceLine,
     /// Row generator.
     pub rows: PriceLine,
     /// One lane with its queue of eight runs.
@@ -68,18 +71,16 @@ pub struct Calibration {
     pub luts: Lines,
     /// Flip-flops.
     pub flip_flops: Lines,
-    /// Operands of a multiplier, signed bits.
+    /// Factors of a multiplier, unsigned bits.
     pub multiplier: [u64; 2],
-    /// Multipliers of setup whose operands do not depend on the widths: jumps over hidden rows.
-    pub setup_multipliers: u64,
-    /// And of the rows: heads of runs.
-    pub row_multipliers: u64,
     /// Words and bits of a block memory's shapes, from the widest on.
     pub shapes: Vec<[u64; 2]>,
     /// Kilobits of a block.
     pub block_kbit: u64,
-    /// Kilobits of a row generator's root table.
-    pub root_kbit: u64,
+    /// Kilobits of splat setup: what waits for a stage, and splats that wait for the rows.
+    pub setup_kbit: PriceLine,
+    /// Kilobits of a row generator: the root table, what waits for a stage, and rows that wait for lanes.
+    pub row_kbit: PriceLine,
     /// What queues are made of, if not of blocks.
     pub lut_memory: Option<LutMemory>,
     /// Look-up tables that weigh as much as a multiplier, for one number: their ratio in a device.
@@ -129,7 +130,7 @@ impl Family {
         match self {
             // XC7A100T (DS180); RAM32M of four LUTs holds 32 words of 6 bits (UG474).
             Family::Xilinx7 => SynthesisSheet {
-                multiplier: [25, 18],
+                multiplier: [24, 17],
                 shapes: &SHAPES_18K,
                 block_kbit: 18,
                 lut_memory: Some(LutMemory {
@@ -153,7 +154,7 @@ impl Family {
             },
             // iCE40UP5K (FPGA-DS-02008).
             Family::Ice40 => SynthesisSheet {
-                multiplier: [17, 17],
+                multiplier: [16, 16],
                 shapes: &SHAPES_4K,
                 block_kbit: 4,
                 lut_memory: None,
@@ -182,38 +183,19 @@ impl Calibration {
             .iter()
             .filter(|line| line.family == family && line.fitted());
         let found: Vec<Synthesised> = used.cloned().collect();
-        let mut calibration = Calibration {
+        Calibration {
             family,
             luts: lines(&found, |fabric| fabric.luts),
             flip_flops: lines(&found, |fabric| fabric.flip_flops),
             multiplier: sheet.multiplier,
-            setup_multipliers: 0,
-            row_multipliers: 0,
             shapes: sheet.shapes.to_vec(),
             block_kbit: sheet.block_kbit,
-            root_kbit: of_part(&found, SynthesisedPart::Rows)
-                .map_or(0, |line| line.fabric.memory_kbit),
+            setup_kbit: over_mantissa(&found, SHARED_SETUP, |fabric| fabric.memory_kbit),
+            row_kbit: over_mantissa(&found, SynthesisedPart::Rows, |fabric| fabric.memory_kbit),
             lut_memory: sheet.lut_memory,
             luts_per_dsp: sheet.device[0] / sheet.device[1],
             luts_per_kbit: sheet.device[0] / sheet.device[2],
-        };
-        let fixed = |part, products: fn(&Bits) -> Vec<[u64; 2]>| {
-            let beyond = found
-                .iter()
-                .filter(|line| line.part == part)
-                .map(|line| {
-                    let tiled = calibration.tiled(&products(&Bits::new(&line.widths)));
-                    line.fabric.dsps as f64 - tiled as f64
-                })
-                .collect::<Vec<_>>();
-            mean(&beyond).max(0.0).round() as u64
-        };
-        let setup = fixed(SynthesisedPart::Setup, |bits| {
-            bits.setup_products().to_vec()
-        });
-        let rows = fixed(SynthesisedPart::Rows, |bits| bits.row_products().to_vec());
-        (calibration.setup_multipliers, calibration.row_multipliers) = (setup, rows);
-        calibration
+        }
     }
 
     /// Reads prices from the text of a TOML file; what it leaves out is that of its `family`.
@@ -243,6 +225,19 @@ impl Calibration {
         *self == self.family.calibration()
     }
 
+    /// Multipliers of splat setup where a packet comes in so many cycles.
+    pub(super) fn setup_dsps(&self, bits: &Bits, interval: u32) -> u64 {
+        let products = bits.setup_multipliers().into_iter();
+        products
+            .map(|(factors, count)| self.tiles(factors) * count.div_ceil(interval.max(1).into()))
+            .sum()
+    }
+
+    /// A line's kilobits in whole blocks.
+    pub(super) fn blocks_of(&self, line: &PriceLine, bits: u64) -> u64 {
+        (line.at(bits) / self.block_kbit as f64).round() as u64 * self.block_kbit
+    }
+
     /// One number for all of it, in look-up tables. Flip-flops stand behind the look-up tables of the same cells and weigh nothing.
     pub fn weight(&self, fabric: &Fabric) -> f64 {
         fabric.luts as f64
@@ -266,21 +261,41 @@ impl PriceLine {
     }
 }
 
+/// Splat setup as the primitive has it.
+const SHARED_SETUP: SynthesisedPart = SynthesisedPart::Setup(SETUP_INTERVAL);
+
+/// What the two designs that are fitted take, over bits of theirs.
+fn points(
+    found: &[Synthesised],
+    part: SynthesisedPart,
+    bits: fn(&Bits) -> u64,
+    of: fn(&Fabric) -> u64,
+) -> Vec<[f64; 2]> {
+    let lines = found.iter().filter(|line| line.part == part);
+    lines
+        .map(|line| {
+            let bits = bits(&Bits::new(&line.widths)) as f64;
+            [bits, of(&line.fabric) as f64]
+        })
+        .collect()
+}
+
+/// The line of a part that depends on the mantissa alone.
+fn over_mantissa(
+    found: &[Synthesised],
+    part: SynthesisedPart,
+    of: fn(&Fabric) -> u64,
+) -> PriceLine {
+    let points = points(found, part, |bits| bits.mantissa, of);
+    PriceLine::through(points[0], points[1])
+}
+
 /// Lines through the two designs that are fitted.
 fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
-    let points = |part: SynthesisedPart, bits: fn(&Bits) -> u64| -> Vec<[f64; 2]> {
-        let lines = found.iter().filter(|line| line.part == part);
-        lines
-            .map(|line| {
-                let bits = bits(&Bits::new(&line.widths)) as f64;
-                [bits, of(&line.fabric) as f64]
-            })
-            .collect()
-    };
-    let setup = points(SynthesisedPart::Setup, |bits| bits.mantissa);
-    let rows = points(SynthesisedPart::Rows, |bits| bits.mantissa);
-    let one = points(SynthesisedPart::Lanes(1), |bits| bits.lane);
-    let four = points(SynthesisedPart::Lanes(4), |bits| bits.lane);
+    let mantissa = |part| points(found, part, |bits| bits.mantissa, of);
+    let of_lanes = |lanes| points(found, SynthesisedPart::Lanes(lanes), |bits| bits.lane, of);
+    let (setup, rows) = (mantissa(SHARED_SETUP), mantissa(SynthesisedPart::Rows));
+    let (one, four) = (of_lanes(1), of_lanes(4));
     let lane: Vec<[f64; 2]> = one
         .iter()
         .zip(&four)
@@ -290,15 +305,12 @@ fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
         .map(|i| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1])
         .collect();
     Lines {
-        setup: PriceLine::through(setup[0], setup[1]),
+        setup: over_mantissa(found, SynthesisedPart::Setup(1), of),
+        shared_setup: PriceLine::through(setup[0], setup[1]),
         rows: PriceLine::through(rows[0], rows[1]),
         lane: PriceLine::through(lane[0], lane[1]),
         rest: mean(&rest),
     }
-}
-
-fn of_part(found: &[Synthesised], part: SynthesisedPart) -> Option<&Synthesised> {
-    found.iter().find(|line| line.part == part)
 }
 
 fn mean(values: &[f64]) -> f64 {

@@ -8,8 +8,6 @@ use super::calibration::{Calibration, Lines, PriceLine};
 const MULTIPLIER: (u64, u64) = (2, 128);
 /// Words, bits, kilobits, look-up tables of one block or cell.
 const BLOCK: (u64, u64) = (1, 1 << 20);
-/// Multipliers whose operands do not depend on the widths.
-const COUNT: (u64, u64) = (0, 1 << 16);
 /// Largest absolute value of a price.
 const LARGEST: f64 = 1e9;
 
@@ -25,8 +23,6 @@ impl Calibration {
         for bits in self.multiplier {
             whole("multiplier", bits, MULTIPLIER)?;
         }
-        whole("setup_multipliers", self.setup_multipliers, COUNT)?;
-        whole("row_multipliers", self.row_multipliers, COUNT)?;
         if self.shapes.is_empty() {
             return Err(refused("shapes", "[]", "at least one [words, bits]"));
         }
@@ -34,7 +30,8 @@ impl Calibration {
             whole("shapes", *number, BLOCK)?;
         }
         whole("block_kbit", self.block_kbit, BLOCK)?;
-        whole("root_kbit", self.root_kbit, (0, BLOCK.1))?;
+        check_line("setup_kbit", &self.setup_kbit)?;
+        check_line("row_kbit", &self.row_kbit)?;
         if let Some(memory) = &self.lut_memory {
             whole("lut_memory.words", memory.words, BLOCK)?;
             whole("lut_memory.bits", memory.bits, BLOCK)?;
@@ -49,16 +46,25 @@ impl Calibration {
 fn check_lines(name: &str, lines: &Lines) -> Result<(), Refused> {
     let Lines {
         setup,
+        shared_setup,
         rows,
         lane,
         rest,
     } = lines;
-    for (part, PriceLine { at_zero, per_bit }) in [("setup", setup), ("rows", rows), ("lane", lane)]
-    {
-        price(&format!("{name}.{part}.at_zero"), *at_zero)?;
-        weight(&format!("{name}.{part}.per_bit"), *per_bit)?;
+    for (part, line) in [
+        ("setup", setup),
+        ("shared_setup", shared_setup),
+        ("rows", rows),
+        ("lane", lane),
+    ] {
+        check_line(&format!("{name}.{part}"), line)?;
     }
     price(&format!("{name}.rest"), *rest)
+}
+
+fn check_line(name: &str, line: &PriceLine) -> Result<(), Refused> {
+    price(&format!("{name}.at_zero"), line.at_zero)?;
+    weight(&format!("{name}.per_bit"), line.per_bit)
 }
 
 fn price(key: &str, value: f64) -> Result<(), Refused> {
@@ -126,8 +132,7 @@ mod tests {
             }
             for wrong in ["0", "-1", "nan", "inf", "-inf", "1e300", "99999999999999"] {
                 // Neither a count nor where a line begins is a divisor.
-                let zero_is_fine = key.ends_with("multipliers")
-                    || key.ends_with("kbit") && key != "block_kbit"
+                let zero_is_fine = key == "luts_per_kbit"
                     || ["at_zero", "per_bit", "rest", "luts_per_dsp"].contains(&key);
                 let negative_is_fine = ["at_zero", "rest"].contains(&key);
                 if wrong == "0" && zero_is_fine || wrong == "-1" && negative_is_fine {
@@ -154,11 +159,9 @@ mod tests {
         for pick in [|range: (u64, u64)| range.0, |range: (u64, u64)| range.1] {
             let mut prices = Family::Xilinx7.calibration();
             prices.multiplier = [pick(MULTIPLIER); 2];
-            prices.setup_multipliers = pick(COUNT);
-            prices.row_multipliers = pick(COUNT);
             prices.shapes = vec![[pick(BLOCK); 2]];
             prices.block_kbit = pick(BLOCK);
-            prices.root_kbit = pick(BLOCK);
+            prices.row_kbit.per_bit = LARGEST;
             prices.luts.lane.per_bit = LARGEST;
             prices.luts.rest = -LARGEST;
             prices.luts_per_dsp = LARGEST;

@@ -61,19 +61,54 @@ impl Bits {
         }
     }
 
-    /// Products of splat setup: C dy, S dy, C dy^2. Signed bits here and below.
+    /// Products of splat setup, of which each packet has one: C dy and C dy^2, S dy, and those with the rows that are jumped over. How many of them are
+    /// made by the same multipliers where packets come less often stands beside each (`shared_multiply.sv`). Bits of unsigned factors here and below, as
+    /// `multiply.sv` has them.
+    pub fn setup_multipliers(&self) -> [([u64; 2], u64); 3] {
+        let m = self.mantissa;
+        [([m, m], 2), ([m, m], 1), ([64, 16], 3)]
+    }
+
+    /// Products of a row: half-width, root, A dx, A dx^2, and those with the pixels before its first.
+    pub fn row_multipliers(&self) -> [[u64; 2]; 6] {
+        let m = self.mantissa;
+        [
+            [33, m],
+            [17, 16],
+            [m + 1, m],
+            [m + 1, m + 1],
+            [32, 5],
+            [33, 5],
+        ]
+    }
+
+    /// The product of opacity, that of the share of the transmittance, and one colour's. An opacity's and a kernel's 1.0 have no multiplier.
+    pub fn blend_multipliers(&self) -> [[u64; 2]; 3] {
+        [
+            [self.peak + 4, self.weight],
+            [self.transmittance + 1, self.alpha],
+            [self.transmittance + 1, self.colour + 4],
+        ]
+    }
+
+    /// The table's interpolation; none without fraction bits.
+    pub fn interpolation_multiplier(&self) -> Option<[u64; 2]> {
+        (self.interpolation > 0).then_some([self.step, self.interpolation])
+    }
+
+    /// Products of splat setup as energy counts them: C dy, S dy, C dy^2. Signed bits here and below.
     pub fn setup_products(&self) -> [[u64; 2]; 3] {
         let m = self.mantissa;
         [[m + 1, m + 2], [m + 1, m + 2], [m + 2, m + 2]]
     }
 
-    /// Products of a row: half-width, root, A dx, A dx^2.
+    /// The same of a row: half-width, root, A dx, A dx^2.
     pub fn row_products(&self) -> [[u64; 2]; 4] {
         let m = self.mantissa;
         [[m + 1, 33], [18, 17], [m + 1, m + 2], [m + 3, m + 2]]
     }
 
-    /// The product of opacity, that of the share of the transmittance, and one colour's.
+    /// And of a pixel: opacity, share of the transmittance, one colour.
     pub fn blend_products(&self) -> [[u64; 2]; 3] {
         [
             [self.peak + 5, self.weight],
@@ -152,14 +187,11 @@ impl GeometryCircuit {
         // Beyond 30 bits the difference to the eye and the rotation have two parts, of whose products the lowest is left out.
         let low = position.saturating_sub(30);
         let cross = if low > 0 { 18 } else { 0 };
-        let rotation = [
-            vec![[position.min(30) + 1; 2]; 9],
-            vec![[31, low + 1]; cross],
-        ];
+        let rotation = [vec![[position.min(30); 2]; 9], vec![[30, low]; cross]];
         let footprint = [
-            vec![[view + 1, view + 1]; 4],
-            vec![[view + 1, m + 1]; 27],
-            vec![[m + 1, m + 1]; 12 + 15 + 10 + 4 + 8],
+            vec![[view, view]; 4],
+            vec![[view, m]; 27],
+            vec![[m, m]; 12 + 15 + 10 + 4 + 8],
         ];
         GeometryCircuit {
             rotation: SetupStage {
@@ -200,11 +232,33 @@ impl GeometryCircuit {
     }
 }
 
+/// Bits of a factor's part that `multiply.sv` gives a multiplier.
+const PART: u64 = 18;
+
+/// Bits of the smallest product that Yosys makes with a multiplier (`DSP_Y_MINWIDTH` of Xilinx 7; 11 for iCE40).
+const SMALLEST: u64 = 9;
+
+/// Bits of what a factor is cut into.
+fn cut(bits: u64, size: u64) -> impl Iterator<Item = u64> {
+    (0..bits.div_ceil(size)).map(move |piece| (bits - piece * size).min(size))
+}
+
 impl Calibration {
-    /// Multipliers of a product: Yosys puts the wider operand on the wider side, be it better or not.
+    /// Multipliers of a product, which is cut into parts as in `multiply.sv`: Yosys puts a part's wider factor on the wider side, be it better or not.
+    /// A part of one bit takes gates, and what a multiplier leaves over takes some if it is small.
     pub fn tiles(&self, [a, b]: [u64; 2]) -> u64 {
-        let [wide, narrow] = self.multiplier.map(|bits| bits.max(2) - 1);
-        (a.max(b) - 1).div_ceil(wide) * (a.min(b) - 1).div_ceil(narrow)
+        let [wide, narrow] = self.multiplier.map(|bits| bits.max(1));
+        let of_part = |a: u64, b: u64| -> u64 {
+            if a.min(b) == 1 {
+                return 0;
+            }
+            let sums = cut(a.max(b), wide)
+                .flat_map(|long| cut(a.min(b), narrow).map(move |short| long + short));
+            sums.filter(|bits| *bits >= SMALLEST).count() as u64
+        };
+        cut(a, PART)
+            .map(|a| cut(b, PART).map(|b| of_part(a, b)).sum::<u64>())
+            .sum()
     }
 
     /// Multipliers of several products.

@@ -15,7 +15,7 @@ pub mod synthesis;
 pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
 
 use super::config::{Config, LaneLayout, Overlap, Termination};
-use super::primitive::QUEUE;
+use super::primitive::{QUEUE, SETUP_INTERVAL};
 use circuit::{Bits, GeometryCircuit, Operators};
 use serde::Serialize;
 use splatline::footprint::packet;
@@ -88,6 +88,8 @@ fn shared(products: &[[u64; 2]], interval: u32, calibration: &Calibration) -> u6
 }
 
 /// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
+///
+/// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged for the larger one's logic.
 fn splat_setup(
     bits: &Bits,
     traversal: Traversal,
@@ -95,16 +97,22 @@ fn splat_setup(
     calibration: &Calibration,
 ) -> Fabric {
     let m = bits.mantissa;
-    let products = match traversal {
-        Traversal::Spans => bits.setup_products().to_vec(),
-        Traversal::Box => vec![[m + 1, m + 1]; 7],
+    let dsps = match traversal {
+        Traversal::Spans => calibration.setup_dsps(bits, config.splat_cycles),
+        Traversal::Box => shared(&[[m, m]; 7], config.splat_cycles, calibration),
     };
-    let logic = |lines: &Lines| (lines.setup.at(m) + lines.rest).round() as u64;
+    let logic = |lines: &Lines| {
+        let setup = match config.splat_cycles >= SETUP_INTERVAL {
+            true => &lines.shared_setup,
+            false => &lines.setup,
+        };
+        (setup.at(m) + lines.rest).round() as u64
+    };
     Fabric {
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
-        dsps: shared(&products, config.splat_cycles, calibration) + calibration.setup_multipliers,
-        memory_kbit: 0,
+        dsps,
+        memory_kbit: calibration.blocks_of(&calibration.setup_kbit, m),
     }
 }
 
@@ -121,9 +129,8 @@ fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibr
     Fabric {
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
-        dsps: shared(&bits.row_products(), config.row_cycles, calibration)
-            + calibration.row_multipliers,
-        memory_kbit: calibration.root_kbit,
+        dsps: shared(&bits.row_multipliers(), config.row_cycles, calibration),
+        memory_kbit: calibration.blocks_of(&calibration.row_kbit, bits.mantissa),
     }
 }
 
@@ -149,10 +156,10 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
     // The lines hold a lane with the circuit's queue.
     let luts = lane(&calibration.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
-    let [opacity, share, colour] = bits.blend_products();
+    let [opacity, share, colour] = bits.blend_multipliers();
     let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
     let interpolation = bits
-        .interpolation_product()
+        .interpolation_multiplier()
         .map_or(0, |product| calibration.tiles(product));
     let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
     let [words, entry] = bits.table;

@@ -17,8 +17,8 @@ const HEADING: &str = "design,widths,family,part,luts,flip_flops,dsps,memory_kbi
 /// What was synthesised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SynthesisedPart {
-    /// The splat setup alone.
-    Setup,
+    /// The splat setup alone, of a packet in so many cycles.
+    Setup(u32),
     /// The row generator alone.
     Rows,
     /// The primitive with so many lanes.
@@ -102,10 +102,10 @@ fn parse_line(line: &str) -> Option<Synthesised> {
         .split(' ')
         .map(|width| width.parse().ok())
         .collect::<Option<_>>()?;
-    let part = match part {
-        "setup" => SynthesisedPart::Setup,
-        "rows" => SynthesisedPart::Rows,
-        lanes => SynthesisedPart::Lanes(lanes.parse().ok()?),
+    let part = match part.split_once(' ') {
+        Some(("setup", interval)) => SynthesisedPart::Setup(interval.parse().ok()?),
+        _ if part == "rows" => SynthesisedPart::Rows,
+        _ => SynthesisedPart::Lanes(part.parse().ok()?),
     };
     Some(Synthesised {
         design: design.to_owned(),
@@ -140,7 +140,7 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
             .map(ToString::to_string)
             .collect();
         let part = match line.part {
-            SynthesisedPart::Setup => "setup".to_owned(),
+            SynthesisedPart::Setup(interval) => format!("setup {interval}"),
             SynthesisedPart::Rows => "rows".to_owned(),
             SynthesisedPart::Lanes(lanes) => lanes.to_string(),
         };
@@ -177,22 +177,13 @@ impl Synthesised {
         let SynthesisedPart::Lanes(lanes) = self.part else {
             return None;
         };
-        let config = counted(lanes);
+        let config = Config::primitive(lanes);
         Some(raster_unit(
             &self.widths,
             Traversal::Spans,
             &config,
             calibration,
         ))
-    }
-}
-
-/// The machine whose circuit `synthesised.csv` counts: the primitive with one tile buffer and setup of a packet in every cycle, as it was then.
-pub fn counted(lanes: u32) -> Config {
-    Config {
-        splat_cycles: 1,
-        tile_buffers: 1,
-        ..Config::primitive(lanes)
     }
 }
 
@@ -253,6 +244,7 @@ pub fn statement(calibration: &Calibration) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::primitive::SETUP_INTERVAL;
 
     #[test]
     fn the_table_is_whole_and_of_todays_widths() {
@@ -274,7 +266,8 @@ mod tests {
         for family in Family::ALL {
             for design in ["lean18", "standard24"] {
                 for part in [
-                    SynthesisedPart::Setup,
+                    SynthesisedPart::Setup(1),
+                    SynthesisedPart::Setup(SETUP_INTERVAL),
                     SynthesisedPart::Rows,
                     SynthesisedPart::Lanes(1),
                     SynthesisedPart::Lanes(4),

@@ -76,7 +76,7 @@ fn the_estimate_of_a_machine_is_that_of_its_circuits() {
         if line.widths != widths {
             continue;
         }
-        let mut config = synthesis::counted(lanes);
+        let mut config = Config::primitive(lanes);
         config.raster_units = 3;
         let three = area(&widths, &config, line.family).raster;
         let error = three.worst_error(&(line.fabric * 3));
@@ -86,12 +86,16 @@ fn the_estimate_of_a_machine_is_that_of_its_circuits() {
 
 #[test]
 fn products_are_tiled_as_synthesis_does() {
-    let prices = Family::Xilinx7.calibration();
-    assert_eq!(prices.tiles([18, 25]), 1);
-    assert_eq!(prices.tiles([19, 25]), 2);
-    assert_eq!(prices.tiles([26, 26]), 4);
-    // The other way round two would do.
-    assert_eq!(prices.tiles([35, 21]), 4);
+    let xilinx = Family::Xilinx7.calibration();
+    assert_eq!(xilinx.tiles([17, 18]), 1);
+    // Signed multipliers of 18 bits hold 17 unsigned ones.
+    assert_eq!(xilinx.tiles([18, 18]), 2);
+    assert_eq!(xilinx.tiles([64, 16]), 4);
+    let ecp5 = Family::Ecp5.calibration();
+    assert_eq!(ecp5.tiles([18, 18]), 1);
+    // A part of one bit takes gates.
+    assert_eq!(ecp5.tiles([19, 19]), 1);
+    assert_eq!(ecp5.tiles([26, 20]), 4);
 }
 
 #[test]

@@ -5,14 +5,13 @@ use super::circuit::{MachineSpec, library};
 use super::model::MachineModel;
 use crate::mutants::{Mutant, mutant};
 use crate::order::loads::{Seen, ordered};
-use crate::switch::{MistakeNumber, chosen};
-use anyhow::{Result, ensure};
+use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
+use anyhow::Result;
 use splatline::format::{Lean18, Widths};
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::scene::synthetic;
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
+use std::path::Path;
 
 const MACHINE: &str = "splat_machine.sv";
 const FETCH: &str = "packet_fetch.sv";
@@ -109,40 +108,28 @@ fn row_of(columns: usize) -> Camera {
 /// The mistakes' judge: one machine with all of them that have a choice, and the frames.
 pub struct MachineJudge {
     cases: Vec<MachineCase>,
-    chosen: Vec<MistakeNumber>,
-    library: PathBuf,
-    folder: TempDir,
+    circuit: SwitchedCircuit,
 }
 
 impl MachineJudge {
     /// Builds the machine, which must draw the frames without a mistake.
     pub fn new() -> Result<MachineJudge> {
-        let folder = tempfile::tempdir()?;
         let judge = MachineJudge {
             cases: judges()?,
-            chosen: chosen("machine_files.txt", &MISTAKES)?,
-            library: library(folder.path(), &spec(None, &MISTAKES))?,
-            folder,
+            circuit: SwitchedCircuit::new(
+                "machine_files.txt",
+                &MISTAKES,
+                |folder, mistake, choices| library(folder, &spec(mistake, choices)),
+            )?,
         };
-        let clean = judge.drawn(&judge.library, 0)?;
-        ensure!(
-            clean.is_none(),
-            "without a mistake: {}",
-            clean.unwrap_or_default()
-        );
+        nothing_said(judge.drawn(judge.circuit.library(), 0)?)?;
         Ok(judge)
     }
 
     /// What the frames say of a mistake, or nothing if it survives.
     pub fn verdict(&self, mistake: &Mutant) -> Result<Option<String>> {
-        let place = MISTAKES.iter().position(|known| known.name == mistake.name);
-        let number = place.map_or(0, |place| place + 1);
-        if self.chosen.contains(&number) {
-            return self.drawn(&self.library, number);
-        }
-        let folder = TempDir::new_in(self.folder.path())?;
-        let alone = library(folder.path(), &spec(Some(mistake), &[]))?;
-        self.drawn(&alone, 0)
+        let drawn = |library: &Path, number| self.drawn(library, number);
+        self.circuit.judged(mistake, drawn)
     }
 
     fn drawn(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {

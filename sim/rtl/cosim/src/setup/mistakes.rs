@@ -8,10 +8,9 @@ use super::model::SetupModel;
 use super::program::units;
 use super::vectors::difference;
 use crate::mutants::{Mutant, mutant};
-use crate::switch::{MistakeNumber, chosen};
-use anyhow::{Context, Result, ensure};
+use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
+use anyhow::{Context, Result};
 use splatline::format::{Lean18, RuntimeWidths, Widths};
-use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -77,58 +76,52 @@ pub const MISTAKES: [Mutant; 48] = [
 /// The mistakes' judge: one circuit with all of them that have a choice, and what it sets up.
 pub struct SetupJudge {
     loads: Vec<SetupLoad>,
-    chosen: Vec<MistakeNumber>,
-    library: PathBuf,
+    circuit: SwitchedCircuit,
     units: PathBuf,
-    folder: TempDir,
+    /// Where `units` lies.
+    _beside: TempDir,
 }
 
 impl SetupJudge {
     /// Builds the circuit, in which the unit without a mistake must agree.
     pub fn new() -> Result<SetupJudge> {
-        let folder = tempfile::tempdir()?;
-        let beside = folder.path().join("units");
-        fs::create_dir(&beside)?;
+        let beside = tempfile::tempdir()?;
         let of_units = SetupSpec {
             program: units,
             ..spec(None, &MISTAKES)
         };
         let judge = SetupJudge {
             loads: judges()?,
-            chosen: chosen("setup_files.txt", &MISTAKES)?,
-            library: library(folder.path(), &spec(None, &MISTAKES))?,
-            units: library(&beside, &of_units)?,
-            folder,
+            circuit: SwitchedCircuit::new(
+                "setup_files.txt",
+                &MISTAKES,
+                |folder, mistake, choices| library(folder, &spec(mistake, choices)),
+            )?,
+            units: library(beside.path(), &of_units)?,
+            _beside: beside,
         };
-        let clean = judge.judged(0)?;
-        ensure!(
-            clean.is_none(),
-            "without a mistake: {}",
-            clean.unwrap_or_default()
-        );
+        nothing_said(judge.judged(judge.circuit.library(), 0)?)?;
         Ok(judge)
     }
 
     /// What the comparison says of a mistake: its first difference, or nothing if it survives. Of one that has no effect: that all arguments show none.
     pub fn verdict(&self, mistake: &Mutant) -> Result<Option<String>> {
-        let place = MISTAKES.iter().position(|known| known.name == mistake.name);
-        let number = place.map_or(0, |place| place + 1);
-        if self.chosen.contains(&number) {
-            let word = self.judged(number)?;
+        self.circuit.judged(mistake, |library, number| {
+            if number == 0 {
+                return self.compared(library, number);
+            }
+            let word = self.judged(library, number)?;
             if word.is_some() || !WITHOUT_EFFECT.contains(&mistake.name) {
                 return Ok(word);
             }
             let word = difference(&self.units, number, &WIDTHS, 1)?;
-            return Ok(word.or(Some(NO_EFFECT.to_owned())));
-        }
-        let folder = TempDir::new_in(self.folder.path())?;
-        let alone = library(folder.path(), &spec(Some(mistake), &[]))?;
-        self.compared(&alone, 0)
+            Ok(word.or(Some(NO_EFFECT.to_owned())))
+        })
     }
 
     /// By packets, and then by what no packet shows.
-    fn judged(&self, number: MistakeNumber) -> Result<Option<String>> {
-        let word = self.compared(&self.library, number)?;
+    fn judged(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {
+        let word = self.compared(library, number)?;
         if word.is_some() {
             return Ok(word);
         }
