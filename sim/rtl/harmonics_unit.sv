@@ -8,14 +8,15 @@
 // rounded to Q.30 and wrapped at 64 bits as the kernel's; small multiples; constants, whose results are the harmonics. The sum takes one channel of one word
 // in a cycle. The base is the coefficient of a harmonic that is 1. While the sum takes one splat's words the basis works on the next splat.
 //
-// MULTIPLIERS = 1: both use one multiplier (four of 18 bits); the sum goes first, since its words come from a memory. MULTIPLIERS = 2: one each, which
+// MULTIPLIERS = 1: both use one multiplier (four of 18 bits); the basis goes first, and the sum takes the cycles in which it waits for results, for a splat
+// or for a bank. MULTIPLIERS = 2: one each, which
 // are busy for about as many cycles: 73 terms and 75 for degree 4. More would wait for the basis. Units side by side share nothing but need nothing of each other.
 //
 // Formats: direction 3 x Q1.30, clamped to +-1; base and coefficients 3 x Q3.28, the base first and then 3, 8, 15 or 24 words in the kernel's order; colour 3 x UQ4.28;
 // the first channel in the lowest bits. A degree above 4 is 4. The splat is taken when its direction has been read, before its words.
 //
 // A direction's polynomials stay within 4 or are clamped to it. For no direction does any harmonic leave Q2.28 (the kernel's last clamp of them changes
-// nothing): the constants above 1 belong to polynomials within 1, the others give less than 2^31. 24 products of 2^46 and a base of 2^43 stay within 52 bits.
+// nothing): constants of 2 and above belong to polynomials within 1, and 4 times any other is less than 8. 24 products of 2^46 and a base of 2^43 stay within 52 bits.
 module harmonics_unit #(
     parameter MULTIPLIERS = 1
 ) (
@@ -43,21 +44,21 @@ module harmonics_unit #(
   localparam [6:0] LOADS = 7'd3;
   logic [6:0] place, end_place;
   logic [2:0] splat_degree;
-  logic bank, loading, gap, ends, shared, basis_moves, colour_issues;
+  logic bank, loading, gap, ends, basis_moves, basis_issues;
   logic [1:0] full;
   assign loading = place < LOADS;
   assign ends = place == end_place;
-  assign shared = MULTIPLIERS == 1 && colour_issues;
-  assign basis_moves = loading ? splat_valid && !full[bank] && !shared : gap || !shared;
-  assign splat_ready = place == LOADS - 7'd1 && !full[bank] && !shared;
+  assign basis_moves = !loading || (splat_valid && !full[bank]);
+  assign basis_issues = basis_moves && !gap;
+  assign splat_ready = place == LOADS - 7'd1 && !full[bank];
 
   // 0, the sum: which channel of which word, and the bank of its harmonics. A colour's last word waits until the colour before has been taken.
   logic [4:0] index, count, count0, count1;
   logic [1:0] channel;
-  logic read_bank, last_word, pending, colour_may;
+  logic read_bank, last_word, pending, colour_may, colour_issues;
   assign count = read_bank ? count1 : count0;
   assign last_word = index == count;
-  assign colour_may = full[read_bank] && !(last_word && channel == 0 && pending);
+  assign colour_may = full[read_bank] && !(last_word && channel == 0 && pending) && !(MULTIPLIERS == 1 && basis_issues);
   assign colour_issues = colour_may && word_valid;
   assign word_ready = colour_may && channel == 2'd2;
 
@@ -113,7 +114,7 @@ module harmonics_unit #(
     slot2 <= program1;
     weight1 <= {read_bank, index};
     weight2 <= weight1;
-    basis <= {basis[8:1], basis_moves && !gap};
+    basis <= {basis[8:1], basis_issues};
     sums <= {sums[9:1], colour_issues};
     loads <= {loads[3:1], basis_moves && loading};
     bases <= {bases[8:1], index == 0};
@@ -171,7 +172,7 @@ module harmonics_unit #(
     right5 <= beyond4 ? {right4[34:31], 1'b1, 30'd0} : right4;
   end
 
-  // 9 and 10: sums. A channel's stands three terms back.
+  // 9 and 10: sums. Those of the basis follow each other without a pause; a channel's stands three terms back.
   logic signed [51:0] sum9, before9, colour9;
   logic signed [35:0] sum10;
   logic signed [51:0] colour10, colour11, colour12;
@@ -181,7 +182,7 @@ module harmonics_unit #(
   assign more9 = sums[9] && !bases[9];
   always_ff @(posedge clk) begin
     firsts <= {firsts[8:3], slot2[53]};
-    if (basis[9]) sum10 <= sum9[35:0];
+    sum10 <= sum9[35:0];
     if (sums[9]) {colour12, colour11, colour10} <= {colour11, colour10, colour9};
   end
   harmonics_term #(.LEFT(36), .RIGHT(35)) term (.clk, .left5, .right5, .negated5, .wide5, .before9, .sum9);

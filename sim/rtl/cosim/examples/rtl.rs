@@ -7,7 +7,8 @@ use splatline_rtl::model::Model;
 use splatline_rtl::stamps::{Distances, STAGES};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine};
 use splatline_rtl::{
-    area, bitstream, fmax, formal, layouts, machine, mutants, order, package, setup, speed, tables,
+    area, bitstream, fmax, formal, harmonics, layouts, machine, mutants, order, package, setup,
+    speed, tables,
 };
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -47,6 +48,9 @@ const USAGE: &str = "usage: rtl COMMAND
   order ways    what the ways of sorting cost on five scenes, for docs/decisions/depth-order.md
   order area    LUT, FF, DSP and memory of sorter and binning by Yosys
   order mutants [PART]   sorters with one mistake each: is it noticed?
+  harmonics     the harmonics unit's colours against the kernel's, and its cycles a splat
+  harmonics area   LUT, FF, DSP and memory of the harmonics unit by Yosys
+  harmonics mutants [PART]   harmonics units with one mistake each: is it noticed?
   machine [SCENE]   whole frames of the whole machine against the kernel's and the model's cycles, five scenes or one
   machine mutants [PART]   machines with one mistake each between their units: is it noticed?
   setup mutants [PART]   setup units with one mistake each: is it noticed?
@@ -99,6 +103,10 @@ fn main() -> ExitCode {
         ["machine", scene] => machine::report::print(128, Some(scene)),
         ["order"] => order(),
         ["order", "ways"] => order::study::print(512),
+        ["harmonics"] => harmonics::report::full(),
+        ["harmonics", "area"] => harmonics::area::print(),
+        ["harmonics", "mutants"] => judge_harmonics_mutants(""),
+        ["harmonics", "mutants", part] => judge_harmonics_mutants(part),
         ["order", "area"] => order::area::print(),
         ["order", "mutants"] => judge_order_mutants(""),
         ["order", "mutants", part] => judge_order_mutants(part),
@@ -123,7 +131,8 @@ fn write_packages() -> Result<()> {
         let path = package::path(design);
         write_package(design, path.parent().unwrap_or(Path::new(".")))?;
     }
-    write_whole(&tables::path(), &tables::text())
+    write_whole(&tables::path(), &tables::text())?;
+    write_whole(&harmonics::text::path(), &harmonics::text::text()?)
 }
 
 fn print_estimate(design: &str, lanes: &str) -> Result<()> {
@@ -393,6 +402,22 @@ fn judge_mutants(part: &str) -> Result<()> {
         .iter()
         .filter(|mutant| mutant.name.contains(part))
     {
+        let verdict = judge.verdict(mutant)?;
+        survivors += usize::from(verdict.is_none());
+        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
+        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
+    }
+    ensure!(survivors == 0, "{survivors} mutants survive");
+    Ok(())
+}
+
+/// Judges the harmonics unit's mistakes whose name contains `part`.
+fn judge_harmonics_mutants(part: &str) -> Result<()> {
+    let judge = harmonics::mistakes::HarmonicsJudge::new()?;
+    println!("| mistake | unit | noticed as |\n|---|---|---|");
+    let mut survivors = 0;
+    let all = harmonics::mistakes::MISTAKES.iter();
+    for mutant in all.filter(|mutant| mutant.name.contains(part)) {
         let verdict = judge.verdict(mutant)?;
         survivors += usize::from(verdict.is_none());
         let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());

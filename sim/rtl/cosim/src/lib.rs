@@ -17,6 +17,7 @@ pub mod formal;
 pub mod golden;
 #[cfg(all(test, has_rtl))]
 mod handshakes;
+pub mod harmonics;
 pub mod layouts;
 pub mod machine;
 pub mod model;

@@ -299,11 +299,16 @@ endmodule
     /// The circuits change; a mistake whose place has gone would say so only when it is judged.
     #[test]
     fn every_mistake_has_its_place() {
-        let lists: [(&str, &[Mutant], usize); 4] = [
+        let lists: [(&str, &[Mutant], usize); 5] = [
             ("files.txt", &crate::mutants::MUTANTS, 42),
             ("setup_files.txt", &crate::setup::mistakes::MISTAKES, 47),
             ("machine_files.txt", &crate::machine::mistakes::MISTAKES, 22),
             ("order_files.txt", &crate::order::mistakes::MISTAKES, 23),
+            (
+                "harmonics_files.txt",
+                &crate::harmonics::mistakes::MISTAKES,
+                41,
+            ),
         ];
         for (list, mistakes, choices) in lists {
             let units = units(list).unwrap();

@@ -2,9 +2,9 @@
 
 use splatline::format::{Lean18, Standard24};
 use splatline_rtl::package::{path, text};
+use splatline_rtl::{harmonics, setup, tables};
 #[cfg(has_rtl)]
 use splatline_rtl::{machine, order};
-use splatline_rtl::{setup, tables};
 
 #[test]
 fn committed_packages_are_the_generators() {
@@ -48,6 +48,15 @@ fn committed_tables_are_the_generators() {
 }
 
 #[test]
+fn the_committed_program_of_the_harmonics_unit_is_the_generators() {
+    let committed = std::fs::read_to_string(harmonics::text::path()).unwrap();
+    assert!(
+        committed == harmonics::text::text().unwrap(),
+        "harmonics_program.sv is stale; run `cargo run -p splatline-rtl --example rtl -- package` and commit the result"
+    );
+}
+
+#[test]
 fn the_committed_page_of_the_setup_unit_is_the_commands() {
     let committed = std::fs::read_to_string(setup::area::REPORT).unwrap();
     assert!(
@@ -58,7 +67,7 @@ fn the_committed_page_of_the_setup_unit_is_the_commands() {
 
 #[cfg(has_rtl)]
 mod with_verilator {
-    use super::{machine, order, setup};
+    use super::{harmonics, machine, order, setup};
     use splatline::footprint::packet::VERSION;
     use splatline::format::Lean18;
     use splatline::rules::Rules as KernelRules;
@@ -135,6 +144,29 @@ mod with_verilator {
             seen.culled.iter().all(|count| *count > 0),
             "not every reason: {seen:?}"
         );
+    }
+
+    /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- harmonics` takes some hundred thousand of each), with pauses at all ends and
+    /// resets in mid-splat, by one multiplier and by two.
+    #[test]
+    fn harmonics_unit_gives_the_kernels_colours() {
+        let loads = harmonics::mistakes::judges().unwrap();
+        for multipliers in harmonics::circuit::MULTIPLIERS {
+            let folder = tempfile::tempdir().unwrap();
+            let spec = harmonics::circuit::HarmonicsSpec::new(multipliers);
+            let library = harmonics::circuit::library(folder.path(), &spec).unwrap();
+            for (seed, load) in (1..).zip(&loads) {
+                for pauses in &harmonics::bench::PAUSES {
+                    let mut model = harmonics::model::HarmonicsModel::new(&library, seed).unwrap();
+                    let found =
+                        harmonics::bench::run(&mut model, load, pauses, seed.into()).unwrap();
+                    let first = &found.first_difference;
+                    assert_eq!(found.mismatches, 0, "{}, {pauses:?}: {first:?}", load.name);
+                    assert_eq!(found.splats, load.splats.len() as u64);
+                    assert_eq!(found.resets > 0, pauses.resets > 0, "{}", load.name);
+                }
+            }
+        }
     }
 
     /// Order and lists of a scene and of hard keys (`rtl -- order` takes five scenes), with pauses of the memory, twice in one circuit; and lists for which there is no room.
@@ -351,6 +383,34 @@ mod with_verilator {
         }
     }
 
+    /// What Verilator says of the harmonics unit.
+    fn lint_harmonics(multipliers: u32) -> (bool, String) {
+        let rtl = harmonics::text::path();
+        let rtl = rtl.parent().unwrap();
+        let units = std::fs::read_to_string(rtl.join("harmonics_files.txt")).unwrap();
+        let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
+        let output = std::process::Command::new(verilator)
+            .current_dir(rtl)
+            .args(["--lint-only", "-Wall", "--top-module", "harmonics_unit"])
+            .args([format!("-GMULTIPLIERS={multipliers}")])
+            .arg("lint.vlt")
+            .args(units.lines())
+            .output()
+            .unwrap();
+        let words = String::from_utf8_lossy(&output.stderr).into_owned();
+        (output.status.success(), words)
+    }
+
+    #[test]
+    fn the_harmonics_unit_elaborates_without_a_warning() {
+        for multipliers in harmonics::circuit::MULTIPLIERS {
+            let (accepted, words) = lint_harmonics(multipliers);
+            assert!(accepted && words.is_empty(), "{multipliers}: {words}");
+        }
+        let (accepted, words) = lint_harmonics(3);
+        assert!(!accepted && words.contains("MULTIPLIERS must be 1 or 2"));
+    }
+
     #[test]
     fn illegal_circuits_do_not_elaborate() {
         for (lanes, queue, words) in [
@@ -378,6 +438,15 @@ mod with_verilator {
     fn every_mistake_of_the_setup_unit_is_noticed() {
         let judge = setup::mistakes::SetupJudge::new().unwrap();
         every(&setup::mistakes::MISTAKES, |mistake| judge.verdict(mistake));
+    }
+
+    #[test]
+    #[ignore = "verilates and compiles a harmonics unit and draws by it; also `cargo run -p splatline-rtl --example rtl -- harmonics mutants`"]
+    fn every_mistake_of_the_harmonics_unit_is_noticed() {
+        let judge = harmonics::mistakes::HarmonicsJudge::new().unwrap();
+        every(&harmonics::mistakes::MISTAKES, |mistake| {
+            judge.verdict(mistake)
+        });
     }
 
     #[test]

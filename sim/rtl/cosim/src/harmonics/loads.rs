@@ -1,0 +1,253 @@
+//! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
+
+use super::bench::{HarmonicsLoad, HarmonicsSplat, coefficients};
+use crate::setup::loads::playbot;
+use crate::workload::split_mix;
+use anyhow::Result;
+use splatline::float::coefficient;
+use splatline::format::Lean18;
+use splatline::setup::harmonics::direction;
+use splatline::splat::VolumeSplat;
+use splatline_sim::fixed::QuantisedScene;
+use splatline_sim::rules::Rules;
+
+/// 1.0 of a direction.
+const ONE: i64 = 1 << 30;
+
+/// Random numbers of a load.
+struct LoadRandom(u64);
+
+impl LoadRandom {
+    fn below(&mut self, end: u64) -> u64 {
+        (split_mix(&mut self.0) >> 11) % end
+    }
+
+    /// Within -1 and 1.
+    fn number(&mut self) -> f64 {
+        split_mix(&mut self.0) as i64 as f64 / 2f64.powi(63)
+    }
+
+    fn bits(&mut self) -> i32 {
+        (split_mix(&mut self.0) >> 32) as i32
+    }
+
+    /// A unit vector.
+    fn direction(&mut self) -> [i32; 3] {
+        loop {
+            let vector = [(); 3].map(|()| self.number());
+            let square: f64 = vector.iter().map(|x| x * x).sum();
+            if (1e-6..=1.0).contains(&square) {
+                return unit(vector);
+            }
+        }
+    }
+
+    /// A coefficient as scenes have them.
+    fn usual(&mut self) -> [i32; 3] {
+        [(); 3].map(|()| (self.number().powi(3) * 2f64.powi(28)) as i32)
+    }
+
+    /// Ends of the format, powers of two and their neighbours, few bits, and any.
+    fn hard(&mut self) -> i32 {
+        let power = 1i32.wrapping_shl(self.below(32) as u32);
+        match self.below(8) {
+            0 => [0, 1, -1, i32::MAX, i32::MIN, i32::MIN + 1][self.below(6) as usize],
+            1 => power,
+            2 => power.wrapping_sub(1),
+            3 => power.wrapping_neg(),
+            4 => power.wrapping_neg().wrapping_sub(1),
+            5 => self.bits() >> self.below(31),
+            6 => ((self.bits() >> 24) | 1).wrapping_shl(self.below(24) as u32),
+            _ => self.bits(),
+        }
+    }
+
+    fn splat(
+        &mut self,
+        direction: [i32; 3],
+        degree: u8,
+        colour: fn(&mut LoadRandom) -> [i32; 3],
+    ) -> HarmonicsSplat {
+        HarmonicsSplat {
+            direction,
+            degree,
+            base: colour(self),
+            coefficients: (0..coefficients(degree)).map(|_| colour(self)).collect(),
+        }
+    }
+}
+
+fn unit(vector: [f64; 3]) -> [i32; 3] {
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    vector.map(|x| (x / length * ONE as f64).round() as i32)
+}
+
+/// Unit directions and usual coefficients of one degree, for the cycles of each.
+pub fn of_degree(count: usize, degree: u8, seed: u64) -> HarmonicsLoad {
+    let mut random = LoadRandom(seed);
+    let splats = (0..count).map(|_| {
+        let direction = random.direction();
+        random.splat(direction, degree, LoadRandom::usual)
+    });
+    HarmonicsLoad {
+        name: format!("unit directions, degree {degree}"),
+        splats: splats.collect(),
+    }
+}
+
+/// All that is made of random numbers, `count` splats of each kind.
+pub fn synthetic(count: usize, seed: u64) -> Vec<HarmonicsLoad> {
+    let mut random = LoadRandom(seed);
+    let mut loads = Vec::new();
+    let mut load = |name: &str, splat: &mut dyn FnMut(usize) -> HarmonicsSplat| {
+        loads.push(HarmonicsLoad {
+            name: name.to_owned(),
+            splats: (0..count).map(splat).collect(),
+        });
+    };
+    load("unit directions", &mut |_| {
+        let (direction, degree) = (random.direction(), random.below(5) as u8);
+        random.splat(direction, degree, LoadRandom::usual)
+    });
+    load("axes, corners, few bits", &mut |_| {
+        let direction = [(); 3].map(|()| near_one(&mut random));
+        let degree = random.below(5) as u8;
+        random.splat(direction, degree, |random| [(); 3].map(|()| random.hard()))
+    });
+    load("harmonics one by one", &mut |index| {
+        let direction = [(); 3].map(|()| near_one(&mut random));
+        one_harmonic(direction, index % 24)
+    });
+    load("arbitrary words", &mut |_| {
+        let direction = [(); 3].map(|()| random.hard());
+        let degree = random.below(8) as u8;
+        random.splat(direction, degree, |random| [(); 3].map(|()| random.hard()))
+    });
+    load("arbitrary bits", &mut |_| {
+        let direction = [(); 3].map(|()| random.bits());
+        let degree = random.below(8) as u8;
+        random.splat(direction, degree, |random| [(); 3].map(|()| random.bits()))
+    });
+    load("colours near 0 and 16", &mut |_| {
+        let (direction, degree) = (random.direction(), random.below(5) as u8);
+        near_the_ends(&mut random, direction, degree)
+    });
+    load("products at the ends of 64 bits", &mut |_| {
+        let direction = wrapping(&mut random);
+        one_harmonic(direction, 19)
+    });
+    loads
+}
+
+/// 1, 0, their neighbours, and numbers of few bits, whose products are halves: corners of the cube are far from any unit vector.
+fn near_one(random: &mut LoadRandom) -> i32 {
+    let sign = 1 - 2 * random.below(2) as i64;
+    let value = match random.below(8) {
+        0 => 0,
+        1..=3 => ONE + random.below(3) as i64 - 1,
+        4 => random.below(3) as i64,
+        5 => (2 * random.below(1 << 14) as i64 + 1) << 15,
+        6 => (2 * random.below(1 << 15) as i64 + 1) << 14,
+        _ => ((2 * random.below(8) as i64 + 1) << random.below(28)).min(ONE),
+    };
+    (sign * value) as i32
+}
+
+/// A colour that shows all of one harmonic's bits: the first channel the lowest, the others those above, also of negative ones.
+fn one_harmonic(direction: [i32; 3], which: usize) -> HarmonicsSplat {
+    let mut coefficients = vec![[0; 3]; 24];
+    coefficients[which] = [1 << 28, 1 << 30, -(1 << 28)];
+    HarmonicsSplat {
+        direction,
+        degree: 4,
+        base: [4 << 28, 4 << 28, 4 << 28],
+        coefficients,
+    }
+}
+
+/// A splat whose colours are within a unit of 0 or of 16, or have no bit but the one that rounding to odd leaves.
+fn near_the_ends(random: &mut LoadRandom, direction: [i32; 3], degree: u8) -> HarmonicsSplat {
+    let mut splat = HarmonicsSplat {
+        direction,
+        degree,
+        ..HarmonicsSplat::default()
+    };
+    splat.base = [(); 3].map(|()| [0, 1, -1, i32::MAX, i32::MAX - 1][random.below(5) as usize]);
+    let small =
+        |random: &mut LoadRandom| [(); 3].map(|()| (random.hard() >> 16) >> random.below(16));
+    splat.coefficients = (0..coefficients(degree)).map(|_| small(random)).collect();
+    if degree > 0 && random.below(2) == 0 {
+        // Two large ones in the same direction: from 8 to 16 and above.
+        splat.coefficients[random.below(3) as usize] = [(); 3].map(|()| random.hard());
+    }
+    splat
+}
+
+/// A direction for which a product of the kernel's polynomial of degree 4 and order 0 is so near below an odd multiple of 2^63 that its rounding leaves 64 bits.
+fn wrapping(random: &mut LoadRandom) -> [i32; 3] {
+    let rounded = |x: i64, y: i64| (x * y + (1 << 29)) >> 30;
+    for _ in 0..20_000 {
+        let z = ONE - random.below(ONE as u64 / 4) as i64;
+        let zz = rounded(z, z);
+        // (5 zz - 30 s) zz = -2^63 - a little, for the s = xx + yy that is nearest.
+        let s = ((1i128 << 63) / i128::from(zz) + 5 * i128::from(zz)) / 30 + 1;
+        let s = s as i64;
+        let product = i128::from(5 * zz - 30 * s) * i128::from(zz);
+        let beyond = -(1i128 << 63) - product;
+        if !(1..=1 << 29).contains(&beyond) {
+            continue;
+        }
+        if let Some([x, y]) = with_squares(random, s) {
+            return [x as i32, y as i32, z as i32];
+        }
+    }
+    [ONE as i32; 3]
+}
+
+/// x and y whose squares, each rounded, have this sum.
+fn with_squares(random: &mut LoadRandom, sum: i64) -> Option<[i64; 2]> {
+    let rounded = |x: i64| (x * x + (1 << 29)) >> 30;
+    for _ in 0..64 {
+        let x = random.below(ONE as u64) as i64;
+        let left = sum - rounded(x);
+        if !(0..=ONE).contains(&left) {
+            continue;
+        }
+        let y = (left as f64 * ONE as f64).sqrt() as i64;
+        let near = (y - 2..=y + 2).find(|y| (0..=ONE).contains(y) && rounded(*y) == left);
+        if let Some(y) = near {
+            return Some([x, y]);
+        }
+    }
+    None
+}
+
+/// Every `step`-th splat of the scene with harmonics in the kernel's directions from its camera; nothing where its data is missing.
+pub fn captured(step: usize) -> Result<Option<HarmonicsLoad>> {
+    let Some((mut scene, camera)) = playbot()? else {
+        return Ok(None);
+    };
+    let Some(harmonics) = scene.harmonics.take() else {
+        return Ok(None);
+    };
+    let degree = harmonics.degree;
+    let fixed = |colour: &[f32; 3]| colour.map(|x| coefficient(x.into()).to_bits());
+    let quantised = QuantisedScene::new(&scene, &camera, &Rules::EWA);
+    let seen = |splat: &VolumeSplat| {
+        direction(&Lean18::WIDTHS, &quantised.view, &splat.centre).map(|axis| axis.to_bits())
+    };
+    let parts = harmonics.coefficients.chunks_exact(coefficients(degree));
+    let splats = quantised.splats.iter().zip(&harmonics.base).zip(parts);
+    let splats = splats
+        .step_by(step)
+        .map(|((splat, base), part)| HarmonicsSplat {
+            direction: seen(splat),
+            degree,
+            base: fixed(base),
+            coefficients: part.iter().map(fixed).collect(),
+        });
+    Ok(Some(HarmonicsLoad {
+        name: format!("playbot, degree {degree}"),
+        splats: splats.collect(),
+    }))
+}

@@ -1,0 +1,13 @@
+//! Spherical harmonics in hardware (`sim/rtl/harmonics_unit.sv`): their program, the co-simulation with the kernel, mistakes and area
+//! (`docs/harmonics-unit.md`).
+
+pub mod area;
+pub mod bench;
+pub mod circuit;
+pub mod loads;
+pub mod mistakes;
+pub mod model;
+pub mod program;
+pub mod report;
+pub mod schedule;
+pub mod text;
