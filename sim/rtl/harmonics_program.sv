@@ -21,7 +21,7 @@ module harmonics_program (
   end
   always_comb begin
     case (place)
-      7'd3, 7'd4, 7'd5, 7'd6, 7'd7, 7'd8, 7'd18, 7'd19, 7'd20, 7'd85, 7'd86, 7'd87, 7'd88, 7'd89, 7'd90, 7'd91: gap = 1;
+      7'd3, 7'd4, 7'd5, 7'd6, 7'd7, 7'd8, 7'd18, 7'd19, 7'd20, 7'd71, 7'd87, 7'd88, 7'd89, 7'd90, 7'd91: gap = 1;
       default: gap = 0;
     endcase
   end
@@ -84,26 +84,27 @@ module harmonics_program (
       7'd63: slot <= 56'h58001c0001c004;  // - (xx + yy) 7 = odd
       7'd64: slot <= 56'h6200000001d246;  // (xy) (squares) = xy squares
       7'd65: slot <= 56'h6200000001e158;  // (3 rr) (rr) = zero, rr
-      7'd66: slot <= 56'h220000000000cb;  // (three_x) (xx)
-      7'd67: slot <= 56'h5200000001f64c;  // - (three_y) (yy) = four
-      7'd68: slot <= 56'h620000000201cc;  // (three_y) (yz) = yz three_y
-      7'd69: slot <= 56'h6200000002119a;  // (seven) (xy) = xy seven
-      7'd70: slot <= 56'h6200000002225a;  // (seven) (squares) = squares seven
-      7'd71: slot <= 56'h6200000002320b;  // (three_x) (xz) = xz three_x
+      7'd66: slot <= 56'h6200000001f1cc;  // (three_y) (yz) = yz three_y
+      7'd67: slot <= 56'h6200000002064c;  // (three_y) (yy) = yy three_y
+      7'd68: slot <= 56'h6200000002120b;  // (three_x) (xz) = xz three_x
+      7'd69: slot <= 56'h6200000002219a;  // (seven) (xy) = xy seven
+      7'd70: slot <= 56'h6200000002325a;  // (seven) (squares) = squares seven
       7'd72: slot <= 56'h620000000241dc;  // (odd) (yz) = yz odd
       7'd73: slot <= 56'h2800040000001b;  // (zero, zz) 1
       7'd74: slot <= 56'h4800040002501e;  // + (zero, rr) 1 = twice zero
-      7'd75: slot <= 56'h6200000002621c;  // (odd) (xz) = xz odd
-      7'd76: slot <= 56'ha5406d8aa1001d;  // (xy squares) root(315 / 16 pi) = Y_16
-      7'd77: slot <= 56'hb4e293a5251020;  // -(yz three_y) root(315 / 32 pi) = Y_17
-      7'd78: slot <= 56'ha4791c40a12021;  // (xy seven) root(45 / 16 pi) = Y_18
-      7'd79: slot <= 56'ha43c8e20516022;  // (squares seven) root(45 / 64 pi) = Y_22
-      7'd80: slot <= 56'hb4e293a5257023;  // -(xz three_x) root(315 / 32 pi) = Y_23
+      7'd75: slot <= 56'h220000000000cb;  // (three_x) (xx)
+      7'd76: slot <= 56'h58000400026020;  // - (yy three_y) 1 = four
+      7'd77: slot <= 56'h6200000002721c;  // (odd) (xz) = xz odd
+      7'd78: slot <= 56'ha5406d8aa1001d;  // (xy squares) root(315 / 16 pi) = Y_16
+      7'd79: slot <= 56'hb4e293a525101f;  // -(yz three_y) root(315 / 32 pi) = Y_17
+      7'd80: slot <= 56'ha4791c40a12022;  // (xy seven) root(45 / 16 pi) = Y_18
       7'd81: slot <= 56'hb455a351313024;  // -(yz odd) root(45 / 32 pi) = Y_19
-      7'd82: slot <= 56'ha4501b62a9801f;  // (four) root(315 / 256 pi) = Y_24
-      7'd83: slot <= 56'h68000200027025;  // (twice zero) 1 / 2 = zero
-      7'd84: slot <= 56'hb455a351315026;  // -(xz odd) root(45 / 32 pi) = Y_21
-      7'd92: slot <= 56'ha41b14c2f94027;  // (zero) root(9 / 64 pi) = Y_20
+      7'd82: slot <= 56'ha43c8e20516023;  // (squares seven) root(45 / 64 pi) = Y_22
+      7'd83: slot <= 56'h68000200028025;  // (twice zero) 1 / 2 = zero
+      7'd84: slot <= 56'hb4e293a5257021;  // -(xz three_x) root(315 / 32 pi) = Y_23
+      7'd85: slot <= 56'ha4501b62a98026;  // (four) root(315 / 256 pi) = Y_24
+      7'd86: slot <= 56'hb455a351315027;  // -(xz odd) root(45 / 32 pi) = Y_21
+      7'd92: slot <= 56'ha41b14c2f94028;  // (zero) root(9 / 64 pi) = Y_20
       default: slot <= 56'd0;
     endcase
   end

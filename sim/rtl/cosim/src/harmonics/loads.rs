@@ -118,6 +118,9 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<HarmonicsLoad> {
         let direction = [(); 3].map(|()| near_one(&mut random));
         one_harmonic(direction, index % 24)
     });
+    load("halves subtracted", &mut |_| {
+        one_harmonic(halves(&mut random), 23)
+    });
     load("arbitrary words", &mut |_| {
         let direction = [(); 3].map(|()| random.hard());
         let degree = random.below(8) as u8;
@@ -142,15 +145,23 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<HarmonicsLoad> {
 /// 1, 0, their neighbours, and numbers of few bits, whose products are halves: corners of the cube are far from any unit vector.
 fn near_one(random: &mut LoadRandom) -> i32 {
     let sign = 1 - 2 * random.below(2) as i64;
-    let value = match random.below(8) {
+    let value = match random.below(10) {
         0 => 0,
         1..=3 => ONE + random.below(3) as i64 - 1,
         4 => random.below(3) as i64,
         5 => (2 * random.below(1 << 14) as i64 + 1) << 15,
         6 => (2 * random.below(1 << 15) as i64 + 1) << 14,
+        7 => 1 << (22 + random.below(9)),
+        8 => random.below(ONE as u64) as i64,
         _ => ((2 * random.below(8) as i64 + 1) << random.below(28)).min(ONE),
     };
     (sign * value) as i32
+}
+
+/// y is 1/2, so that yy (3 xx - yy) is a half of the last bit in one of four cases: the kernel subtracts it after its rounding.
+fn halves(random: &mut LoadRandom) -> [i32; 3] {
+    let x = random.below(ONE as u64) as i32;
+    [x, 1 << 29, near_one(random)]
 }
 
 /// A colour that shows all of one harmonic's bits: the first channel the lowest, the others those above, also of negative ones.

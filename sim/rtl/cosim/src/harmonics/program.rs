@@ -110,11 +110,12 @@ pub fn sums() -> Vec<Sum> {
             term("z", Register("z"), false, Target::Register("rr")),
         ],
     };
+    // The second product is rounded before it is subtracted: halves of the two go the same way, so that it has a register.
     let four = Sum {
         degree: 4,
         terms: vec![
             term("three_x", Register("xx"), false, Target::Nothing),
-            term("three_y", Register("yy"), true, Target::Register("four")),
+            term("yy three_y", Halves(2), true, Target::Register("four")),
         ],
     };
     let half = Sum {
@@ -157,6 +158,7 @@ pub fn sums() -> Vec<Sum> {
         product(4, "xz odd", "odd", "xz"),
         product(4, "squares seven", "seven", "squares"),
         product(4, "xz three_x", "three_x", "xz"),
+        product(4, "yy three_y", "three_y", "yy"),
         four,
         harmonic(1, -1, (3, 4), "y"),
         harmonic(2, 1, (3, 4), "z"),

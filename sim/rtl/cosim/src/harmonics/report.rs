@@ -9,11 +9,11 @@ use rayon::prelude::*;
 use std::path::Path;
 
 /// Splats of each kind, and of each degree for its cycles.
-const COUNT: usize = 60_000;
+const COUNT: usize = 12_000;
 const TIMED: usize = 2_000;
 
 /// Splats that one simulation takes: several run side by side.
-const CHUNK: usize = 5_000;
+const CHUNK: usize = 1_000;
 
 /// Every splat of a scene and some hundred thousand others.
 pub fn full() -> Result<()> {
