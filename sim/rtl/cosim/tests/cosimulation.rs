@@ -146,7 +146,7 @@ mod with_verilator {
         );
     }
 
-    /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- harmonics` takes some hundred thousand of each), with pauses at all ends and
+    /// Colours of a scene, of random splats, of corners and arbitrary bits (`rtl -- harmonics` takes thousands of each), with pauses at all ends and
     /// resets in mid-splat, by one multiplier and by two.
     #[test]
     fn harmonics_unit_gives_the_kernels_colours() {

@@ -15,7 +15,7 @@ const TIMED: usize = 2_000;
 /// Splats that one simulation takes: several run side by side.
 const CHUNK: usize = 1_000;
 
-/// Every splat of a scene and some hundred thousand others.
+/// Every splat of a scene and thousands of each other kind.
 pub fn full() -> Result<()> {
     let mut loads = synthetic(COUNT, 1);
     match captured(1)? {
