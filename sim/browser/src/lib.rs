@@ -40,6 +40,10 @@ impl Browser {
             "--disable-gpu",
             "--hide-scrollbars",
             "--no-first-run",
+            // Nothing is looked up or fetched beside the page.
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
             "--disable-extensions",
             "--remote-debugging-pipe",
         ];

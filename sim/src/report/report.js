@@ -215,11 +215,34 @@ function link() {
   const light = (row, on) => {
     for (const part of document.querySelectorAll(`[data-row="${row}"]`)) part.classList.toggle("lit", on);
   };
-  for (const part of document.querySelectorAll("[data-row]")) {
-    const row = part.dataset.row;
-    part.addEventListener("pointerenter", (event) => { light(row, true); if (part.matches("circle")) tip(part, event); });
-    part.addEventListener("pointerleave", () => { light(row, false); el("tip").hidden = true; });
+  for (const row of document.querySelectorAll("tr[data-row]")) {
+    row.addEventListener("pointerenter", () => light(row.dataset.row, true));
+    row.addEventListener("pointerleave", () => light(row.dataset.row, false));
   }
+  // Places of two designs may overlap: the nearest middle is meant, whichever lies on top.
+  for (const plot of document.querySelectorAll("svg:has(.place)")) {
+    const places = [...plot.querySelectorAll(".place")];
+    let shown = null;
+    const point_at = (place, event) => {
+      if (shown && shown !== place) light(shown.dataset.row, false);
+      shown = place;
+      el("tip").hidden = !place;
+      if (place) { light(place.dataset.row, true); tip(place, event); }
+    };
+    plot.addEventListener("pointermove", (event) => point_at(nearest(places, event), event));
+    plot.addEventListener("pointerleave", (event) => point_at(null, event));
+  }
+}
+
+/* The place whose middle is nearest to the pointer, of those that it touches. */
+function nearest(places, event) {
+  let best = null, least = Infinity;
+  for (const place of places) {
+    const box = place.getBoundingClientRect();
+    const away = Math.hypot(event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2);
+    if (away <= box.width / 2 && away < least) [best, least] = [place, away];
+  }
+  return best;
 }
 
 function tip(point, event) {
