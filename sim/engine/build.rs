@@ -8,13 +8,18 @@ fn main() {
     println!("cargo::rerun-if-env-changed=SPLATLINE_LOOK_AGAIN");
     for (name, is_there) in [
         ("has_data", Path::new("../../../shared/data").is_dir()),
-        ("has_avx512", has_avx512()),
+        ("has_avx512", is_native() && has_avx512()),
     ] {
         println!("cargo::rustc-check-cfg=cfg({name})");
         if is_there {
             println!("cargo::rustc-cfg={name}");
         }
     }
+}
+
+/// Whether the tests run on the processor that builds them.
+fn is_native() -> bool {
+    std::env::var("HOST") == std::env::var("TARGET")
 }
 
 /// Whether this processor has what the fused and narrow cells are made of. Tests that compare their instructions with the portable model would

@@ -193,13 +193,10 @@ impl FromStr for VectorLevel {
 /// Runs the task on the vectors chosen.
 #[inline]
 pub fn dispatch<T: VectorTask>(choice: VectorLevel, task: T) -> T::Output {
-    #[cfg(target_arch = "x86_64")]
-    return match dispatch_vectors(choice, task) {
+    match dispatch_vectors(choice, task) {
         Ok(output) => output,
         Err(task) => Portable.run(task),
-    };
-    #[cfg(not(target_arch = "x86_64"))]
-    Portable.run(task)
+    }
 }
 
 /// The same, but for processors without these vectors, which get the task back: on arrays some work is slower than the kernel's. Arrays count as
