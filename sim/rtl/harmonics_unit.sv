@@ -10,7 +10,7 @@
 //
 // MULTIPLIERS = 1: both use one multiplier (four of 18 bits); the basis goes first, and the sum takes the cycles in which it waits for results, for a splat
 // or for a bank. MULTIPLIERS = 2: one each, which
-// are busy for about as many cycles: 74 terms and 75 for degree 4. More would wait for the basis. Units side by side share nothing but need nothing of each other.
+// are busy for as many cycles: 75 terms each for degree 4. More would wait for the basis. Units side by side share nothing but need nothing of each other.
 //
 // Formats: direction 3 x Q1.30, clamped to +-1; base and coefficients 3 x Q3.28, the base first and then 3, 8, 15 or 24 words in the kernel's order; colour 3 x UQ4.28;
 // the first channel in the lowest bits. A degree above 4 is 4. The splat is taken when its direction has been read, before its words.
