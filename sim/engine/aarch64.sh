@@ -6,6 +6,6 @@ cd "$(dirname "$0")/../.."
 command -v qemu-aarch64 >/dev/null || { echo "qemu-aarch64 is missing (package qemu-user)" >&2; exit 1; }
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_LINKER=rust-lld
 export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_MUSL_RUNNER=qemu-aarch64
-# Left out: captured scenes, and a tile filled by 12,000 surfaces, which take minutes under emulation.
 export PROPTEST_CASES=${PROPTEST_CASES:-8}
+# Left out: captured scenes, and a tile filled by 12,000 surfaces, which take minutes under emulation.
 cargo test --locked --target aarch64-unknown-linux-musl -p splatline-engine --lib -- fast:: --skip captured --skip a_full_pixel

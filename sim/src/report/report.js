@@ -219,18 +219,18 @@ function link() {
     row.addEventListener("pointerenter", () => light(row.dataset.row, true));
     row.addEventListener("pointerleave", () => light(row.dataset.row, false));
   }
-  // Places of two designs may overlap: the nearest middle is meant, whichever lies on top.
+  /* Places of two designs may overlap: the nearest middle is meant, whichever lies on top. */
   for (const plot of document.querySelectorAll("svg:has(.place)")) {
     const places = [...plot.querySelectorAll(".place")];
     let shown = null;
-    const point_at = (place, event) => {
+    const pointAt = (place, event) => {
       if (shown && shown !== place) light(shown.dataset.row, false);
       shown = place;
       el("tip").hidden = !place;
       if (place) { light(place.dataset.row, true); tip(place, event); }
     };
-    plot.addEventListener("pointermove", (event) => point_at(nearest(places, event), event));
-    plot.addEventListener("pointerleave", (event) => point_at(null, event));
+    plot.addEventListener("pointermove", (event) => pointAt(nearest(places, event), event));
+    plot.addEventListener("pointerleave", (event) => pointAt(null, event));
   }
 }
 
