@@ -59,15 +59,19 @@ pub fn rtl() -> PathBuf {
 
 /// Writes a design's package into a folder; gives Yosys' words for reading it with all units.
 pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
-    let units = fs::read_to_string(rtl().join("files.txt"))?;
     let package = folder.join("splatline_pkg.sv");
     fs::write(&package, package::text(name, widths)?)?;
-    let units: Vec<&str> = units.lines().collect();
     Ok(format!(
         "read_verilog -sv {} {}",
         package.display(),
-        units.join(" ")
+        listed("files.txt")?
     ))
+}
+
+/// The units of a list in `sim/rtl` between spaces.
+pub fn listed(list: &str) -> Result<String> {
+    let units = fs::read_to_string(rtl().join(list))?;
+    Ok(units.lines().collect::<Vec<_>>().join(" "))
 }
 
 /// Runs Yosys in the folder of the RTL.
@@ -91,6 +95,25 @@ pub fn synthesised_cells(script: &str, folder: &Path) -> Result<Fabric> {
         .as_object()
         .context("yosys counts no cells")?;
     Ok(count(cells))
+}
+
+/// Prints what the units of a list take on the ECP5, a line for each value of a parameter of the unit at their top.
+pub fn print_values(list: &str, top: &str, parameter: &str, values: &[u32]) -> Result<()> {
+    println!("| family | {parameter} | LUT | FF | DSP | memory, kbit |");
+    println!("|---|---:|---:|---:|---:|---:|");
+    let folder = tempfile::tempdir()?;
+    for value in values {
+        let script = format!(
+            "read_verilog -sv {}; chparam -set {parameter} {value} {top}; {} -top {top}",
+            listed(list)?,
+            synthesis(Family::Ecp5)
+        );
+        let fabric = synthesised_cells(&script, folder.path())?;
+        let counts = fabric.resources().map(|(_, count)| count.to_string());
+        let family = Family::Ecp5.name();
+        println!("| {family} | {value} | {} |", counts.join(" | "));
+    }
+    Ok(())
 }
 
 /// Units that are the same whatever the number of lanes: synthesised once for each design and family.

@@ -12,6 +12,7 @@ pub mod bench;
 pub mod bitstream;
 pub mod check;
 pub mod circuit;
+pub mod clocked;
 pub mod fmax;
 pub mod formal;
 pub mod golden;

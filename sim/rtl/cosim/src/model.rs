@@ -1,4 +1,4 @@
-//! The verilated splat primitive behind a safe handle. All unsafe code of the crate is in this file.
+//! The verilated splat primitive behind a safe handle.
 #![allow(unsafe_code)]
 
 use crate::switch::MistakeNumber;

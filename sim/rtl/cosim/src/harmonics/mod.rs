@@ -1,7 +1,6 @@
-//! Spherical harmonics in hardware (`sim/rtl/harmonics_unit.sv`): their program, the co-simulation with the kernel, mistakes and area
+//! Spherical harmonics in hardware (`sim/rtl/harmonics_unit.sv`): their program, the co-simulation with the kernel, and mistakes
 //! (`docs/harmonics-unit.md`).
 
-pub mod area;
 pub mod bench;
 pub mod circuit;
 pub mod loads;

@@ -1,11 +1,7 @@
-//! The verilated harmonics unit behind a safe handle.
+//! The verilated harmonics unit: its inputs and outputs, as the shim has them.
 #![allow(unsafe_code)]
 
-use crate::switch::MistakeNumber;
-use anyhow::{Context, Result};
-use libloading::Library;
-use std::ffi::c_void;
-use std::path::Path;
+use crate::clocked::{ClockedInputs, ClockedModel};
 
 /// The circuit's inputs in one cycle; `Inputs` of harmonics_shim.cpp.
 #[repr(C)]
@@ -45,57 +41,18 @@ pub struct HarmonicsOutputs {
     pub colour: [u32; 3],
 }
 
-/// A circuit being simulated.
-pub struct HarmonicsModel {
-    simulation: *mut c_void,
-    tick: unsafe extern "C" fn(*mut c_void, *const HarmonicsInputs, *mut HarmonicsOutputs),
-    destroy: unsafe extern "C" fn(*mut c_void),
-    /// Keeps the code loaded.
-    _library: Library,
-}
+/// The unit being simulated.
+pub type HarmonicsModel = ClockedModel<HarmonicsInputs>;
 
-impl HarmonicsModel {
-    /// The circuit in a shared library, after reset. The seed chooses what its registers held before.
-    pub fn new(path: &Path, seed: u32) -> Result<HarmonicsModel> {
-        HarmonicsModel::with_mistake(path, seed, 0)
-    }
+// SAFETY: harmonics_shim.cpp has functions of this name, and structs of which these are the mirrors.
+unsafe impl ClockedInputs for HarmonicsInputs {
+    type Outputs = HarmonicsOutputs;
+    const NAME: &'static str = "harmonics";
 
-    /// The same with one of the mistakes that the circuit was built with ([`crate::switch`]); 0 is none.
-    pub fn with_mistake(path: &Path, seed: u32, mistake: MistakeNumber) -> Result<HarmonicsModel> {
-        // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
-        // shim's types, and the simulation is freed by the same library before it is unloaded.
-        let mut model = unsafe {
-            let library = Library::new(path).context("the harmonics unit's library")?;
-            let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
-                *library.get(b"harmonics_make")?;
-            HarmonicsModel {
-                simulation: make(seed, mistake as u32),
-                tick: *library.get(b"harmonics_tick")?,
-                destroy: *library.get(b"harmonics_destroy")?,
-                _library: library,
-            }
-        };
-        for _ in 0..4 {
-            model.tick(&HarmonicsInputs {
-                rst: 1,
-                ..HarmonicsInputs::default()
-            });
+    fn reset() -> Self {
+        HarmonicsInputs {
+            rst: 1,
+            ..HarmonicsInputs::default()
         }
-        Ok(model)
-    }
-
-    /// One cycle: the outputs belong to these inputs, before the clock's edge.
-    pub fn tick(&mut self, inputs: &HarmonicsInputs) -> HarmonicsOutputs {
-        let mut outputs = HarmonicsOutputs::default();
-        // SAFETY: the simulation came from the same library's `harmonics_make`; both structs mirror the shim's and outlive the call.
-        unsafe { (self.tick)(self.simulation, inputs, &mut outputs) };
-        outputs
-    }
-}
-
-impl Drop for HarmonicsModel {
-    fn drop(&mut self) {
-        // SAFETY: made by the same library's `harmonics_make`, not used afterwards; the library is dropped after this.
-        unsafe { (self.destroy)(self.simulation) }
     }
 }

@@ -4,6 +4,7 @@
 //! squares are written where they stand: x x, x x + y y and x x + y y + z z are three terms. What the kernel writes with y y and z z is written here with those three;
 //! no multiple of them is rounded, so that both are the same number.
 
+use RightFactor::{Halves, Register, Root};
 use std::f64::consts::PI;
 
 /// Harmonics of the highest degree.
@@ -52,8 +53,6 @@ pub struct Sum {
     /// Its terms.
     pub terms: Vec<Term>,
 }
-
-use RightFactor::{Halves, Register, Root};
 
 const fn term(left: &'static str, right: RightFactor, negated: bool, target: Target) -> Term {
     Term {

@@ -6,6 +6,7 @@ use super::loads::{captured, of_degree, synthetic};
 use super::model::HarmonicsModel;
 use anyhow::{Result, ensure};
 use rayon::prelude::*;
+use std::fs;
 use std::path::Path;
 
 /// Splats of each kind, and of each degree for its cycles.
@@ -24,18 +25,17 @@ pub fn full() -> Result<()> {
     }
     println!("| MULTIPLIERS | load | splats | resets in between | mismatches |");
     println!("|---:|---|---:|---:|---:|");
-    let folders = [(); MULTIPLIERS.len()].map(|()| tempfile::tempdir());
+    let folder = tempfile::tempdir()?;
     let mut libraries = Vec::new();
     let mut total = HarmonicsFindings::default();
-    for (multipliers, folder) in MULTIPLIERS.iter().zip(&folders) {
-        let folder = folder
-            .as_ref()
-            .map_err(|error| anyhow::anyhow!("{error}"))?;
+    for multipliers in MULTIPLIERS {
+        let own = folder.path().join(multipliers.to_string());
+        fs::create_dir(&own)?;
         let spec = HarmonicsSpec {
             effort: "-O2",
-            ..HarmonicsSpec::new(*multipliers)
+            ..HarmonicsSpec::new(multipliers)
         };
-        let library = library(folder.path(), &spec)?;
+        let library = library(&own, &spec)?;
         for load in &loads {
             let found = all(&library, load)?;
             println!(

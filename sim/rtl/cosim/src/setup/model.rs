@@ -1,12 +1,8 @@
-//! The verilated setup unit behind a safe handle.
+//! The verilated setup unit: its inputs and outputs, as the shim has them.
 #![allow(unsafe_code)]
 
-use crate::switch::MistakeNumber;
-use anyhow::{Context, Result};
-use libloading::Library;
+use crate::clocked::{ClockedInputs, ClockedModel};
 use splatline::footprint::packet::Packet;
-use std::ffi::c_void;
-use std::path::Path;
 
 /// Words of a record.
 pub const RECORD: usize = 19;
@@ -51,57 +47,18 @@ pub struct SetupOutputs {
     pub packet: Packet,
 }
 
-/// A circuit being simulated.
-pub struct SetupModel {
-    simulation: *mut c_void,
-    tick: unsafe extern "C" fn(*mut c_void, *const SetupInputs, *mut SetupOutputs),
-    destroy: unsafe extern "C" fn(*mut c_void),
-    /// Keeps the code loaded.
-    _library: Library,
-}
+/// The unit being simulated.
+pub type SetupModel = ClockedModel<SetupInputs>;
 
-impl SetupModel {
-    /// The circuit in a shared library, after reset. The seed chooses what its registers held before.
-    pub fn new(path: &Path, seed: u32) -> Result<SetupModel> {
-        SetupModel::with_mistake(path, seed, 0)
-    }
+// SAFETY: setup_shim.cpp has functions of this name, and structs of which these are the mirrors.
+unsafe impl ClockedInputs for SetupInputs {
+    type Outputs = SetupOutputs;
+    const NAME: &'static str = "setup";
 
-    /// The same with one of the mistakes that the circuit was built with ([`crate::switch`]); 0 is none.
-    pub fn with_mistake(path: &Path, seed: u32, mistake: MistakeNumber) -> Result<SetupModel> {
-        // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the
-        // shim's types, and the simulation is freed by the same library before it is unloaded.
-        let mut model = unsafe {
-            let library = Library::new(path).context("the setup unit's library")?;
-            let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
-                *library.get(b"setup_make")?;
-            SetupModel {
-                simulation: make(seed, mistake as u32),
-                tick: *library.get(b"setup_tick")?,
-                destroy: *library.get(b"setup_destroy")?,
-                _library: library,
-            }
-        };
-        for _ in 0..4 {
-            model.tick(&SetupInputs {
-                rst: 1,
-                ..SetupInputs::default()
-            });
+    fn reset() -> Self {
+        SetupInputs {
+            rst: 1,
+            ..SetupInputs::default()
         }
-        Ok(model)
-    }
-
-    /// One cycle: the outputs belong to these inputs, before the clock's edge.
-    pub fn tick(&mut self, inputs: &SetupInputs) -> SetupOutputs {
-        let mut outputs = SetupOutputs::default();
-        // SAFETY: the simulation came from the same library's `setup_make`; both structs mirror the shim's and outlive the call.
-        unsafe { (self.tick)(self.simulation, inputs, &mut outputs) };
-        outputs
-    }
-}
-
-impl Drop for SetupModel {
-    fn drop(&mut self) {
-        // SAFETY: made by the same library's `setup_make`, not used afterwards; the library is dropped after this.
-        unsafe { (self.destroy)(self.simulation) }
     }
 }
