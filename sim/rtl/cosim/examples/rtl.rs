@@ -4,6 +4,7 @@ use anyhow::{Context, Result, ensure};
 use splatline::format::Traversal;
 use splatline_rtl::circuit::{self, Spec};
 use splatline_rtl::model::Model;
+use splatline_rtl::setup::program::{SetupProgram, program, with_distance_scaling};
 use splatline_rtl::stamps::{Distances, STAGES};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine};
 use splatline_rtl::{
@@ -22,6 +23,7 @@ use std::process::ExitCode;
 const USAGE: &str = "usage: rtl COMMAND
   package       write sim/rtl/<design>/splatline_pkg.sv from the kernel's widths and tables
   package FILE.toml FOLDER   the package of a design of your own into a folder
+  package FILE.toml FOLDER distance   the same with distance scaling in the setup unit's program
   cosim         every tile-buffer word and every raster cycle of all circuits against the kernel
   cosim quick   the part of it that `cargo test` runs
   cosim shapes  the quick part for 1 to 16 lanes, a packet in every cycle, and a third design: circuits that are built for it (a quarter of an hour)
@@ -40,6 +42,8 @@ const USAGE: &str = "usage: rtl COMMAND
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
   setup         the setup unit's packets and culls against the kernel's, a million splats for each design
   setup exact   the same with splats of few bits: a minute
+  setup distance   the same of the unit with distance scaling, under rules with a spacing
+  setup distance mutants   programs with one mistake each in distance scaling
   setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
   setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
   setup fmax CORES   Fmax of the setup unit with so many cores by nextpnr on the ECP5
@@ -61,7 +65,10 @@ fn main() -> ExitCode {
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let result = match words.as_slice() {
         ["package"] => write_packages(),
-        ["package", design, folder] => write_package(design, Path::new(folder)),
+        ["package", design, folder] => write_package(design, Path::new(folder), program),
+        ["package", design, folder, "distance"] => {
+            write_package(design, Path::new(folder), with_distance_scaling)
+        }
         ["cosim"] => cosim(Extent::Full),
         ["cosim", "quick"] => cosim(Extent::Quick),
         ["cosim", "shapes"] => cosim_shapes(),
@@ -90,6 +97,8 @@ fn main() -> ExitCode {
         ["mutants", part] => judge_mutants(part),
         ["setup"] => setup::report::full(),
         ["setup", "exact"] => setup::report::few(),
+        ["setup", "distance"] => setup::report::with_spacing(),
+        ["setup", "distance", "mutants"] => judge_programs(),
         ["setup", "units"] => setup_units(),
         ["setup", "area"] => setup::area::report(),
         ["setup", "fmax", cores] => cores
@@ -104,10 +113,12 @@ fn main() -> ExitCode {
         ["order"] => order(),
         ["order", "ways"] => order::study::print(512),
         ["harmonics"] => harmonics::report::full(),
-        ["harmonics", "area"] => harmonics::area::print(),
+        ["harmonics", "area"] => harmonics_area(),
         ["harmonics", "mutants"] => judge_harmonics_mutants(""),
         ["harmonics", "mutants", part] => judge_harmonics_mutants(part),
-        ["order", "area"] => order::area::print(),
+        ["order", "area"] => {
+            area::print_values("order_files.txt", "splat_order", "DIGIT", &[8, 12])
+        }
         ["order", "mutants"] => judge_order_mutants(""),
         ["order", "mutants", part] => judge_order_mutants(part),
         ["setup", "mutants"] => judge_setup_mutants(""),
@@ -129,7 +140,7 @@ fn main() -> ExitCode {
 fn write_packages() -> Result<()> {
     for design in DESIGNS {
         let path = package::path(design);
-        write_package(design, path.parent().unwrap_or(Path::new(".")))?;
+        write_package(design, path.parent().unwrap_or(Path::new(".")), program)?;
     }
     write_whole(&tables::path(), &tables::text())?;
     write_whole(&harmonics::text::path(), &harmonics::text::text()?)
@@ -150,12 +161,12 @@ fn print_estimate(design: &str, lanes: &str) -> Result<()> {
     Ok(())
 }
 
-fn write_package(design: &str, folder: &Path) -> Result<()> {
+fn write_package(design: &str, folder: &Path, program: SetupProgram) -> Result<()> {
     let choice = DesignChoice::load(design)?;
     std::fs::create_dir_all(folder)?;
     let text = package::text(choice.name.as_str(), &choice.widths)?;
     write_whole(&folder.join("splatline_pkg.sv"), &text)?;
-    let setup = setup::text::text(choice.name.as_str(), &choice.widths)?;
+    let setup = setup::text::with_program(choice.name.as_str(), &choice.widths, program)?;
     write_whole(&folder.join("splatline_setup_pkg.sv"), &setup)
 }
 
@@ -393,38 +404,29 @@ fn summary(lines: &[Line], pictures: &[PictureLine]) -> Result<()> {
     Ok(())
 }
 
-/// Judges the mutants whose name contains `part`.
-fn judge_mutants(part: &str) -> Result<()> {
-    let judge = mutants::MutantJudge::new()?;
-    println!("| mistake | unit | noticed as |\n|---|---|---|");
-    let mut survivors = 0;
-    for mutant in mutants::MUTANTS
-        .iter()
-        .filter(|mutant| mutant.name.contains(part))
-    {
-        let verdict = judge.verdict(mutant)?;
-        survivors += usize::from(verdict.is_none());
-        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
-        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
-    }
-    ensure!(survivors == 0, "{survivors} mutants survive");
-    Ok(())
+/// What the harmonics unit takes by each number of its multipliers.
+fn harmonics_area() -> Result<()> {
+    let values = &harmonics::circuit::MULTIPLIERS;
+    area::print_values(
+        "harmonics_files.txt",
+        "harmonics_unit",
+        "MULTIPLIERS",
+        values,
+    )
 }
 
-/// Judges the harmonics unit's mistakes whose name contains `part`.
+/// Judges the primitive's mistakes whose name contains `part`.
+fn judge_mutants(part: &str) -> Result<()> {
+    let judge = mutants::MutantJudge::new()?;
+    let all = &mutants::MUTANTS;
+    survivors(&judge_mistakes(all, part, |mutant| judge.verdict(mutant))?)
+}
+
+/// The same for the harmonics unit.
 fn judge_harmonics_mutants(part: &str) -> Result<()> {
     let judge = harmonics::mistakes::HarmonicsJudge::new()?;
-    println!("| mistake | unit | noticed as |\n|---|---|---|");
-    let mut survivors = 0;
-    let all = harmonics::mistakes::MISTAKES.iter();
-    for mutant in all.filter(|mutant| mutant.name.contains(part)) {
-        let verdict = judge.verdict(mutant)?;
-        survivors += usize::from(verdict.is_none());
-        let noticed = verdict.unwrap_or_else(|| "**not noticed**".to_owned());
-        println!("| {} | {} | {noticed} |", mutant.name, mutant.file);
-    }
-    ensure!(survivors == 0, "{survivors} mutants survive");
-    Ok(())
+    let all = &harmonics::mistakes::MISTAKES;
+    survivors(&judge_mistakes(all, part, |mutant| judge.verdict(mutant))?)
 }
 
 fn setup_units() -> Result<()> {
@@ -515,6 +517,22 @@ fn judge_setup_mutants(part: &str) -> Result<()> {
     if part.is_empty() {
         write_whole(setup::area::JUDGED.as_ref(), &table)?;
     }
+    survivors(&table)
+}
+
+/// Judges the programs with a mistake in distance scaling, and that without.
+fn judge_programs() -> Result<()> {
+    use setup::program_mistakes::{PROGRAM_MISTAKES, verdict};
+    splatline_rtl::switch::nothing_said(verdict(with_distance_scaling)?)?;
+    let mut table = "| mistake in the program | noticed as |\n|---|---|\n".to_owned();
+    print!("{table}");
+    for mistake in &PROGRAM_MISTAKES {
+        let noticed = verdict(mistake.program)?.unwrap_or_else(|| NOT_NOTICED.to_owned());
+        let line = format!("| {} | {noticed} |\n", mistake.name);
+        print!("{line}");
+        table += &line;
+    }
+    write_whole(setup::area::JUDGED_PROGRAMS.as_ref(), &table)?;
     survivors(&table)
 }
 

@@ -115,34 +115,56 @@ mod with_verilator {
         assert_eq!(difference, None);
     }
 
-    /// Packets and reasons of the setup unit, of scenes, hard cases and arbitrary bits, with pauses at both ends.
-    #[test]
-    fn setup_unit_gives_the_kernels_packets() {
+    /// What comes of these loads in a setup unit of three cores with this program, with pauses at both ends: the kernel's packets and reasons.
+    fn set_up(
+        program: setup::program::SetupProgram,
+        loads: &[setup::bench::SetupLoad],
+    ) -> setup::bench::SetupFindings {
         let widths = Lean18::WIDTHS;
         let design = splatline::format::RuntimeWidths::new(widths).unwrap();
         let folder = tempfile::tempdir().unwrap();
-        let spec = setup::circuit::SetupSpec::new("lean18", &widths, 3);
+        let spec = setup::circuit::SetupSpec {
+            program,
+            ..setup::circuit::SetupSpec::new("lean18", &widths, 3)
+        };
         let library = setup::circuit::library(folder.path(), &spec).unwrap();
-        let (scenes, missing) = setup::loads::captured(1000).unwrap();
-        println!("not at hand: {missing:?}");
         let mut seen = setup::bench::SetupFindings::default();
-        for (index, load) in setup::loads::synthetic(400, 1)
-            .iter()
-            .chain(&setup::exact::exact(300, 1))
-            .chain(&scenes)
-            .enumerate()
-        {
+        for (index, load) in loads.iter().enumerate() {
             let mut model = setup::model::SetupModel::new(&library, index as u32 + 1).unwrap();
-            let findings =
-                setup::bench::run(&mut model, design, load, 3 * index as u64 % 11).unwrap();
+            let pauses = 3 * index as u64 % 11;
+            let findings = setup::bench::run(&mut model, design, program, load, pauses).unwrap();
             assert_eq!(findings.mismatches, 0, "{}: {findings:?}", load.name);
             assert_eq!(findings.unfit, 0, "{}", load.name);
             seen = seen.and(&findings);
         }
+        seen
+    }
+
+    /// Scenes, hard cases and arbitrary bits.
+    #[test]
+    fn setup_unit_gives_the_kernels_packets() {
+        let (scenes, missing) = setup::loads::captured(1000).unwrap();
+        println!("not at hand: {missing:?}");
+        let synthetic = setup::loads::synthetic(400, 1);
+        let loads = [synthetic, setup::exact::exact(300, 1), scenes].concat();
+        let seen = set_up(setup::program::program, &loads);
         assert!(seen.splats >= 4_000, "{seen:?}");
         assert!(
             seen.culled.iter().all(|count| *count > 0),
             "not every reason: {seen:?}"
+        );
+    }
+
+    /// The same with distance scaling, nearer than the distance k, there and beyond.
+    #[test]
+    fn setup_unit_enlarges_what_is_far() {
+        let loads = setup::distant::distant(300, 1);
+        let enlarged = |load| setup::distant::enlarged(&Lean18::WIDTHS, load);
+        let beyond: usize = loads.iter().map(enlarged).sum();
+        let seen = set_up(setup::program::with_distance_scaling, &loads);
+        assert!(
+            beyond > seen.splats / 4 && beyond < seen.splats * 3 / 4,
+            "{beyond} of {seen:?}"
         );
     }
 
@@ -332,16 +354,18 @@ mod with_verilator {
         assert!(got.pixels.iter().all(|pixel| *pixel == clear));
     }
 
-    /// What Verilator says of the primitive with these parameters, all warnings but those that lint.vlt gives a reason for.
-    fn lint(design: &str, lanes: u32, queue: u32) -> (bool, String) {
-        let rtl = super::path(design).parent().unwrap().join("..");
-        let units = std::fs::read_to_string(rtl.join("files.txt")).unwrap();
+    /// What Verilator says of the units of a list with these packages before them, all warnings but those that lint.vlt gives a reason for.
+    fn lint(list: &str, top: &str, packages: &[String], parameters: &[String]) -> (bool, String) {
+        let rtl = harmonics::text::path();
+        let rtl = rtl.parent().unwrap();
+        let units = std::fs::read_to_string(rtl.join(list)).unwrap();
         let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
         let output = std::process::Command::new(verilator)
             .current_dir(rtl)
-            .args(["--lint-only", "-Wall", "--top-module", "splat_primitive"])
-            .args([format!("-GLANES={lanes}"), format!("-GQUEUE={queue}")])
-            .args(["lint.vlt", &format!("{design}/splatline_pkg.sv")])
+            .args(["--lint-only", "-Wall", "--top-module", top])
+            .args(parameters.iter().map(|given| format!("-G{given}")))
+            .arg("lint.vlt")
+            .args(packages)
             .args(units.lines())
             .output()
             .unwrap();
@@ -349,11 +373,22 @@ mod with_verilator {
         (output.status.success(), words)
     }
 
+    fn lint_primitive(design: &str, lanes: u32, queue: u32) -> (bool, String) {
+        let parameters = [format!("LANES={lanes}"), format!("QUEUE={queue}")];
+        let package = format!("{design}/splatline_pkg.sv");
+        lint("files.txt", "splat_primitive", &[package], &parameters)
+    }
+
+    fn lint_harmonics(multipliers: u32) -> (bool, String) {
+        let parameters = [format!("MULTIPLIERS={multipliers}")];
+        lint("harmonics_files.txt", "harmonics_unit", &[], &parameters)
+    }
+
     #[test]
     fn every_legal_circuit_elaborates_without_a_warning() {
         for design in ["lean18", "standard24"] {
             for (lanes, queue) in [(1, 8), (2, 2), (4, 8), (8, 16), (16, 256)] {
-                let (accepted, words) = lint(design, lanes, queue);
+                let (accepted, words) = lint_primitive(design, lanes, queue);
                 assert!(accepted && words.is_empty(), "{lanes}, {queue}: {words}");
             }
         }
@@ -363,42 +398,11 @@ mod with_verilator {
     #[test]
     fn the_machine_elaborates_without_a_warning() {
         for design in ["lean18", "standard24"] {
-            let rtl = super::path(design).parent().unwrap().join("..");
-            let units = std::fs::read_to_string(rtl.join("machine_files.txt")).unwrap();
-            let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
             let packages = ["splatline_pkg.sv", "splatline_setup_pkg.sv"];
-            let output = std::process::Command::new(verilator)
-                .current_dir(&rtl)
-                .args(["--lint-only", "-Wall", "--top-module", "splat_machine"])
-                .arg("lint.vlt")
-                .args(packages.map(|package| format!("{design}/{package}")))
-                .args(units.lines())
-                .output()
-                .unwrap();
-            let words = String::from_utf8_lossy(&output.stderr);
-            assert!(
-                output.status.success() && words.is_empty(),
-                "{design}: {words}"
-            );
+            let packages = packages.map(|package| format!("{design}/{package}"));
+            let (accepted, words) = lint("machine_files.txt", "splat_machine", &packages, &[]);
+            assert!(accepted && words.is_empty(), "{design}: {words}");
         }
-    }
-
-    /// What Verilator says of the harmonics unit.
-    fn lint_harmonics(multipliers: u32) -> (bool, String) {
-        let rtl = harmonics::text::path();
-        let rtl = rtl.parent().unwrap();
-        let units = std::fs::read_to_string(rtl.join("harmonics_files.txt")).unwrap();
-        let verilator = std::env::var("VERILATOR").unwrap_or_else(|_| "verilator".to_owned());
-        let output = std::process::Command::new(verilator)
-            .current_dir(rtl)
-            .args(["--lint-only", "-Wall", "--top-module", "harmonics_unit"])
-            .args([format!("-GMULTIPLIERS={multipliers}")])
-            .arg("lint.vlt")
-            .args(units.lines())
-            .output()
-            .unwrap();
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        (output.status.success(), words)
     }
 
     #[test]
@@ -419,7 +423,7 @@ mod with_verilator {
             (4, 6, "QUEUE must be a power of two"),
             (4, 1, "QUEUE must be a power of two"),
         ] {
-            let (accepted, said) = lint("lean18", lanes, queue);
+            let (accepted, said) = lint_primitive("lean18", lanes, queue);
             assert!(
                 !accepted && said.contains(words),
                 "{lanes}, {queue}: {said}"
@@ -438,6 +442,16 @@ mod with_verilator {
     fn every_mistake_of_the_setup_unit_is_noticed() {
         let judge = setup::mistakes::SetupJudge::new().unwrap();
         every(&setup::mistakes::MISTAKES, |mistake| judge.verdict(mistake));
+    }
+
+    #[test]
+    #[ignore = "verilates and compiles seven setup units; also `cargo run -p splatline-rtl --example rtl -- setup distance mutants`"]
+    fn every_mistake_of_distance_scaling_is_noticed() {
+        use setup::program_mistakes::{PROGRAM_MISTAKES, verdict};
+        for mistake in some(&PROGRAM_MISTAKES) {
+            let word = verdict(mistake.program).unwrap();
+            assert!(word.is_some(), "{} survives", mistake.name);
+        }
     }
 
     #[test]
@@ -467,11 +481,16 @@ mod with_verilator {
         });
     }
 
-    /// Every mistake is noticed. SPLATLINE_MUTANTS=N tries N of them, spread over the list.
-    fn every(all: &[Mutant], verdict: impl Fn(&Mutant) -> anyhow::Result<Option<String>>) {
+    /// SPLATLINE_MUTANTS=N takes N mistakes, spread over the list; otherwise all.
+    fn some<T>(all: &[T]) -> impl Iterator<Item = &T> {
         let asked = std::env::var("SPLATLINE_MUTANTS").ok();
         let count = asked.map_or(all.len(), |text| text.parse().expect("a number"));
-        for mutant in all.iter().step_by(all.len().div_ceil(count.max(1))) {
+        all.iter().step_by(all.len().div_ceil(count.max(1)))
+    }
+
+    /// Every mistake is noticed.
+    fn every(all: &[Mutant], verdict: impl Fn(&Mutant) -> anyhow::Result<Option<String>>) {
+        for mutant in some(all) {
             assert!(verdict(mutant).unwrap().is_some(), "{mutant:?} survives");
         }
     }

@@ -3,7 +3,7 @@
 use super::counts::{FITTED_CORES, LEAST_INTERVAL, SetupUnit, cores, estimate, parse, to_csv};
 use super::program::program;
 use super::text::text;
-use crate::area::{synthesis, synthesised_cells};
+use crate::area::{listed, synthesis, synthesised_cells};
 use crate::package;
 use anyhow::{Context, Result};
 use splatline::format::Widths;
@@ -21,6 +21,10 @@ pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/set
 pub const COMPARED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-cosim.md");
 /// The same of `rtl -- setup exact`.
 pub const COMPARED_FEW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-exact.md");
+/// The same of `rtl -- setup distance`.
+pub const COMPARED_DISTANT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-distance.md");
+/// The same of `rtl -- setup distance mutants`.
+pub const JUDGED_PROGRAMS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-distance-mutants.md");
 /// The same of `rtl -- setup mutants`.
 pub const JUDGED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-mutants.md");
 
@@ -39,6 +43,14 @@ What `rtl -- setup` prints; loads in parts of 10,000 splats, of which the first 
 ";
 const FEW_HEAD: &str = "
 What `rtl -- setup exact` prints, splats of few bits that show what those above do not:
+
+";
+const DISTANT_HEAD: &str = "
+What `rtl -- setup distance` prints, the unit with distance scaling under rules with a spacing; loads on both sides of the distance k and exactly there:
+
+";
+const JUDGED_PROGRAMS_HEAD: &str = "
+What `rtl -- setup distance mutants` prints: programs with one mistake in distance scaling, lean18 with one core:
 
 ";
 const JUDGED_HEAD: &str = include_str!("../../setup-mutants-head.md");
@@ -91,9 +103,7 @@ pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
         // Writing to a String cannot fail.
         let _ = write!(read, " {}", path.display());
     }
-    let units = fs::read_to_string(crate::area::rtl().join("setup_files.txt"))?;
-    read.extend(units.lines().map(|unit| format!(" {unit}")));
-    Ok(read)
+    Ok(format!("{read} {}", listed("setup_files.txt")?))
 }
 
 /// Hierarchy is kept, so that equal cores are synthesised once.
@@ -163,7 +173,9 @@ fn text_of(units: &[SetupUnit]) -> Result<String> {
         (NOTES, None),
         (COMPARED_HEAD, Some(COMPARED)),
         (FEW_HEAD, Some(COMPARED_FEW)),
+        (DISTANT_HEAD, Some(COMPARED_DISTANT)),
         (JUDGED_HEAD, Some(JUDGED)),
+        (JUDGED_PROGRAMS_HEAD, Some(JUDGED_PROGRAMS)),
     ] {
         text.push_str(head);
         text.push_str(&kept.map_or(Ok(String::new()), read)?);

@@ -23,6 +23,9 @@ pub const CONSTANTS: usize = 64;
 /// Rounds that a splat may take: as many splats of one core are in flight.
 pub const ROUNDS: usize = 16;
 
+/// Cycles that a round may have.
+const CYCLES: usize = 256;
+
 /// Orders of the operations that are tried before the round is made a cycle longer.
 const ATTEMPTS: u64 = 400;
 
@@ -159,12 +162,15 @@ impl Program {
     /// The shortest round that holds the operations.
     pub fn new(operations: Vec<Operation>) -> Result<Program> {
         let slots: usize = operations.iter().map(|o| o.terms.len()).sum();
-        let round = (slots..slots + 64).find_map(|round| {
-            let times = (0..ATTEMPTS).find_map(|seed| schedule(&operations, round, seed))?;
-            Some((round, times))
+        let found = (slots..=CYCLES).find_map(|round| {
+            let placed = (0..ATTEMPTS).find_map(|seed| {
+                let times = schedule(&operations, round, seed)?;
+                let registers = registers(&operations, &times, round)?;
+                Some((times, registers))
+            })?;
+            Some((round, placed))
         });
-        let (round, times) = round.context("no round holds the operations")?;
-        let registers = registers(&operations, &times, round)?;
+        let (round, (times, registers)) = found.context("no round holds the operations")?;
         let constants = constants(&operations)?;
         let places = times.into_iter().zip(registers);
         Ok(Program {
@@ -231,7 +237,7 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
         })
         .collect();
     let mut taken = vec![false; round];
-    let mut times = vec![usize::MAX; operations.len()];
+    let mut times = vec![0; operations.len()];
     // Cycles from an operation's issue to the end of everything that follows from it.
     let mut rest = vec![0; operations.len()];
     for (index, operation) in operations.iter().enumerate().rev() {
@@ -240,19 +246,18 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             rest[value] = rest[value].max(length);
         }
     }
+    // Factors that an operation waits for, and the cycle from which those that are there can be read.
+    let mut waits: Vec<usize> = operations.iter().map(|o| read(o).count()).collect();
+    let mut ready = vec![0; operations.len()];
+    let mut readers = vec![Vec::new(); operations.len()];
+    for (index, operation) in operations.iter().enumerate() {
+        for value in read(operation) {
+            readers[value].push(index);
+        }
+    }
     let mut left: Vec<usize> = (0..operations.len()).collect();
     while !left.is_empty() {
-        let ready = |index: usize| {
-            let ends = read(&operations[index]).map(|value| match times[value] {
-                usize::MAX => usize::MAX,
-                time => time + operations[value].terms.len() - 1 + LATENCY,
-            });
-            ends.max().unwrap_or(0)
-        };
-        let can = left
-            .iter()
-            .copied()
-            .filter(|index| ready(*index) != usize::MAX);
+        let can = left.iter().copied().filter(|index| waits[*index] == 0);
         let first = can.min_by_key(|index| {
             let input = !reads_input(&operations[*index]);
             (input, usize::MAX - rest[*index] - stir[*index], *index)
@@ -264,7 +269,7 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
             let slot = time % round;
             slot + length + after <= round && !taken[slot..slot + length].iter().any(|taken| *taken)
         };
-        let time = (ready(first)..ready(first) + round).find(fits)?;
+        let time = (ready[first]..ready[first] + round).find(fits)?;
         if reads_input(&operations[first]) && time + length + LOAD_AHEAD > round
             || time / round >= ROUNDS
         {
@@ -273,16 +278,20 @@ fn schedule(operations: &[Operation], round: usize, seed: u64) -> Option<Vec<usi
         taken[time % round..time % round + length].fill(true);
         times[first] = time;
         left.retain(|index| *index != first);
+        for reader in &readers[first] {
+            waits[*reader] -= 1;
+            ready[*reader] = ready[*reader].max(time + length - 1 + LATENCY);
+        }
     }
     Some(times)
 }
 
-/// Registers for every result: the first, and how many.
+/// Registers for every result: the first, and how many. Nothing if there are too few.
 fn registers(
     operations: &[Operation],
     times: &[usize],
     round: usize,
-) -> Result<Vec<(usize, usize)>> {
+) -> Option<Vec<(usize, usize)>> {
     let last_slot = |index: usize| times[index] + operations[index].terms.len() - 1;
     let mut copies = vec![1; operations.len()];
     for (index, operation) in operations.iter().enumerate() {
@@ -302,8 +311,7 @@ fn registers(
         places[index] = (free, copies[index]);
         free += copies[index];
     }
-    ensure!(free <= REGISTERS, "{free} registers are too many");
-    Ok(places)
+    (free <= REGISTERS).then_some(places)
 }
 
 /// The constant that a slot reads; an error if it were two.

@@ -2,7 +2,7 @@
 
 use super::constants::constants;
 use super::model::{RECORD, SetupInputs, SetupModel, SetupOutputs};
-use super::program::program;
+use super::program::SetupProgram;
 use crate::workload::split_mix;
 use anyhow::{Result, ensure};
 use splatline::footprint::Footprint;
@@ -157,11 +157,12 @@ fn reason(cull: Cull) -> u8 {
         .map_or(0, |i| i as u8 + 1)
 }
 
-/// Draws `load` through the circuit. `pauses`: how many of 8 cycles, at random, hold a record or a packet back; from [`LONG`] on packets are not taken at
+/// Draws `load` through the circuit, whose cores have this program. `pauses`: how many of 8 cycles, at random, hold a record or a packet back; from [`LONG`] on packets are not taken at
 /// all for thousands of cycles, until every queue is full.
 pub fn run(
     model: &mut SetupModel,
     design: RuntimeWidths,
+    program: SetupProgram,
     load: &SetupLoad,
     pauses: u64,
 ) -> Result<SetupFindings> {

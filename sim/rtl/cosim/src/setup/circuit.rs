@@ -1,7 +1,6 @@
 //! Setup units that are built while the program runs: of any design, with any number of cores, or with one mistake in them.
 
-use super::assemble::Program;
-use super::program::program;
+use super::program::{SetupProgram, program};
 use super::text::with_program;
 use crate::mutants::Mutant;
 use crate::package;
@@ -19,7 +18,7 @@ pub struct SetupSpec<'a> {
     /// Its widths.
     pub widths: &'a Widths,
     /// What the cores compute.
-    pub program: fn(&Widths) -> Result<Program>,
+    pub program: SetupProgram,
     /// Cores.
     pub cores: usize,
     /// A mistake.

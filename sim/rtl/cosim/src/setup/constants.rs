@@ -26,6 +26,7 @@ pub fn constants(
         turn(widths, view),
         screen(widths, view, rules),
         of_rules(widths, rules)?,
+        distance_scaling(names, view, rules)?,
         fixed().to_vec(),
     ]
     .concat();
@@ -127,10 +128,6 @@ fn screen(widths: &Widths, view: &View, rules: &Rules) -> Vec<Named> {
 }
 
 fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
-    ensure!(
-        rules.spacing.mantissa <= 0,
-        "spacing: the setup unit's program has no distance scaling; set it to 0"
-    );
     let integral = rules.kernel.inverse_integral();
     let smallest = SoftFloat::from_wide((rules.alpha_min >> 1) as i64, 1 - THRESHOLD as i32, 31);
     let (least, cutoff) = match rules.cutoff {
@@ -165,16 +162,54 @@ fn of_rules(widths: &Widths, rules: &Rules) -> Result<Vec<Named>> {
     ])
 }
 
+/// A spacing so large that no splat lies beyond k.
+const FAR_APART: SoftFloat = SoftFloat {
+    mantissa: 1,
+    exponent: 1 << 14,
+};
+
+/// What only a program with distance scaling asks for.
+fn distance_scaling(names: &[&'static str], view: &View, rules: &Rules) -> Result<Vec<Named>> {
+    let scales = rules.spacing.mantissa > 0;
+    if !names.contains(&"spacing") {
+        ensure!(
+            !scales,
+            "spacing: this setup unit's program has no distance scaling; set it to 0, or build the unit with it"
+        );
+        return Ok(Vec::new());
+    }
+    let [across, down] = view.focal;
+    ensure!(
+        across.mantissa > 0 && down.mantissa > 0,
+        "focal: distance scaling in hardware needs focal lengths above 0"
+    );
+    let order = |focal: SoftFloat| {
+        let normal = SoftFloat::from_wide(focal.mantissa.into(), focal.exponent, 31);
+        (normal.exponent, normal.mantissa)
+    };
+    let smaller = if order(across) < order(down) {
+        across
+    } else {
+        down
+    };
+    let spacing = if scales { rules.spacing } else { FAR_APART };
+    Ok(vec![
+        number("smaller_focal", smaller),
+        number("spacing", spacing),
+    ])
+}
+
 /// Does a footprint end where its opacity falls below the smallest one?
 fn by_opacity(rules: &Rules) -> bool {
     rules.cutoff == Cutoff::Opacity && rules.kernel == Kernel::Gaussian
 }
 
-fn fixed() -> [Named; 12] {
+fn fixed() -> [Named; 13] {
     [
         named("one", 1 << 30, -30),
         named("two", 1, 1),
         named("reciprocal_one", 1 << 47, -47),
+        named("below_one", (1 << 47) - 1, -47),
         named("logarithm_one", -(1 << 36), -36),
         named("fifth", fraction(5).into(), -30),
         named("quarter", fraction(4).into(), -30),

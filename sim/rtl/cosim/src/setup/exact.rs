@@ -200,11 +200,11 @@ fn far_from_the_origin(count: usize, seed: u64) -> SetupLoad {
 }
 
 /// Pixels a unit, as a power of two.
-const FOCAL: i32 = 9;
+pub(super) const FOCAL: i32 = 9;
 const TELEPHOTO: i32 = 40;
 
 /// From the origin along z; orthographic: whatever the depth.
-fn straight(projection: Projection, focal: i32) -> View {
+pub(super) fn straight(projection: Projection, focal: i32) -> View {
     let (view, _) = hard_cases(1, [640, 480], 1);
     let [zero, one, _] = view.rotation[1];
     let end = |value| Extended {
@@ -230,7 +230,7 @@ fn straight(projection: Projection, focal: i32) -> View {
 }
 
 /// A splat whose numbers have two bits and a sign, some tens of pixels around the middle, of some pixels' size.
-fn few_bits(state: &mut u64) -> VolumeSplat {
+pub(super) fn few_bits(state: &mut u64) -> VolumeSplat {
     let mut number = |exponent: i32| SoftFloat {
         mantissa: [0, 0, 0, 1, 1, -1, -1, 2, 3, -3][(split_mix(state) % 10) as usize] << 24,
         exponent: exponent - 24,

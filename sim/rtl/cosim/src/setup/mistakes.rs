@@ -5,7 +5,7 @@ use super::circuit::{SetupSpec, library};
 use super::exact::exact;
 use super::loads::{captured, synthetic};
 use super::model::SetupModel;
-use super::program::units;
+use super::program::{program, units};
 use super::vectors::difference;
 use crate::mutants::{Mutant, mutant};
 use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
@@ -135,7 +135,7 @@ impl SetupJudge {
         for load in &self.loads {
             for pauses in [0, LONG] {
                 let mut model = SetupModel::with_mistake(library, 1, number)?;
-                let found = run(&mut model, design, load, pauses).map_or_else(
+                let found = run(&mut model, design, program, load, pauses).map_or_else(
                     |error| Some(format!("{error:#}")),
                     |findings| {
                         let first = findings.first_difference?;

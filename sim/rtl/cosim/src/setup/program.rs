@@ -2,7 +2,9 @@
 //!
 //! The list says nothing of the arithmetic: what a sum, a rounding or a table is stands in `setup_core.sv`. Names are the kernel's.
 
-use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value};
+use super::assemble::{Operand, Pick, Program, Table, Term, Unit, Value};
+use super::builder::{Builder, constant, less, plain, product, taken_off, value};
+use super::distance;
 use anyhow::Result;
 use splatline::format::Widths;
 
@@ -29,171 +31,43 @@ pub fn low_bits(widths: &Widths) -> u32 {
     u32::from(widths.position).saturating_sub(30)
 }
 
-const fn value(value: Value) -> Operand {
-    Operand::Value(value)
-}
+/// What makes a design's program.
+pub type SetupProgram = fn(&Widths) -> Result<Program>;
 
-const fn constant(name: &'static str) -> Operand {
-    Operand::Constant(name)
-}
-
-const fn product(a: Operand, b: Operand) -> Term {
-    Term {
-        a,
-        b,
-        picked: None,
-        plain: false,
-        scaled: false,
-        before: false,
-        after: false,
-        floor: false,
-        table: Table::None,
-        entry: false,
-        power: false,
-        pick: Pick::None,
-    }
-}
-
-const fn plain(a: Operand) -> Term {
-    Term {
-        plain: true,
-        ..product(a, Operand::None)
-    }
-}
-
-const fn less(term: Term) -> Term {
-    Term {
-        before: true,
-        ..term
-    }
-}
-
-const fn taken_off(term: Term) -> Term {
-    Term {
-        after: true,
-        ..term
-    }
-}
-
-#[derive(Default)]
-struct Builder {
-    operations: Vec<Operation>,
-}
-
-impl Builder {
-    fn add(&mut self, name: &str, terms: Vec<Term>, unit: Unit, bits: Option<u32>) -> Value {
-        self.operations.push(Operation {
-            name: name.to_owned(),
-            terms,
-            unit,
-            addend: None,
-            bits,
-            out: false,
-        });
-        self.operations.len() - 1
-    }
-
-    /// A sum with a constant in its unit.
-    fn add_to(&mut self, name: &str, addend: &'static str, terms: Vec<Term>, unit: Unit) -> Value {
-        let value = self.add(name, terms, unit, None);
-        self.operations[value].addend = Some(addend);
-        value
-    }
-
-    /// `sum_of_products`.
-    fn sum(&mut self, name: &str, terms: Vec<Term>, bits: u32) -> Value {
-        self.add(name, terms, Unit::Below(60), Some(bits))
-    }
-
-    /// `SoftFloat::multiply`.
-    fn multiply(&mut self, name: &str, a: Operand, b: Operand, bits: u32) -> Value {
-        self.add(name, vec![product(a, b)], Unit::First(0), Some(bits))
-    }
-
-    /// `SoftFloat::from_wide`.
-    fn round(&mut self, name: &str, a: Operand, bits: u32) -> Value {
-        self.add(name, vec![plain(a)], Unit::First(0), Some(bits))
-    }
-
-    fn pick(
-        &mut self,
-        name: &str,
-        pick: Pick,
-        a: Value,
-        b: Operand,
-        picked: Option<&'static str>,
-    ) -> Value {
-        let term = Term {
-            pick,
-            picked,
-            b,
-            ..plain(value(a))
-        };
-        self.add(name, vec![term], Unit::First(0), None)
-    }
-
-    /// A table's entry and its step times the argument's rest.
-    fn looked_up(table: Table, a: Value) -> Vec<Term> {
-        let entry = Term {
-            table,
-            entry: true,
-            ..plain(value(a))
-        };
-        let step = Term {
-            table,
-            ..product(value(a), Operand::None)
-        };
-        vec![entry, step]
-    }
-
-    /// `reciprocal` of a positive number.
-    fn reciprocal(&mut self, name: &str, a: Value, bits: u32) -> Value {
-        let mut terms = Self::looked_up(Table::Reciprocal, a);
-        terms[1].before = true;
-        let seed = self.add(&format!("{name}, seed"), terms, Unit::First(0), None);
-        let wrong = vec![less(product(value(a), value(seed)))];
-        let defect = self.add_to(
-            &format!("{name}, defect"),
-            "reciprocal_one",
-            wrong,
-            Unit::At(-47),
-        );
-        let terms = vec![plain(value(seed)), product(value(seed), value(defect))];
-        self.add(name, terms, Unit::First(-30), Some(bits))
-    }
-
-    /// `root_seed`.
-    fn root(&mut self, name: &str, a: Value, bits: u32) -> Value {
-        self.add(
-            name,
-            Self::looked_up(Table::Root, a),
-            Unit::First(0),
-            Some(bits),
-        )
-    }
-}
-
-/// The program of a design.
+/// The program of a design, for rules without a spacing.
 pub fn program(widths: &Widths) -> Result<Program> {
-    let mut builder = Builder::default();
-    let builder = &mut builder;
+    of_setup(widths, false)
+}
+
+/// The same with distance scaling; rules without a spacing do without it.
+pub fn with_distance_scaling(widths: &Widths) -> Result<Program> {
+    of_setup(widths, true)
+}
+
+fn of_setup(widths: &Widths, scales: bool) -> Result<Program> {
+    let mut all = Builder::default();
+    let builder = &mut all;
     let (view, mantissa) = (u32::from(widths.view), u32::from(widths.mantissa));
     let [x, y, z] = to_camera(builder, widths);
-    let weight = builder.add(
-        "weight",
-        vec![plain(Operand::Input(WEIGHT))],
-        Unit::First(0),
-        None,
-    );
+    let weight = Operand::Input(WEIGHT);
+    let weight = builder.add("weight", vec![plain(weight)], Unit::First(0), None);
     let turned = turned_axes(builder, mantissa);
     let projected = project(builder, [x, y, z], view, mantissa);
-    let columns = shear(builder, &turned, &projected, mantissa);
+    let mut columns = shear(builder, &turned, &projected, mantissa);
+    let mut dimmed = weight;
+    if scales {
+        let enlargement = distance::enlargement(builder, projected.inverse, mantissa);
+        columns = distance::enlarge(builder, columns, &enlargement, mantissa);
+        dimmed = distance::dim(builder, weight, &enlargement, mantissa);
+    }
     let covariance = covariance(builder, &columns, mantissa);
     let shape = shape(builder, &covariance, mantissa);
-    let peak = peak(builder, weight, &projected, shape.inverse, mantissa);
+    let normalised = peak(builder, weight, &projected, shape.inverse, mantissa);
+    let rule = Pick::Flag(NORMALISED);
+    let peak = builder.pick("peak", rule, normalised, value(dimmed), None);
     let cutoff = cutoff(builder, peak);
     let roots = extents(builder, cutoff, &covariance);
-    let results = [
+    all.finish([
         [z, peak],
         [projected.position[0], cutoff],
         [projected.position[1], roots[0]],
@@ -201,18 +75,14 @@ pub fn program(widths: &Widths) -> Result<Program> {
         [shape.squared_width, shape.shear],
         [shape.vertical, shape.cross],
         [shape.conic_c, shape.conic_c],
-    ];
-    let terms = results.map(|[a, b]| product(value(a), value(b)));
-    let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
-    builder.operations[out].out = true;
-    Program::new(std::mem::take(&mut builder.operations))
+    ])
 }
 
 /// A program that is no setup: the record's weight (beside a term of 0) through rounding, reciprocal, root and logarithm, each into a field of the packet that only
 /// [`Layout`](splatline::footprint::packet::Layout) touches on its way (`shear`, `vertical`, `horizontal`, cut-off). For vectors of those units alone.
 pub fn units(widths: &Widths) -> Result<Program> {
-    let mut builder = Builder::default();
-    let builder = &mut builder;
+    let mut all = Builder::default();
+    let builder = &mut all;
     let bits = u32::from(widths.mantissa);
     let given = builder.add(
         "given",
@@ -230,7 +100,7 @@ pub fn units(widths: &Widths) -> Result<Program> {
     let twice = builder.sum("root, twice", heron, bits);
     let squared_width = builder.root("root, 16 bits", whole, 16);
     let cutoff = cutoff(builder, given);
-    let results = [
+    all.finish([
         [given, given],
         [given, cutoff],
         [given, given],
@@ -238,11 +108,7 @@ pub fn units(widths: &Widths) -> Result<Program> {
         [squared_width, shear],
         [vertical, shear],
         [shear, shear],
-    ];
-    let terms = results.map(|[a, b]| product(value(a), value(b)));
-    let out = builder.add("results", terms.to_vec(), Unit::First(0), None);
-    builder.operations[out].out = true;
-    Program::new(std::mem::take(&mut builder.operations))
+    ])
 }
 
 const TURN: [[&str; 3]; 3] = [
@@ -307,6 +173,7 @@ fn turned_axes(builder: &mut Builder, bits: u32) -> [[Value; 3]; 3] {
 }
 
 struct ProjectedTerms {
+    inverse: Value,
     position: [Value; 2],
     ratio: [Value; 2],
     gain: [Value; 2],
@@ -342,6 +209,7 @@ fn project(
         FOCAL.map(|focal| builder.multiply("gain", value(inverse), constant(focal), mantissa));
     let ratio = [0, 1].map(|axis| ratio(builder, on_plane[axis], axis, mantissa));
     ProjectedTerms {
+        inverse,
         position,
         ratio,
         gain,
@@ -462,7 +330,7 @@ fn shape(builder: &mut Builder, covariance: &Covariance, bits: u32) -> TermShape
     }
 }
 
-/// `centre_opacity`. The root's half stands in the constant `inverse_integral`.
+/// `centre_opacity` of normalised kernels. The root's half stands in the constant `inverse_integral`.
 fn peak(
     builder: &mut Builder,
     weight: Value,
@@ -483,13 +351,8 @@ fn peak(
     let area = builder.multiply("area", value(gain_u), value(gain_v), bits);
     let peak = builder.multiply("weight of the area", value(weight), value(area), bits);
     let peak = builder.multiply("peak of the profile", value(peak), value(density), bits);
-    let peak = builder.multiply(
-        "peak, normalised",
-        value(peak),
-        constant("inverse_integral"),
-        bits,
-    );
-    builder.pick("peak", Pick::Flag(NORMALISED), peak, value(weight), None)
+    let integral = constant("inverse_integral");
+    builder.multiply("peak, normalised", value(peak), integral, bits)
 }
 
 /// `cutoff` and the logarithm that it follows from.

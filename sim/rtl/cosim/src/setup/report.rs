@@ -1,11 +1,13 @@
 //! The setup unit against the kernel as a table: every design, load and rule.
 
-use super::area::{COMPARED, COMPARED_FEW};
+use super::area::{COMPARED, COMPARED_DISTANT, COMPARED_FEW};
 use super::bench::{LONG, SetupFindings, SetupLoad, run};
 use super::circuit::{SetupSpec, library};
+use super::distant::distant;
 use super::exact::exact;
 use super::loads::{captured, synthetic};
 use super::model::SetupModel;
+use super::program::{SetupProgram, program, with_distance_scaling};
 use anyhow::{Context, Result, ensure};
 use rayon::prelude::*;
 use splatline::format::{Lean18, RuntimeWidths, Standard24, Widths};
@@ -27,16 +29,22 @@ pub fn full() -> Result<()> {
     for name in missing {
         println!("(no {name}: its data is not at hand)");
     }
-    compared([scenes, synthetic(12_000, 1)].concat(), COMPARED)
+    let loads = [scenes, synthetic(12_000, 1)].concat();
+    compared(program, loads, COMPARED)
 }
 
 /// Splats of few bits, for which a minute is enough.
 pub fn few() -> Result<()> {
-    compared(exact(12_000, 1), COMPARED_FEW)
+    compared(program, exact(12_000, 1), COMPARED_FEW)
+}
+
+/// The unit with distance scaling.
+pub fn with_spacing() -> Result<()> {
+    compared(with_distance_scaling, distant(4_000, 1), COMPARED_DISTANT)
 }
 
 /// Prints the loads' lines, and writes them where the page takes them from.
-fn compared(loads: Vec<SetupLoad>, kept: &str) -> Result<()> {
+fn compared(program: SetupProgram, loads: Vec<SetupLoad>, kept: &str) -> Result<()> {
     let mut page = String::new();
     let mut say = |line: &str| {
         println!("{line}");
@@ -51,12 +59,13 @@ fn compared(loads: Vec<SetupLoad>, kept: &str) -> Result<()> {
     for (design, widths, cores) in SUBJECTS {
         let folder = tempfile::tempdir()?;
         let spec = SetupSpec {
+            program,
             effort: "-O2",
             ..SetupSpec::new(design, &widths, cores)
         };
         let library = library(folder.path(), &spec)?;
         for load in &loads {
-            let findings = all(&library, &widths, load)?;
+            let findings = all(&library, &widths, program, load)?;
             say(&line(design, cores, load, &findings));
             total = total.and(&findings);
         }
@@ -75,7 +84,12 @@ fn compared(loads: Vec<SetupLoad>, kept: &str) -> Result<()> {
 }
 
 /// A load in parts: the first without pauses, so that its cycles say something, the others with them.
-fn all(library: &Path, widths: &Widths, load: &SetupLoad) -> Result<SetupFindings> {
+fn all(
+    library: &Path,
+    widths: &Widths,
+    program: SetupProgram,
+    load: &SetupLoad,
+) -> Result<SetupFindings> {
     let design = RuntimeWidths::new(*widths)
         .ok()
         .context("widths out of range")?;
@@ -96,6 +110,7 @@ fn all(library: &Path, widths: &Widths, load: &SetupLoad) -> Result<SetupFinding
             run(
                 &mut SetupModel::new(library, part as u32 + 1)?,
                 design,
+                program,
                 &load,
                 pauses,
             )

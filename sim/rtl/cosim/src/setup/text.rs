@@ -5,7 +5,7 @@
 use super::assemble::{
     LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, constant,
 };
-use super::program::{low_bits, program};
+use super::program::{SetupProgram, low_bits, program};
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
 use std::fmt::Write;
@@ -63,11 +63,7 @@ pub fn text(name: &str, widths: &Widths) -> Result<String> {
 }
 
 /// The same for another program.
-pub fn with_program(
-    name: &str,
-    widths: &Widths,
-    program: fn(&Widths) -> Result<Program>,
-) -> Result<String> {
+pub fn with_program(name: &str, widths: &Widths, program: SetupProgram) -> Result<String> {
     ensure!(
         widths.colour <= 26,
         "there is no setup unit for design '{name}': colour = {}: it must be at most 26",

@@ -1,0 +1,82 @@
+//! Splats under rules with a spacing, on both sides of the distance k and exactly there, for the program with distance scaling.
+
+use super::bench::SetupLoad;
+use super::exact::{FOCAL, few_bits, straight};
+use super::loads::{name_of, rules, synthetic};
+use crate::workload::split_mix;
+use splatline::format::Widths;
+use splatline::math::SoftFloat;
+use splatline::rules::Rules as KernelRules;
+use splatline::setup::distance::enlargement;
+use splatline::setup::project;
+use splatline::splat::VolumeSplat;
+use splatline::view::Projection;
+
+/// About `count` splats of each kind.
+pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
+    let mut loads = Vec::new();
+    for (index, load) in synthetic(count, seed).into_iter().enumerate() {
+        let spacing = match load.view.projection {
+            // k lies where the camera of the hard cases looks at, 4 units away.
+            Projection::Perspective => spacing(13, -11),
+            // All splats beyond k, or none.
+            Projection::Orthographic => spacing([11, 13][index % 2], -13),
+        };
+        loads.push(spaced(load, spacing, index));
+    }
+    for (_, rules) in rules() {
+        for projection in [Projection::Perspective, Projection::Orthographic] {
+            loads.push(at_k(count, seed, projection, rules));
+        }
+    }
+    // The rules of the loads above, which have no spacing, by the same circuit.
+    loads.extend(synthetic(count, seed + 1).into_iter().take(2));
+    loads
+}
+
+/// Splats of the load that lie beyond k.
+pub fn enlarged(widths: &Widths, load: &SetupLoad) -> usize {
+    let beyond = |splat: &&VolumeSplat| {
+        let projected = project(widths, &load.view, &load.rules, &splat.centre);
+        projected.is_ok_and(|projected| enlargement(widths, &load.rules, &projected).is_some())
+    };
+    load.splats.iter().filter(beyond).count()
+}
+
+const fn spacing(mantissa: i32, exponent: i32) -> SoftFloat {
+    SoftFloat { mantissa, exponent }
+}
+
+/// The load with a spacing and pixels that are not square: higher than wide, or wider than high.
+fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
+    let longer = &mut load.view.focal[index / 2 % 2];
+    *longer = longer.multiply(SoftFloat::from_wide(5, -2, 31), 31);
+    load.rules.spacing = spacing;
+    load.name += ", with a spacing";
+    load
+}
+
+/// Splats at the distance k itself, which keep all bits of their weights, and (with perspective) at twice that distance.
+fn at_k(count: usize, seed: u64, projection: Projection, rules: KernelRules) -> SetupLoad {
+    let mut state = seed;
+    let splat = |_| VolumeSplat {
+        weight: SoftFloat {
+            mantissa: (split_mix(&mut state) >> 34) as i32 | 1,
+            exponent: -30,
+        },
+        ..few_bits(&mut state)
+    };
+    let word = match projection {
+        Projection::Perspective => "at k and at 2 k",
+        Projection::Orthographic => "at k, orthographic",
+    };
+    SetupLoad {
+        name: format!("{word}, {}", name_of(&rules)),
+        view: straight(projection, FOCAL),
+        rules: KernelRules {
+            spacing: spacing(1, -FOCAL),
+            ..rules
+        },
+        splats: (0..count).map(splat).collect(),
+    }
+}
