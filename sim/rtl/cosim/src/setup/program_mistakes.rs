@@ -46,9 +46,9 @@ pub const PROGRAM_MISTAKES: [ProgramMistake; 7] = [
     }),
     mistake("weights rounded nearer than k", |widths| {
         let bits = u32::from(widths.mantissa);
-        let mut all = with_distance_scaling(widths)?.operations;
-        last(&mut all, "weight, dimmed or not").bits = Some(bits);
-        Program::new(all)
+        edited(widths, |all| {
+            last(all, "weight, dimmed or not").bits = Some(bits)
+        })
     }),
     mistake("normalised kernels dimmed", |widths| {
         edited(widths, |all| {
