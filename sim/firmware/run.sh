@@ -62,7 +62,7 @@ run() {
     elf=$CARGO_TARGET_DIR/$1/$profile/$2
     base=$work/$1.$2
     "$tools/llvm-nm" -S "$elf" >"$base.symbols"
-    timeout 120 $(emulator "$1") -nographic -semihosting-config enable=on,target=native -kernel "$elf" \
+    timeout 900 $(emulator "$1") -nographic -semihosting-config enable=on,target=native -kernel "$elf" \
         -plugin "$counter,symbols=$base.symbols,addresses=$base.addresses" -d plugin -D "$base.count" \
         2>"$base.out" </dev/null || { cat "$base.out" >&2; fail "$1 $2 did not run"; }
 }

@@ -43,7 +43,7 @@ for target in $targets; do
     elf=$CARGO_TARGET_DIR/$target/release/splatline-display
     base=$work/$target.display
     "$tools/llvm-nm" -S "$elf" >"$base.symbols"
-    timeout 300 $(emulator "$target") -nographic -semihosting-config enable=on,target=native -kernel "$elf" \
+    timeout 900 $(emulator "$target") -nographic -semihosting-config enable=on,target=native -kernel "$elf" \
         -plugin "$counter,symbols=$base.symbols,addresses=$base.addresses" -d plugin -D "$base.count" \
         2>"$base.out" </dev/null || { cat "$base.out" >&2; fail "$target did not run"; }
     got=$(grep -E '^(checksum|pixels|visible)=' "$base.out" || true)
