@@ -524,30 +524,43 @@ fn judge_setup_mutants(part: &str) -> Result<()> {
 fn judge_programs() -> Result<()> {
     use setup::program_mistakes::{PROGRAM_MISTAKES, verdict};
     splatline_rtl::switch::nothing_said(verdict(with_distance_scaling)?)?;
-    let mut table = "| mistake in the program | noticed as |\n|---|---|\n".to_owned();
-    print!("{table}");
-    for mistake in &PROGRAM_MISTAKES {
-        let noticed = verdict(mistake.program)?.unwrap_or_else(|| NOT_NOTICED.to_owned());
-        let line = format!("| {} | {noticed} |\n", mistake.name);
-        print!("{line}");
-        table += &line;
-    }
+    let judged = PROGRAM_MISTAKES
+        .iter()
+        .map(|mistake| (mistake.name.to_owned(), verdict(mistake.program)));
+    let table = judged_table(
+        "| mistake in the program | noticed as |\n|---|---|\n",
+        judged,
+    )?;
     write_whole(setup::area::JUDGED_PROGRAMS.as_ref(), &table)?;
     survivors(&table)
 }
 
-/// Prints how each mistake was noticed whose name contains `part`, line by line as a judgement takes a while; gives the table.
+/// Prints how each mistake was noticed whose name contains `part`; gives the table.
 fn judge_mistakes(
     mistakes: &[mutants::Mutant],
     part: &str,
     verdict: impl Fn(&mutants::Mutant) -> Result<Option<String>>,
 ) -> Result<String> {
-    let mut table = "| mistake | unit | noticed as |\n|---|---|---|\n".to_owned();
+    let named = mistakes.iter().filter(|mutant| mutant.name.contains(part));
+    let judged = named.map(|mutant| {
+        (
+            format!("{} | {}", mutant.name, mutant.file),
+            verdict(mutant),
+        )
+    });
+    judged_table("| mistake | unit | noticed as |\n|---|---|---|\n", judged)
+}
+
+/// Prints a table of mistakes line by line, as a judgement takes a while, and gives it.
+fn judged_table(
+    heading: &str,
+    judged: impl Iterator<Item = (String, Result<Option<String>>)>,
+) -> Result<String> {
+    let mut table = heading.to_owned();
     print!("{table}");
-    for mutant in mistakes.iter().filter(|mutant| mutant.name.contains(part)) {
-        let verdict = verdict(mutant)?;
-        let noticed = verdict.unwrap_or_else(|| NOT_NOTICED.to_owned());
-        let line = format!("| {} | {} | {noticed} |\n", mutant.name, mutant.file);
+    for (mistake, verdict) in judged {
+        let noticed = verdict?.unwrap_or_else(|| NOT_NOTICED.to_owned());
+        let line = format!("| {mistake} | {noticed} |\n");
         print!("{line}");
         table += &line;
     }

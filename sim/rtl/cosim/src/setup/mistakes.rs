@@ -5,7 +5,7 @@ use super::circuit::{SetupSpec, library};
 use super::exact::exact;
 use super::loads::{captured, synthetic};
 use super::model::SetupModel;
-use super::program::{program, units};
+use super::program::{SetupProgram, program, units};
 use super::vectors::difference;
 use crate::mutants::{Mutant, mutant};
 use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
@@ -130,25 +130,36 @@ impl SetupJudge {
     }
 
     fn compared(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {
-        let design = RuntimeWidths::new(WIDTHS).ok();
-        let design = design.context("widths out of range")?;
-        for load in &self.loads {
-            for pauses in [0, LONG] {
-                let mut model = SetupModel::with_mistake(library, 1, number)?;
-                let found = run(&mut model, design, program, load, pauses).map_or_else(
-                    |error| Some(format!("{error:#}")),
-                    |findings| {
-                        let first = findings.first_difference?;
-                        Some(format!("{}: {first}", load.name))
-                    },
-                );
-                if found.is_some() {
-                    return Ok(found);
-                }
+        first_difference(library, number, program, &self.loads, &[0, LONG])
+    }
+}
+
+/// What the comparison with the kernel says first of a circuit of [`WIDTHS`] with this program, by each load and each of these pauses.
+pub(super) fn first_difference(
+    library: &Path,
+    number: MistakeNumber,
+    program: SetupProgram,
+    loads: &[SetupLoad],
+    pauses: &[u64],
+) -> Result<Option<String>> {
+    let design = RuntimeWidths::new(WIDTHS).ok();
+    let design = design.context("widths out of range")?;
+    for load in loads {
+        for pauses in pauses {
+            let mut model = SetupModel::with_mistake(library, 1, number)?;
+            let found = run(&mut model, design, program, load, *pauses).map_or_else(
+                |error| Some(format!("{error:#}")),
+                |findings| {
+                    let first = findings.first_difference?;
+                    Some(format!("{}: {first}", load.name))
+                },
+            );
+            if found.is_some() {
+                return Ok(found);
             }
         }
-        Ok(None)
     }
+    Ok(None)
 }
 
 /// Of so many mantissas one goes through the cores' units alone.
@@ -159,7 +170,7 @@ const WITHOUT_EFFECT: [&str; 1] = ["a reciprocal's rest a bit short"];
 const NO_EFFECT: &str = "changes nothing: roots of all 262,144 arguments are the kernel's";
 
 /// The design that is mutated.
-const WIDTHS: Widths = Lean18::WIDTHS;
+pub(super) const WIDTHS: Widths = Lean18::WIDTHS;
 
 fn spec<'a>(mistake: Option<&'a Mutant>, choices: &'a [Mutant]) -> SetupSpec<'a> {
     SetupSpec {

@@ -3,14 +3,13 @@
 //! A program is data of the circuit, in a package, and no choice can be made there: a circuit is built for each mistake.
 
 use super::assemble::{Operand, Operation, Program, Value};
-use super::bench::run;
 use super::builder::{constant, plain, value};
 use super::circuit::{SetupSpec, library};
 use super::distant::distant;
-use super::model::SetupModel;
+use super::mistakes::{WIDTHS, first_difference};
 use super::program::{SetupProgram, with_distance_scaling};
-use anyhow::{Context, Result};
-use splatline::format::{Lean18, RuntimeWidths, Widths};
+use anyhow::Result;
+use splatline::format::Widths;
 
 /// A program that is wrong.
 pub struct ProgramMistake {
@@ -84,12 +83,8 @@ fn factor(all: &mut [Operation], name: &str, factor: Operand) {
     last(all, name).terms[0].b = factor;
 }
 
-const WIDTHS: Widths = Lean18::WIDTHS;
-
 /// What the comparison says of a program in a circuit of one core: its first difference, or nothing if there is none.
 pub fn verdict(program: SetupProgram) -> Result<Option<String>> {
-    let design = RuntimeWidths::new(WIDTHS).ok();
-    let design = design.context("widths out of range")?;
     let folder = tempfile::tempdir()?;
     let spec = SetupSpec {
         program,
@@ -97,12 +92,5 @@ pub fn verdict(program: SetupProgram) -> Result<Option<String>> {
         ..SetupSpec::new("lean18", &WIDTHS, 1)
     };
     let library = library(folder.path(), &spec)?;
-    for load in distant(100, 1) {
-        let mut model = SetupModel::new(&library, 1)?;
-        let findings = run(&mut model, design, program, &load, 0)?;
-        if let Some(first) = findings.first_difference {
-            return Ok(Some(format!("{}: {first}", load.name)));
-        }
-    }
-    Ok(None)
+    first_difference(&library, 0, program, &distant(100, 1), &[0])
 }
