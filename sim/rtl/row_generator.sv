@@ -28,26 +28,20 @@ module row_generator (
   // Rows from issue to the lanes' queues: twice the stages, so that the queue never runs dry while places come back.
   localparam PLACES = 64;
 
-  // The splat whose rows are being issued.
-  logic busy, last, place, issue, none;
-  splatline_pkg::start_t at;
+  // The splat whose rows are being issued: the row, and what is differenced down the rows.
+  logic busy, place, issue, none, some0;
+  logic [15:0] row0;
+  logic signed [63:0] centre0, shear0, vertical0, first0, second0;
   splatline_pkg::shape_t shape0;
-  assign issue = busy && place;
-  assign splat_ready = !busy || (issue && last);
+  row_counter counter (.clk, .rst, .splat_valid, .splat_ready, .first(start.row), .rows(start.rows), .place, .busy, .issue, .row(row0), .some(some0));
   always_ff @(posedge clk) begin
-    if (rst) busy <= 0;
-    else if (splat_ready) busy <= splat_valid;
     if (splat_ready) begin
-      at <= start;
+      {centre0, shear0, vertical0, first0, second0} <= {start.centre, start.shear, start.vertical, start.first, start.second};
       shape0 <= shape;
-      last <= start.rows <= 16'd1;
     end else if (issue) begin
-      at.row <= at.row + 16'd1;
-      at.rows <= at.rows - 16'd1;
-      at.centre <= at.centre + at.shear;
-      at.vertical <= at.vertical + at.first;
-      at.first <= at.first + at.second;
-      last <= at.rows == 16'd2;
+      centre0 <= centre0 + shear0;
+      vertical0 <= vertical0 + first0;
+      first0 <= first0 + second0;
     end
   end
 
@@ -61,7 +55,7 @@ module row_generator (
       open <= 0;
     end else begin
       slot <= {slot[STAGES-1:1], issue};
-      open <= {open[STAGES-1:20], open[19] && holds19, open[18:2], open[1] && positive1, issue && at.rows != 0};
+      open <= {open[STAGES-1:20], open[19] && holds19, open[18:2], open[1] && positive1, issue && some0};
     end
   end
 
@@ -78,10 +72,10 @@ module row_generator (
   logic signed [15:0] drop_first1, drop_first23, drop_radial1, drop_radial26;
   logic [31:0] second1, second20, unit1, unit27, balance1, balance2;
   always_ff @(posedge clk) begin
-    row1 <= at.row[ROW_BITS-1:0];
-    centre1 <= at.centre;
-    vertical1 <= at.vertical;
-    rest1 <= $signed({8'd0, shape0.reach}) - at.vertical;
+    row1 <= row0[ROW_BITS-1:0];
+    centre1 <= centre0;
+    vertical1 <= vertical0;
+    rest1 <= $signed({8'd0, shape0.reach}) - vertical0;
     squared_width1 <= shape0.squared_width;
     squared_width_odd1 <= shape0.squared_width_odd;
     squared_width_power1 <= shape0.squared_width_power;

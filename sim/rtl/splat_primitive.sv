@@ -51,8 +51,8 @@ module splat_primitive #(
 
   // What the circuit is not built for fails here, not in the picture. The generator of packages refuses the same widths by name.
   generate
-    if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES > (1 << ROW_BITS)) begin : gen_illegal_lanes
-      $error("LANES must be 1, 2, 4, 8 or 16, and not more than a tile has rows");
+    if (LANES < 1 || LANES > 16 || (LANES & (LANES - 1)) != 0 || LANES >= (1 << ROW_BITS)) begin : gen_illegal_lanes
+      $error("LANES must be 1, 2, 4, 8 or 16, and fewer than a tile has rows");
     end
     if (QUEUE < 2 || QUEUE > 256 || (QUEUE & (QUEUE - 1)) != 0) begin : gen_illegal_queue
       $error("QUEUE must be a power of two from 2 to 256");
@@ -211,7 +211,9 @@ module splat_primitive #(
   assign slot_ready = !slot_has_run || run_ready;
   // What the lane that owns the row being read out gives: transmittance and colour.
   localparam WORD_BITS = TRANSMITTANCE_BITS + COLOUR_BITS;
-  logic [LANES*WORD_BITS-1:0] words;
+  // Places of words are a power of two apart. By another distance Yosys may choose with a multiplier and a shifter as wide as all words.
+  localparam WORD_PLACE = $clog2(WORD_BITS);
+  logic [(LANES<<WORD_PLACE)-1:0] words;
   logic [ROW_BITS-1:0] word_row, read_row;
   always_ff @(posedge clk)
     if (scan_moves) begin
@@ -223,10 +225,10 @@ module splat_primitive #(
   generate
     if (LANES == 1) begin : gen_single
       assign run_ready = queue_ready[0];
-      assign {pixel_transmittance, pixel_colour} = words;
+      assign {pixel_transmittance, pixel_colour} = words[WORD_BITS-1:0];
     end else begin : gen_banked
       assign run_ready = queue_ready[run.row[LANE_BITS-1:0]];
-      assign {pixel_transmittance, pixel_colour} = words[read_row[LANE_BITS-1:0]*WORD_BITS+:WORD_BITS];
+      assign {pixel_transmittance, pixel_colour} = words[{read_row[LANE_BITS-1:0], {WORD_PLACE{1'b0}}}+:WORD_BITS];
     end
 
     for (l = 0; l < LANES; l = l + 1) begin : gen_lane
@@ -360,7 +362,9 @@ module splat_primitive #(
           .colour_word,
           .idle(blend_quiet)
       );
-      assign words[l*WORD_BITS+:WORD_BITS] = side ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
+      logic [WORD_BITS-1:0] scanned_word;
+      assign words[(l<<WORD_PLACE)+:(1<<WORD_PLACE)] = (1 << WORD_PLACE)'(scanned_word);
+      assign scanned_word = side ? {transmittances[0+:TRANSMITTANCE_BITS], colours[0+:COLOUR_BITS]} : {transmittances[TRANSMITTANCE_BITS+:TRANSMITTANCE_BITS], colours[COLOUR_BITS+:COLOUR_BITS]};
 
       // The lane owns the bank of the side that is drawn, the scan the other one; it clears what it has read.
       logic clears, mine_in_scan;
@@ -422,4 +426,8 @@ module splat_primitive #(
     raster_idle <= rst || (all_idle && !packet_taken);
     idle <= rst || (all_idle && !packet_taken && &pixels_idle);
   end
+
+`ifdef FORMAL
+`include "formal/splat_primitive_properties.svh"
+`endif
 endmodule

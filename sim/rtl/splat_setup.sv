@@ -297,8 +297,9 @@ module splat_setup #(
   end
   delay #(.BITS(96), .STAGES(12)) hold_balance (.clk, .rst, .advance(1'b1), .in({second12[31:0], balanced12[31:0], start12[31:0]}), .out({second24, unit_balanced24, balance24}));
 
-  // Stage 23: what is visible. Stage 24: how many rows; none, if the window holds none of the box's columns.
-  logic [15:0] row23, end_row23, first_column23, end_column23, box_first23, box_end23, row24, rows24, first_column24, end_column24, box_first24, box_end24;
+  // Stages 23 and 24: what is visible, and how many rows.
+  logic [15:0] row24, rows24, first_column24, end_column24, box_first24, box_end24;
+  visible_box visible (.clk, .window, .first_row22, .end_row22, .box_first22, .box_end22, .row24, .rows24, .first_column24, .end_column24, .box_first24, .box_end24);
   logic [31:0] cutoff23;
   logic [32:0] cutoff_half23;
   logic [PEAK-1:0] peak23, peak24;
@@ -311,12 +312,6 @@ module splat_setup #(
   logic signed [15:0] squared_width_power24;
   assign cutoff_half23 = RADIAL == 28 ? {1'b0, cutoff23} : {1'b0, cutoff23} + (33'd1 << (27 - RADIAL));
   always_ff @(posedge clk) begin
-    row23 <= first_row22 > window.first_row ? first_row22 : window.first_row;
-    end_row23 <= end_row22 < window.end_row ? end_row22 : window.end_row;
-    first_column23 <= box_first22 > window.first_column ? box_first22 : window.first_column;
-    end_column23 <= box_end22 < window.end_column ? box_end22 : window.end_column;
-    box_first23 <= box_first22;
-    box_end23 <= box_end22;
     cutoff23 <= cutoff22;
     peak23 <= peak22;
     colours23 <= colours22;
@@ -324,12 +319,6 @@ module splat_setup #(
     horizontal23 <= horizontal22;
     squared_width_exponent23 <= squared_width_exponent22;
 
-    row24 <= row23;
-    rows24 <= first_column23 < end_column23 && row23 < end_row23 ? end_row23 - row23 : 16'd0;
-    first_column24 <= first_column23;
-    end_column24 <= end_column23;
-    box_first24 <= box_first23;
-    box_end24 <= box_end23;
     reach24 <= {cutoff23, 24'd0} + SLACK;
     cutoff24 <= (RADIAL + 5)'(cutoff_half23 >> (28 - RADIAL));
     peak24 <= peak23;

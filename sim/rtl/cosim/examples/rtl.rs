@@ -28,10 +28,10 @@ const USAGE: &str = "usage: rtl COMMAND
   cosim quick   the part of it that `cargo test` runs
   cosim shapes  the quick part for 1 to 16 lanes, a packet in every cycle, and a third design: circuits that are built for it (a quarter of an hour)
   area          LUT, FF, DSP and memory of all circuits by Yosys (18 minutes): calibrates the estimate, writes docs/area.md
-  area DESIGN   one design's lines of it
+  area DESIGN   the same for one design alone, as 'of fit'
   area page     docs/area.md again without synthesis, and the model's clocks
   area fmax     Fmax by nextpnr on the ECP5, of what was not placed yet (some minutes a seed), into docs/area.md
-  area fmax WORDS [SEED]  circuits whose name contains WORDS, as `lean18 splat_primitive 1`, with five seeds or with one
+  area fmax WORDS [SEED]  circuits whose name contains WORDS, as `lean18 splat_primitive 1`, `setup_unit` or `splat_order`, with five seeds or with one
   area flat WORDS  what these circuits take on the ECP5, flattened between registers as they would be placed, without placing them
   bitstream DESIGN LANES FILE   the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
   speed         how many times as fast as the verilated circuits the model is
@@ -46,7 +46,7 @@ const USAGE: &str = "usage: rtl COMMAND
   setup distance mutants   programs with one mistake each in distance scaling
   setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
   setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
-  setup fmax CORES   Fmax of the setup unit with so many cores by nextpnr on the ECP5
+  setup area DESIGN CORES   the same for one unit alone, as 'of fit' 1
   setup area page   docs/setup-unit.md again without synthesis
   order         sorter and binning against the kernel's order and the model's lists, five scenes and hard keys
   order ways    what the ways of sorting cost on five scenes, for docs/decisions/depth-order.md
@@ -56,6 +56,7 @@ const USAGE: &str = "usage: rtl COMMAND
   harmonics area   LUT, FF, DSP and memory of the harmonics unit by Yosys
   harmonics mutants [PART]   harmonics units with one mistake each: is it noticed?
   machine [SCENE]   whole frames of the whole machine against the kernel's and the model's cycles, five scenes or one
+  machine distance [SCENE]   the same with distance scaling, each scene with the spacing of its samples
   machine mutants [PART]   machines with one mistake each between their units: is it noticed?
   setup mutants [PART]   setup units with one mistake each: is it noticed?
 ";
@@ -90,7 +91,7 @@ fn main() -> ExitCode {
             layouts::report().and_then(|text| write_whole(layouts::REPORT.as_ref(), &text))
         }
         ["estimate", design, lanes] => print_estimate(design, lanes),
-        ["area", design] => area::design(design).map(|text| print!("{text}")),
+        ["area", design] => area::design(design),
         ["speed"] => speed::report(&mut |line| println!("{line}")),
         ["formal"] => formal::report(),
         ["mutants"] => judge_mutants(""),
@@ -101,12 +102,14 @@ fn main() -> ExitCode {
         ["setup", "distance", "mutants"] => judge_programs(),
         ["setup", "units"] => setup_units(),
         ["setup", "area"] => setup::area::report(),
-        ["setup", "fmax", cores] => cores
+        ["setup", "area", "page"] => setup::area::page(),
+        ["setup", "area", design, cores] => cores
             .parse()
             .context("a number of cores")
-            .and_then(fmax::setup_unit),
-        ["setup", "area", "page"] => setup::area::page(),
+            .and_then(|cores| setup::area::one(design, cores)),
         ["machine"] => machine::report::print(128, None),
+        ["machine", "distance"] => machine::report::print_distance(128, None),
+        ["machine", "distance", scene] => machine::report::print_distance(128, Some(scene)),
         ["machine", "mutants"] => judge_machine_mutants(""),
         ["machine", "mutants", part] => judge_machine_mutants(part),
         ["machine", scene] => machine::report::print(128, Some(scene)),

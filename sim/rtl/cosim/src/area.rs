@@ -206,15 +206,18 @@ fn write_page(lines: &[Synthesised]) -> Result<()> {
     Ok(atomic::write(REPORT.as_ref(), text.as_bytes())?)
 }
 
-/// The lines of the design of that name.
-pub fn design(name: &str) -> Result<String> {
+/// Synthesises the design of that name alone; its counts take the place of those of before, and the page is written again.
+pub fn design(name: &str) -> Result<()> {
     let subjects = subjects();
-    let subject = subjects.iter().find(|subject| subject.name == name);
-    let found = circuits(subject.context("lean18, standard24 or '24-bit mantissa'")?)?;
-    let lines = found
-        .iter()
-        .map(|found| line(found, &found.family.calibration()));
-    Ok(lines.collect())
+    let place = |design: &str| subjects.iter().position(|subject| subject.name == design);
+    let known = subjects.each_ref().map(|subject| subject.name).join(", ");
+    let asked = place(name).with_context(|| format!("no design {name}: one of {known}"))?;
+    let mut lines = counts()?;
+    lines.retain(|line| line.design != name);
+    lines.extend(circuits(&subjects[asked])?);
+    lines.sort_by_key(|line| place(&line.design));
+    atomic::write(COUNTS.as_ref(), to_csv(&lines).as_bytes())?;
+    write_page(&lines)
 }
 
 /// One design's circuits; shown on stderr as they come, against the calibration of the last synthesis, since they take minutes.

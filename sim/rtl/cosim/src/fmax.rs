@@ -3,11 +3,11 @@
 //! A circuit has more ports than a device has pins. So each is put between registers on three pins, by a wrapper that is made from its ports:
 //! every input comes from a shift register, every output goes into another. No path that is timed leaves the chip.
 
-use crate::area::{self, sources, synthesised_cells, yosys};
+use crate::area::{self, listed, sources, synthesised_cells, yosys};
 use crate::mutants::run;
 use crate::placed::{self, PLACED, PlacedLine};
 use crate::setup;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
 use splatline_sim::machine::area::Fabric;
 use splatline_sim::machine::area::synthesis::{Subject, subjects};
@@ -59,32 +59,107 @@ const GOAL: &str = "110";
 /// Placements of a circuit: one says little, since the placer begins with random places.
 const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
 
-/// Lanes of the whole primitives that are placed.
-const LANES: [u32; 2] = [1, 4];
+/// A unit that may be placed, whose parameter takes some values.
+struct PlacedUnit {
+    unit: &'static str,
+    /// Where its sources are listed.
+    sources: UnitSources,
+    parameter: &'static str,
+    /// Values of the parameter; none for a unit alone, as its own sources have it.
+    values: &'static [u32],
+}
 
-/// Units that may be placed alone.
-const UNITS: [&str; 5] = [
-    "splat_setup",
-    "row_generator",
-    "lane",
-    "footprint_table",
-    "blend",
+/// Which sources a unit is read with.
+#[derive(Clone, Copy)]
+enum UnitSources {
+    /// Those of the primitive, with a design's package.
+    Primitive,
+    /// Those of the setup unit, with both packages of a design.
+    Setup,
+    /// Those of a list, which are the same for every design.
+    List(&'static str),
+}
+
+/// The whole primitives, whose clock the model takes.
+const PRIMITIVE: PlacedUnit = PlacedUnit {
+    unit: "splat_primitive",
+    sources: UnitSources::Primitive,
+    parameter: "LANES",
+    values: &[1, 4],
+};
+
+/// All that may be placed: the primitives, units of theirs, and the other units of a machine.
+const UNITS: [PlacedUnit; 9] = [
+    PRIMITIVE,
+    alone("splat_setup"),
+    alone("row_generator"),
+    alone("lane"),
+    alone("footprint_table"),
+    alone("blend"),
+    PlacedUnit {
+        unit: "setup_unit",
+        sources: UnitSources::Setup,
+        parameter: "CORES",
+        values: &[1],
+    },
+    PlacedUnit {
+        unit: "splat_order",
+        sources: UnitSources::List("order_files.txt"),
+        parameter: "DIGIT",
+        values: &[8],
+    },
+    PlacedUnit {
+        unit: "harmonics_unit",
+        sources: UnitSources::List("harmonics_files.txt"),
+        parameter: "MULTIPLIERS",
+        values: &[1, 2],
+    },
 ];
+
+/// A unit of the primitive without its parameters.
+const fn alone(unit: &'static str) -> PlacedUnit {
+    PlacedUnit {
+        unit,
+        sources: UnitSources::Primitive,
+        parameter: "",
+        values: &[],
+    }
+}
+
+impl PlacedUnit {
+    /// The designs for which it is a circuit of its own.
+    fn subjects<'a>(&self, all: &'a [Subject]) -> Vec<Option<&'a Subject>> {
+        match self.sources {
+            UnitSources::List(_) => vec![None],
+            _ => all.iter().take(2).map(Some).collect(),
+        }
+    }
+
+    fn values(&self) -> Vec<Option<u32>> {
+        match self.values {
+            [] => vec![None],
+            values => values.iter().copied().map(Some).collect(),
+        }
+    }
+}
 
 /// A unit to be placed.
 struct PlacedCircuit<'a> {
-    subject: &'a Subject,
-    unit: &'static str,
-    lanes: Option<u32>,
+    /// The design, unless the unit is the same for all.
+    subject: Option<&'a Subject>,
+    unit: &'static PlacedUnit,
+    /// Its parameter's value.
+    value: Option<u32>,
 }
 
 impl PlacedCircuit<'_> {
-    /// As it is asked for and kept: `lean18 splat_primitive 4`.
+    /// As it is asked for and kept: `lean18 splat_primitive 4`, `splat_order 8`.
     fn name(&self) -> String {
-        let lanes = self
-            .lanes
-            .map_or(String::new(), |lanes| format!(" {lanes}"));
-        format!("{} {}{lanes}", self.subject.name, self.unit)
+        let subject = self.subject.map(|subject| subject.name.to_owned());
+        let value = self.value.map(|value| value.to_string());
+        let unit = Some(self.unit.unit.to_owned());
+        let words: Vec<String> = [subject, unit, value].into_iter().flatten().collect();
+        words.join(" ")
     }
 }
 
@@ -112,37 +187,20 @@ pub fn counts_of(words: &str) -> Result<()> {
 }
 
 fn of_name(words: &str, mut job: impl FnMut(&PlacedCircuit) -> Result<()>) -> Result<()> {
-    for subject in subjects().iter().take(2) {
-        let whole = LANES.map(|lanes| ("splat_primitive", Some(lanes)));
-        let units = UNITS.map(|unit| (unit, None));
-        for (unit, lanes) in whole.into_iter().chain(units) {
-            let circuit = PlacedCircuit {
-                subject,
-                unit,
-                lanes,
-            };
-            if circuit.name().contains(words) {
-                job(&circuit)?;
+    let subjects = subjects();
+    for unit in &UNITS {
+        for subject in unit.subjects(&subjects) {
+            for value in unit.values() {
+                let circuit = PlacedCircuit {
+                    subject,
+                    unit,
+                    value,
+                };
+                if circuit.name().contains(words) {
+                    job(&circuit)?;
+                }
             }
         }
-    }
-    Ok(())
-}
-
-/// The setup unit, whose cores stand where the others' lanes do.
-const SETUP: &str = "setup_unit";
-
-/// Places the setup unit of both designs with so many cores and prints its lines.
-pub fn setup_unit(cores: u32) -> Result<()> {
-    print!("{HEAD}");
-    for subject in subjects().iter().take(2) {
-        let circuit = PlacedCircuit {
-            subject,
-            unit: SETUP,
-            lanes: Some(cores),
-        };
-        place_seeds(&circuit, None)?;
-        print!("{}", kept_line(&circuit)?);
     }
     Ok(())
 }
@@ -181,20 +239,23 @@ fn kept_line(circuit: &PlacedCircuit) -> Result<String> {
 /// What a placement follows from, as a number (FNV-1a): the sources without comments and empty lines, the synthesis and the placer's options.
 fn sources_number(circuit: &PlacedCircuit) -> Result<u64> {
     let folder = tempfile::tempdir()?;
-    let Subject { name, widths } = circuit.subject;
     let read = read_command(circuit, folder.path())?;
+    let (name, widths) = match circuit.subject {
+        Some(Subject { name, widths }) => (*name, format!("{widths:?}")),
+        None => ("", String::new()),
+    };
     let mut number = 0xcbf2_9ce4_8422_2325;
     let mut add = |text: &str| {
         for byte in text.bytes() {
             number = (number ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
         }
     };
-    for word in [name, circuit.unit, DEVICE.synthesis, GOAL] {
+    for word in [name, circuit.unit.unit, DEVICE.synthesis, GOAL] {
         add(word);
     }
     add(&format!(
-        "{widths:?} {:?} {:?}",
-        circuit.lanes, DEVICE.options
+        "{widths} {:?} {:?}",
+        circuit.value, DEVICE.options
     ));
     for file in read.split(' ').filter(|word| word.ends_with(".sv")) {
         let text = fs::read_to_string(area::rtl().join(file))?;
@@ -309,9 +370,9 @@ fn placer(tool: &str, folder: &Path, seed: u32) -> Command {
 /// text from which its bitstream is packed.
 pub(crate) fn configuration(subject: &Subject, lanes: u32, folder: &Path) -> Result<(Fabric, f64)> {
     let circuit = PlacedCircuit {
-        subject,
-        unit: "splat_primitive",
-        lanes: Some(lanes),
+        subject: Some(subject),
+        unit: &PRIMITIVE,
+        value: Some(lanes),
     };
     let fabric = netlist(&circuit, folder)?;
     ensure!(!too_large(&fabric), "{}: {}", DEVICE.name, excess(&fabric));
@@ -329,16 +390,19 @@ fn placement(placer: &mut Command, folder: &Path) -> Result<PlacedTiming> {
 
 /// Yosys' words for reading a circuit's sources.
 fn read_command(circuit: &PlacedCircuit, folder: &Path) -> Result<String> {
-    let Subject { name, widths } = circuit.subject;
-    match circuit.unit {
-        SETUP => setup::area::sources(folder, name, widths),
-        _ => sources(folder, name, widths),
+    match (circuit.unit.sources, circuit.subject) {
+        (UnitSources::List(list), _) => Ok(format!("read_verilog -sv {}", listed(list)?)),
+        (_, None) => bail!("{} is of a design", circuit.unit.unit),
+        (UnitSources::Primitive, Some(Subject { name, widths })) => sources(folder, name, widths),
+        (UnitSources::Setup, Some(Subject { name, widths })) => {
+            setup::area::sources(folder, name, widths)
+        }
     }
 }
 
 /// Synthesises a circuit between registers into `netlist.json`.
 fn netlist(circuit: &PlacedCircuit, folder: &Path) -> Result<Fabric> {
-    let unit = circuit.unit;
+    let unit = circuit.unit.unit;
     let read = read_command(circuit, folder)?;
     let ports = folder.join("ports.json");
     yosys(&format!(
@@ -351,7 +415,7 @@ fn netlist(circuit: &PlacedCircuit, folder: &Path) -> Result<Fabric> {
         .as_object()
         .context("a unit without ports")?;
     let wrapper = folder.join("wrapper.sv");
-    fs::write(&wrapper, wrapper_text(unit, circuit.lanes, ports))?;
+    fs::write(&wrapper, wrapper_text(&instance(circuit), ports))?;
     let script = format!(
         "{read} {}; {} -top wrapper -json {}",
         wrapper.display(),
@@ -361,8 +425,19 @@ fn netlist(circuit: &PlacedCircuit, folder: &Path) -> Result<Fabric> {
     synthesised_cells(&script, folder)
 }
 
+/// The unit with its parameter, as a module that contains it names it.
+fn instance(circuit: &PlacedCircuit) -> String {
+    let PlacedUnit {
+        unit, parameter, ..
+    } = circuit.unit;
+    let value = circuit
+        .value
+        .map_or(String::new(), |value| format!(" #(.{parameter}({value}))"));
+    format!("{unit}{value}")
+}
+
 /// The unit between shift registers. The outputs are loaded while the last input bit is set, and shifted out otherwise.
-fn wrapper_text(unit: &str, lanes: Option<u32>, ports: &serde_json::Map<String, Value>) -> String {
+fn wrapper_text(instance: &str, ports: &serde_json::Map<String, Value>) -> String {
     let (mut wires, mut widths) = (String::new(), [0, 0]);
     for (name, port) in ports.iter().filter(|(name, _)| *name != "clk") {
         let bits = port["bits"].as_array().map_or(0, Vec::len);
@@ -378,14 +453,12 @@ fn wrapper_text(unit: &str, lanes: Option<u32>, ports: &serde_json::Map<String, 
         );
         *first += bits;
     }
-    let parameter = if unit == SETUP { "CORES" } else { "LANES" };
-    let lanes = lanes.map_or(String::new(), |lanes| format!(" #(.{parameter}({lanes}))"));
     let [inputs, outputs] = widths;
     format!(
         "module wrapper (input logic clk, input logic serial_in, output logic serial_out);
   logic [{inputs}:0] inputs;
   logic [{}:0] outputs, sampled;
-  {unit}{lanes} placed (
+  {instance} placed (
     .clk{wires}
   );
   always_ff @(posedge clk) begin
@@ -459,7 +532,7 @@ mod tests {
             "ready": { "direction": "output", "bits": [6] },
             "b": { "direction": "output", "bits": [7, 8] },
         });
-        let text = wrapper_text("unit", Some(4), ports.as_object().unwrap());
+        let text = wrapper_text("unit #(.LANES(4))", ports.as_object().unwrap());
         for part in [
             "unit #(.LANES(4)) placed",
             ".a(inputs[2:0])",

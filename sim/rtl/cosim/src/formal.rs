@@ -27,7 +27,7 @@ pub struct Proof {
 }
 
 /// What is proven.
-pub const PROOFS: [Proof; 6] = [
+pub const PROOFS: [Proof; 9] = [
     Proof {
         unit: "fifo",
         files: &["fifo.sv"],
@@ -53,6 +53,22 @@ pub const PROOFS: [Proof; 6] = [
         mistakes: &RUN_QUEUE_MISTAKES,
     },
     Proof {
+        unit: "visible_box",
+        files: &["visible_box.sv"],
+        parameters: "",
+        cycles: "3",
+        induction: Some("4"),
+        mistakes: &BOX_MISTAKES,
+    },
+    Proof {
+        unit: "row_counter",
+        files: &["row_counter.sv"],
+        parameters: "",
+        cycles: "6",
+        induction: Some("2"),
+        mistakes: &ROW_MISTAKES,
+    },
+    Proof {
         unit: "row_window",
         files: &["row_window.sv"],
         parameters: "",
@@ -67,6 +83,19 @@ pub const PROOFS: [Proof; 6] = [
         cycles: "10",
         induction: Some("7"),
         mistakes: &LANE_MISTAKES,
+    },
+    Proof {
+        unit: "splat_primitive",
+        files: &[
+            "delay.sv",
+            "packet_decode.sv",
+            "formal/idle_units.sv",
+            "splat_primitive.sv",
+        ],
+        parameters: "-set LANES 2",
+        cycles: "22",
+        induction: Some("2"),
+        mistakes: &END_MISTAKES,
     },
     Proof {
         unit: "chain",
@@ -153,6 +182,74 @@ const RUN_QUEUE_MISTAKES: [Mutant; 4] = [
     ),
 ];
 
+/// Rows and columns outside the window.
+const BOX_MISTAKES: [Mutant; 5] = [
+    mutant(
+        "rows above the window",
+        "visible_box.sv",
+        "first_row22 > window.first_row ? first_row22 : window.first_row",
+        "first_row22",
+    ),
+    mutant(
+        "rows below the window",
+        "visible_box.sv",
+        "end_row22 < window.end_row ? end_row22 : window.end_row",
+        "end_row22",
+    ),
+    mutant(
+        "a row too many",
+        "visible_box.sv",
+        "end_row23 - row23 :",
+        "end_row23 - row23 + 16'd1 :",
+    ),
+    mutant(
+        "rows of boxes beside the window",
+        "visible_box.sv",
+        "first_column23 < end_column23 && row23",
+        "row23",
+    ),
+    mutant(
+        "rows of boxes that end before they begin",
+        "visible_box.sv",
+        "&& row23 < end_row23",
+        "",
+    ),
+];
+
+/// Rows beyond a splat's last, missing ones, and some that come twice.
+const ROW_MISTAKES: [Mutant; 5] = [
+    mutant(
+        "a row beyond the last",
+        "row_counter.sv",
+        "last <= left == 16'd2",
+        "last <= left == 16'd1",
+    ),
+    mutant(
+        "the last row is left out",
+        "row_counter.sv",
+        "last <= left == 16'd2",
+        "last <= left <= 16'd3",
+    ),
+    mutant(
+        "a splat without rows has all of them",
+        "row_counter.sv",
+        "last <= rows <= 16'd1",
+        "last <= rows == 16'd1",
+    ),
+    mutant(
+        "rows without a place",
+        "row_counter.sv",
+        "end else if (issue) begin",
+        "end else begin",
+    ),
+    mutant(
+        "the next splat comes before the last row",
+        "row_counter.sv",
+        "!busy || (issue && last)",
+        "!busy || issue",
+    ),
+];
+
 /// Pixels outside the window's columns, and runs without pixels.
 const WINDOW_MISTAKES: [Mutant; 4] = [
     mutant(
@@ -209,6 +306,66 @@ const LANE_MISTAKES: [Mutant; 4] = [
     ),
 ];
 
+/// Ends of tiles that come too early, and packets between two.
+const END_MISTAKES: [Mutant; 9] = [
+    mutant(
+        "a tile ends while a packet comes",
+        PRIMITIVE,
+        "idle && !packet_valid && !reading",
+        "idle && !reading",
+    ),
+    mutant(
+        "packets are taken between tiles",
+        PRIMITIVE,
+        "packet_ready = decode_ready && state == DRAW",
+        "packet_ready = decode_ready",
+    ),
+    mutant(
+        "packets are drawn between tiles",
+        PRIMITIVE,
+        ".packet_valid(packet_valid && state == DRAW)",
+        ".packet_valid(packet_valid)",
+    ),
+    mutant(
+        "a packet just taken is forgotten",
+        PRIMITIVE,
+        "!packet_taken && &pixels_idle",
+        "&pixels_idle",
+    ),
+    mutant(
+        "pixels that are being blended are forgotten",
+        PRIMITIVE,
+        "!packet_taken && &pixels_idle",
+        "!packet_taken",
+    ),
+    mutant(
+        "runs that wait are forgotten",
+        PRIMITIVE,
+        "assign lane_idle[l] = empty && lane_quiet",
+        "assign lane_idle[l] = lane_quiet",
+    ),
+    mutant(
+        "rows are forgotten",
+        PRIMITIVE,
+        "setup_idle && rows_idle &&",
+        "setup_idle &&",
+    ),
+    mutant(
+        "a pixel between lane and blending is forgotten",
+        PRIMITIVE,
+        "!inside2 && !inside3 &&",
+        "!inside2 &&",
+    ),
+    mutant(
+        "the side that is drawn is read out",
+        PRIMITIVE,
+        "finishes ? ~scanned : scanned",
+        "scanned",
+    ),
+];
+
+const PRIMITIVE: &str = "splat_primitive.sv";
+
 /// What would make runs wait for ever.
 const LIVENESS_MISTAKES: [Mutant; 3] = [
     mutant(
@@ -261,6 +418,23 @@ fn rtl() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
+/// The package that a unit is proven with. The whole primitive has tiles of 2 x 4 pixels, which are cleared within the cycles that are looked at.
+fn package_text(unit: &str) -> Result<String> {
+    let text = fs::read_to_string(rtl().join("lean18/splatline_pkg.sv"))?;
+    if unit != "splat_primitive" {
+        return Ok(text);
+    }
+    let mut small = text;
+    for (usual, few) in [
+        ("TILE_COLUMN_BITS = 5", "TILE_COLUMN_BITS = 1"),
+        ("TILE_ROW_BITS = 5", "TILE_ROW_BITS = 2"),
+    ] {
+        ensure!(small.contains(usual), "no {usual} in the package");
+        small = small.replace(usual, few);
+    }
+    Ok(small)
+}
+
 /// A unit's text, with the mistake if it is in this one.
 fn source(file: &str, mistake: Option<&Mutant>) -> Result<String> {
     let text = fs::read_to_string(rtl().join(file))?;
@@ -290,9 +464,12 @@ fn verdict(proof: &Proof, mistake: Option<&Mutant>) -> Result<(bool, Option<bool
         "" => String::new(),
         parameters => format!("chparam {parameters} {unit}; "),
     };
+    let package = folder.path().join("splatline_pkg.sv");
+    fs::write(&package, package_text(unit)?)?;
     let script = format!(
-        "read_verilog -sv -formal lean18/splatline_pkg.sv splatline_math.sv {}; {parameters}hierarchy -top {unit}; proc; opt_clean; \
+        "read_verilog -sv -formal {} splatline_math.sv {}; {parameters}hierarchy -top {unit}; proc; opt_clean; \
          memory -nomap -nordff; dffunmap; write_smt2 -wires {}",
+        package.display(),
         paths.join(" "),
         problem.display()
     );

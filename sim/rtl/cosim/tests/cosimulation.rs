@@ -159,7 +159,15 @@ mod with_verilator {
     #[test]
     fn setup_unit_enlarges_what_is_far() {
         let loads = setup::distant::distant(300, 1);
-        let enlarged = |load| setup::distant::enlarged(&Lean18::WIDTHS, load);
+        let enlarged = |load: &setup::bench::SetupLoad| {
+            let setup::bench::SetupLoad {
+                view,
+                rules,
+                splats,
+                ..
+            } = load;
+            setup::distant::enlarged(&Lean18::WIDTHS, view, rules, splats)
+        };
         let beyond: usize = loads.iter().map(enlarged).sum();
         let seen = set_up(setup::program::with_distance_scaling, &loads);
         assert!(
@@ -223,25 +231,16 @@ mod with_verilator {
     #[test]
     fn the_machine_draws_the_kernels_frame() {
         let design = DesignChoice::load("lean18").unwrap();
-        let spec = machine::circuit::MachineSpec {
-            design: "lean18",
-            widths: &design.widths,
-            cores: 2,
-            lanes: 4,
-            mistake: None,
-            choices: &[],
-            effort: "-O1",
-        };
+        let spec = machine::circuit::MachineSpec::new("lean18", &design.widths, 2, 4);
         let folder = tempfile::tempdir().unwrap();
         let library = machine::circuit::library(folder.path(), &spec).unwrap();
         let model = machine::model::MachineModel::new(&library).unwrap();
         for case in machine::mistakes::judges().unwrap() {
             for timing in machine::bench::MEMORIES {
-                let config = machine::report::machine(&design.widths, 2, 4, &timing).unwrap();
+                let config = machine::report::machine(&spec, &timing).unwrap();
                 let (modelled, room) = machine::report::modelled(&case.seen, &design, &config);
                 let found =
-                    machine::bench::draw(&model, &design.widths, &case.seen, timing, room, 2)
-                        .unwrap();
+                    machine::bench::draw(&model, &spec, &case.seen, timing, room, 2).unwrap();
                 assert!(found.agree() && found.painted > 200, "{found:?}");
                 // What happens once in a frame is not modelled; nothing else may be apart.
                 let apart = modelled.total.abs_diff(found.outcome.cycles());
@@ -253,7 +252,7 @@ mod with_verilator {
                 );
             }
             // Once, and without room for its lists.
-            let judged = machine::mistakes::judged_once(&model, &design.widths, &case);
+            let judged = machine::mistakes::judged_once(&model, &spec, &case);
             assert_eq!(judged.unwrap(), None, "{}", case.seen.name);
         }
     }

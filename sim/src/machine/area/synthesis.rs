@@ -5,6 +5,7 @@
 
 use super::calibration::{Calibration, Family};
 use super::{Fabric, raster_unit};
+use crate::design::DesignChoice;
 use crate::machine::config::Config;
 use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
 use std::fmt::Write;
@@ -49,8 +50,17 @@ pub struct Synthesised {
     pub fabric: Fabric,
 }
 
-/// The designs, and one between them that the fit has not seen.
-pub fn subjects() -> [Subject; 3] {
+/// What `splatline fit random:300 --max-error 0.00001 --size 64x64` proposes.
+const FITTED: &str = include_str!("fitted.toml");
+
+/// Name of the design that `splatline fit` proposed.
+pub const OF_FIT: &str = "of fit";
+
+/// The designs, and two between them that the lines have not seen, one of them from `splatline fit`.
+///
+/// # Panics
+/// If `fitted.toml` is not a design; a test reads it.
+pub fn subjects() -> [Subject; 4] {
     let between = Widths {
         mantissa: 24,
         subpixel: 20,
@@ -62,11 +72,13 @@ pub fn subjects() -> [Subject; 3] {
         accumulator: 24,
         ..Standard24::WIDTHS
     };
+    let proposed = DesignChoice::from_toml("fitted.toml", FITTED).expect("fitted.toml is a design");
     let subject = |name, widths| Subject { name, widths };
     [
         subject("lean18", Lean18::WIDTHS),
         subject("standard24", Standard24::WIDTHS),
         subject("24-bit mantissa", between),
+        subject(OF_FIT, proposed.widths),
     ]
 }
 

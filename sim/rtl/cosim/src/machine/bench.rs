@@ -1,11 +1,11 @@
 //! A scene's records in a memory image, through the machine, and the frame that it leaves there against the kernel's.
 
+use super::circuit::MachineSpec;
 use super::model::{ConstantWords, MachineFrame, MachineModel, MachineOutcome, TableWords};
 use crate::order::loads::Seen;
 use crate::package::table;
 use crate::setup::bench::record;
 use crate::setup::constants::constants;
-use crate::setup::program::program;
 use crate::workload::{TILE, split_mix};
 use anyhow::{Context, Result, ensure};
 use splatline::LentList;
@@ -81,10 +81,10 @@ struct Image {
     table: Vec<TableWords>,
 }
 
-/// Draws `seen` by the machine and by the kernel; `room` is the number of list entries for which there is room.
+/// Draws `seen` by the machine that `spec` describes and by the kernel; `room` is the number of list entries for which there is room.
 pub fn draw(
     model: &MachineModel,
-    widths: &Widths,
+    spec: &MachineSpec,
     seen: &Seen,
     timing: MemoryTiming,
     room: usize,
@@ -93,7 +93,7 @@ pub fn draw(
     let rules = seen.scene.natural_rules;
     let quantised = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
     let rules = quantised.rules(&rules);
-    let mut image = image(widths, &quantised, &rules, timing, room)?;
+    let mut image = image(spec, &quantised, &rules, timing, room)?;
     let outcome = model.run(
         &image.frame,
         &image.constants,
@@ -101,13 +101,13 @@ pub fn draw(
         &mut image.words,
         rounds,
     )?;
-    let expected = kernel_frame(widths, &quantised, &rules)?;
+    let expected = kernel_frame(spec.widths, &quantised, &rules)?;
     let viewport = quantised.view.viewport.map(usize::from);
     let got = &image.words[image.frame.base_frame as usize..];
     let same = places(viewport)
         .zip(got)
         .filter(|(place, word)| words(&expected[*place]) == **word);
-    let clear = Pixel::clear(widths);
+    let clear = Pixel::clear(spec.widths);
     Ok(MachineFindings {
         pixels: expected.len(),
         mismatches: expected.len() - same.count(),
@@ -158,12 +158,13 @@ fn words(pixel: &Pixel) -> [u32; 4] {
 
 /// Records at the beginning, bits of nothing in all places that the machine is to write, and a word between any two regions.
 fn image(
-    widths: &Widths,
+    spec: &MachineSpec,
     scene: &QuantisedScene,
     rules: &Rules,
     timing: MemoryTiming,
     room: usize,
 ) -> Result<Image> {
+    let widths = spec.widths;
     let mut words: Vec<[u32; 4]> = Vec::new();
     for splat in &scene.splats {
         let record = record(splat).context("a splat without a place in a record")?;
@@ -185,7 +186,12 @@ fn image(
     let mut state = 1;
     words.resize_with(next, || [(); 4].map(|()| split_mix(&mut state) as u32));
     let blend = Blend::new(widths, rules).constants();
-    let known = constants(&program(widths)?.constants, widths, &scene.view, rules)?;
+    let known = constants(
+        &(spec.program)(widths)?.constants,
+        widths,
+        &scene.view,
+        rules,
+    )?;
     let constant = |(index, value, exponent): &(u8, i64, i32)| ConstantWords {
         value: *value as u64,
         exponent: *exponent as u32,

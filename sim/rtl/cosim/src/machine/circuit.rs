@@ -1,7 +1,8 @@
 //! Machines that are built while the program runs: of any design, with any number of cores and lanes, or with one mistake in them.
 
 use crate::mutants::Mutant;
-use crate::setup::text::text;
+use crate::setup::program::{SetupProgram, program};
+use crate::setup::text::with_program;
 use crate::switch::with_choices;
 use crate::verilate::{self, VerilatorTarget, units, write};
 use crate::{area, package};
@@ -16,6 +17,8 @@ pub struct MachineSpec<'a> {
     pub design: &'a str,
     /// Its widths.
     pub widths: &'a Widths,
+    /// What the cores of setup compute.
+    pub program: SetupProgram,
     /// Cores of setup.
     pub cores: usize,
     /// Lanes.
@@ -28,6 +31,22 @@ pub struct MachineSpec<'a> {
     pub effort: &'a str,
 }
 
+impl<'a> MachineSpec<'a> {
+    /// The machine as it is.
+    pub fn new(design: &'a str, widths: &'a Widths, cores: usize, lanes: usize) -> MachineSpec<'a> {
+        MachineSpec {
+            design,
+            widths,
+            program,
+            cores,
+            lanes,
+            mistake: None,
+            choices: &[],
+            effort: "-O1",
+        }
+    }
+}
+
 /// Builds the machine as a shared library in a folder.
 pub fn library(folder: &Path, spec: &MachineSpec) -> Result<PathBuf> {
     let MachineSpec { design, widths, .. } = *spec;
@@ -36,7 +55,10 @@ pub fn library(folder: &Path, spec: &MachineSpec) -> Result<PathBuf> {
             "splatline_pkg.sv".to_owned(),
             package::text(design, widths)?,
         ),
-        ("splatline_setup_pkg.sv".to_owned(), text(design, widths)?),
+        (
+            "splatline_setup_pkg.sv".to_owned(),
+            with_program(design, widths, spec.program)?,
+        ),
     ];
     files.extend(units("machine_files.txt")?);
     let files = with_choices(files, spec.choices)?;

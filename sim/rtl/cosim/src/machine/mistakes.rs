@@ -135,7 +135,7 @@ impl MachineJudge {
     fn drawn(&self, library: &Path, number: MistakeNumber) -> Result<Option<String>> {
         let model = MachineModel::with_mistake(library, number)?;
         for case in &self.cases {
-            let word = judged(&model, &WIDTHS, case);
+            let word = judged(&model, &spec(None, &[]), case);
             let word = word.unwrap_or_else(|error| Some(format!("{error:#}")));
             if let Some(word) = word {
                 return Ok(Some(format!("{}: {word}", case.seen.name)));
@@ -150,39 +150,35 @@ const WIDTHS: Widths = Lean18::WIDTHS;
 
 fn spec<'a>(mistake: Option<&'a Mutant>, choices: &'a [Mutant]) -> MachineSpec<'a> {
     MachineSpec {
-        design: "lean18",
-        widths: &WIDTHS,
-        cores: 2,
-        lanes: 4,
         mistake,
         choices,
-        effort: "-O1",
+        ..MachineSpec::new("lean18", &WIDTHS, 2, 4)
     }
 }
 
 /// What a case's frames say, or nothing if all are as they should be.
-fn judged(model: &MachineModel, widths: &Widths, case: &MachineCase) -> Result<Option<String>> {
+fn judged(model: &MachineModel, spec: &MachineSpec, case: &MachineCase) -> Result<Option<String>> {
     for timing in MEMORIES {
-        let found = draw(model, widths, &case.seen, timing, case.room, 2)?;
+        let found = draw(model, spec, &case.seen, timing, case.room, 2)?;
         if let Some(word) = different(&found) {
             return Ok(Some(word));
         }
     }
-    judged_once(model, widths, case)
+    judged_once(model, spec, case)
 }
 
 /// The same of a single frame, since one that is said to be whole too early is so by the time a second one ends; and of one whose lists have no room.
 pub fn judged_once(
     model: &MachineModel,
-    widths: &Widths,
+    spec: &MachineSpec,
     case: &MachineCase,
 ) -> Result<Option<String>> {
     let MachineCase { seen, room, .. } = case;
-    let found = draw(model, widths, seen, MEMORIES[2], *room, 1)?;
+    let found = draw(model, spec, seen, MEMORIES[2], *room, 1)?;
     if let Some(word) = different(&found) {
         return Ok(Some(word));
     }
-    let found = draw(model, widths, seen, MEMORIES[0], room - 1, 1)?;
+    let found = draw(model, spec, seen, MEMORIES[0], room - 1, 1)?;
     let refused = found.outcome.full == 1 && found.outcome.beyond == 0;
     Ok((!refused).then(|| "lists without room are drawn".to_owned()))
 }

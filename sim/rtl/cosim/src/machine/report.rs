@@ -4,41 +4,71 @@ use super::bench::{MEMORIES, MachineFindings, MemoryTiming, draw};
 use super::circuit::{MachineSpec, library};
 use super::model::MachineModel;
 use crate::order::loads::{SCENES, Seen, ordered, scenes};
-use crate::setup::program::program;
+use crate::setup::distant::enlarged;
+use crate::setup::program::{SetupProgram, program, with_distance_scaling};
 use anyhow::{Context, Result, ensure};
-use splatline::format::Widths;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed::QuantisedScene;
+use splatline_sim::hybrid::spacing;
 use splatline_sim::machine::{Config, Timing, simulate_alone};
+use splatline_sim::rules::{Antialias, Rules};
 
 /// Machines that are compared: design, cores, lanes.
 pub const SUBJECTS: [(&str, usize, usize); 2] = [("lean18", 8, 4), ("standard24", 8, 4)];
 
-/// The model of a machine with so many cores and lanes around that memory. Every core of setup takes a splat in
-/// a round of the program.
-pub fn machine(
-    widths: &Widths,
-    cores: usize,
-    lanes: usize,
-    memory: &MemoryTiming,
-) -> Result<Config> {
-    let program = program(widths)?;
+/// The model of the machine that `spec` describes around that memory. Every core of setup takes a splat in a round of the program.
+pub fn machine(spec: &MachineSpec, memory: &MemoryTiming) -> Result<Config> {
+    let program = (spec.program)(spec.widths)?;
     Ok(Config {
         latency: memory.latency,
         read_bandwidth: memory.bytes,
         write_bandwidth: memory.bytes,
-        setup_units: cores as u32,
+        setup_units: spec.cores as u32,
         setup_interval: program.round as u32,
         setup_latency: program.latency() as u32,
-        ..Config::machine(lanes as u32)
+        ..Config::machine(spec.lanes as u32)
     })
 }
 
-/// Every scene by every machine and memory, pictures of so many pixels a side.
+/// Scenes in pictures of so many pixels a side by every machine and memory: all of [`SCENES`], or the one of this name.
 pub fn print(size: usize, only: Option<&str>) -> Result<()> {
-    println!(
-        "| machine | scene | splats | seen | entries | memory | pixels | mismatches | geometry: circuit, model | sort | lists | sort and lists: model | raster: circuit, model | all: model / circuit - 1 |"
-    );
-    println!("|---|---|---:|---:|---:|---|---:|---:|---|---:|---:|---:|---|---:|");
+    let seen = wanted(size, only)?;
+    print_frames(&seen, program)
+}
+
+/// The same with distance scaling: each scene is given the spacing of its samples, which are estimated where they are not on a grid.
+pub fn print_distance(size: usize, only: Option<&str>) -> Result<()> {
+    let mut scenes = wanted(size, only)?;
+    for seen in &mut scenes {
+        seen.scene.natural_rules = spaced(seen);
+        println!("{}: {}", seen.name, beyond(seen)?);
+    }
+    println!();
+    print_frames(&scenes, with_distance_scaling)
+}
+
+/// The rules of the scene with the spacing of its samples.
+pub fn spaced(seen: &Seen) -> Rules {
+    let spacing = spacing(&seen.scene);
+    let rules = seen.scene.natural_rules;
+    rules.with_antialias(Antialias::Swan(spacing))
+}
+
+/// In words how many splats lie beyond the distance at which a spacing is a pixel.
+fn beyond(seen: &Seen) -> Result<String> {
+    let rules = seen.scene.natural_rules;
+    let spacing = rules.spacing;
+    let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
+    let widths = DesignChoice::load(SUBJECTS[0].0)?.widths;
+    let rules = scene.rules(&rules);
+    let beyond = enlarged(&widths, &scene.view, &rules, &scene.splats);
+    let all = scene.splats.len();
+    Ok(format!(
+        "spacing {spacing:.4}; {beyond} of {all} splats beyond k"
+    ))
+}
+
+fn wanted(size: usize, only: Option<&str>) -> Result<Vec<Seen>> {
     let wanted = |name: &&str| only.is_none_or(|only| only == *name);
     let names: Vec<&'static str> = SCENES.into_iter().filter(wanted).collect();
     ensure!(
@@ -50,26 +80,30 @@ pub fn print(size: usize, only: Option<&str>) -> Result<()> {
     for name in missing {
         println!("(no {name}: its data is not at hand)");
     }
+    Ok(seen)
+}
+
+fn print_frames(scenes: &[Seen], program: SetupProgram) -> Result<()> {
+    println!(
+        "| machine | scene | splats | seen | entries | memory | pixels | mismatches | geometry: circuit, model | sort | lists | sort and lists: model | raster: circuit, model | all: model / circuit - 1 |"
+    );
+    println!("|---|---|---:|---:|---:|---|---:|---:|---|---:|---:|---:|---|---:|");
     let mut wrong = 0;
     for (name, cores, lanes) in SUBJECTS {
         let design = DesignChoice::load(name)?;
         let folder = tempfile::tempdir()?;
         let spec = MachineSpec {
-            design: name,
-            widths: &design.widths,
-            cores,
-            lanes,
-            mistake: None,
-            choices: &[],
+            program,
             effort: "-O2",
+            ..MachineSpec::new(name, &design.widths, cores, lanes)
         };
         let model = MachineModel::new(&library(folder.path(), &spec)?)?;
-        for seen in &seen {
+        for seen in scenes {
             for memory in MEMORIES {
-                let config = machine(&design.widths, cores, lanes, &memory)?;
+                let config = machine(&spec, &memory)?;
                 let (modelled, room) = modelled(seen, &design, &config);
-                let found = draw(&model, &design.widths, seen, memory, room, 1)
-                    .with_context(|| seen.name)?;
+                let found =
+                    draw(&model, &spec, seen, memory, room, 1).with_context(|| seen.name)?;
                 wrong += usize::from(!found.agree());
                 print_line(
                     &format!("{name}, {cores} cores, {lanes} lanes"),

@@ -58,29 +58,46 @@ const JUDGED_HEAD: &str = include_str!("../../setup-mutants-head.md");
 /// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012).
 const DEVICES: [(&str, Family, [u64; 3]); 1] = [("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744])];
 
-/// Families that are synthesised.
-const FAMILIES: [Family; 1] = [Family::Ecp5];
+/// The family that is synthesised.
+const FAMILY: Family = Family::Ecp5;
 
 /// Intervals on the page.
 const INTERVALS: [u32; 6] = [8, 10, 16, 20, 32, 64];
 
-/// A number of cores that no line goes through, for the first design.
-const UNSEEN: u32 = 2;
+/// Units that no line goes through: place of the design, and cores.
+const UNSEEN: [(usize, u32); 3] = [(0, 2), (2, 1), (3, 1)];
 
 /// Synthesises all of them, and writes counts and page.
 pub fn report() -> Result<()> {
+    let fitted = (0..2).flat_map(|place| FITTED_CORES.map(|cores| (place, cores)));
     let mut units = Vec::new();
-    for (place, subject) in subjects().iter().take(2).enumerate() {
-        for family in FAMILIES {
-            let fitted = FITTED_CORES.iter().copied();
-            let unseen = (place == 0).then_some(UNSEEN);
-            for cores in fitted.chain(unseen) {
-                let unit = unit(subject, family, cores)?;
-                eprintln!("{} {} {cores}: {}", unit.design, family.name(), unit.fabric);
-                units.push(unit);
-            }
-        }
+    for (place, cores) in fitted.chain(UNSEEN) {
+        units.push(synthesised_unit(&subjects()[place], cores)?);
     }
+    write_counts(units)
+}
+
+/// Synthesises one unit alone; its counts take the place of those of before, and the page is written again.
+pub fn one(design: &str, cores: u32) -> Result<()> {
+    let subjects = subjects();
+    let subject = subjects.iter().find(|subject| subject.name == design);
+    let unit = synthesised_unit(subject.context("no such design")?, cores)?;
+    let mut units = counts()?;
+    units.retain(|kept| (kept.design.as_str(), kept.cores) != (design, cores));
+    units.push(unit);
+    write_counts(units)
+}
+
+/// Counts in the order of designs and cores, and the page of them.
+fn write_counts(mut units: Vec<SetupUnit>) -> Result<()> {
+    let subjects = subjects();
+    let place = |unit: &SetupUnit| {
+        let design = subjects
+            .iter()
+            .position(|subject| subject.name == unit.design);
+        (design, unit.cores)
+    };
+    units.sort_by_key(place);
     atomic::write(COUNTS.as_ref(), to_csv(&units).as_bytes())?;
     write_page(&units)
 }
@@ -107,28 +124,25 @@ pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
 }
 
 /// Hierarchy is kept, so that equal cores are synthesised once.
-fn unit(subject: &Subject, family: Family, cores: u32) -> Result<SetupUnit> {
+fn synthesised_unit(subject: &Subject, cores: u32) -> Result<SetupUnit> {
     let folder = tempfile::tempdir()?;
     let Subject { name, widths } = subject;
     let read = sources(folder.path(), name, widths)?;
-    let keep = if family == Family::Xilinx7 {
-        ""
-    } else {
-        " -noflatten"
-    };
     let script = format!(
-        "{read}; chparam -set CORES {cores} setup_unit; {}{keep} -top setup_unit; flatten; opt_clean",
-        synthesis(family)
+        "{read}; chparam -set CORES {cores} setup_unit; {} -noflatten -top setup_unit; flatten; opt_clean",
+        synthesis(FAMILY)
     );
-    Ok(SetupUnit {
+    let unit = SetupUnit {
         design: (*name).to_owned(),
         position: widths.position,
         mantissa: widths.mantissa,
         round: program(widths)?.round as u32,
-        family,
+        family: FAMILY,
         cores,
         fabric: synthesised_cells(&script, folder.path())?,
-    })
+    };
+    eprintln!("{name} {} {cores}: {}", FAMILY.name(), unit.fabric);
+    Ok(unit)
 }
 
 fn write_page(units: &[SetupUnit]) -> Result<()> {
@@ -137,8 +151,13 @@ fn write_page(units: &[SetupUnit]) -> Result<()> {
 
 /// The page as it would be written without synthesis.
 pub fn page_text() -> Result<String> {
+    text_of(&counts()?)
+}
+
+/// The counts of the last synthesis.
+fn counts() -> Result<Vec<SetupUnit>> {
     let text = fs::read_to_string(COUNTS)?;
-    text_of(&parse(&text).context("not a table of counts")?)
+    parse(&text).context("not a table of counts")
 }
 
 fn text_of(units: &[SetupUnit]) -> Result<String> {

@@ -10,7 +10,7 @@ use splatline::rules::Rules as KernelRules;
 use splatline::setup::distance::enlargement;
 use splatline::setup::project;
 use splatline::splat::VolumeSplat;
-use splatline::view::Projection;
+use splatline::view::{Projection, View};
 
 /// About `count` splats of each kind.
 pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
@@ -34,13 +34,18 @@ pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
     loads
 }
 
-/// Splats of the load that lie beyond k.
-pub fn enlarged(widths: &Widths, load: &SetupLoad) -> usize {
+/// How many of the splats lie beyond k.
+pub fn enlarged(
+    widths: &Widths,
+    view: &View,
+    rules: &KernelRules,
+    splats: &[VolumeSplat],
+) -> usize {
     let beyond = |splat: &&VolumeSplat| {
-        let projected = project(widths, &load.view, &load.rules, &splat.centre);
-        projected.is_ok_and(|projected| enlargement(widths, &load.rules, &projected).is_some())
+        let projected = project(widths, view, rules, &splat.centre);
+        projected.is_ok_and(|projected| enlargement(widths, rules, &projected).is_some())
     };
-    load.splats.iter().filter(beyond).count()
+    splats.iter().filter(beyond).count()
 }
 
 const fn spacing(mantissa: i32, exponent: i32) -> SoftFloat {
