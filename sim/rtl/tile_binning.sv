@@ -65,6 +65,7 @@ module tile_binning #(
   // splats there is a cycle.
   logic walking, moves, counts, coming, last_column, last_row;
   logic [11:0] column, row, first, last, last_of_rows;
+  // A row's first tile stands in a register, and the column is added behind it: behind the product it would be the longest way of the sorter.
   logic [TILE_BITS-1:0] tile, tile_of_row;
   logic [47:0] coming_box;
   logic [31:0] number, entry;
@@ -76,6 +77,7 @@ module tile_binning #(
   assign splat_ready = state == FILL && !walking && moves;
   assign coming = counts ? box_valid && box_ready : splat_valid && splat_ready;
   assign coming_box = counts ? box : splat[127:80];
+  assign tile = tile_of_row + TILE_BITS'(column);
   assign last_column = column == last;
   assign last_row = row == last_of_rows;
 
@@ -126,13 +128,11 @@ module tile_binning #(
       if (coming) begin
         {last_of_rows, last, row, column} <= coming_box;
         first <= coming_box[11:0];
-        tile <= TILE_BITS'(coming_box[23:12] * tile_columns + coming_box[11:0]);
-        tile_of_row <= TILE_BITS'(coming_box[23:12] * tile_columns + coming_box[11:0]);
+        tile_of_row <= TILE_BITS'(coming_box[23:12] * tile_columns);
         number <= splat[79:48];
         walking <= 1;
       end else if (walking) begin
         column <= last_column ? first : column + 1'b1;
-        tile <= last_column ? tile_of_row + TILE_BITS'(tile_columns) : tile + 1'b1;
         if (last_column) begin
           row <= row + 1'b1;
           tile_of_row <= tile_of_row + TILE_BITS'(tile_columns);

@@ -20,7 +20,8 @@ use std::time::Instant;
 const HEAD: &str = "## Fmax
 
 Printed by `cargo run --release -p splatline-rtl --example rtl -- area fmax`, which places what was not placed yet: Yosys 0.23 (`synth_ecp5 -abc9`, flattened) and nextpnr for the ECP5 LFE5U-85F, grade 6,
-asked for 110 MHz. The primitive stands between registers on three pins, which are counted with it. A circuit is named by design, unit and lanes; LUT are LUT4, with 2 for each CCU2C and 4 for each
+asked for 110 MHz. The primitive stands between registers on three pins, which are counted with it. A circuit is named by design, unit and its parameter
+(lanes of the primitive, cores of the setup unit, bits of the sorter's digit, multipliers of the harmonics unit); LUT are LUT4, with 2 for each CCU2C and 4 for each
 DPR16X4. The median of the seeds stands with its critical path, beside it the slowest and the fastest.
 
 | circuit | LUT, FF, DSP, kbit | seeds | median, MHz | from, to | critical path of the median, ns | seconds a seed | by |

@@ -443,6 +443,40 @@ mod with_verilator {
         every(&setup::mistakes::MISTAKES, |mistake| judge.verdict(mistake));
     }
 
+    /// A scene without a spacing, and the same with that of its samples, part of which then lies beyond k.
+    #[test]
+    #[ignore = "verilates and compiles a machine; also `cargo run -p splatline-rtl --example rtl -- machine distance`"]
+    fn the_machine_enlarges_what_is_far() {
+        let design = DesignChoice::load("lean18").unwrap();
+        let spec = machine::circuit::MachineSpec {
+            program: setup::program::with_distance_scaling,
+            ..machine::circuit::MachineSpec::new("lean18", &design.widths, 2, 4)
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let library = machine::circuit::library(folder.path(), &spec).unwrap();
+        let model = machine::model::MachineModel::new(&library).unwrap();
+        let mut painted = Vec::new();
+        for spaced in [false, true] {
+            let mut seen = machine::mistakes::judges().unwrap().swap_remove(0).seen;
+            if spaced {
+                seen.scene.natural_rules = machine::report::spaced(&seen);
+                let (beyond, all) = machine::report::beyond(&seen).unwrap();
+                assert!(
+                    beyond > all / 10 && beyond < all,
+                    "{beyond} of {all} splats"
+                );
+            }
+            for timing in machine::bench::MEMORIES {
+                let config = machine::report::machine(&spec, &timing).unwrap();
+                let room = machine::report::modelled(&seen, &design, &config).1;
+                let found = machine::bench::draw(&model, &spec, &seen, timing, room, 2).unwrap();
+                assert!(found.agree() && found.painted > 200, "{found:?}");
+                painted.push(found.outcome.entries);
+            }
+        }
+        assert_ne!(painted[0], painted[3], "distance scaling changes no list");
+    }
+
     #[test]
     #[ignore = "verilates and compiles seven setup units; also `cargo run -p splatline-rtl --example rtl -- setup distance mutants`"]
     fn every_mistake_of_distance_scaling_is_noticed() {

@@ -41,7 +41,11 @@ pub fn print_distance(size: usize, only: Option<&str>) -> Result<()> {
     let mut scenes = wanted(size, only)?;
     for seen in &mut scenes {
         seen.scene.natural_rules = spaced(seen);
-        println!("{}: {}", seen.name, beyond(seen)?);
+        let (beyond, all) = beyond(seen)?;
+        println!(
+            "{}: samples {:.4} apart; {beyond} of {all} splats beyond k",
+            seen.name, seen.scene.natural_rules.spacing
+        );
     }
     println!();
     print_frames(&scenes, with_distance_scaling)
@@ -54,18 +58,13 @@ pub fn spaced(seen: &Seen) -> Rules {
     rules.with_antialias(Antialias::Swan(spacing))
 }
 
-/// In words how many splats lie beyond the distance at which a spacing is a pixel.
-fn beyond(seen: &Seen) -> Result<String> {
+/// How many splats lie beyond the distance k at which a spacing is a pixel, and how many there are.
+pub fn beyond(seen: &Seen) -> Result<(usize, usize)> {
     let rules = seen.scene.natural_rules;
-    let spacing = rules.spacing;
     let scene = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
     let widths = DesignChoice::load(SUBJECTS[0].0)?.widths;
-    let rules = scene.rules(&rules);
-    let beyond = enlarged(&widths, &scene.view, &rules, &scene.splats);
-    let all = scene.splats.len();
-    Ok(format!(
-        "spacing {spacing:.4}; {beyond} of {all} splats beyond k"
-    ))
+    let beyond = enlarged(&widths, &scene.view, &scene.rules(&rules), &scene.splats);
+    Ok((beyond, scene.splats.len()))
 }
 
 fn wanted(size: usize, only: Option<&str>) -> Result<Vec<Seen>> {

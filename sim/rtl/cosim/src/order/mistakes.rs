@@ -32,7 +32,7 @@ pub const MISTAKES: [Mutant; 23] = [
     mutant("a box's last column left out", BINS, "assign last_column = column == last;", "assign last_column = column + 1'b1 == last;"),
     mutant("a box's last row left out", BINS, "assign last_row = row == last_of_rows;", "assign last_row = row + 1'b1 >= last_of_rows;"),
     mutant("rows begin at the screen's edge", BINS, "column <= last_column ? first :", "column <= last_column ? 12'd0 :"),
-    mutant("rows of tiles one too long", BINS, "tile <= last_column ? tile_of_row + TILE_BITS'(tile_columns)", "tile <= last_column ? tile_of_row + TILE_BITS'(tile_columns) + 1'b1"),
+    mutant("rows of tiles one too long", BINS, "tile_of_row <= tile_of_row + TILE_BITS'(tile_columns);", "tile_of_row <= tile_of_row + TILE_BITS'(tile_columns) + 1'b1;"),
     mutant("places of the first tile written twice", BINS, "changes = entered && moves;", "changes = entered && moves && entered_tile != 0;"),
     mutant("entries at the wrong number of a word", BINS, "4'd1 << counter[1:0]", "4'd1 << ~counter[1:0]"),
     mutant("a splat walks on while an entry waits", BINS, "assign moves = counts || !entered || write_ready;", "assign moves = 1'b1;"),
