@@ -91,13 +91,15 @@ module depth_sort #(
   // A splat on its way to its place. The one before may have gone to the place before it in the cycle before.
   logic moving, moves, follows;
   logic [127:0] moved_splat;
-  logic [COUNT_BITS-1:0] place, next_place, left;
+  logic [COUNT_BITS-1:0] place, after, next_place, left;
   logic [DIGIT-1:0] coming_digit, moved_digit;
   assign moves = !moving || write_ready;
   assign splat_ready = state == MOVE && moves;
   assign coming_digit = digit(splat[KEY_BITS-1:0], pass);
   assign moved_digit = digit(moved_splat[KEY_BITS-1:0], pass);
   assign place = follows ? next_place : counter;
+  // One addition for both counts: between a counter and the same counter's new value lies the longest way of the sorter. While splats are taken none follows.
+  assign after = place + 1'b1;
 
   always_comb begin
     reads = 1;
@@ -114,7 +116,7 @@ module depth_sort #(
         read_place = {PASS_BITS'(step - 1'b1), digit(key, PASS_BITS'(step - 1'b1))};
         changes = counted;
         changed_place = counted_place;
-        changed = counter + 1'b1;
+        changed = after;
       end
       SUM: begin
         read_place = {pass, value[DIGIT-1:0]};
@@ -125,7 +127,7 @@ module depth_sort #(
         reads = moves;
         changes = moving && write_ready;
         changed_place = {pass, moved_digit};
-        changed = place + 1'b1;
+        changed = after;
       end
       default: ;
     endcase
@@ -145,7 +147,7 @@ module depth_sort #(
       CLEAR: begin
         value <= value + 1'b1;
         if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
-        {count, side, pass, step, counted} <= 0;
+        {count, side, pass, step, counted, follows} <= 0;
       end
       TAKE: begin
         counted <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
@@ -180,7 +182,7 @@ module depth_sort #(
           moving <= splat_valid;
           moved_splat <= splat;
           follows <= moving && coming_digit == moved_digit;
-          next_place <= place + 1'b1;
+          next_place <= after;
         end
         if (moving && write_ready) begin
           left <= left - 1'b1;

@@ -115,20 +115,22 @@ module setup_pack (
     key <= depth_nothing ? {1'b1, 47'd0} : depth1[63] ? {1'b0, ~key_magnitude} : {1'b1, key_magnitude};
   end
 
-  // Opacity and extents in fixed point: phases 0 to 2, four cycles later; the conic: phases 1 to 3.
+  // Opacity and extents in fixed point, and the conic: chosen in phases 0 to 2, with their signs and distances; there four cycles after that.
   logic signed [31:0] fixed_in, aligned_in;
+  logic fixed_negative, aligned_negative;
+  logic [31:0] fixed_magnitude, aligned_magnitude;
   logic signed [17:0] fixed_exponent;
   logic signed [17:0] conic_unit, largest;
   logic signed [15:0] fixed_shift, conic_shift;
-  logic signed [17:0] aligned_exponent, conic_distance, fixed_distance;
-  logic signed [63:0] fixed_out, aligned_out, peak_fixed, extent_u, extent_v;
+  logic signed [17:0] aligned_exponent, chosen_exponent, conic_distance, fixed_distance;
+  logic signed [63:0] fixed_out, aligned_out, peak_fixed, extent_u;
   logic [M-1:0] conic_a;
   logic signed [M:0] conic_b;
   assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
   assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
   assign fixed_distance = -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
-  assign aligned_in = phase == 1 ? horizontal1 : phase == 2 ? -cross1 : conic1;
-  assign aligned_exponent = phase == 1 ? horizontal_exponent1 : phase == 2 ? cross_exponent1 : conic_exponent1;
+  assign aligned_in = phase == 0 ? horizontal1 : phase == 1 ? cross1 : conic1;
+  assign chosen_exponent = phase == 0 ? horizontal_exponent1 : phase == 1 ? cross_exponent1 : conic_exponent1;
   assign conic_distance = conic_unit - aligned_exponent;
 
   // Beyond 16 bits every shift does the same.
@@ -136,19 +138,27 @@ module setup_pack (
     limited = value > 18'sd16000 ? 16'sd16000 : value < -18'sd16000 ? -16'sd16000 : value[15:0];
   endfunction
 
-  assign fixed_shift = limited(fixed_distance);
+  always_ff @(posedge clk) begin
+    fixed_negative <= fixed_in[31];
+    fixed_magnitude <= fixed_in[31] ? -fixed_in : fixed_in;
+    fixed_shift <= limited(fixed_distance);
+    // Of the second the opposite is asked for.
+    aligned_negative <= aligned_in[31] != (phase == 1);
+    aligned_magnitude <= aligned_in[31] ? -aligned_in : aligned_in;
+    aligned_exponent <= chosen_exponent;
+  end
   assign conic_shift = limited(conic_distance);
   align #(.BITS(32)) align_fixed (
       .clk,
-      .negative(fixed_in[31]),
-      .magnitude(fixed_in[31] ? -fixed_in : fixed_in),
+      .negative(fixed_negative),
+      .magnitude(fixed_magnitude),
       .shift(fixed_shift),
       .result(fixed_out)
   );
   align #(.BITS(32)) align_conic (
       .clk,
-      .negative(aligned_in[31]),
-      .magnitude(aligned_in[31] ? -aligned_in : aligned_in),
+      .negative(aligned_negative),
+      .magnitude(aligned_magnitude),
       .shift(conic_shift),
       .result(aligned_out)
   );
@@ -163,9 +173,8 @@ module setup_pack (
   always_ff @(posedge clk) begin
     conic_unit <= (largest > conic_exponent1 ? largest : conic_exponent1) + 18'(DROP);
     peak_half <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31 && peak_rest == 32'h80000000;
-    if (phase == 4) peak_fixed <= fixed_out;
-    if (phase == 5) extent_u <= fixed_out;
-    if (phase == 6) extent_v <= fixed_out;
+    if (phase == 5) peak_fixed <= fixed_out;
+    if (phase == 6) extent_u <= fixed_out;
     if (phase == 5) conic_a <= aligned_out[M-1:0];
     if (phase == 6) conic_b <= aligned_out[M:0];
   end
@@ -201,7 +210,7 @@ module setup_pack (
     if (phase == 7) begin
       {u2, v2, near2, far2, degenerate2, peak_half2, cutoff2} <= {u1, v1, too_near, too_far, degenerate, peak_half, cutoff1[31:0]};
       extent_u2 <= widened(extent_u);
-      extent_v2 <= widened(extent_v);
+      extent_v2 <= widened(fixed_out);
       peak_fixed2 <= peak_fixed;
       invisible2 <= by_opacity && (peak1 <= 0 || cutoff1 <= 0);
       known2 <= 0;

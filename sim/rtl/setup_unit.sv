@@ -240,10 +240,13 @@ module setup_unit #(
   function automatic logic [62:0] magnitude(input logic [63:0] value);
     magnitude = 63'(value[63] ? -value : value);
   endfunction
+  // Two phases behind, in a register of its own: it reaches every bit of a splat's words.
+  logic [2:0] pack_phase;
+  always_ff @(posedge clk) pack_phase <= phase - 3'd1;
   setup_pack pack (
       .clk,
       .rst,
-      .phase(phase - 3'd2),
+      .phase(pack_phase),
       .perspective(flags[0]),
       .by_opacity(flags[2]),
       .columns(flags[31:16]),

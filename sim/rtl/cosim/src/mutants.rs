@@ -140,13 +140,13 @@ pub const MUTANTS: [Mutant; 44] = [
     ),
     mutant(
         "last row off by one",
-        "row_generator.sv",
-        "last <= at.rows == 16'd2",
-        "last <= at.rows == 16'd3",
+        "row_counter.sv",
+        "last <= left == 16'd2",
+        "last <= left == 16'd3",
     ),
     mutant(
         "first row off by one",
-        "splat_setup.sv",
+        "visible_box.sv",
         "row24 <= row23;",
         "row24 <= row23 + 16'd1;",
     ),
