@@ -3,9 +3,12 @@
 //
 //   sign and leading bit | distance, shift by its lowest bits | shift by eights | rounding
 //
+// With SIGNED, `magnitude` is the value itself, which then needs no negation in front of this.
+//
 // The value stands left of 64 zeros and is only ever moved right: one shifter for both directions, and the last bit moved out rounds.
 module align #(
-    parameter BITS = 18
+    parameter BITS = 18,
+    parameter SIGNED = 0
 ) (
     input logic clk,
     input logic negative,
@@ -25,16 +28,27 @@ module align #(
 
   assign left1 = 16'sd0 - shift1;
   assign eights1 = shift1[6:3] + 4'd7 + {3'd0, shift1[2:0] != 0};
+  // The length of a negative power of two is one more than its ones' complement has; there both results are the same. That of -1 has no bit left.
+  logic signed [BITS:0] value;
+  logic [BITS-1:0] length_of;
+  generate
+    if (SIGNED) begin : gen_signed
+      assign value = $signed({negative, magnitude});
+      assign length_of = magnitude ^ {BITS{negative}};
+    end else begin : gen_magnitude
+      assign value = negative ? -$signed({1'b0, magnitude}) : $signed({1'b0, magnitude});
+      assign length_of = magnitude;
+    end
+  endgenerate
   always_ff @(posedge clk) begin
-    value1 <= negative ? -$signed({1'b0, magnitude}) : $signed({1'b0, magnitude});
-    length1 <= splatline_math::length(64'(magnitude));
+    value1 <= value;
+    length1 <= splatline_math::length(64'(length_of));
     shift1 <= shift;
     // The distance is 63 more than the shift: its lowest bits.
     ones1 <= shift[2:0] - 3'd1;
 
     value2 <= $signed({value1, 7'd0}) >>> ones1;
-    // The length of a negative power of two is one more than its ones' complement has; there both results are the same.
-    overflow2 <= shift1 < 0 && length1 != 0 && left1 + $signed({9'd0, length1}) > 16'sd63;
+    overflow2 <= shift1 < 0 && (length1 != 0 || value1[BITS]) && left1 + $signed({9'd0, length1}) > 16'sd63;
     // Beyond either end the lowest bits of the distance make no difference.
     eights2 <= shift1 > 16'sd64 ? 4'd15 : shift1 < -16'sd63 ? 4'd0 : eights1;
 

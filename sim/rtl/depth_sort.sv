@@ -64,41 +64,46 @@ module depth_sort #(
     digit = DIGIT'({{DIGIT{1'b0}}, key} >> (number * DIGIT));
   endfunction
 
-  // Counters of all digits' values, which become places.
+  // Counters of all digits' values, which become places. What is read goes into a register before anything is made of it: block RAM is slow.
   (* ram_style = "block", no_rw_check *) logic [COUNT_BITS-1:0] counters[0:(1<<PLACE)-1];
   logic [PLACE-1:0] read_place, changed_place;
-  logic [COUNT_BITS-1:0] counter, changed;
+  logic [COUNT_BITS-1:0] counter_read, counter, changed;
   logic reads, changes;
   always_ff @(posedge clk) begin
-    if (reads) counter <= counters[read_place];
+    if (reads) begin
+      counter_read <= counters[read_place];
+      counter <= counter_read;
+    end
     if (changes) counters[changed_place] <= changed;
   end
 
   // A splat that was taken is counted digit by digit.
   logic [PASS_BITS:0] step;
   logic [KEY_BITS-1:0] key;
-  logic counted;
-  logic [PLACE-1:0] counted_place;
+  logic counting, counted;
+  logic [PLACE-1:0] counting_place, counted_place;
   assign in_ready = state == TAKE && step == 0 && write_ready;
 
   // Values of a digit, one after the other, from one cycle to the next.
   logic [PLACE:0] value;
-  logic summed;
-  logic [PLACE-1:0] summed_place;
+  logic summing, summed;
+  logic [PLACE-1:0] summing_place, summed_place;
   logic [COUNT_BITS-1:0] sum;
   logic same_for_all;
 
-  // A splat on its way to its place. The one before may have gone to the place before it in the cycle before.
-  logic moving, moves, follows;
-  logic [127:0] moved_splat;
-  logic [COUNT_BITS-1:0] place, after, next_place, left;
-  logic [DIGIT-1:0] coming_digit, moved_digit;
+  // Splats on their way to their places: one waits for its counter, the next one moves, the last one has moved. A counter that either of the latter
+  // two changes is read too early by the first, which takes the place after theirs.
+  logic waiting, moving, moved, moves, follows;
+  logic [127:0] waiting_splat, moving_splat;
+  logic [COUNT_BITS-1:0] place, after, moved_after, next_place, left;
+  logic [DIGIT-1:0] coming_digit, waiting_digit, moving_digit, moved_digit;
   assign moves = !moving || write_ready;
   assign splat_ready = state == MOVE && moves;
   assign coming_digit = digit(splat[KEY_BITS-1:0], pass);
-  assign moved_digit = digit(moved_splat[KEY_BITS-1:0], pass);
+  assign waiting_digit = digit(waiting_splat[KEY_BITS-1:0], pass);
+  assign moving_digit = digit(moving_splat[KEY_BITS-1:0], pass);
   assign place = follows ? next_place : counter;
-  // One addition for both counts: between a counter and the same counter's new value lies the longest way of the sorter. While splats are taken none follows.
+  // One addition for both counts; while splats are taken none follows.
   assign after = place + 1'b1;
 
   always_comb begin
@@ -126,7 +131,7 @@ module depth_sort #(
       MOVE: begin
         reads = moves;
         changes = moving && write_ready;
-        changed_place = {pass, moved_digit};
+        changed_place = {pass, moving_digit};
         changed = after;
       end
       default: ;
@@ -135,7 +140,7 @@ module depth_sort #(
 
   assign write_valid = (state == TAKE && step == 0 && in_valid) || (state == MOVE && moving);
   assign write_address = state == TAKE ? base_a + 32'(count) : (side ? base_a : base_b) + 32'(place);
-  assign write_word = state == TAKE ? in : moved_splat;
+  assign write_word = state == TAKE ? in : moving_splat;
   assign stream_begins = state == BEGIN;
   assign stream_first = side ? base_b : base_a;
   assign stream_count = 32'(count);
@@ -147,11 +152,13 @@ module depth_sort #(
       CLEAR: begin
         value <= value + 1'b1;
         if (value[PLACE-1:0] == {PLACE{1'b1}}) state <= TAKE;
-        {count, side, pass, step, counted, follows} <= 0;
+        {count, side, pass, step, counting, counted, follows} <= 0;
       end
       TAKE: begin
-        counted <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
-        counted_place <= read_place;
+        counting <= step != 0 && step <= (PASS_BITS + 1)'(PASSES);
+        counting_place <= read_place;
+        counted <= counting;
+        counted_place <= counting_place;
         if (step != 0) step <= step == (PASS_BITS + 1)'(PASSES + 1) ? '0 : step + 1'b1;
         if (in_valid && in_ready) begin
           key <= in[KEY_BITS-1:0];
@@ -159,30 +166,35 @@ module depth_sort #(
           step <= 1;
         end else if (ends && !in_valid && step == 0) state <= count == 0 ? DONE : SUM;
         value <= 0;
-        {sum, summed, same_for_all} <= 0;
+        {sum, summing, summed, same_for_all} <= 0;
       end
       // What was written comes to rest meanwhile.
       SUM: begin
         if (!value[DIGIT]) value <= value + 1'b1;
-        summed <= !value[DIGIT];
-        summed_place <= read_place;
+        summing <= !value[DIGIT];
+        summing_place <= read_place;
+        summed <= summing;
+        summed_place <= summing_place;
         if (summed) begin
           sum <= sum + counter;
           if (counter == count) same_for_all <= 1;
         end
-        if (value[DIGIT] && !summed && settled) begin
+        if (value[DIGIT] && !summing && !summed && settled) begin
           state <= same_for_all ? SETTLE : BEGIN;
           left <= count;
-          moving <= 0;
+          {waiting, moving, moved} <= 0;
         end
       end
       BEGIN: state <= MOVE;
       MOVE: begin
         if (moves) begin
-          moving <= splat_valid;
-          moved_splat <= splat;
-          follows <= moving && coming_digit == moved_digit;
-          next_place <= after;
+          {waiting, moving, moved} <= {splat_valid, waiting, moving};
+          waiting_splat <= splat;
+          moving_splat <= waiting_splat;
+          moved_digit <= moving_digit;
+          moved_after <= after;
+          follows <= (moving && waiting_digit == moving_digit) || (moved && waiting_digit == moved_digit);
+          next_place <= moving && waiting_digit == moving_digit ? after : moved_after;
         end
         if (moving && write_ready) begin
           left <= left - 1'b1;
@@ -195,7 +207,7 @@ module depth_sort #(
       SETTLE:
       if (settled) begin
         value <= 0;
-        {sum, summed, same_for_all} <= 0;
+        {sum, summing, summed, same_for_all} <= 0;
         pass <= pass + 1'b1;
         state <= pass == PASS_BITS'(PASSES - 1) ? DONE : SUM;
       end

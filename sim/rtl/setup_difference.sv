@@ -1,7 +1,7 @@
 // The first step of setup: a splat's centre relative to the eye (`Eye::difference` of src/view.rs), and the record in the beats in which the cores
 // read it. A record comes in every eighth cycle at best.
 //
-//   record | lengths | unit | alignment of centre and eye (4) | difference (3) | their length | alignment (4) | parts | beats (8)
+//   record | lengths | unit | choice | alignment of centre and eye (4) | difference (3) | their length | choice | alignment (4) | parts | beats (8)
 //
 // The difference is exact where coordinates cancel, whatever the offset of the scene, which is why it stands before the cores with their 34-bit factors:
 // it takes 64 bits. Both alignments of 64 bits, the eye's and the difference's, take turns at one aligner.
@@ -89,55 +89,60 @@ module setup_difference (
     if (phase == 7) unit_held <= unit;
   end
 
-  // Phases 3 to 5: centre and eye; phases 6, 7 and 0: the difference, from eleven cycles before.
+  // Phases 3 to 5: centre and eye are chosen; phases 6, 7 and 0: the difference, from eleven cycles before. What turn it is has a register for each
+  // choice, and what is chosen has one before the aligners, which count its leading bits.
+  logic turn_x, turn_y, turn_eye, turn_eye_x, turn_eye_y, turn_difference_x, turn_difference_y;
   logic signed [31:0] centre_in;
   logic [9:0] exponent_in;
-  logic signed [63:0] wide_in, eye_in, centre_out, wide_out, difference_x, difference_y, difference_z, difference, difference_in;
-  logic signed [15:0] wide_shift, drop;
-  assign centre_in = phase == 3 ? centre1[31:0] : phase == 4 ? centre1[63:32] : centre1[95:64];
-  assign exponent_in = phase == 3 ? exponents1[9:0] : phase == 4 ? exponents1[19:10] : exponents1[29:20];
-  assign eye_in = phase == 3 ? eye_x : phase == 4 ? eye_y : eye_z;
-  assign difference_in = phase == 6 ? difference_x : phase == 7 ? difference_y : difference_z;
-  assign wide_in = phase == 3 || phase == 4 || phase == 5 ? eye_in : difference_in;
-  assign wide_shift = phase == 3 || phase == 4 || phase == 5 ? unit - eye_exponent : drop;
-  align #(.BITS(32)) align_centre (
-      .clk,
-      .negative(centre_in[31]),
-      .magnitude(centre_in[31] ? -centre_in : centre_in),
-      .shift(unit - $signed({{6{exponent_in[9]}}, exponent_in})),
-      .result(centre_out)
-  );
-  align #(.BITS(64)) align_wide (.clk, .negative(wide_in[63]), .magnitude(magnitude(wide_in)), .shift(wide_shift), .result(wide_out));
+  logic signed [63:0] wide_in, centre_out, wide_out, difference_x, difference_y, difference_z, difference;
+  logic signed [15:0] centre_shift, wide_shift, drop;
+  always_ff @(posedge clk) begin
+    turn_x <= phase == 2;
+    turn_y <= phase == 3;
+    turn_eye <= phase == 2 || phase == 3 || phase == 4;
+    turn_eye_x <= phase == 2;
+    turn_eye_y <= phase == 3;
+    turn_difference_x <= phase == 5;
+    turn_difference_y <= phase == 6;
+    centre_in <= turn_x ? centre1[31:0] : turn_y ? centre1[63:32] : centre1[95:64];
+    centre_shift <= unit - $signed({{6{exponent_in[9]}}, exponent_in});
+    if (turn_eye) wide_in <= turn_eye_x ? eye_x : turn_eye_y ? eye_y : eye_z;
+    else wide_in <= turn_difference_x ? difference_x : turn_difference_y ? difference_y : difference_z;
+    wide_shift <= turn_eye ? unit - eye_exponent : drop;
+  end
+  assign exponent_in = turn_x ? exponents1[9:0] : turn_y ? exponents1[19:10] : exponents1[29:20];
+  align #(.BITS(32), .SIGNED(1)) align_centre (.clk, .negative(centre_in[31]), .magnitude(centre_in), .shift(centre_shift), .result(centre_out));
+  align #(.BITS(64), .SIGNED(1)) align_wide (.clk, .negative(wide_in[63]), .magnitude(wide_in), .shift(wide_shift), .result(wide_out));
   assign difference = centre_out - wide_out;
 
-  // Phases 7, 0 and 1: differences; 0 to 2: their magnitudes together; 3 and 4: how far they are to be moved.
+  // Phases 0 to 2: differences; 1 to 3: their magnitudes together; 4 and 5: how far they are to be moved.
   logic [63:0] together;
   logic [6:0] together_length;
   logic signed [15:0] exponent;
   logic signed [63:0] latest;
   always_ff @(posedge clk) begin
-    if (phase == 7) difference_x <= difference;
-    if (phase == 0) difference_y <= difference;
-    if (phase == 1) difference_z <= difference;
+    if (phase == 0) difference_x <= difference;
+    if (phase == 1) difference_y <= difference;
+    if (phase == 2) difference_z <= difference;
     latest <= difference;
-    together <= phase == 0 ? magnitude(latest) : phase == 1 || phase == 2 ? together | magnitude(latest) : together;
+    together <= phase == 1 ? magnitude(latest) : phase == 2 || phase == 3 ? together | magnitude(latest) : together;
     together_length <= splatline_math::length(together);
-    if (phase == 4) begin
+    if (phase == 5) begin
       drop <= $signed({9'd0, together_length}) - 16'(splatline_setup_pkg::POSITION);
       exponent <= unit_held + $signed({9'd0, together_length}) - 16'(splatline_setup_pkg::POSITION);
     end
   end
 
-  // Phases 2 to 4: the parts.
+  // Phases 3 to 5: the parts.
   logic signed [63:0] high, low;
   logic [31:0] high_x, high_y, high_z, low_x, low_y, low_z;
   logic [11:0] power;
   assign high = splatline_math::shift_round(wide_out, 7'(splatline_setup_pkg::LOW));
   assign low = wide_out - (high <<< splatline_setup_pkg::LOW);
   always_ff @(posedge clk) begin
-    if (phase == 2) {high_x, low_x} <= {high[31:0], low[31:0]};
-    if (phase == 3) {high_y, low_y} <= {high[31:0], low[31:0]};
-    if (phase == 4) {high_z, low_z} <= {high[31:0], low[31:0]};
+    if (phase == 3) {high_x, low_x} <= {high[31:0], low[31:0]};
+    if (phase == 4) {high_y, low_y} <= {high[31:0], low[31:0]};
+    if (phase == 5) {high_z, low_z} <= {high[31:0], low[31:0]};
     if (phase == 3) power <= exponent[11:0];
   end
 
