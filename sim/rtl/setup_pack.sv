@@ -120,7 +120,7 @@ module setup_pack (
   logic fixed_negative, aligned_negative;
   logic [31:0] fixed_magnitude, aligned_magnitude;
   logic signed [17:0] fixed_exponent;
-  logic signed [17:0] conic_unit, largest;
+  logic signed [17:0] conic_unit, largest0, largest1;
   logic signed [15:0] fixed_shift, conic_shift;
   logic signed [17:0] aligned_exponent, chosen_exponent, conic_distance, fixed_distance;
   logic signed [63:0] fixed_out, aligned_out, peak_fixed, extent_u;
@@ -128,7 +128,6 @@ module setup_pack (
   logic signed [M:0] conic_b;
   assign fixed_in = phase == 0 ? peak1 : phase == 1 ? root_u1 : root_v1;
   assign fixed_exponent = phase == 0 ? peak_exponent1 : phase == 1 ? root_u_exponent1 : root_v_exponent1;
-  assign fixed_distance = -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
   assign aligned_in = phase == 0 ? horizontal1 : phase == 1 ? cross1 : conic1;
   assign chosen_exponent = phase == 0 ? horizontal_exponent1 : phase == 1 ? cross_exponent1 : conic_exponent1;
   assign conic_distance = conic_unit - aligned_exponent;
@@ -141,12 +140,13 @@ module setup_pack (
   always_ff @(posedge clk) begin
     fixed_negative <= fixed_in[31];
     fixed_magnitude <= fixed_in[31] ? -fixed_in : fixed_in;
-    fixed_shift <= limited(fixed_distance);
+    fixed_distance <= -fixed_exponent - (phase == 0 ? 18'(splatline_pkg::PEAK) : 18'sd32);
     // Of the second the opposite is asked for.
     aligned_negative <= aligned_in[31] != (phase == 1);
     aligned_magnitude <= aligned_in[31] ? -aligned_in : aligned_in;
     aligned_exponent <= chosen_exponent;
   end
+  assign fixed_shift = limited(fixed_distance);
   assign conic_shift = limited(conic_distance);
   align #(.BITS(32)) align_fixed (
       .clk,
@@ -162,7 +162,6 @@ module setup_pack (
       .shift(conic_shift),
       .result(aligned_out)
   );
-  assign largest = horizontal_exponent1 > cross_exponent1 ? horizontal_exponent1 : cross_exponent1;
 
   // Does the opacity lie in the middle between two numbers? Then the even one is taken.
   logic signed [17:0] peak_dropped;
@@ -171,7 +170,10 @@ module setup_pack (
   logic [31:0] peak_rest;
   assign peak_rest = peak1 << (5'd0 - peak_dropped[4:0]);
   always_ff @(posedge clk) begin
-    conic_unit <= (largest > conic_exponent1 ? largest : conic_exponent1) + 18'(DROP);
+    // The largest of three exponents, one comparison a cycle: two of them are there in phase 6, the third in phase 7.
+    largest0 <= horizontal_exponent0 > cross_exponent0 ? horizontal_exponent0 : cross_exponent0;
+    if (phase == 7) largest1 <= largest0 > conic_exponent0 ? largest0 : conic_exponent0;
+    conic_unit <= largest1 + 18'(DROP);
     peak_half <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31 && peak_rest == 32'h80000000;
     if (phase == 5) peak_fixed <= fixed_out;
     if (phase == 6) extent_u <= fixed_out;

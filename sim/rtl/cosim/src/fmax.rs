@@ -6,6 +6,7 @@
 use crate::area::{self, listed, sources, synthesised_cells, yosys};
 use crate::mutants::run;
 use crate::placed::{self, PLACED, PlacedLine};
+use crate::registers;
 use crate::setup;
 use anyhow::{Context, Result, bail, ensure};
 use serde_json::Value;
@@ -20,7 +21,7 @@ use std::time::Instant;
 const HEAD: &str = "## Fmax
 
 Printed by `cargo run --release -p splatline-rtl --example rtl -- area fmax`, which places what was not placed yet: Yosys 0.23 (`synth_ecp5 -abc9`, flattened) and nextpnr for the ECP5 LFE5U-85F, grade 6,
-asked for 110 MHz. The primitive stands between registers on three pins, which are counted with it. A circuit is named by design, unit and its parameter
+asked for 110 MHz. Between both, registers move into the multipliers and block RAM that have them inside (`sim/rtl/cosim/src/registers.rs`). The primitive stands between registers on three pins, which are counted with it. A circuit is named by design, unit and its parameter
 (lanes of the primitive, cores of the setup unit, bits of the sorter's digit, multipliers of the harmonics unit); LUT are LUT4, with 2 for each CCU2C and 4 for each
 DPR16X4. The median of the seeds stands with its critical path, beside it the slowest and the fastest.
 
@@ -56,6 +57,9 @@ const DEVICE: Device = Device {
 
 /// The clock that the placer is asked for, MHz: above the bars, so that it does not stop too early.
 const GOAL: &str = "110";
+
+/// What is done with a netlist before it is placed.
+const REGISTERS: &str = "registers inside of multipliers and memories";
 
 /// Placements of a circuit: one says little, since the placer begins with random places.
 const SEEDS: [u32; 5] = [1, 2, 3, 4, 5];
@@ -251,7 +255,7 @@ fn sources_number(circuit: &PlacedCircuit) -> Result<u64> {
             number = (number ^ u64::from(byte)).wrapping_mul(0x100_0000_01b3);
         }
     };
-    for word in [name, circuit.unit.unit, DEVICE.synthesis, GOAL] {
+    for word in [name, circuit.unit.unit, DEVICE.synthesis, GOAL, REGISTERS] {
         add(word);
     }
     add(&format!(
@@ -401,7 +405,7 @@ fn read_command(circuit: &PlacedCircuit, folder: &Path) -> Result<String> {
     }
 }
 
-/// Synthesises a circuit between registers into `netlist.json`.
+/// Synthesises a circuit between registers into `netlist.json`, with registers moved into multipliers and memories.
 fn netlist(circuit: &PlacedCircuit, folder: &Path) -> Result<Fabric> {
     let unit = circuit.unit.unit;
     let read = read_command(circuit, folder)?;
@@ -417,13 +421,19 @@ fn netlist(circuit: &PlacedCircuit, folder: &Path) -> Result<Fabric> {
         .context("a unit without ports")?;
     let wrapper = folder.join("wrapper.sv");
     fs::write(&wrapper, wrapper_text(&instance(circuit), ports))?;
+    let netlist = folder.join("netlist.json");
     let script = format!(
         "{read} {}; {} -top wrapper -json {}",
         wrapper.display(),
         DEVICE.synthesis,
-        folder.join("netlist.json").display()
+        netlist.display()
     );
-    synthesised_cells(&script, folder)
+    let mut fabric = synthesised_cells(&script, folder)?;
+    let mut cells: Value = serde_json::from_slice(&fs::read(&netlist)?)?;
+    let moved = registers::move_in(&mut cells, "wrapper")?;
+    fabric.flip_flops -= moved.flip_flops;
+    fs::write(&netlist, serde_json::to_vec(&cells)?)?;
+    Ok(fabric)
 }
 
 /// The unit with its parameter, as a module that contains it names it.

@@ -27,6 +27,7 @@ pub mod order;
 pub mod package;
 pub mod picture;
 pub mod placed;
+pub mod registers;
 pub mod roots;
 pub mod setup;
 pub mod speed;

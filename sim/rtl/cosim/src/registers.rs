@@ -1,0 +1,526 @@
+//! Registers inside of multipliers and block RAM.
+//!
+//! A MULT18X18D of an ECP5 has registers at its inputs and at its output, a DP16KD has one behind its words. Yosys 0.23 uses none of them, so that a product
+//! goes a multiplier's whole way and a wire's to the register outside, and a word 5.6 ns and a wire. This does on the netlist what the vendors' tools do: a
+//! register moves in where it holds nothing but what a multiplier or a memory gives, or all that a multiplier takes. What is computed in which cycle
+//! stays.
+//!
+//! Two multipliers of a device stand in one block and share its four enables, and the output's register takes the first one. So an enable has the same number
+//! everywhere: the first is that of most products, and only products of this enable move in. Registers that are written alike are one enable, whatever they are
+//! called.
+
+use anyhow::{Context, Result};
+use serde_json::{Map, Value};
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// What a multiplier and a memory are called on the ECP5.
+const MULTIPLIER: &str = "MULT18X18D";
+const MEMORY: &str = "DP16KD";
+const REGISTER: &str = "TRELLIS_FF";
+
+/// Bits of a factor, and of a product.
+const FACTOR: usize = 18;
+const PRODUCT: usize = 36;
+
+/// A multiplier's enables.
+const ENABLES: [&str; 4] = ["CE0", "CE1", "CE2", "CE3"];
+
+/// Data width from which both of a memory's ports are one.
+const PAIRED: i64 = 36;
+
+/// What moved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Moved {
+    /// Multipliers whose product has its register inside.
+    pub products: u32,
+    /// Multipliers whose factors have.
+    pub factors: u32,
+    /// Memories' ports whose word has.
+    pub words: u32,
+    /// Flip-flops that there are no more.
+    pub flip_flops: u64,
+}
+
+/// A flip-flop without a reset.
+#[derive(Clone)]
+struct Register {
+    cell: String,
+    data: Value,
+    clock: Value,
+    /// The constant 1, if it is written in every cycle.
+    enable: Value,
+}
+
+/// A netlist's cells, and what is connected to what.
+struct Wiring {
+    /// By the net that it drives.
+    registers: HashMap<u64, Register>,
+    /// By the net that it is written with, if nothing else reads that.
+    behind: HashMap<u64, u64>,
+    /// Nets that nobody reads have no entry.
+    readers: HashMap<u64, u32>,
+}
+
+/// Registers that move in with a cell: its pin, and the net that the register drives.
+type Pins = Vec<(String, u64)>;
+
+/// Moves registers of `top` into multipliers and memories.
+pub fn move_in(netlist: &mut Value, top: &str) -> Result<Moved> {
+    let module = &mut netlist["modules"][top];
+    let ports = nets_of_ports(&module["ports"]);
+    let cells = module["cells"]
+        .as_object_mut()
+        .with_context(|| format!("a netlist without {top}"))?;
+    let before = cells.len();
+    let wiring = Wiring::of(cells, &ports);
+    let names: Vec<String> = cells.keys().cloned().collect();
+    let of_kind = |cells: &Map<String, Value>, kind: &str| -> Vec<String> {
+        let names = names.iter().filter(|name| cells[*name]["type"] == kind);
+        names.cloned().collect()
+    };
+    let mut moved = Moved::default();
+    let mut gone = HashSet::new();
+
+    let multipliers = of_kind(cells, MULTIPLIER);
+    let mut enables = Enables::default();
+    if let Some(first) = most_frequent_enable(cells, &multipliers, &wiring) {
+        enables.number(&first);
+    }
+    for name in &multipliers {
+        let cell = &mut cells[name];
+        let product = wiring.product(cell);
+        if let Some((pins, register)) = product
+            && enables.number(&register.enable) == Some(ENABLES[0])
+        {
+            take_words(cell, pins, &wiring, &mut gone);
+            cell["parameters"]["REG_OUTPUT_CLK"] = "CLK0".into();
+            connect(cell, "CLK0", &register.clock);
+            connect(cell, ENABLES[0], &register.enable);
+            moved.products += 1;
+        }
+        if take_factors(cell, &wiring, &mut enables) {
+            moved.factors += 1;
+        }
+    }
+    for name in &of_kind(cells, MEMORY) {
+        moved.words += take_memory_words(&mut cells[name], &wiring, &mut gone);
+    }
+
+    cells.retain(|name, _| !gone.contains(name));
+    // Registers of factors that only multipliers read, and of enables that only those had.
+    loop {
+        let left = cells.len();
+        let read = Wiring::of(cells, &ports).readers;
+        let is_read = |cell: &Value| net(pin(cell, "Q")).is_none_or(|net| read.contains_key(&net));
+        cells.retain(|_, cell| cell["type"] != REGISTER || is_read(cell));
+        if cells.len() == left {
+            break;
+        }
+    }
+    moved.flip_flops = u64::try_from(before - cells.len())?;
+    Ok(moved)
+}
+
+/// Enables with their numbers.
+#[derive(Default)]
+struct Enables(Vec<Value>);
+
+impl Enables {
+    /// The pin of an enable, as long as there is one left.
+    fn number(&mut self, enable: &Value) -> Option<&'static str> {
+        let known = self.0.iter().position(|known| known == enable);
+        let number = known.unwrap_or(self.0.len());
+        if known.is_none() && number < ENABLES.len() {
+            self.0.push(enable.clone());
+        }
+        ENABLES.get(number).copied()
+    }
+}
+
+impl Wiring {
+    fn of(cells: &Map<String, Value>, ports: &[u64]) -> Wiring {
+        let mut readers: HashMap<u64, u32> = HashMap::new();
+        for port in ports {
+            *readers.entry(*port).or_default() += 1;
+        }
+        for cell in cells.values() {
+            for net in inputs(cell) {
+                *readers.entry(net).or_default() += 1;
+            }
+        }
+        let flip_flops = cells.iter().filter(|(_, cell)| cell["type"] == REGISTER);
+        let alike = written_alike(flip_flops.clone());
+        let mut registers = HashMap::new();
+        for (name, cell) in flip_flops {
+            if let (Some(net), Some(register)) = (net(pin(cell, "Q")), register(name, cell, &alike))
+            {
+                registers.insert(net, register);
+            }
+        }
+        let mut behind = HashMap::new();
+        for (output, register) in &registers {
+            if let Some(data) = net(&register.data)
+                && readers.get(&data) == Some(&1)
+            {
+                behind.insert(data, *output);
+            }
+        }
+        Wiring {
+            registers,
+            behind,
+            readers,
+        }
+    }
+
+    /// The registers behind these pins, which must all be of one clock and enable. Pins that nobody reads need none.
+    fn behind(&self, cell: &Value, pins: impl Iterator<Item = String>) -> Option<(Pins, Register)> {
+        let mut found = Vec::new();
+        for name in pins {
+            let Some(net) = net(pin(cell, &name)) else {
+                continue;
+            };
+            if self.readers.contains_key(&net) {
+                found.push((name, *self.behind.get(&net)?));
+            }
+        }
+        let registers: Vec<&Register> = found.iter().map(|(_, net)| &self.registers[net]).collect();
+        let first = (*registers.first()?).clone();
+        let same = registers
+            .iter()
+            .all(|other| other.clock == first.clock && other.enable == first.enable);
+        same.then_some((found, first))
+    }
+
+    fn product(&self, cell: &Value) -> Option<(Pins, Register)> {
+        self.behind(cell, (0..PRODUCT).map(|bit| format!("P{bit}")))
+    }
+}
+
+/// The enable of most products that have registers.
+fn most_frequent_enable(
+    cells: &Map<String, Value>,
+    multipliers: &[String],
+    wiring: &Wiring,
+) -> Option<Value> {
+    let mut counts: BTreeMap<String, (u32, Value)> = BTreeMap::new();
+    for name in multipliers {
+        if let Some((_, register)) = wiring.product(&cells[name]) {
+            let entry = counts.entry(register.enable.to_string());
+            entry.or_insert((0, register.enable)).0 += 1;
+        }
+    }
+    let most = counts.into_values().max_by_key(|(count, _)| *count);
+    most.map(|(_, enable)| enable)
+}
+
+/// Lets a cell drive what the registers behind it drove.
+fn take_words(cell: &mut Value, pins: Pins, wiring: &Wiring, gone: &mut HashSet<String>) {
+    for (name, output) in pins {
+        cell["connections"][&name] = Value::from(vec![output]);
+        gone.insert(wiring.registers[&output].cell.clone());
+    }
+}
+
+/// Both factors' registers move in, or none: nextpnr times no other multiplier.
+fn take_factors(cell: &mut Value, wiring: &Wiring, enables: &mut Enables) -> bool {
+    let mut settings = Vec::new();
+    let mut pins = Vec::new();
+    for side in ["A", "B"] {
+        let mut of_side: Option<Register> = None;
+        for bit in 0..FACTOR {
+            let name = format!("{side}{bit}");
+            let Some(bit) = cell["connections"].get(&name).map(|bits| bits[0].clone()) else {
+                continue;
+            };
+            if bit == "0" {
+                continue;
+            }
+            let Some(register) = net(&bit).and_then(|net| wiring.registers.get(&net)) else {
+                return false;
+            };
+            let first = of_side.get_or_insert_with(|| register.clone());
+            if first.clock != register.clock || first.enable != register.enable {
+                return false;
+            }
+            pins.push((name, register.data.clone()));
+        }
+        let Some(register) = of_side else {
+            return false;
+        };
+        let Some(enable) = enables.number(&register.enable) else {
+            return false;
+        };
+        settings.push((side, enable, register));
+    }
+    for (name, data) in pins {
+        connect(cell, &name, &data);
+    }
+    for (side, enable, register) in settings {
+        cell["parameters"][format!("REG_INPUT{side}_CLK")] = "CLK0".into();
+        cell["parameters"][format!("REG_INPUT{side}_CE")] = enable.into();
+        connect(cell, "CLK0", &register.clock);
+        connect(cell, enable, &register.enable);
+    }
+    true
+}
+
+/// The registers behind a memory's ports; a wide memory has one port for reading, with the pins of both.
+fn take_memory_words(cell: &mut Value, wiring: &Wiring, gone: &mut HashSet<String>) -> u32 {
+    let wide = ["DATA_WIDTH_A", "DATA_WIDTH_B"]
+        .iter()
+        .any(|name| binary(&cell["parameters"][*name]) == Some(PAIRED));
+    let ports: &[&[&str]] = if wide {
+        &[&["A", "B"]]
+    } else {
+        &[&["A"], &["B"]]
+    };
+    let mut moved = 0;
+    for sides in ports {
+        let pins = sides
+            .iter()
+            .flat_map(|side| (0..FACTOR).map(move |bit| format!("DO{side}{bit}")));
+        let Some((pins, register)) = wiring.behind(cell, pins) else {
+            continue;
+        };
+        take_words(cell, pins, wiring, gone);
+        for side in *sides {
+            cell["parameters"][format!("REGMODE_{side}")] = "OUTREG".into();
+            connect(cell, &format!("OCE{side}"), &register.enable);
+        }
+        moved += 1;
+    }
+    moved
+}
+
+/// For each net that a flip-flop drives, the first of those that are written alike.
+fn written_alike<'a>(cells: impl Iterator<Item = (&'a String, &'a Value)>) -> HashMap<u64, u64> {
+    let mut first = HashMap::new();
+    let mut alike = HashMap::new();
+    for (_, cell) in cells {
+        if let Some(output) = net(pin(cell, "Q")) {
+            let pins = ["CLK", "CE", "LSR", "DI"].map(|name| pin(cell, name).to_string());
+            let key = (pins, cell["parameters"].to_string());
+            alike.insert(output, *first.entry(key).or_insert(output));
+        }
+    }
+    alike
+}
+
+/// The flip-flop as one that may move, unless it has a reset, an inverted clock or enable, or begins with 1.
+fn register(name: &str, cell: &Value, alike: &HashMap<u64, u64>) -> Option<Register> {
+    let setting = |key: &str, default: &'static str| -> String {
+        let text = cell["parameters"][key].as_str().unwrap_or(default);
+        text.trim().to_owned()
+    };
+    let reset = pin(cell, "LSR");
+    let plain = setting("CLKMUX", "CLK") == "CLK"
+        && setting("REGSET", "RESET") == "RESET"
+        && (reset.is_null() || reset == "0");
+    let enable = match setting("CEMUX", "1").as_str() {
+        "1" => Value::from("1"),
+        "CE" => match net(pin(cell, "CE")) {
+            Some(net) => Value::from(alike.get(&net).copied().unwrap_or(net)),
+            None => pin(cell, "CE").clone(),
+        },
+        _ => return None,
+    };
+    plain.then(|| Register {
+        cell: name.to_owned(),
+        data: pin(cell, "DI").clone(),
+        clock: pin(cell, "CLK").clone(),
+        enable,
+    })
+}
+
+/// What a pin of one bit is connected to.
+fn pin<'a>(cell: &'a Value, name: &str) -> &'a Value {
+    &cell["connections"][name][0]
+}
+
+fn net(bit: &Value) -> Option<u64> {
+    bit.as_u64()
+}
+
+fn connect(cell: &mut Value, name: &str, bit: &Value) {
+    cell["connections"][name] = Value::from(vec![bit.clone()]);
+    cell["port_directions"][name] = "input".into();
+}
+
+fn inputs(cell: &Value) -> impl Iterator<Item = u64> + '_ {
+    let pins = cell["connections"].as_object().into_iter().flatten();
+    pins.filter(|(name, _)| cell["port_directions"][name.as_str()] != "output")
+        .flat_map(|(_, bits)| bits.as_array().into_iter().flatten())
+        .filter_map(net)
+}
+
+fn nets_of_ports(ports: &Value) -> Vec<u64> {
+    let ports = ports.as_object().into_iter().flatten();
+    ports
+        .flat_map(|(_, port)| port["bits"].as_array().into_iter().flatten())
+        .filter_map(net)
+        .collect()
+}
+
+/// A parameter that Yosys writes in binary.
+fn binary(value: &Value) -> Option<i64> {
+    i64::from_str_radix(value.as_str()?, 2).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::area;
+    use serde_json::json;
+    use std::fs;
+    use std::process::Command;
+
+    /// A flip-flop from one net to another, with an enable or without.
+    fn flip_flop(data: u64, output: u64, enable: Option<u64>) -> Value {
+        let mut cell = json!({
+            "type": REGISTER,
+            "parameters": { "CEMUX": if enable.is_some() { "CE" } else { "1 " }, "CLKMUX": "CLK", "LSRMUX": "LSR", "REGSET": "RESET" },
+            "port_directions": { "CLK": "input", "DI": "input", "LSR": "input", "Q": "output" },
+            "connections": { "CLK": [2], "DI": [data], "LSR": ["0"], "Q": [output] },
+        });
+        if let Some(net) = enable {
+            connect(&mut cell, "CE", &Value::from(net));
+        }
+        cell
+    }
+
+    /// One bit times one bit between three registers: 10, 20 -> 11, 21 -> 30 -> 31.
+    fn circuit(enables: [Option<u64>; 3]) -> Value {
+        let [a, b, product] = enables;
+        json!({ "modules": { "top": {
+            "ports": { "in": { "bits": [10, 20, 40, 41] }, "out": { "bits": [31] } },
+            "cells": {
+                "a": flip_flop(10, 11, a),
+                "b": flip_flop(20, 21, b),
+                "multiplier": {
+                    "type": MULTIPLIER,
+                    "parameters": {},
+                    "port_directions": { "A0": "input", "A1": "input", "B0": "input", "P0": "output", "P1": "output" },
+                    "connections": { "A0": [11], "A1": ["0"], "B0": [21], "P0": [30], "P1": [50] },
+                },
+                "product": flip_flop(30, 31, product),
+            },
+        }}})
+    }
+
+    fn moved(netlist: &mut Value) -> [u64; 4] {
+        let moved = move_in(netlist, "top").unwrap();
+        [
+            moved.products.into(),
+            moved.factors.into(),
+            moved.words.into(),
+            moved.flip_flops,
+        ]
+    }
+
+    #[test]
+    fn registers_around_a_multiplier_move_in() {
+        let mut netlist = circuit([Some(40), Some(41), None]);
+        assert_eq!(moved(&mut netlist), [1, 1, 0, 3]);
+        let cell = &netlist["modules"]["top"]["cells"]["multiplier"];
+        let connected = ["A0", "B0", "P0", "CE0", "CE1", "CE2"].map(|name| pin(cell, name).clone());
+        assert_eq!(json!(connected), json!([10, 20, 31, "1", 40, 41]));
+        let parameters = &cell["parameters"];
+        assert_eq!(parameters["REG_INPUTA_CE"], "CE1");
+        assert_eq!(parameters["REG_INPUTB_CE"], "CE2");
+        assert_eq!(parameters["REG_OUTPUT_CLK"], "CLK0");
+    }
+
+    #[test]
+    fn what_others_read_stays_beside_the_multiplier() {
+        let mut netlist = circuit([None; 3]);
+        netlist["modules"]["top"]["ports"]["out"]["bits"] = json!([31, 30, 21]);
+        // The product has another reader; factor b has one, too, and is in both places.
+        assert_eq!(moved(&mut netlist), [0, 1, 0, 1]);
+        let cells = &netlist["modules"]["top"]["cells"];
+        assert!(cells.get("b").is_some() && cells.get("a").is_none());
+    }
+
+    #[test]
+    fn a_register_with_a_reset_stays() {
+        let mut netlist = circuit([None; 3]);
+        for name in ["a", "product"] {
+            netlist["modules"]["top"]["cells"][name]["connections"]["LSR"] = json!([40]);
+        }
+        assert_eq!(moved(&mut netlist), [0, 0, 0, 0]);
+    }
+
+    #[test]
+    fn enables_that_are_written_alike_are_one() {
+        let mut netlist = circuit([Some(60), Some(61), Some(62)]);
+        let cells = &mut netlist["modules"]["top"]["cells"];
+        for (name, output) in [("x", 60), ("y", 61), ("z", 62)] {
+            cells[name] = flip_flop(40, output, None);
+        }
+        // Two of the enables are nobody's after that.
+        assert_eq!(moved(&mut netlist), [1, 1, 0, 5]);
+        let cell = &netlist["modules"]["top"]["cells"]["multiplier"];
+        assert_eq!(cell["connections"].get("CE1"), None);
+        assert_eq!(cell["parameters"]["REG_INPUTB_CE"], "CE0");
+    }
+
+    /// Both netlists of a circuit, simulated gate by gate with Yosys' models of the ECP5's cells and our own of its multiplier and block RAM.
+    #[test]
+    #[cfg_attr(not(has_rtl), ignore = "needs Yosys and Icarus Verilog")]
+    fn the_circuit_computes_the_same_in_the_same_cycles() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let top = "registers_subject";
+        let written = |module: &str| {
+            format!(
+                "rename {top} {module}; write_verilog -noattr {}",
+                path(&format!("{module}.v"))
+            )
+        };
+        area::yosys(&format!(
+            "read_verilog -sv delay.sv multiply.sv formal/ecp5_registers.sv; synth_ecp5 -abc9 -top {top} -json {}; {}",
+            path("before.json"),
+            written("registers_outside")
+        ))
+        .unwrap();
+        let text = fs::read_to_string(path("before.json")).unwrap();
+        let mut netlist: Value = serde_json::from_str(&text).unwrap();
+        let moved = move_in(&mut netlist, top).unwrap();
+        assert_eq!((moved.products, moved.factors, moved.words), (2, 2, 1));
+        fs::write(path("after.json"), netlist.to_string()).unwrap();
+        area::yosys(&format!(
+            "read_json {}; {}",
+            path("after.json"),
+            written("registers_inside")
+        ))
+        .unwrap();
+        for name in ["registers_outside.v", "registers_inside.v"] {
+            let text = fs::read_to_string(path(name)).unwrap();
+            let text = text.replace(MULTIPLIER, "modelled_multiplier");
+            fs::write(path(name), text.replace(MEMORY, "modelled_memory")).unwrap();
+        }
+        // Yosys finds its own files beside its program.
+        let programs = std::env::var_os("PATH").unwrap();
+        let cells = std::env::split_paths(&programs)
+            .map(|folder| folder.join("../share/yosys/ecp5"))
+            .find(|folder| folder.join("cells_sim.v").exists())
+            .expect("Yosys' models of the ECP5's cells");
+        let bench = area::rtl().join("formal/ecp5_registers.sv");
+        let compiled = Command::new("iverilog")
+            .args(["-g2012", "-DSIMULATED", "-s", "registers_bench", "-o"])
+            .args([
+                path("bench"),
+                path("registers_outside.v"),
+                path("registers_inside.v"),
+            ])
+            .arg(cells.join("cells_sim.v"))
+            .arg("-I")
+            .arg(cells)
+            .arg(bench)
+            .output()
+            .unwrap();
+        assert!(compiled.status.success(), "{compiled:?}");
+        let said = Command::new("vvp").arg(path("bench")).output().unwrap();
+        let said = String::from_utf8(said.stdout).unwrap();
+        assert_eq!(said.trim(), "999 cycles, 0 wrong");
+    }
+}
