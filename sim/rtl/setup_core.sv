@@ -34,13 +34,14 @@ module setup_core (
   localparam BITS = splatline_setup_pkg::SLOT_BITS;
   localparam signed [17:0] NOTHING = -18'sd65535;  // exponent of 0
 
-  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot6, slot8, slot10, slot11, slot12, slot16, slot17, slot21, slot22;
+  splatline_setup_pkg::slot_t slot0, slot1, slot2, slot3, slot6, slot8, slot9, slot10, slot11, slot12, slot16, slot17, slot21, slot22;
   assign slot0 = slots[0+:BITS];
   assign slot1 = slots[1*BITS+:BITS];
   assign slot2 = slots[2*BITS+:BITS];
   assign slot3 = slots[3*BITS+:BITS];
   assign slot6 = slots[6*BITS+:BITS];
   assign slot8 = slots[8*BITS+:BITS];
+  assign slot9 = slots[9*BITS+:BITS];
   assign slot10 = slots[10*BITS+:BITS];
   assign slot11 = slots[11*BITS+:BITS];
   assign slot12 = slots[12*BITS+:BITS];
@@ -77,7 +78,7 @@ module setup_core (
   logic signed [51:0] b2, b3;
   logic signed [17:0] a_exponent2, a_exponent3, b_exponent2, b_exponent3;
   logic [54:0] entry3;
-  logic even2, even3;
+  logic even2;
   logic [8:0] index2;
   // A root's argument is halved where its exponent needs it to be even.
   assign even2 = a_exponent2[0];
@@ -91,12 +92,20 @@ module setup_core (
     {a_exponent2, a2} <= slot1.a_input ? {{6{item1[43]}}, item1[43:32], {32{item1[31]}}, item1[31:0]} : slot1.a_constant ? constant1 : register_a1;
     {b_exponent2, b2} <= slot1.b_constant ? {constant1[81:64], constant1[51:0]} : register_b1;
     {a3, a_exponent3, b3, b_exponent3} <= {a2, a_exponent2, b2, b_exponent2};
-    even3 <= even2;
     entry3 <= splatline_tables::setup_entry(index2);
   end
 
-  // 3: factors' magnitudes, or the plain term's.
-  logic signed [33:0] left3, right3;
+  // 2: the left factor. 3: factors' magnitudes, or the plain term.
+  logic signed [33:0] left2, left3, right3;
+  always_comb begin
+    left2 = a2[33:0];
+    case (slot2.lookup)
+      2'd1: left2 = {11'd0, a2[21:0], 1'b0};
+      2'd2: left2 = {18'd0, even2 ? a2[22:7] : a2[23:8]};
+      default: ;
+    endcase
+    if (slot2.power) left2 = {{16{a_exponent2[17]}}, a_exponent2} + 34'sd30;
+  end
   logic signed [63:0] value3;
   logic signed [17:0] exponent3;
   logic chosen3;
@@ -104,14 +113,7 @@ module setup_core (
   assign chosen3 = slot3.pick == 2'd1 ? a3[63] : flags[slot3.flag];
   assign half3 = (a_exponent3 + 18'sd32) >>> 1;  // half the power of two above a root's argument
   always_comb begin
-    left3 = a3[33:0];
     right3 = slot3.lookup == 0 ? b3[33:0] : {11'd0, entry3[22:0]};
-    case (slot3.lookup)
-      2'd1: left3 = {11'd0, a3[21:0], 1'b0};
-      2'd2: left3 = {18'd0, even3 ? a3[22:7] : a3[23:8]};
-      default: ;
-    endcase
-    if (slot3.power) left3 = {{16{a_exponent3[17]}}, a_exponent3} + 34'sd30;
 
     value3 = slot3.entry ? {32'd0, entry3[54:23]} : a3;
     exponent3 = slot3.plain && !slot3.scaled ? a_exponent3 : a_exponent3 + b_exponent3;
@@ -132,7 +134,8 @@ module setup_core (
   end
 
   logic [33:0] left4, right4;
-  logic [63:0] plain4, plain5, plain6, magnitude7;
+  logic signed [63:0] plain4;
+  logic [63:0] plain5, plain6, magnitude7;
   logic [67:0] product6;
   logic product_sign4, plain_sign4, sign4, sign5, sign6, negative7;
   logic negated4, is_plain4;
@@ -140,15 +143,17 @@ module setup_core (
   logic signed [17:0] second4, second5, second6, second7, second8;
   assign sign4 = (is_plain4 ? plain_sign4 : product_sign4) ^ negated4;
   always_ff @(posedge clk) begin
+    left3 <= left2;
     left4 <= left3[33] ? -left3 : left3;
     right4 <= right3[33] ? -right3 : right3;
-    plain4 <= value3[63] ? -value3 : value3;
+    plain4 <= value3;
     product_sign4 <= left3[33] ^ right3[33];
     plain_sign4 <= value3[63];
     negated4 <= slot3.negated;
     is_plain4 <= slot3.plain;
     {exponent4, second4} <= {exponent3, b_exponent3};
-    {plain5, sign5, exponent5, second5} <= {plain4, sign4, exponent4, second4};
+    plain5 <= plain_sign4 ? -plain4 : plain4;
+    {sign5, exponent5, second5} <= {sign4, exponent4, second4};
     {plain6, sign6, exponent6, second6} <= {plain5, sign5, exponent5, second5};
   end
   multiply #(.LEFT(34), .RIGHT(34)) multiplier (.clk, .advance(1'b1), .left(left4), .right(right4), .product(product6));
@@ -157,17 +162,18 @@ module setup_core (
   logic [63:0] magnitude8, magnitude9, magnitude10, magnitude11, magnitude12, magnitude13;
   logic negative8, negative9, negative10, negative11, negative12, negative13;
   logic [6:0] length8, length9, length10, length11, length12, length13;
-  logic signed [17:0] top8, largest8, largest9, unit8, unit9, unit10, unit11, unit12, unit13;
-  logic signed [17:0] step8;
+  logic signed [17:0] top8, largest8, largest9, based8, based9, unit9, unit10, unit11, unit12, unit13;
+  logic signed [17:0] step8, step9;
   assign step8 = {{11{slot8.step[6]}}, slot8.step};
   assign top8 = length8 == 0 ? -18'sd98304 : exponent8 + $signed({11'd0, length8});
   assign largest8 = slot8.first || top8 > largest9 ? top8 : largest9;
+  // The unit is the largest term's but for a step, taken off in the next cycle, or what its first term says.
+  assign unit9 = slot9.base != 0 ? based9 : largest9 - step9;
   always_comb begin
-    unit8 = largest8 - step8;
-    if (slot8.base != 0 && !slot8.first) unit8 = unit9;
-    else if (slot8.base == 2'd1) unit8 = exponent8 + step8;
-    else if (slot8.base == 2'd2) unit8 = step8;
-    else if (slot8.base == 2'd3) unit8 = second8;
+    based8 = second8;
+    if (!slot8.first) based8 = unit9;
+    else if (slot8.base == 2'd1) based8 = exponent8 + step8;
+    else if (slot8.base == 2'd2) based8 = step8;
   end
   always_ff @(posedge clk) begin
     magnitude7 <= slot6.plain ? plain6 : product6[63:0];
@@ -175,7 +181,7 @@ module setup_core (
     {magnitude8, negative8, exponent8, second8} <= {magnitude7, negative7, exponent7, second7};
     length8 <= splatline_math::length(magnitude7);
     {magnitude9, negative9, exponent9, length9} <= {magnitude8, negative8, exponent8, length8};
-    {largest9, unit9} <= {largest8, unit8};
+    {largest9, based9, step9} <= {largest8, based8, step8};
     {magnitude10, negative10, exponent10, length10, unit10} <= {magnitude9, negative9, exponent9, length9, unit9};
     {magnitude11, negative11, exponent11, length11, unit11} <= {magnitude10, negative10, exponent10, length10, unit10};
     {magnitude12, negative12, exponent12, length12, unit12} <= {magnitude11, negative11, exponent11, length11, unit11};

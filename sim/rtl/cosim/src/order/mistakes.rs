@@ -14,9 +14,12 @@ const STREAM: &str = "memory_stream.sv";
 
 /// The mistakes.
 #[rustfmt::skip]
-pub const MISTAKES: [Mutant; 23] = [
-    mutant("places read while they change", SORT, "follows <= moving && coming_digit == moved_digit", "follows <= 1'b0"),
-    mutant("every place follows the one before", SORT, "follows <= moving && coming_digit == moved_digit", "follows <= moving"),
+pub const MISTAKES: [Mutant; 26] = [
+    mutant("places read while they change", SORT, "follows <= (moving && waiting_digit == moving_digit) || (moved && waiting_digit == moved_digit)", "follows <= 1'b0"),
+    mutant("places read while the last but one changes", SORT, "follows <= (moving && waiting_digit == moving_digit) || (moved && waiting_digit == moved_digit)", "follows <= moving && waiting_digit == moving_digit"),
+    mutant("places read while the last one changes", SORT, "follows <= (moving && waiting_digit == moving_digit) || (moved && waiting_digit == moved_digit)", "follows <= moved && waiting_digit == moved_digit"),
+    mutant("every place follows the one before", SORT, "follows <= (moving && waiting_digit == moving_digit) || (moved && waiting_digit == moved_digit)", "follows <= moving"),
+    mutant("the place after the last one's, whatever the digit", SORT, "next_place <= moving && waiting_digit == moving_digit ? after : moved_after", "next_place <= moving ? after : moved_after"),
     mutant("a pass for a digit that all share is forgotten elsewhere", SORT, "if (counter == count) same_for_all <= 1;", "if (counter + 1'b1 >= count) same_for_all <= 1;"),
     mutant("a pass left out", SORT, "pass == PASS_BITS'(PASSES - 1) ? DONE", "pass == PASS_BITS'(PASSES - 2) ? DONE"),
     mutant("regions not exchanged", SORT, "side <= !side;", "side <= side;"),
@@ -25,7 +28,7 @@ pub const MISTAKES: [Mutant; 23] = [
     mutant("sums that count a value itself", SORT, "changed = sum;", "changed = sum + counter;"),
     mutant("splats counted by the digit before", SORT, "digit(key, PASS_BITS'(step - 1'b1))}", "digit(key, PASS_BITS'(step))}"),
     mutant("a pass does not wait for what was written", SORT, "      if (settled) begin", "      if (1'b1) begin"),
-    mutant("the first pass does not wait for what was written", SORT, "&& !summed && settled)", "&& !summed)"),
+    mutant("the first pass does not wait for what was written", SORT, "&& !summing && !summed && settled)", "&& !summing && !summed)"),
     mutant("splats moved without being written", SORT, "assign moves = !moving || write_ready;", "assign moves = 1'b1;"),
     mutant("a splat too few moved", SORT, "if (left == 1) begin", "if (left == 2) begin"),
     mutant("tiles of the picture before", BINS, "      CLEAR: begin\n        changes = 1;", "      CLEAR: begin\n        changes = 0;"),

@@ -22,7 +22,7 @@ const TABLES: &str = "splatline_tables.sv";
 
 /// The mistakes.
 #[rustfmt::skip]
-pub const MISTAKES: [Mutant; 48] = [
+pub const MISTAKES: [Mutant; 51] = [
     mutant("mantissas truncated", CORE, "34'sd1 <<< slot21.drop", "34'sd0 <<< slot21.drop"),
     mutant("mantissas' last bits kept", CORE, "-(34'sd2 <<< slot21.drop)", "-34'sd2"),
     mutant("carry of a mantissa dropped", CORE, "assign carried22 = rounded22[32]", "assign carried22 = 1'b0 && rounded22[32]"),
@@ -41,17 +41,20 @@ pub const MISTAKES: [Mutant; 48] = [
     mutant("terms taken off are added", CORE, "slot17.subtracted ?", "1'b0 ?"),
     mutant("terms negated too late", CORE, "product_sign4) ^ negated4", "product_sign4)"),
     mutant("roots of odd powers", CORE, "assign even2 = a_exponent2[0]", "assign even2 = 1'b1"),
-    mutant("a root's rest a bit short", CORE, "even3 ? a3[22:7]", "even3 ? {a3[22:8], 1'b0}"),
-    mutant("a reciprocal's rest a bit short", CORE, "a3[21:0], 1'b0}", "a3[21:1], 2'b0}"),
+    mutant("a root's rest a bit short", CORE, "even2 ? a2[22:7]", "even2 ? {a2[22:8], 1'b0}"),
+    mutant("a reciprocal's rest a bit short", CORE, "a2[21:0], 1'b0}", "a2[21:1], 2'b0}"),
     mutant("the other limit picked", CORE, "slot3.pick == 2'd1 ? a3[63]", "slot3.pick == 2'd1 ? !a3[63]"),
     mutant("one flag for all", CORE, "flags[slot3.flag]", "flags[1]"),
-    mutant("leading bit's power one off", CORE, "a_exponent3} + 34'sd30", "a_exponent3} + 34'sd29"),
+    mutant("leading bit's power one off", CORE, "a_exponent2} + 34'sd30", "a_exponent2} + 34'sd29"),
+    mutant("plain terms without their sign's effect", CORE, "plain_sign4 ? -plain4 : plain4", "plain4"),
+    mutant("a unit without its step", CORE, "largest9 - step9", "largest9"),
     mutant("negative factors", CORE, "right3[33] ? -right3 : right3", "right3"),
     mutant("both sides of the records one", CORE, "records[{side, slot0.a[3:1]}]", "records[{1'b0, slot0.a[3:1]}]"),
     mutant("difference a bit coarser", EYE, "top - 16'sd60", "top - 16'sd59"),
     mutant("the eye does not count for the unit", EYE, "top_z > eye_top ? top_z : eye_top", "top_z"),
+    mutant("the eye's second coordinate for its third", EYE, "turn_eye_y ? eye_y : eye_z", "eye_y"),
     mutant("components of -2^31", EYE, "32'h80000001 : value", "32'h80000000 : value"),
-    mutant("the last coordinate does not count", EYE, "phase == 1 || phase == 2 ? together |", "phase == 1 ? together |"),
+    mutant("the last coordinate does not count", EYE, "phase == 2 || phase == 3 ? together |", "phase == 2 ? together |"),
     mutant("difference not normalised", EYE, "drop <= $signed({9'd0, together_length})", "drop <= 16'sd1 + $signed({9'd0, together_length})"),
     mutant("the near plane itself is drawn", PACK, "same = a_leading == b_leading && a == b;", "same = 1'b0;"),
     mutant("behind the eye", PACK, "(perspective && (depth1[63] || depth_nothing))", "1'b0"),
@@ -67,7 +70,7 @@ pub const MISTAKES: [Mutant; 48] = [
     mutant("centres a bit too far out", PACK, "beyond(u2, 7'd58)", "beyond(u2, 7'd59)"),
     mutant("degenerate ones drawn", PACK, "degenerate2 ? 3'd4 :", ""),
     mutant("reasons in another order", PACK, "far2 ? 3'd2 : range ? 3'd3 :", "range ? 3'd3 : far2 ? 3'd2 :"),
-    mutant("conic's unit of two coefficients", PACK, "(largest > conic_exponent1 ? largest : conic_exponent1)", "largest"),
+    mutant("conic's unit of two coefficients", PACK, "largest0 > conic_exponent0 ? largest0 : conic_exponent0", "largest0"),
     mutant("results overwritten under back-pressure", UNIT, "&& pending[!round[0]]", "&& 1'b0"),
     mutant("a round's records of the next", UNIT, "load_side <= !load_side;", "load_side <= load_side;"),
     mutant("an entry of the reciprocals", TABLES, "9'd77: setup_entry = {32'd", "9'd77: setup_entry = {32'd1"),
