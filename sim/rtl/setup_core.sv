@@ -97,6 +97,7 @@ module setup_core (
 
   // 2: the left factor. 3: factors' magnitudes, or the plain term.
   logic signed [33:0] left2, left3, right3;
+  logic looks_up3;
   always_comb begin
     left2 = a2[33:0];
     case (slot2.lookup)
@@ -110,11 +111,11 @@ module setup_core (
   logic signed [17:0] exponent3;
   logic chosen3;
   logic signed [17:0] half3;
+  assign right3 = b3[33:0];
+  assign looks_up3 = slot3.lookup != 0;
   assign chosen3 = slot3.pick == 2'd1 ? a3[63] : flags[slot3.flag];
   assign half3 = (a_exponent3 + 18'sd32) >>> 1;  // half the power of two above a root's argument
   always_comb begin
-    right3 = slot3.lookup == 0 ? b3[33:0] : {11'd0, entry3[22:0]};
-
     value3 = slot3.entry ? {32'd0, entry3[54:23]} : a3;
     exponent3 = slot3.plain && !slot3.scaled ? a_exponent3 : a_exponent3 + b_exponent3;
     if (slot3.power) exponent3 = b_exponent3;
@@ -145,9 +146,10 @@ module setup_core (
   always_ff @(posedge clk) begin
     left3 <= left2;
     left4 <= left3[33] ? -left3 : left3;
-    right4 <= right3[33] ? -right3 : right3;
+    // A table's entry is never negative, and its memory is slow.
+    right4 <= looks_up3 ? {11'd0, entry3[22:0]} : right3[33] ? -right3 : right3;
     plain4 <= value3;
-    product_sign4 <= left3[33] ^ right3[33];
+    product_sign4 <= left3[33] ^ (right3[33] && !looks_up3);
     plain_sign4 <= value3[63];
     negated4 <= slot3.negated;
     is_plain4 <= slot3.plain;
