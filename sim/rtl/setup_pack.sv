@@ -163,18 +163,19 @@ module setup_pack (
       .result(aligned_out)
   );
 
-  // Does the opacity lie in the middle between two numbers? Then the even one is taken.
+  // Does the opacity lie in the middle between two numbers? Then the even one is taken. Distance, what is dropped and the answer have a cycle each.
   logic signed [17:0] peak_dropped;
-  logic peak_half;
-  assign peak_dropped = -peak_exponent1 - 18'(splatline_pkg::PEAK);
+  logic peak_half, peak_within;
   logic [31:0] peak_rest;
-  assign peak_rest = peak1 << (5'd0 - peak_dropped[4:0]);
   always_ff @(posedge clk) begin
     // The largest of three exponents, one comparison a cycle: two of them are there in phase 6, the third in phase 7.
     largest0 <= horizontal_exponent0 > cross_exponent0 ? horizontal_exponent0 : cross_exponent0;
     if (phase == 7) largest1 <= largest0 > conic_exponent0 ? largest0 : conic_exponent0;
     conic_unit <= largest1 + 18'(DROP);
-    peak_half <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31 && peak_rest == 32'h80000000;
+    peak_dropped <= -peak_exponent1 - 18'(splatline_pkg::PEAK);
+    peak_rest <= peak1 << (5'd0 - peak_dropped[4:0]);
+    peak_within <= peak_dropped >= 18'sd1 && peak_dropped <= 18'sd31;
+    peak_half <= peak_within && peak_rest == 32'h80000000;
     if (phase == 5) peak_fixed <= fixed_out;
     if (phase == 6) extent_u <= fixed_out;
     if (phase == 5) conic_a <= aligned_out[M-1:0];
