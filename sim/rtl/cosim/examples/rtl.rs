@@ -45,8 +45,8 @@ const USAGE: &str = "usage: rtl COMMAND
   setup distance   the same of the unit with distance scaling, under rules with a spacing
   setup distance mutants   programs with one mistake each in distance scaling
   setup units   reciprocal, root and logarithm of its cores for every mantissa of a design's width
-  setup area    LUT, FF, DSP and memory of the setup unit by Yosys (half an hour): calibrates the estimate, writes docs/setup-unit.md
-  setup area DESIGN CORES   the same for one unit alone, as 'of fit' 1
+  setup area    LUT, FF, DSP and memory of the setup unit by Yosys (an hour): calibrates the estimate, writes docs/setup-unit.md
+  setup area DESIGN CORES FAMILY   the same for one unit alone, as 'of fit' 1 'Xilinx 7'
   setup area page   docs/setup-unit.md again without synthesis
   order         sorter and binning against the kernel's order and the model's lists, five scenes and hard keys
   order ways    what the ways of sorting cost on five scenes, for docs/decisions/depth-order.md
@@ -103,10 +103,10 @@ fn main() -> ExitCode {
         ["setup", "units"] => setup_units(),
         ["setup", "area"] => setup::area::report(),
         ["setup", "area", "page"] => setup::area::page(),
-        ["setup", "area", design, cores] => cores
+        ["setup", "area", design, cores, family] => cores
             .parse()
             .context("a number of cores")
-            .and_then(|cores| setup::area::one(design, cores)),
+            .and_then(|cores| setup::area::one(design, cores, family)),
         ["machine"] => machine::report::print(128, None),
         ["machine", "distance"] => machine::report::print_distance(128, None),
         ["machine", "distance", scene] => machine::report::print_distance(128, Some(scene)),

@@ -55,11 +55,14 @@ What `rtl -- setup distance mutants` prints: programs with one mistake in distan
 ";
 const JUDGED_HEAD: &str = include_str!("../../setup-mutants-head.md");
 
-/// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012).
-const DEVICES: [(&str, Family, [u64; 3]); 1] = [("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744])];
+/// Devices by name: family, look-up tables, multipliers, kilobits of block memory, from their data sheets (FPGA-DS-02012, DS180).
+const DEVICES: [(&str, Family, [u64; 3]); 2] = [
+    ("LFE5U-85F", Family::Ecp5, [83_640, 156, 3_744]),
+    ("XC7A100T", Family::Xilinx7, [63_400, 240, 4_860]),
+];
 
-/// The family that is synthesised.
-const FAMILY: Family = Family::Ecp5;
+/// The families that are synthesised.
+const FAMILIES: [Family; 2] = [Family::Ecp5, Family::Xilinx7];
 
 /// Intervals on the page.
 const INTERVALS: [u32; 6] = [8, 10, 16, 20, 32, 64];
@@ -70,32 +73,40 @@ const UNSEEN: [(usize, u32); 3] = [(0, 2), (2, 1), (3, 1)];
 /// Synthesises all of them, and writes counts and page.
 pub fn report() -> Result<()> {
     let fitted = (0..2).flat_map(|place| FITTED_CORES.map(|cores| (place, cores)));
+    let circuits: Vec<_> = fitted.chain(UNSEEN).collect();
     let mut units = Vec::new();
-    for (place, cores) in fitted.chain(UNSEEN) {
-        units.push(synthesised_unit(&subjects()[place], cores)?);
+    for family in FAMILIES {
+        for (place, cores) in &circuits {
+            units.push(synthesised_unit(&subjects()[*place], *cores, family)?);
+        }
     }
     write_counts(units)
 }
 
 /// Synthesises one unit alone; its counts take the place of those of before, and the page is written again.
-pub fn one(design: &str, cores: u32) -> Result<()> {
+pub fn one(design: &str, cores: u32, family: &str) -> Result<()> {
     let subjects = subjects();
     let subject = subjects.iter().find(|subject| subject.name == design);
-    let unit = synthesised_unit(subject.context("no such design")?, cores)?;
+    let family = FAMILIES.into_iter().find(|each| each.name() == family);
+    let family = family.context("the family is ECP5 or 'Xilinx 7'")?;
+    let unit = synthesised_unit(subject.context("no such design")?, cores, family)?;
     let mut units = counts()?;
-    units.retain(|kept| (kept.design.as_str(), kept.cores) != (design, cores));
+    units.retain(|kept| {
+        (kept.design.as_str(), kept.cores, kept.family) != (design, cores, family)
+    });
     units.push(unit);
     write_counts(units)
 }
 
-/// Counts in the order of designs and cores, and the page of them.
+/// Counts in the order of families, designs and cores, and the page of them.
 fn write_counts(mut units: Vec<SetupUnit>) -> Result<()> {
     let subjects = subjects();
     let place = |unit: &SetupUnit| {
         let design = subjects
             .iter()
             .position(|subject| subject.name == unit.design);
-        (design, unit.cores)
+        let family = FAMILIES.iter().position(|family| *family == unit.family);
+        (family, design, unit.cores)
     };
     units.sort_by_key(place);
     atomic::write(COUNTS.as_ref(), to_csv(&units).as_bytes())?;
@@ -124,24 +135,29 @@ pub fn sources(folder: &Path, name: &str, widths: &Widths) -> Result<String> {
 }
 
 /// Hierarchy is kept, so that equal cores are synthesised once.
-fn synthesised_unit(subject: &Subject, cores: u32) -> Result<SetupUnit> {
+fn synthesised_unit(subject: &Subject, cores: u32, family: Family) -> Result<SetupUnit> {
     let folder = tempfile::tempdir()?;
     let Subject { name, widths } = subject;
     let read = sources(folder.path(), name, widths)?;
+    // Yosys flattens for Lattice's devices unless it is told not to, and for Xilinx' only if it is told to.
+    let hierarchy = match family {
+        Family::Xilinx7 => "",
+        _ => "-noflatten ",
+    };
     let script = format!(
-        "{read}; chparam -set CORES {cores} setup_unit; {} -noflatten -top setup_unit; flatten; opt_clean",
-        synthesis(FAMILY)
+        "{read}; chparam -set CORES {cores} setup_unit; {} {hierarchy}-top setup_unit; flatten; opt_clean",
+        synthesis(family)
     );
     let unit = SetupUnit {
         design: (*name).to_owned(),
         position: widths.position,
         mantissa: widths.mantissa,
         round: program(widths)?.round as u32,
-        family: FAMILY,
+        family,
         cores,
         fabric: synthesised_cells(&script, folder.path())?,
     };
-    eprintln!("{name} {} {cores}: {}", FAMILY.name(), unit.fabric);
+    eprintln!("{name} {} {cores}: {}", family.name(), unit.fabric);
     Ok(unit)
 }
 
@@ -164,9 +180,14 @@ fn text_of(units: &[SetupUnit]) -> Result<String> {
     let mut text = HEAD.to_owned();
     for unit in units {
         let seen = if unit.fitted() { "" } else { " ." };
-        let estimate = estimate(units, unit.family, unit.mantissa, unit.cores).context("lines")?;
+        // There are no lines before the circuits that they go through have been synthesised.
+        let estimate = estimate(units, unit.family, unit.mantissa, unit.cores);
         let cells = (0..4).map(|i| {
-            let (count, estimated) = (unit.fabric.resources()[i].1, estimate.resources()[i].1);
+            let count = unit.fabric.resources()[i].1;
+            let Some(estimate) = &estimate else {
+                return count.to_string();
+            };
+            let estimated = estimate.resources()[i].1;
             let error = 100.0 * (estimated as f64 / count.max(1) as f64 - 1.0);
             format!("{count} / {estimated} / {error:+.1} %")
         });
@@ -212,7 +233,9 @@ fn held(
 ) -> Result<String> {
     let round = program(widths)?.round as u32;
     let cores = cores(round, interval.max(LEAST_INTERVAL));
-    let setup = estimate(units, family, widths.mantissa, cores).context("lines")?;
+    let Some(setup) = estimate(units, family, widths.mantissa, cores) else {
+        return Ok(String::new());
+    };
     let lanes = synthesised()
         .into_iter()
         .find(|line| {
