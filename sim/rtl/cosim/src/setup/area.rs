@@ -91,9 +91,7 @@ pub fn one(design: &str, cores: u32, family: &str) -> Result<()> {
     let family = family.context("the family is ECP5 or 'Xilinx 7'")?;
     let unit = synthesised_unit(subject.context("no such design")?, cores, family)?;
     let mut units = counts()?;
-    units.retain(|kept| {
-        (kept.design.as_str(), kept.cores, kept.family) != (design, cores, family)
-    });
+    units.retain(|kept| (kept.design.as_str(), kept.cores, kept.family) != (design, cores, family));
     units.push(unit);
     write_counts(units)
 }
