@@ -1,7 +1,7 @@
 //! `splatline explore` with limits: the cheapest design and machine that hold them.
 
 use super::machine_args::{ExploreOptions, LimitOptions};
-use super::output::{self, create_folder, read_settings, write};
+use super::output::{Outputs, read_settings, write};
 use super::resolve::{Asked, COMPARED, KEPT, calibration, energy_table, part, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::explore::ask::limits::{Limit, Quantity};
@@ -55,20 +55,9 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         let message = "--shard and --no-error are for sweeps; with a limit the space is searched in one piece, and without a limit on the error none is drawn";
         return Err(Failure::Usage(message.to_owned()));
     }
+    let mut outputs = Outputs::default();
     if let Some(folder) = &options.output {
-        let mut inputs = options.view.inputs();
-        inputs.extend(options.more.others.clone());
-        inputs.extend(options.work.inputs());
-        inputs.extend(options.area.inputs());
-        let files = [
-            &options.energy.energy,
-            &options.space,
-            &options.machine.machine,
-            &options.path.camera_path,
-        ];
-        inputs.extend(output::files(files.map(Option::as_ref)));
-        output::check_folder(folder, &FILES, &inputs)?;
-        create_folder(folder)?;
+        outputs = outputs.folder(folder, &FILES)?;
     }
     let started = Instant::now();
     let limits = limits(options)?;
@@ -107,6 +96,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         }
         None => usual_space(&question.design, &question.machine, errors)?,
     };
+    outputs.spare_inputs()?;
     let progress = ProgressMeter::spinner("searching");
     let answer = ask(&question, &space, &|what| progress.doing(what))?;
     drop(progress);

@@ -2,7 +2,7 @@
 
 use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
-use super::output::{create_folder, read_settings, write};
+use super::output::{Outputs, create_folder, read_settings, write};
 use super::resolve::{
     Asked, COMPARED, KEPT, NamedFrame, calibration, energy_table, room_for_picture,
 };
@@ -32,9 +32,14 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     }
 }
 
+/// What a folder holds beside the tables of points.
+const FILES: [&str; 3] = ["sweep.json", "front.csv", "front.html"];
+
 /// Every point of the space.
 fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(), Failure> {
-    create_folder(output)?;
+    let outputs = Outputs::default()
+        .folder(output, &FILES)?
+        .folder(output, &[&table_name(options.shard)])?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
@@ -73,6 +78,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
         more,
     };
     let identity = Identity::new(&subject, &text, &settings(options, &space)?)?;
+    outputs.spare_inputs()?;
     folder::claim(output, &identity)?;
     let path = output.join(table_name(options.shard));
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;

@@ -55,6 +55,7 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch(command: Option<Command>) -> Result<(), Failure> {
+    crate::input::forget();
     match command {
         None => demo::run(),
         Some(Command::Render(options)) => render::run(&options),

@@ -2,7 +2,7 @@
 
 use super::fit;
 use super::machine_args::NeedsOptions;
-use super::output::{self, write};
+use super::output::{Outputs, write};
 use super::resolve::{Asked, NamedFrame};
 use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
@@ -15,16 +15,10 @@ use serde_json::{Map, json};
 use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
-    if let Some(path) = &options.json {
-        let mut inputs = options.view.inputs();
-        inputs.extend(options.work.inputs());
-        inputs.extend(options.more.others.clone());
-        inputs.extend(options.path.camera_path.clone());
-        inputs.extend(options.machine.machine.clone());
-        output::check(path, &["json"], &inputs)?;
-    }
+    let outputs = Outputs::default().json(options.json.as_ref())?;
     let asked = Asked::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
+    outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     for frame in frames {
         answers.push(one(&frame, options)?);
