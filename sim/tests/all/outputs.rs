@@ -28,7 +28,7 @@ fn scenes(folder: &Path) {
     write("d/answer.json", b"[machine]\nlanes = [1, 2]\n");
     write("d/timing.json", &seed("footprints.csv"));
     write("d/machine.toml", b"lanes = 2\n");
-    write("d/frames.json", &seed("path.toml"));
+    write("path.toml", &seed("path.toml"));
     write("d/design.toml", b"base = \"lean18\"\n");
 }
 
@@ -84,12 +84,15 @@ const CASES: &[(&str, Option<(&str, &str)>)] = &[
         Some(("scene.ply", "link.png")),
     ),
     (
-        "render sg --camera-path d/frames.json -o link.png",
-        Some(("d/frames.json", "link-0002.png")),
+        "render sg --camera-path path.toml -o link.png",
+        Some(("path.toml", "link-0002.png")),
     ),
     ("compare sg -o d", Some(("sg/meta.json", "d/report.json"))),
     ("compare sg -o d --json sg/meta.json", None),
-    ("compare sg -o d --camera-path d/frames.json", None),
+    (
+        "compare sg -o d --camera-path path.toml",
+        Some(("path.toml", "d/frames.json")),
+    ),
     (
         "footprints scene.gltf -o link.csv",
         Some(("scene.bin", "link.csv")),
