@@ -38,7 +38,12 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     }
     warn(&report.warnings);
     print_error(&if_layers_were_merged(comparison.merged));
-    print_error(&if_nothing_is_seen(&comparison.fixed, report));
+    print_error(&if_nothing_is_seen(
+        &comparison.fixed,
+        report,
+        Some(drawing.depth.steps()),
+        drawing.backdrop(),
+    ));
     print_result(&of_comparison(report, &options.output))
 }
 

@@ -211,13 +211,20 @@ impl Info {
         if let Some([least, greatest]) = &self.bounds {
             let _ = writeln!(text, "bounds     {} to {}", place(least), place(greatest));
         }
-        let _ = writeln!(
-            text,
-            "framed     ball of radius {:.6} around {}, {} strays outside",
-            self.ball.radius,
-            place(&self.ball.centre),
-            self.ball.strays
-        );
+        let _ = if self.ball.radius.is_finite() {
+            writeln!(
+                text,
+                "framed     ball of radius {:.6} around {}, {} strays outside",
+                self.ball.radius,
+                place(&self.ball.centre),
+                self.ball.strays
+            )
+        } else {
+            writeln!(
+                text,
+                "framed     no ball: coordinates are too large or too far apart to place a camera"
+            )
+        };
         let _ = writeln!(
             text,
             "up         {}, seen from {}",

@@ -88,7 +88,14 @@ fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
     let workload = prepared.workload()?;
     progress.doing("trying the depths of every FIFO");
     let peak_bits = plan.entry.design.widths.peak;
-    Ok(needs(&workload, &footprints, peak_bits, &plan.machine))
+    let alpha_max = splats.rules.alpha_max;
+    Ok(needs(
+        &workload,
+        &footprints,
+        peak_bits,
+        alpha_max,
+        &plan.machine,
+    ))
 }
 
 fn systems_text(systems: &[SystemVerdict]) -> String {

@@ -7,7 +7,7 @@ use super::output::{Outputs, write};
 use super::resolve::{Asked, COMPARED, DRAWN, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
-use crate::picture::{EXTENSIONS, Picture, PictureFormat};
+use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Look, Prepared};
 use crate::progress::ProgressMeter;
@@ -44,8 +44,21 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     drop(progress);
     warn(&report.warnings);
     print_error(&if_layers_were_merged(measured.drawing.merged));
-    print_error(&if_nothing_is_seen(picture, &report));
+    print_error(&if_nothing_is_seen(
+        picture,
+        &report,
+        steps(&options.output, drawing.depth),
+        drawing.backdrop(),
+    ));
     print_result(&of_drawing(&report))
+}
+
+/// Steps of a channel in the file; none if it holds numbers.
+fn steps(path: &Path, depth: Depth) -> Option<f64> {
+    match PictureFormat::of(path) {
+        Some(PictureFormat::Npy | PictureFormat::Exr) => None,
+        _ => Some(depth.steps()),
+    }
 }
 
 /// Writes a picture in the format that its name says.

@@ -27,7 +27,8 @@ fn scenes(folder: &Path) {
     write("d/front.csv", b"[machine]\nlanes = [1, 2]\n");
     write("d/answer.json", b"[machine]\nlanes = [1, 2]\n");
     write("d/timing.json", &seed("footprints.csv"));
-    write("d/machine.toml", b"lanes = 2\n");
+    write("d/machine.toml", &seed("machine.toml"));
+    write("d/action_counts.yaml", &seed("prices.toml"));
     write("path.toml", &seed("path.toml"));
     write("d/design.toml", b"base = \"lean18\"\n");
 }
@@ -114,10 +115,7 @@ const CASES: &[(&str, Option<(&str, &str)>)] = &[
     ),
     ("model --footprints d/timing.json -o d", None),
     ("model sg --machine d/machine.toml -o d", None),
-    (
-        "model sg -o d --energy d/action_counts.yaml",
-        Some(("d/machine.toml", "d/action_counts.yaml")),
-    ),
+    ("model sg -o d --calibration d/action_counts.yaml", None),
     (
         "model sg --machines -o d",
         Some(("sg/meta.json", "d/machines.json")),
@@ -130,11 +128,14 @@ const CASES: &[(&str, Option<(&str, &str)>)] = &[
 
 #[test]
 fn no_command_replaces_what_it_reads() {
+    let mut failed = Vec::new();
     for (line, link) in CASES {
         let folder = tempfile::tempdir().unwrap();
         scenes(folder.path());
         if let Some((file, name)) = link {
-            std::fs::hard_link(folder.path().join(file), folder.path().join(name)).unwrap();
+            let name = folder.path().join(name);
+            let _ = std::fs::remove_file(&name);
+            std::fs::hard_link(folder.path().join(file), name).unwrap();
         }
         let before = contents(folder.path());
         let output = Command::new(env!("CARGO_BIN_EXE_splatline"))
@@ -143,10 +144,13 @@ fn no_command_replaces_what_it_reads() {
             .output()
             .unwrap();
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(said.contains("would be destroyed"), "{line}: {said}");
-        assert!(matches!(output.status.code(), Some(1 | 2)), "{line}");
-        for (name, bytes) in before {
-            assert_eq!(std::fs::read(&name).unwrap(), bytes, "{line}: {name}");
+        let refused =
+            said.contains("would be destroyed") && matches!(output.status.code(), Some(1 | 2));
+        let changed =
+            |(name, bytes): (&String, &Vec<u8>)| std::fs::read(name).ok().as_ref() != Some(bytes);
+        if !refused || before.iter().any(changed) {
+            failed.push(format!("{line}: {said}"));
         }
     }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
