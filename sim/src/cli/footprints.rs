@@ -5,7 +5,7 @@
 
 use super::args::FootprintsOptions;
 use super::output::{Outputs, write};
-use super::resolve::Asked;
+use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::plan::{Engine, FootprintLine};
 use std::fmt::Write;
@@ -22,7 +22,7 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
     if options.engine == Engine::Exact {
         return Err(no_exact());
     }
-    let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
+    let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
     outputs.spare_inputs()?;
     if options.view.from.is_none() {
         prepared.plan.engine = options.engine;

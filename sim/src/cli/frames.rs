@@ -4,7 +4,7 @@ use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
 use super::output::{self, Outputs, create_folder, write};
 use super::render::{check_room, write_picture};
-use super::resolve::{Asked, COMPARED, NamedFrame, room_for_picture};
+use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::view_args::MoreScenes;
 use crate::machine::summary::Spread;
@@ -27,8 +27,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let drawing = &options.drawing;
-    let frames =
-        Asked::drawing(&options.view, drawing).frames(&options.path, &MoreScenes::default())?;
+    let frames = PlanRequest::drawing(&options.view, drawing)
+        .frames(&options.path, &MoreScenes::default())?;
     let mut outputs = Outputs::default().json(drawing.json.as_ref())?;
     for number in 1..=frames.len() {
         outputs = outputs.file(&numbered(&options.output, number), &EXTENSIONS)?;
@@ -69,7 +69,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 /// Every frame's pictures and report in a folder of its own.
 pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
+    let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let frames = asked.frames(&options.path, &MoreScenes::default())?;
     outputs
         .folder(&options.output, &["frames.json", "frames.html"])?

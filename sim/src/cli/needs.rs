@@ -3,7 +3,7 @@
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::output::{Outputs, write};
-use super::resolve::{Asked, NamedFrame};
+use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
@@ -16,7 +16,7 @@ use std::fmt::Write;
 
 pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
     let outputs = Outputs::default().json(options.json.as_ref())?;
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());

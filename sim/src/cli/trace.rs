@@ -2,7 +2,7 @@
 
 use super::machine_args::{TraceFormat, TraceOptions};
 use super::output::{Outputs, write};
-use super::resolve::Asked;
+use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::machine::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -35,7 +35,7 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
             options.first
         )));
     }
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let prepared = asked.prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
