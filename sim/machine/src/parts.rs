@@ -212,8 +212,8 @@ mod tests {
                     format!("{text}\n")
                 }
             });
-            let told = Parts::default().and("mine.toml", &changed.collect::<String>());
-            told.unwrap_err()
+            let printed = Parts::default().and("mine.toml", &changed.collect::<String>());
+            printed.unwrap_err()
         };
         // Every key of the part, by its own line.
         let start = mine.lines().position(|text| text == "[mine]").unwrap() + 1;
@@ -228,22 +228,22 @@ mod tests {
                 &["\" \"", "3", "true"]
             };
             for value in wrong {
-                let told = refused(index + 1, key, value);
+                let printed = refused(index + 1, key, value);
                 let place = format!("mine.toml:{}: mine.{key} = ", index + 1);
-                assert!(told.starts_with(&place), "{told}");
+                assert!(printed.starts_with(&place), "{printed}");
                 assert!(
-                    told.contains("allowed are") || told.contains("name the"),
-                    "{told}"
+                    printed.contains("allowed are") || printed.contains("name the"),
+                    "{printed}"
                 );
             }
             checked += 1;
         }
         assert_eq!(checked, 8, "all keys of a part");
         let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
-        let told = Parts::default().and("mine.toml", &unknown).unwrap_err();
+        let printed = Parts::default().and("mine.toml", &unknown).unwrap_err();
         assert!(
-            told.contains(&format!("line {line}")) && told.contains("lutts"),
-            "{told}"
+            printed.contains(&format!("line {line}")) && printed.contains("lutts"),
+            "{printed}"
         );
     }
 }

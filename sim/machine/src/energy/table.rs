@@ -324,12 +324,15 @@ mod tests {
                 _ => &["0", "-1", "nan", "inf", "1e9"],
             };
             for wrong in wrong {
-                let told = refused(wrong);
+                let printed = refused(wrong);
                 let place = format!("mine.toml:{}: ", index + 1);
-                assert!(told.starts_with(&place) && told.contains(key), "{told}");
                 assert!(
-                    told.contains("allowed") || told.contains("name the paper"),
-                    "{told}"
+                    printed.starts_with(&place) && printed.contains(key),
+                    "{printed}"
+                );
+                assert!(
+                    printed.contains("allowed") || printed.contains("name the paper"),
+                    "{printed}"
                 );
             }
             numbers += usize::from(value.parse::<f64>().is_ok());
