@@ -19,7 +19,7 @@ use splatline_sim::rules::Compositing;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The space, as `splatline explore --space` would read it.
+/// The space, as `splatline sweep --space` would read it.
 const SPACE: &str = "\
 [machine]
 lanes = [1, 2, 4, 8]
@@ -33,7 +33,7 @@ pub fn write_all(subjects: &[HardwareScene], folder: &Path) -> Result<(), Failur
     let space = Space::from_toml("layouts.toml", SPACE)?;
     let note = synthesis::statement(&Calibration::default());
     let mut text = format!(
-        "# The best lane layout\n\nPrinted by `{COMMAND} --only layouts`, which runs the sweep of layouts.toml ({} points) over each scene; `splatline explore SCENE --space docs/results/layouts.toml -o DIR` runs it over any other and writes all points as a page to sort and filter. For every number of \
+        "# The best lane layout\n\nPrinted by `{COMMAND} --only layouts`, which runs the sweep of layouts.toml ({} points) over each scene; `splatline sweep SCENE --space docs/results/layouts.toml -o DIR` runs it over any other and writes all points as a page to sort and filter. For every number of \
          lanes and layout: the point with the most covered pixels per cycle and lane (the machine otherwise is the default one), and the smallest \
          area that comes within 2 % of it. LUT, FF, DSP and memory are those of its raster unit ({note}).\n",
         space.points.len()
