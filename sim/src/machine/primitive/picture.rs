@@ -16,7 +16,7 @@ use super::{
     BEGINS, FRONT, Flights, PacketStamp, QUEUE, ROW, Ring, SETUP, SETUP_INTERVAL, SLOTS, SPLATS,
     TILE, Turns,
 };
-use crate::fast::lanes::{Floats, VectorLevel, VectorTask, dispatch};
+use crate::fast::lanes::{Doubles, Portable, VectorLevel, VectorTask, dispatch_vectors};
 use rayon::prelude::*;
 use splatline::footprint::Footprint;
 use splatline::format::Design;
@@ -96,7 +96,7 @@ fn one_tile<'a, D: Design, const LANES: usize>(
         units: units_of_tile,
         observe,
     };
-    dispatch(choice, band);
+    band.run_on(choice);
     units[0].cycles()
 }
 
@@ -121,16 +121,14 @@ fn all_tiles<D: Design + Sync, const LANES: usize>(
         let footprints = footprints
             .iter()
             .filter(|footprint| touches(footprint, &window));
-        dispatch(
-            choice,
-            PictureBand {
-                design,
-                footprints,
-                window,
-                units,
-                observe: |_| (),
-            },
-        );
+        let band = PictureBand {
+            design,
+            footprints,
+            window,
+            units,
+            observe: |_| (),
+        };
+        band.run_on(choice);
     });
     units.iter().map(BandUnit::cycles).collect()
 }
@@ -149,6 +147,19 @@ struct PictureBand<'u, D, I, O, const LANES: usize> {
     observe: O,
 }
 
+impl<'a, D, I, O, const LANES: usize> PictureBand<'_, D, I, O, LANES>
+where
+    D: Design,
+    I: Iterator<Item = &'a Footprint>,
+    O: FnMut(PacketStamp),
+{
+    fn run_on(self, choice: VectorLevel) {
+        if let Err(band) = dispatch_vectors(choice, self) {
+            band.run(Portable);
+        }
+    }
+}
+
 impl<'a, D, I, O, const LANES: usize> VectorTask for PictureBand<'_, D, I, O, LANES>
 where
     D: Design,
@@ -158,7 +169,7 @@ where
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) {
+    fn run<L: Doubles>(self, lanes: L) {
         let PictureBand {
             design,
             footprints,
