@@ -49,7 +49,7 @@ pub struct Clock {
 
 /// What a picture takes by the clock.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Pace {
+pub struct Throughput {
     /// The clock.
     pub clock: Clock,
     /// Cycles from one picture to the next.
@@ -136,16 +136,16 @@ impl Clock {
     }
 }
 
-impl Pace {
+impl Throughput {
     /// The pace of a picture with this timing.
-    pub fn new(timing: &Timing, config: &Config, clock: Clock) -> Pace {
+    pub fn new(timing: &Timing, config: &Config, clock: Clock) -> Throughput {
         let (cycles, limited_by) = interval(timing, config);
         let hertz = clock.mhz * MEGA;
         let seconds = cycles.max(1) as f64 / hertz;
         let moved = timing.memory.as_ref().map(|memory| memory.bytes_moved);
         let bytes = moved.unwrap_or(timing.bytes.all());
         let part = config.memory_part();
-        Pace {
+        Throughput {
             cycles_per_frame: cycles,
             limited_by,
             frames_per_s: seconds.recip(),
@@ -239,10 +239,10 @@ mod tests {
         }
     }
 
-    fn pace(config: &Config) -> Pace {
+    fn pace(config: &Config) -> Throughput {
         let design = DesignChoice::named("lean18").unwrap();
         let clock = Clock::of(config, &design.widths, Family::Xilinx7);
-        Pace::new(&timing(), config, clock)
+        Throughput::new(&timing(), config, clock)
     }
 
     #[test]
@@ -309,7 +309,7 @@ mod tests {
             &DesignChoice::named("lean18").unwrap().widths,
             Family::Xilinx7,
         );
-        let pace = Pace::new(&timing, &config, clock);
+        let pace = Throughput::new(&timing, &config, clock);
         assert_eq!(
             (pace.cycles_per_frame, pace.bytes_per_frame),
             (1_000, 16_000)
@@ -324,14 +324,14 @@ mod tests {
             read_bandwidth: 1_024,
             ..config
         };
-        assert_eq!(Pace::new(&timing, &wide, pace.clock.clone()), pace);
-        let told = config
+        assert_eq!(Throughput::new(&timing, &wide, pace.clock.clone()), pace);
+        let printed = config
             .set_words(&["overlap_frames=2".into()])
             .unwrap_err()
             .to_string();
         assert!(
-            told.contains("overlap_frames = 2: allowed is 1 with a memory part"),
-            "{told}"
+            printed.contains("overlap_frames = 2: allowed is 1 with a memory part"),
+            "{printed}"
         );
     }
 

@@ -5,7 +5,7 @@
 //! list entries, and after the sort a pass over those words fills the lists (`tile_binning.sv`).
 
 use super::config::{Config, Sorter};
-use super::workload::{Kept, Workload};
+use super::workload::{OrderChanges, Workload};
 use splatline::footprint::depth::KEY_BITS;
 
 /// Passes of the sort over so many entries.
@@ -62,7 +62,7 @@ pub(super) fn waits(config: &Config) -> u64 {
 }
 
 /// All entries anew; or what came by itself, and a pass over what stayed, came and left, which drops and merges.
-fn over_entries(config: &Config, entries: u64, kept: Option<Kept>) -> Vec<SortStep> {
+fn over_entries(config: &Config, entries: u64, kept: Option<OrderChanges>) -> Vec<SortStep> {
     let anew = |entries| SortStep {
         entries,
         passes: config.sort_passes.into(),

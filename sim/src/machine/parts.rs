@@ -157,9 +157,10 @@ impl Part {
 
 /// A part of a whole in words.
 fn share(some: f64, of: f64) -> String {
-    match of > 0.0 {
-        true => format!("{:.1} %", 100.0 * some / of),
-        false => format!("{some} of 0"),
+    if of > 0.0 {
+        format!("{:.1} %", 100.0 * some / of)
+    } else {
+        format!("{some} of 0")
     }
 }
 
@@ -204,12 +205,15 @@ mod tests {
         );
         let refused = |line: usize, key: &str, value: &str| {
             let lines = mine.lines().enumerate();
-            let changed = lines.map(|(index, text)| match index + 1 == line {
-                true => format!("{key} = {value}\n"),
-                false => format!("{text}\n"),
+            let changed = lines.map(|(index, text)| {
+                if index + 1 == line {
+                    format!("{key} = {value}\n")
+                } else {
+                    format!("{text}\n")
+                }
             });
-            let told = Parts::default().and("mine.toml", &changed.collect::<String>());
-            told.unwrap_err()
+            let printed = Parts::default().and("mine.toml", &changed.collect::<String>());
+            printed.unwrap_err()
         };
         // Every key of the part, by its own line.
         let start = mine.lines().position(|text| text == "[mine]").unwrap() + 1;
@@ -218,27 +222,28 @@ mod tests {
         let mut checked = 0;
         for (index, text) in keys {
             let key = text.split(" = ").next().unwrap();
-            let wrong: &[&str] = match COUNTS.iter().any(|(count, _)| *count == key) {
-                true => &["-1", "100000001", "1.5", "\"many\"", "nan"],
-                false => &["\" \"", "3", "true"],
+            let wrong: &[&str] = if COUNTS.iter().any(|(count, _)| *count == key) {
+                &["-1", "100000001", "1.5", "\"many\"", "nan"]
+            } else {
+                &["\" \"", "3", "true"]
             };
             for value in wrong {
-                let told = refused(index + 1, key, value);
+                let printed = refused(index + 1, key, value);
                 let place = format!("mine.toml:{}: mine.{key} = ", index + 1);
-                assert!(told.starts_with(&place), "{told}");
+                assert!(printed.starts_with(&place), "{printed}");
                 assert!(
-                    told.contains("allowed are") || told.contains("name the"),
-                    "{told}"
+                    printed.contains("allowed are") || printed.contains("name the"),
+                    "{printed}"
                 );
             }
             checked += 1;
         }
         assert_eq!(checked, 8, "all keys of a part");
         let unknown = mine.replacen("luts = 20800", "lutts = 20800", 1);
-        let told = Parts::default().and("mine.toml", &unknown).unwrap_err();
+        let printed = Parts::default().and("mine.toml", &unknown).unwrap_err();
         assert!(
-            told.contains(&format!("line {line}")) && told.contains("lutts"),
-            "{told}"
+            printed.contains(&format!("line {line}")) && printed.contains("lutts"),
+            "{printed}"
         );
     }
 }

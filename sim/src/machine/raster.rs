@@ -57,7 +57,7 @@ pub(super) struct RasterUnit {
     /// When the circuit takes a tile's first packet at the earliest: it draws one tile after the other, whatever the number of buffers. The first tile's
     /// own handshake takes a cycle.
     handed_over: u64,
-    pub prefetched_in_vain: u64,
+    pub prefetched_discarded: u64,
     pub cache: PacketCache,
 }
 
@@ -140,7 +140,7 @@ impl RasterUnit {
             ]),
             owed: 0,
             handed_over: 1,
-            prefetched_in_vain: 0,
+            prefetched_discarded: 0,
             cache: PacketCache::new(config.packet_cache),
         }
     }
@@ -261,7 +261,7 @@ impl RasterUnit {
         self.one_pair(bands, drawing.buffer, &mut at);
     }
 
-    /// Drops what was fetched in vain and writes the tile back.
+    /// Drops what was fetched and is not needed and writes the tile back.
     pub fn end<O: Observer, M: Memory>(
         &mut self,
         job: &TileJob,
@@ -455,8 +455,8 @@ impl RasterUnit {
     /// Packets of a finished tile that were already on their way.
     fn drop_prefetched<M: Memory>(&mut self, first: u64, left_out: &[PairWork], memory: &mut M) {
         let pairs = &left_out[..left_out.len().min(self.costs.prefetch)];
-        self.prefetched_in_vain += pairs.len() as u64;
-        memory.in_vain(self.number, &mut self.fetch, first, pairs);
+        self.prefetched_discarded += pairs.len() as u64;
+        memory.discarded(self.number, &mut self.fetch, first, pairs);
     }
 
     /// A tile is written back when its last pixel has been blended.

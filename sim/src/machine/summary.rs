@@ -1,6 +1,6 @@
 //! A timing as a table for people, and several of them as worst, 95th percentile and mean.
 
-use super::clock::Pace;
+use super::clock::Throughput;
 use super::memory::MemoryFacts;
 use super::memory::dram::DramCounts;
 use super::timing::Timing;
@@ -53,8 +53,8 @@ pub struct OverFrames {
 
 impl OverFrames {
     /// Over frames with their names; `named` must not be empty.
-    pub fn new(named: &[(&str, &Pace)]) -> OverFrames {
-        let over = |of: fn(&Pace) -> f64| Spread::of(named.iter().map(|(_, pace)| of(pace)));
+    pub fn new(named: &[(&str, &Throughput)]) -> OverFrames {
+        let over = |of: fn(&Throughput) -> f64| Spread::of(named.iter().map(|(_, pace)| of(pace)));
         let slower = named
             .iter()
             .max_by(|a, b| a.1.ms_per_frame.total_cmp(&b.1.ms_per_frame));
@@ -136,13 +136,13 @@ pub fn text(name: &str, timing: &Timing) -> String {
     let bytes = &timing.bytes;
     let _ = writeln!(
         text,
-        "bytes: splats read {}, harmonics {}, packets written {}, sorted {}, packets read {} (in vain {}), found in caches {} ({:.1} % of look-ups), pixels written {}",
+        "bytes: splats read {}, harmonics {}, packets written {}, sorted {}, packets read {} (discarded {}), found in caches {} ({:.1} % of look-ups), pixels written {}",
         bytes.splats_read,
         bytes.harmonics_read,
         bytes.packets_written,
         bytes.sort_moved,
         bytes.packets_read,
-        bytes.packets_in_vain,
+        bytes.packets_discarded,
         bytes.packets_cached,
         100.0 * timing.pixels.packet_hit_rate(),
         bytes.pixels_written

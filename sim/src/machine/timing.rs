@@ -87,7 +87,8 @@ pub struct Bytes {
     /// Packets that the raster phase found in its caches instead.
     pub packets_cached: u64,
     /// Of those that were read, packets of tiles that had finished before they could be used.
-    pub packets_in_vain: u64,
+    #[serde(rename = "packets_in_vain")]
+    pub packets_discarded: u64,
     /// Pixels written back.
     pub pixels_written: u64,
 }
@@ -262,9 +263,9 @@ fn phases<M: Memory>(
             + sorted,
         sort_moved: 2 * moves * u64::from(config.sorted_bytes()),
         sorted_read: sorted,
-        packets_read: (raster.pixels.pairs + raster.in_vain()) * entry - cached,
+        packets_read: (raster.pixels.pairs + raster.discarded()) * entry - cached,
         packets_cached: cached,
-        packets_in_vain: raster.in_vain() * entry,
+        packets_discarded: raster.discarded() * entry,
         pixels_written: raster.pixels_written * u64::from(config.pixel_bytes),
     };
     timing
@@ -387,8 +388,11 @@ impl Raster {
         }
     }
 
-    fn in_vain(&self) -> u64 {
-        self.units.iter().map(|unit| unit.prefetched_in_vain).sum()
+    fn discarded(&self) -> u64 {
+        self.units
+            .iter()
+            .map(|unit| unit.prefetched_discarded)
+            .sum()
     }
 }
 

@@ -526,7 +526,7 @@ fn judge_setup_mutants(part: &str) -> Result<()> {
 /// Judges the programs with a mistake in distance scaling, and that without.
 fn judge_programs() -> Result<()> {
     use setup::program_mistakes::{PROGRAM_MISTAKES, verdict};
-    splatline_rtl::switch::nothing_said(verdict(with_distance_scaling)?)?;
+    splatline_rtl::switch::expect_no_difference(verdict(with_distance_scaling)?)?;
     let judged = PROGRAM_MISTAKES
         .iter()
         .map(|mistake| (mistake.name.to_owned(), verdict(mistake.program)));

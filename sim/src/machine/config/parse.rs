@@ -386,9 +386,10 @@ fn unknown(place: &str, key: &str) -> ConfigError {
             let start: String = name.chars().take(3).collect();
             let near = FIELDS.iter().filter(|field| field.key.starts_with(&start));
             let keys: Vec<&str> = near.map(|field| field.key).collect();
-            match keys.is_empty() {
-                true => format!(": {}", known(key)),
-                false => format!(": did you mean {}?", keys.join(" or ")),
+            if keys.is_empty() {
+                format!(": {}", known(key))
+            } else {
+                format!(": did you mean {}?", keys.join(" or "))
             }
         }
     };
@@ -519,10 +520,10 @@ mod tests {
                     "# a machine\n\n[{}]\n{} = {value}\n",
                     field.section, field.key
                 );
-                let told = from_toml("m.toml", &text).unwrap_err().to_string();
+                let printed = from_toml("m.toml", &text).unwrap_err().to_string();
                 let place = format!("m.toml:4: {} = ", field.path());
-                assert!(told.starts_with(&place), "{told}");
-                assert!(told.ends_with(&field.allowed()), "{told}");
+                assert!(printed.starts_with(&place), "{printed}");
+                assert!(printed.ends_with(&field.allowed()), "{printed}");
                 let mut config = Config::default();
                 let word = format!("{}={}", field.key, value.trim_matches('"'));
                 if config.set_words(std::slice::from_ref(&word)).is_ok() {
@@ -539,11 +540,11 @@ mod tests {
             ("[memory]\npart = \"ddr3-1600-x16\"\n", 2),
             ("memory.part = 1\n", 1),
         ] {
-            let told = from_toml("m.toml", text).unwrap_err().to_string();
+            let printed = from_toml("m.toml", text).unwrap_err().to_string();
             let expected = format!(
                 "m.toml:{line}: unknown key 'memory.part': the memory is memory_part; the FPGA is the option --part"
             );
-            assert_eq!(told, expected);
+            assert_eq!(printed, expected);
         }
     }
 
@@ -573,15 +574,15 @@ mod tests {
         );
         assert!(message("x = \n").contains("line 1"));
         assert!(message("tile.tile_width = 9").contains("m.toml:1"));
-        let told = message("colour = 9");
+        let printed = message("colour = 9");
         assert!(
-            told.contains("m.toml:1: unknown key 'colour': the sections are tile, memory"),
-            "{told}"
+            printed.contains("m.toml:1: unknown key 'colour': the sections are tile, memory"),
+            "{printed}"
         );
-        let told = message("[buffer]\nhue = 3\n");
+        let printed = message("[buffer]\nhue = 3\n");
         assert!(
-            told.contains("[buffer] has tile_buffers, buffer_banks"),
-            "{told}"
+            printed.contains("[buffer] has tile_buffers, buffer_banks"),
+            "{printed}"
         );
     }
 }

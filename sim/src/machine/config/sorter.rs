@@ -33,7 +33,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_sorted_before_it_is_binned_is_refused_by_name() {
-        for (words, told) in [
+        for (words, printed) in [
             ("sort_bytes=8", "sort_bytes of 10 or more"),
             ("binning=exact", "binning = \"box\""),
             ("memory_part=ddr3-1600-x16", "memory_part = \"channels\""),
@@ -46,7 +46,10 @@ mod tests {
                 let words = [format!("sorter={sorter}"), words.to_owned()];
                 let error = config.set_words(&words).unwrap_err().to_string();
                 let sorter = format!("sorter = \"{sorter}\"");
-                assert!(error.contains(&sorter) && error.contains(told), "{error}");
+                assert!(
+                    error.contains(&sorter) && error.contains(printed),
+                    "{error}"
+                );
             }
         }
         assert_eq!(Config::named("machine-4"), Some(Config::machine(4)));

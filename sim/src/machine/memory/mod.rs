@@ -81,7 +81,7 @@ pub(super) trait Memory {
     /// The first cycle in which a raster unit could ask for its next packet.
     fn next_request(&self, unit: u32, fetch: &Account, free: u64) -> u64;
     /// Packets that were on their way when their tile had finished.
-    fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]);
+    fn discarded(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]);
     /// A tile's pixels; gives when writing them begins, and the buffer that becomes free.
     fn tile(&mut self, write_back: &mut Account, tile: &TileWrite) -> (u64, TileBuffer);
     /// The background of a tile without splats, for which nobody waits; gives the cycles for which it keeps the unit's write channel, which it takes when
@@ -272,7 +272,7 @@ impl Memory for Channels {
     }
 
     #[inline(always)]
-    fn in_vain(&mut self, _: u32, fetch: &mut Account, _: u64, pairs: &[PairWork]) {
+    fn discarded(&mut self, _: u32, fetch: &mut Account, _: u64, pairs: &[PairWork]) {
         fetch.work(pairs.len() as u64 * self.packet);
     }
 

@@ -218,7 +218,7 @@ impl Memory for Shared {
         free.max(self.readers[unit as usize].next)
     }
 
-    fn in_vain(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]) {
+    fn discarded(&mut self, unit: u32, fetch: &mut Account, first: u64, pairs: &[PairWork]) {
         for (pair, work) in (first..).zip(pairs) {
             let wanted = Wanted {
                 unit,

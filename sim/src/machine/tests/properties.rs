@@ -142,7 +142,7 @@ proptest! {
 
     #[test]
     fn bandwidth_and_depth_never_hurt(workload in workload(), config in machine(), key in 0usize..7, more in 1u32..9) {
-        // Without tile termination: with it, deeper packet FIFOs fetch more in vain.
+        // Without tile termination: with it, deeper packet FIFOs fetch more that is dropped.
         let config = Config { tile_termination: 0, ..config };
         let key = ["read_bandwidth", "write_bandwidth", "packet_fifo", "splat_fifo", "row_fifo", "setup_fifo", "tile_buffers"][key];
         let field = FIELDS.iter().find(|field| field.key == key).unwrap();

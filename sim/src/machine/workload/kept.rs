@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 /// Entries of all lists that changed from the picture before.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
-pub struct Kept {
+pub struct OrderChanges {
     /// Entries that the list of the picture before has not.
     pub came: u64,
     /// Entries of the list before that are gone.
@@ -49,7 +49,7 @@ impl Before<'_> {
     }
 
     /// What changed, of a picture in the order of its lists.
-    pub fn changes(&self, now: &Workload, rank: &[u32]) -> Kept {
+    pub fn changes(&self, now: &Workload, rank: &[u32]) -> OrderChanges {
         let new = Before {
             workload: now,
             exact: self.exact,
@@ -64,7 +64,7 @@ impl Before<'_> {
                 missing.count() as u64
             };
             let length = list.len() as u64;
-            Kept {
+            OrderChanges {
                 came: lacks(&old, &list),
                 left: lacks(&list, &old),
                 inversions: inversions(order),
@@ -72,7 +72,7 @@ impl Before<'_> {
             }
         };
         let all = (0..now.tiles.len()).into_par_iter().map(one);
-        all.reduce(Kept::default, |a, b| Kept {
+        all.reduce(OrderChanges::default, |a, b| OrderChanges {
             came: a.came + b.came,
             left: a.left + b.left,
             inversions: a.inversions + b.inversions,

@@ -10,7 +10,7 @@ mod room;
 mod table;
 
 pub use extract::{InOrder, extract, extract_from, extract_if_room, extract_in_order};
-pub use kept::Kept;
+pub use kept::OrderChanges;
 pub use room::room_for;
 pub use table::{TableError, TableOptions, read_table};
 
@@ -103,7 +103,7 @@ pub struct Workload {
     /// Bits in which the sort keys of visible splats differ; all where the keys are not known.
     pub key_bits: u64,
     /// What changed in the lists where they keep the order of the picture before; nothing where all is sorted anew.
-    pub kept: Option<Kept>,
+    pub kept: Option<OrderChanges>,
 }
 
 /// Sums over a workload.

@@ -62,8 +62,8 @@ fn long_work_is_told() {
     ] {
         let said = said(&line);
         for words in expected {
-            let told = said.iter().any(|line| line.contains(words));
-            assert!(told, "{line}: {words} is not in {said:?}");
+            let printed = said.iter().any(|line| line.contains(words));
+            assert!(printed, "{line}: {words} is not in {said:?}");
         }
     }
 }
@@ -76,15 +76,15 @@ fn a_single_picture_moves_the_bar() {
     let (camera, rules) = (synthetic::camera(200, 150), scene.natural_rules);
     let prepared = Prepared::of_splats(scene, camera, rules, design);
     let steps = Mutex::new(Vec::new());
-    let told = |done, of| steps.lock().unwrap().push((done, of));
+    let record = |done, of| steps.lock().unwrap().push((done, of));
     let kernel = || {
         let mut kernel = prepared.kernel(&prepared.plan.entry, None, true)?;
-        kernel.draw(&told)
+        kernel.draw(&record)
     };
     on_threads(2, kernel).unwrap().unwrap();
     let of_kernel = std::mem::take(&mut *steps.lock().unwrap());
     assert!(of_kernel.len() > 5, "{of_kernel:?}");
-    let reference = || prepared.draw_reference(Engine::Float, &told);
+    let reference = || prepared.draw_reference(Engine::Float, &record);
     on_threads(2, reference).unwrap().unwrap();
     let mut of_reference = steps.into_inner().unwrap();
     of_reference.sort();
