@@ -151,7 +151,7 @@ fn opening(levels: &[VectorLevel]) -> String {
          to single-precision pixels in memory; rest is what it has beside setup, sort and raster.\n\n(a) is the best that open CPU rasterizers do: square of three \
          sigmas, 16 x 16 tiles, order by radix sort of integer keys, a row's pixels in vectors with its constant terms computed once, an approximate exponential, \
          tiles left when they have finished; \"tight\" is the same with the box of the cut-off. \"textbook\" goes pixel by pixel with the library's `exp`. \
-         (b) has the kernel's spans, tiles, order and vectors, and a polynomial `exp`. docs/host-speed.md says how the kernel is drawn and which ways lost.\n",
+         (b) has the kernel's spans, tiles, order and vectors, and a polynomial `exp`. docs/speed.md says how the kernel is drawn and which ways lost.\n",
         names.join(" and ")
     )
 }
