@@ -3,7 +3,7 @@
 //! `SPLATLINE_WRITE_GOLDEN=1 cargo test -p splatline-machine golden` writes the table again; a line that changes needs its reason in the same commit.
 
 use super::super::area::{self, Family};
-use super::super::clock::{Clock, Pace};
+use super::super::clock::{Clock, Throughput};
 use super::super::energy::{self, EnergyTable};
 use super::super::histogram::Histograms;
 use super::super::lanes::{LaneShape, LaneWork};
@@ -126,7 +126,7 @@ fn row(words: &str, name: &str, design: &DesignChoice, workload: &Workload) -> S
     );
     for family in Family::ALL {
         let area = area::estimate(widths, traversal, &config, &family.calibration());
-        let pace = Pace::new(&timing, &config, Clock::of(&config, widths, family));
+        let pace = Throughput::new(&timing, &config, Clock::of(&config, widths, family));
         let resources = [area.raster, area.around].map(|fabric| fabric.resources());
         let luts = resources.map(|[(_, luts), ..]| luts);
         let area = serde_json::json!([area.raster, area.around, area.weight]);
