@@ -90,7 +90,7 @@ fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), F
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?;
-    let outcomes = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let outcomes = others::run_all(&splats.without_points(), &energy_table(&options.energy)?)?;
     let (table, note) = (others::table_of(&outcomes), others::note());
     print_result(&format!("{table}\n{note}"))?;
     if let Some(folder) = &options.output {

@@ -23,7 +23,7 @@ use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
 use crate::fixed;
 use crate::hybrid::Hybrid;
-use crate::machine::Config;
+use crate::machine::{Config, others};
 use crate::reference::formats::{self, FloatFormat};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
@@ -182,6 +182,16 @@ pub struct Splats<'a> {
 }
 
 impl<'a> Splats<'a> {
+    /// What machines of others are compared on: they draw no points.
+    pub fn without_points(&self) -> others::Splats<'a> {
+        others::Splats {
+            scene: self.scene,
+            camera: self.camera,
+            rules: self.rules,
+            compositing: self.compositing,
+        }
+    }
+
     /// What the kernel is told.
     pub fn options(&self, entry: &'a DesignVariant) -> fixed::Options<'a> {
         fixed::Options {
