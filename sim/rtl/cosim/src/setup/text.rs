@@ -8,6 +8,7 @@ use super::assemble::{
 use super::program::{SetupProgram, low_bits, program};
 use anyhow::{Context, Result, ensure};
 use splatline::format::Widths;
+use splatline::setup::axis_bits;
 use std::fmt::Write;
 
 /// The slot's type.
@@ -89,7 +90,7 @@ pub fn with_program(name: &str, widths: &Widths, program: SetupProgram) -> Resul
 
 fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     let out = program.latency();
-    let rows: [(&str, i64, &str); 10] = [
+    let rows: [(&str, i64, &str); 11] = [
         (
             "POSITION",
             widths.position.into(),
@@ -100,6 +101,11 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
             "MANTISSA",
             widths.mantissa.into(),
             "magnitude bits of a mantissa",
+        ),
+        (
+            "AXIS_DROP",
+            31 - i64::from(axis_bits(widths)),
+            "bits of an axis' components that are 0",
         ),
         ("ROUND", program.round as i64, "cycles of a round"),
         (
