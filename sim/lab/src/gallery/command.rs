@@ -1,7 +1,7 @@
 //! `splatline-lab gallery`: exhibits of the papers' systems as pictures and numbers, one page per collection.
 
-use super::options::{Collection, GalleryOptions};
-use splatline_lab::gallery::{Exhibit, deep, kernels, page, sheet, surface, texture};
+use super::{Exhibit, deep, kernels, page, sheet, surface, texture};
+use clap::{Args, ValueEnum};
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
@@ -9,6 +9,83 @@ use splatline_sim::picture::Depth;
 use splatline_sim::progress::ProgressMeter;
 use std::path::{Path, PathBuf};
 
+/// What the help ends with.
+pub const GALLERY_EXAMPLES: &str = "\
+Examples:
+  splatline-lab gallery all -o docs/gallery
+  splatline-lab gallery surface -o docs/gallery/surface
+  splatline-lab gallery kernels -o docs/gallery/kernels
+  splatline-lab gallery kernels --only antialias -o out
+
+Groups of kernels: shapes, antialias, spheres, hybrid, stamps; of deep: alpha, sheets; of texture: checkerboard, terrain, warp, plane.";
+
+/// What is drawn, and where to.
+#[derive(Debug, Args)]
+pub struct GalleryOptions {
+    /// Which collection
+    #[arg(value_enum)]
+    pub collection: Collection,
+    /// One group of the collection only
+    #[arg(long, value_name = "GROUP")]
+    pub only: Option<String>,
+    /// Folder that holds the data sets, such as volumes/aneurism.nhdr
+    #[arg(long, value_name = "dir", default_value = "../shared/data")]
+    pub data: PathBuf,
+    /// Folder to write README.md and the pictures into
+    #[arg(short, long, value_name = "dir")]
+    pub output: PathBuf,
+}
+
+/// A collection of exhibits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Collection {
+    /// Surface splats, layers, edges, deferred shading
+    Surface,
+    /// Kernels, antialiasing, spheres, hybrid points, stamps
+    Kernels,
+    /// Deep alpha channel, sheet buffers
+    Deep,
+    /// Texture coefficients, height field with photograph, warped depth images
+    Texture,
+    /// All of them, each in a folder of its name
+    All,
+}
+
+impl Collection {
+    /// The collections that are pages of their own.
+    pub const PAGES: [Collection; 4] = [
+        Collection::Surface,
+        Collection::Kernels,
+        Collection::Deep,
+        Collection::Texture,
+    ];
+
+    /// Name on the command line and of the folder in docs/gallery.
+    pub fn name(self) -> &'static str {
+        match self {
+            Collection::Surface => "surface",
+            Collection::Kernels => "kernels",
+            Collection::Deep => "deep",
+            Collection::Texture => "texture",
+            Collection::All => "all",
+        }
+    }
+
+    /// The page's heading.
+    pub fn title(self) -> &'static str {
+        match self {
+            Collection::Surface => "Gallery: surface splats",
+            Collection::Kernels => {
+                "Gallery: kernels, antialiasing, hybrid points, spheres and stamps"
+            }
+            Collection::Deep => "Gallery: deep alpha and sheet buffers",
+            Collection::Texture => "Gallery: texture and image warping",
+            Collection::All => "Gallery",
+        }
+    }
+}
+
+/// Makes the collections asked for.
 pub fn run(options: &GalleryOptions) -> Result<(), Failure> {
     if options.collection != Collection::All {
         return make(options, options.collection, &options.output);

@@ -1,6 +1,6 @@
 //! The page of systems: where each lives, and its error in fixed point against float as the gallery measures it.
 
-use super::{COMMAND, ResultPage};
+use super::Page;
 use crate::gallery::Exhibit;
 use crate::gallery::surface::GalleryError;
 use crate::gallery::{deep, kernels, surface, texture};
@@ -12,7 +12,7 @@ use std::path::Path;
 const BARS: (f64, f64) = (60.0, 5e-4);
 
 /// Makes all exhibits and reads every system's worst comparison from them.
-pub fn page(data: &Path) -> Result<ResultPage, GalleryError> {
+pub fn page(data: &Path) -> Result<Page, GalleryError> {
     let mut exhibits = surface::surface(data)?;
     exhibits.extend(kernels::kernels(data));
     for name in deep::NAMES {
@@ -21,10 +21,9 @@ pub fn page(data: &Path) -> Result<ResultPage, GalleryError> {
     for name in texture::NAMES {
         exhibits.extend(texture::some(data, name)?);
     }
-    Ok(ResultPage {
-        file: "systems.md",
-        text: text(&exhibits),
-    })
+    let mut page = Page::new("systems", "The systems of the papers");
+    page.add(text(&exhibits));
+    Ok(page)
 }
 
 /// PSNR, largest error and bias: the worst of each over a system's comparisons.
@@ -37,7 +36,7 @@ struct Worst {
 
 fn text(exhibits: &[Exhibit]) -> String {
     let mut text = format!(
-        "# The systems of the papers\n\nPrinted by `{COMMAND} --only systems`. Errors are fixed point in `standard24` against the float counterpart, the worst \
+        "Errors are fixed point in `standard24` against the float counterpart, the worst \
          of the system's comparisons in its exhibits; the bar is at least {} dB and at most {:.0e} of bias. Files are those of `src` unless they begin with \
          `sim`, references are in `sim/reference/src/engines`.\n\n\
          | # | system | source | files | reference | exhibits | PSNR dB | largest error | bias | bar |\n|---|---|---|---|---|---|---|---|---|---|\n",
