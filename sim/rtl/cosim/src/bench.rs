@@ -1,6 +1,6 @@
 //! The bench: drives tiles through the verilated primitive, with or without back-pressure, and counts cycles.
 
-use crate::model::{Inputs, Missing, Model, Outputs, Packet, RESET_CYCLES, ReadOut};
+use crate::model::{Inputs, Missing, Model, Outputs, RESET_CYCLES};
 use crate::package::table;
 use crate::roots::Roots;
 use crate::stamps::Stamps;
@@ -179,28 +179,6 @@ impl Bench {
             roots,
             broken: self.broken.take(),
         })
-    }
-
-    /// A tile's packets, as [`Bench::draw_at_once`] takes them.
-    pub fn encoded(&self, tile: &BenchTile, footprints: &[Footprint]) -> Vec<Packet> {
-        let footprint = |index: &u32| &footprints[*index as usize];
-        let encode = |index| self.layout.encode(footprint(index));
-        tile.list.iter().map(encode).collect()
-    }
-
-    /// Draws a tile as fast as the simulation goes, without looking into the circuit: fills in the window's pixels and gives the cycles from
-    /// the first packet's handshake to the last packet's last pixel.
-    pub fn draw_at_once(
-        &mut self,
-        tile: &BenchTile,
-        packets: &[Packet],
-        pixels: &mut [ReadOut],
-    ) -> Result<u64, String> {
-        let offer = self.tile_offer(tile);
-        let drawn = self.model.draw(&offer, packets, pixels);
-        drawn
-            .map(|drawn| drawn.raster_cycles)
-            .ok_or_else(|| "the circuit hangs".to_owned())
     }
 
     fn packets(

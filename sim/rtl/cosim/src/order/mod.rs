@@ -6,4 +6,3 @@ pub mod circuit;
 pub mod loads;
 pub mod mistakes;
 pub mod model;
-pub mod study;
