@@ -180,7 +180,7 @@ fn axis(
             return Err(source.wrong(section, key, problem));
         };
         if field.key == "sort_every" {
-            let problem = "no point of a space keeps an order: `model` with a --camera-path and --set sort_every=N does";
+            let problem = "no point of a space keeps an order: `simulate` with a --camera-path and --set sort_every=N does";
             return Err(source.wrong(section, key, problem));
         }
         if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {
@@ -422,8 +422,8 @@ mod tests {
         ] {
             let range =
                 format!("[machine]\nlatency = {{ from = {from}, to = {to}, step = {step} }}\n");
-            let told = message(&range);
-            assert!(told.contains("s.toml:2: latency: "), "{told}");
+            let printed = message(&range);
+            assert!(printed.contains("s.toml:2: latency: "), "{printed}");
         }
         assert!(message("sample = \"latin\"\ncount = 0\n").contains("s.toml:2: count"));
     }

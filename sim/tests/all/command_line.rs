@@ -86,10 +86,10 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 18] = [
+const PRINTING: [&[&str]; 19] = [
     &["--help"],
     &["--version"],
-    &["model", "--help"],
+    &["simulate", "--help"],
     &["render", "random:9", "--size", "8x8", "-o", "OUT/a.png"],
     &["render", "random:9", "--size", "8x8", "-o", "-"],
     &["info", "random:9"],
@@ -105,11 +105,12 @@ const PRINTING: [&[&str]; 18] = [
         "OUT/compare",
     ],
     &["footprints", "random:9", "--size", "8x8", "-o", "OUT/f.csv"],
-    &["model", "random:9", "--size", "8x8"],
-    &["needs", "random:9", "--size", "8x8"],
+    &["simulate", "random:9", "--size", "8x8"],
+    &["profile", "random:9", "--size", "8x8"],
     &["fit", "random:9", "--size", "8x8", "--max-error", "0.5"],
+    &["optimize", "random:9", "--size", "8x8", "--fps", "1"],
     &[
-        "explore",
+        "sweep",
         "random:9",
         "--size",
         "8x8",
@@ -165,11 +166,11 @@ fn output_that_fails_fails_and_a_reader_that_left_does_not() {
     for arguments in PRINTING {
         let full = std::fs::File::create("/dev/full").unwrap();
         let output = with_output(arguments, folder.path(), full.into());
-        let told = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
+        let printed = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {printed}");
         assert!(
-            told.contains("cannot write to the standard output"),
-            "{arguments:?}: {told}"
+            printed.contains("cannot write to the standard output"),
+            "{arguments:?}: {printed}"
         );
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -206,9 +207,9 @@ fn every_command_is_tried_with_a_full_disk() {
 /// What must be refused with a message, whatever it asks for.
 fn refused(code: i32, arguments: &[&str], expected: &str) {
     let output = splatline(arguments);
-    let told = stderr(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
-    assert!(told.contains(expected), "{arguments:?}: {told}");
+    let printed = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {printed}");
+    assert!(printed.contains(expected), "{arguments:?}: {printed}");
 }
 
 /// Coordinates of which squares, sums or differences overflow: no camera can be placed, and nothing is drawn from none.
@@ -228,9 +229,9 @@ fn absurd_coordinates_are_refused() {
                 let output = splatline(&[
                     "render", &scene, "--as", "surface", "--engine", engine, "-o", &picture,
                 ]);
-                let told = stderr(&output);
-                assert_eq!(output.status.code(), Some(1), "{scene} {huge}: {told}");
-                assert!(told.contains(&scene), "{scene}: {told}");
+                let printed = stderr(&output);
+                assert_eq!(output.status.code(), Some(1), "{scene} {huge}: {printed}");
+                assert!(printed.contains(&scene), "{scene}: {printed}");
             }
         }
     }
@@ -280,7 +281,7 @@ fn what_does_not_fit_into_memory_is_refused() {
         "layout=rows",
     ];
     let set = machine.iter().flat_map(|word| ["--set", word]);
-    let model: Vec<&str> = ["model", "random:9"].into_iter().chain(set).collect();
+    let model: Vec<&str> = ["simulate", "random:9"].into_iter().chain(set).collect();
     refused(
         2,
         &model,
@@ -303,11 +304,11 @@ fn what_does_not_fit_into_memory_is_refused() {
             .args(command)
             .output()
             .unwrap();
-        let told = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{command:?}: {told}");
+        let printed = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{command:?}: {printed}");
         assert!(
-            told.contains("MB are available: give a smaller --size"),
-            "{told}"
+            printed.contains("MB are available: give a smaller --size"),
+            "{printed}"
         );
     }
 }
@@ -333,10 +334,10 @@ fn pipes_and_devices_are_no_settings() {
             &["render", "random:9", "-o", "OUT.png", "--camera"][..],
             &["render", "demo", "-o", "OUT.png", "--transfer"],
             &["render", "random:9", "-o", "OUT.png", "--design"],
-            &["model", "random:9", "--machine"],
-            &["model", "random:9", "--calibration"],
-            &["model", "--footprints"],
-            &["explore", "random:9", "-o", "OUT.d", "--space"],
+            &["simulate", "random:9", "--machine"],
+            &["simulate", "random:9", "--calibration"],
+            &["simulate", "--footprints"],
+            &["sweep", "random:9", "-o", "OUT.d", "--space"],
             &["render", "--as", "surface", "-o", "OUT.png"],
             &["render", "-o", "OUT.png"],
         ] {
@@ -371,10 +372,10 @@ fn an_empty_picture_says_why() {
         }
         let output = splatline(&arguments);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let told = stderr(&output);
+        let printed = stderr(&output);
         assert!(
-            told.contains("the picture is empty: of ") && told.contains("culled"),
-            "{told}"
+            printed.contains("the picture is empty: of ") && printed.contains("culled"),
+            "{printed}"
         );
     }
     let seen = splatline(&["render", "random:9", "--size", "16x16", "-o", &picture]);
@@ -391,7 +392,7 @@ fn info_tells_what_is_in_a_scene() {
     )
     .unwrap();
     let output = splatline(&["info", cloud.to_str().unwrap()]);
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     for expected in [
         "points of a surface",
@@ -400,7 +401,7 @@ fn info_tells_what_is_in_a_scene() {
         "up         +z",
         "radius ",
     ] {
-        assert!(told.contains(expected), "{expected}: {told}");
+        assert!(printed.contains(expected), "{expected}: {printed}");
     }
     let output = splatline(&["info", "random:100", "--json", "-"]);
     let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -544,8 +545,8 @@ fn a_files_order_is_honoured_or_refused() {
     for order in ["depth", "distance"] {
         let scene = path(&format!("{order}.glb"));
         let info = splatline(&["info", &scene]).stdout;
-        let told = String::from_utf8_lossy(&info).into_owned();
-        assert!(told.contains(&format!("sorted by {order}")), "{told}");
+        let printed = String::from_utf8_lossy(&info).into_owned();
+        assert!(printed.contains(&format!("sorted by {order}")), "{printed}");
         run(&["render", &scene, "-o", &path("x.png")]);
         run(&["model", &scene]);
         let (fixed, float) = (depths(&scene, "fixed"), depths(&scene, "float"));

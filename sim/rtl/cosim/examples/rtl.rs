@@ -28,7 +28,7 @@ const USAGE: &str = "usage: rtl COMMAND
                 scaling), tables (reciprocal, root and logarithm of setup), order, harmonics, machine, frames-distance (machine with distance scaling)
   mutations [UNIT [PART]]   is every mutation noticed, or those of a unit, or those whose name contains PART?
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mutation
-  area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/src/machine/area/synthesised.csv (18 minutes) and setup.csv (an hour)
+  area primitive|setup [DESIGN]   LUT, FF, DSP and memory by Yosys: sim/machine/src/area/synthesised.csv (18 minutes) and setup.csv (an hour)
   area order|harmonics            the same of these units for the ECP5
   fmax WORDS [SEED]   clock by nextpnr on the ECP5 of circuits whose name contains WORDS, as 'lean18 splat_primitive', in lines of placed.csv
   bitstream DESIGN LANES FILE     the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack

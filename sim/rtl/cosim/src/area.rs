@@ -1,7 +1,7 @@
 //! Area: what Yosys makes of the units for three families of FPGAs.
 //!
 //! `rtl -- area primitive` and `rtl -- area setup` print the tables that the model's estimate is calibrated on and held against
-//! (`sim/src/machine/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
+//! (`sim/machine/src/area/synthesised.csv` and `setup.csv`); `rtl -- area UNIT` counts the cells of another unit.
 
 use crate::circuit::{Circuit, PRIMITIVE, RtlUnit, SETUP};
 use crate::tools::yosys;

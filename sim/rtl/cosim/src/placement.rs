@@ -315,7 +315,7 @@ mod tests {
     #[test]
     fn the_models_clocks_are_medians_of_what_was_placed() {
         let placed = include_str!("../placed.csv");
-        let clocks = include_str!("../../../src/machine/clock/placed.csv");
+        let clocks = include_str!("../../../machine/src/clock/placed.csv");
         for clock in clocks.lines().skip(1) {
             let mut fields = clock.split(',');
             let name = format!(

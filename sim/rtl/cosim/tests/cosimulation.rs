@@ -288,6 +288,11 @@ mod with_verilator {
     #[ignore = "verilates and compiles setup units: minutes; also `cargo run -p splatline-rtl --example rtl -- mutations`"]
     fn every_mutation_of_the_setup_unit_is_noticed() {
         every("setup");
+    }
+
+    #[test]
+    #[ignore = "draws every argument: a minute; also `cargo run -p splatline-rtl --example rtl -- mutations`"]
+    fn mutations_without_effect_have_none() {
         every("setup without effect");
     }
 

@@ -33,7 +33,7 @@ pub fn page(subjects: &[HardwareScene]) -> Result<(String, Vec<(String, String)>
     );
     for subject in subjects {
         let splats = splats(subject);
-        let outcomes = others::run_all(&splats, &EnergyTable::default())?;
+        let outcomes = others::run_all(&splats.without_points(), &EnergyTable::default())?;
         writeln!(
             text,
             "\n## {}\n\n{}",
@@ -45,7 +45,7 @@ pub fn page(subjects: &[HardwareScene]) -> Result<(String, Vec<(String, String)>
         text += &flow(&workload, &design)?;
         text += &memories(&workload)?;
         if subject.name == PLOTTED {
-            text += "\nWhere the cycles of `primitive-4` go, which `splatline model -o` writes for any machine and scene:\n\n";
+            text += "\nWhere the cycles of `primitive-4` go, which `splatline simulate -o` writes for any machine and scene:\n\n";
             for plot in cycles(&workload) {
                 let file = format!("machines-{PLOTTED}-{}.svg", plot.file);
                 writeln!(text, "![{}]({file})\n", plot.title)?;
