@@ -107,7 +107,7 @@ pub struct Term {
 /// Where a sum's last bit lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// So many bits below the largest term's leading bit; at most four terms.
+    /// So many bits below the end of the largest term's format; at most four terms, of normalised factors.
     Below(i32),
     /// So many powers above the first term's exponent.
     First(i32),

@@ -8,6 +8,7 @@ use super::assemble::{
 use super::program::{SetupProgram, low_bits};
 use anyhow::{Result, ensure};
 use splatline::format::Widths;
+use splatline::setup::axis_bits;
 use std::fmt::Write;
 
 /// The slot's type.
@@ -84,7 +85,7 @@ pub fn text(name: &str, widths: &Widths, program: SetupProgram) -> Result<String
 
 fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     let out = program.latency();
-    let rows: [(&str, i64, &str); 10] = [
+    let rows: [(&str, i64, &str); 11] = [
         (
             "POSITION",
             widths.position.into(),
@@ -95,6 +96,11 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
             "MANTISSA",
             widths.mantissa.into(),
             "magnitude bits of a mantissa",
+        ),
+        (
+            "AXIS_DROP",
+            31 - i64::from(axis_bits(widths)),
+            "bits of an axis' components that are 0",
         ),
         ("ROUND", program.round as i64, "cycles of a round"),
         (
