@@ -7,7 +7,7 @@
 //! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a register is written again only
 //! by a slot that is issued after the old value's last reader, and the sequencer may pause between any two rounds.
 
-use crate::workload::split_mix;
+use crate::random::split_mix;
 use anyhow::{Context, Result, ensure};
 use std::collections::HashMap;
 
