@@ -6,7 +6,7 @@
 
 use super::kept::{self, OrderReuse, ReusedOrderFrame};
 use super::machine_args::ModelOptions;
-use super::output::{self, create_folder, write};
+use super::output::{self, Outputs, write};
 use super::resolve::{
     NamedFrame, PlanRequest, calibration, energy_table, machine, part, refuse_kept_order,
 };
@@ -92,9 +92,12 @@ struct MachinesRecord {
 }
 
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
-    check_outputs(options)?;
+    let mut outputs = Outputs::default();
+    if let Some(folder) = &options.output {
+        outputs = outputs.folder(folder, &FILES)?;
+    }
     if options.machines {
-        return others_beside_ours(options);
+        return others_beside_ours(options, &outputs);
     }
     let named = options.area.part.clone().unwrap_or_default();
     let prices = Prices {
@@ -103,7 +106,9 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         energy: energy_table(&options.energy)?,
     };
     if let Some(table) = &options.footprints {
-        return one(&from_table(table, options)?, &prices, options);
+        let modelled = from_table(table, options)?;
+        outputs.spare_inputs()?;
+        return one(&modelled, &prices, options);
     }
     if options.view.scene.is_none() && options.view.from.is_none() {
         let message = "name a scene, a report with --from, or a table with --footprints";
@@ -113,6 +118,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         .on(&options.machine)
         .keeping_order();
     let frames = asked.frames(&options.path, &options.more)?;
+    outputs.spare_inputs()?;
     if options.path.camera_path.is_none() {
         refuse_kept_order(&frames[0].prepared.plan.machine)?;
     }
@@ -120,24 +126,6 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         [frame] => one(&from_scene(frame)?, &prices, options),
         _ => several(&frames, &prices, options),
     }
-}
-
-/// Makes the folder, unless a file in it is an input.
-fn check_outputs(options: &ModelOptions) -> Result<(), Failure> {
-    let Some(folder) = &options.output else {
-        return Ok(());
-    };
-    let files = [
-        &options.machine.machine,
-        &options.footprints,
-        &options.path.camera_path,
-    ];
-    let mut inputs = output::files(files.map(Option::as_ref));
-    inputs.extend(options.view.inputs());
-    inputs.extend(options.more.others.clone());
-    inputs.extend(options.area.inputs());
-    output::check_folder(folder, &FILES, &inputs)?;
-    create_folder(folder)
 }
 
 fn write_json(
@@ -152,10 +140,11 @@ fn write_json(
 }
 
 /// All machines of the presets on the scene's splats.
-fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
+fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
     let prepared = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .prepare()?;
+    outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?.without_points();
     let machines = others::run_all(&splats, &energy_table(&options.energy)?)?;
