@@ -3,7 +3,7 @@
 //! Depths are found by a run with FIFOs so deep that none is ever full, and then by halving each one, with the others deep, for as
 //! long as the picture takes at most [`SLACK`] more cycles.
 
-use crate::machine::config::{Config, field};
+use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate;
 use crate::machine::workload::Workload;
@@ -183,9 +183,8 @@ type Depths = (
 fn depths(workload: &Workload, work: &LaneWork, machine: &Config) -> Depths {
     let mut deep = *machine;
     let set = |config: &mut Config, name: &str, depth: u32| {
-        if let Some(field) = field(name) {
-            (field.set)(config, depth);
-        }
+        let set = config.set("profile", name, &toml::Value::from(depth));
+        set.expect("every depth tried is one that a FIFO can have");
     };
     FIFOS.iter().for_each(|name| set(&mut deep, name, DEEP));
     let best = simulate(workload, work, &deep);

@@ -1,7 +1,7 @@
 //! An answer for people.
 
 use super::{Answer, Found, Standing};
-use crate::machine::config::{Config, FIELDS};
+use crate::machine::config::{Config, SETTINGS};
 use std::fmt::Write;
 
 impl Answer {
@@ -114,11 +114,10 @@ fn point(found: &Found, usual: &Config) -> String {
         .iter()
         .map(|(name, bits)| format!("{name} {bits}"))
         .collect();
-    let differs = FIELDS
+    let fields: Vec<String> = SETTINGS
         .iter()
-        .filter(|field| (field.get)(machine) != (field.get)(usual));
-    let fields: Vec<String> = differs
-        .map(|field| format!("{} {}", field.key, field.show(machine)))
+        .filter(|setting| setting.value(machine) != setting.value(usual))
+        .map(|setting| format!("{} {}", setting.key, setting.show(machine)))
         .collect();
     let [geometry, sort, raster] = reached.phases;
     let all = reached.area.raster + reached.area.around;

@@ -1,0 +1,159 @@
+//! `splatline optimize`: the cheapest design and machine that hold them.
+
+use super::output::{self, create_folder, read_settings, write};
+use super::resolve::{
+    COMPARED, HELD_PIXEL_BYTES, PlanRequest, calibration, energy_table, part, room_for_picture,
+};
+use super::say::{Failure, print_result, warn};
+use super::search_args::{LimitOptions, OptimizeOptions};
+use crate::explore::ask::limits::{Limit, Quantity};
+use crate::explore::ask::{Answer, Question, ask, limits_of_part, tightest, usual_space};
+use crate::explore::space::Space;
+use crate::machine::area::synthesis;
+use crate::machine::{Config, config};
+use crate::plan::Engine;
+use crate::progress::ProgressMeter;
+use serde_json::json;
+use splatline::format::Traversal;
+use std::path::Path;
+use std::time::Instant;
+
+/// What an answer writes into its folder.
+const FILES: [&str; 3] = ["answer.json", "design.toml", "machine.toml"];
+
+/// Is a limit among the options?
+pub fn has_limits(options: &LimitOptions) -> bool {
+    !own_limits(options).is_empty()
+}
+
+/// The limits of the options themselves.
+fn own_limits(options: &LimitOptions) -> Vec<Limit> {
+    let given = [
+        (Quantity::FramesPerSecond, options.fps, "--fps"),
+        (Quantity::LargestError, options.max_error, "--max-error"),
+        (Quantity::PsnrDb, options.psnr, "--psnr"),
+        (Quantity::Luts, options.lut.map(f64::from), "--lut"),
+        (Quantity::Dsps, options.dsp.map(f64::from), "--dsp"),
+        (Quantity::MemoryKbit, options.bram.map(f64::from), "--bram"),
+        (
+            Quantity::BytesPerSecond,
+            options.bandwidth.map(|megabytes| megabytes * 1e6),
+            "--bandwidth",
+        ),
+        (
+            Quantity::MillijoulesPerFrame,
+            options.max_energy,
+            "--max-energy",
+        ),
+    ];
+    let limit = |(quantity, bound, of): (Quantity, Option<f64>, &str)| {
+        Some(Limit::new(quantity, bound?, of))
+    };
+    given.into_iter().filter_map(limit).collect()
+}
+
+pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
+    if !has_limits(&options.limits) {
+        let message = "there is no limit: give one or more of --fps, --max-error, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
+        return Err(Failure::Usage(message.to_owned()));
+    }
+    let search = &options.search;
+    if let Some(folder) = &options.output {
+        let mut inputs = search.inputs();
+        inputs.extend(options.space.clone());
+        output::check_folder(folder, &FILES, &inputs)?;
+        create_folder(folder)?;
+    }
+    let started = Instant::now();
+    let limits = limits(options)?;
+    let asked = PlanRequest::work(&search.view, &search.work).on(&search.machine);
+    let frames = asked.frames(&search.path, &search.more)?;
+    let errors = limits.iter().any(|limit| limit.quantity.is_error());
+    let mut splats = Vec::with_capacity(frames.len());
+    let mut references = Vec::new();
+    for frame in &frames {
+        let prepared = &frame.prepared;
+        warn(&prepared.setup_warnings()?);
+        splats.push(prepared.splats()?);
+        // Without a limit on errors the error of one picture is told, those of many are not worth their memory.
+        if !errors && frames.len() > 1 {
+            continue;
+        }
+        room_for_picture(
+            &prepared.plan.camera,
+            COMPARED + HELD_PIXEL_BYTES * frames.len() as u64,
+        )?;
+        references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
+    }
+    let plan = &frames[0].prepared.plan;
+    let recorded = search.view.from.is_some().then_some(plan.entry.traversal);
+    let question = Question {
+        frames: splats,
+        references,
+        design: plan.entry.design.clone(),
+        traversal: search.work.traversal.map(Traversal::from).or(recorded),
+        machine: plan.machine,
+        calibration: calibration(&search.area)?,
+        limits,
+        energy: energy_table(&search.energy)?,
+    };
+    let space = match &options.space {
+        Some(file) => {
+            let text = read_settings(file)?;
+            Space::without_points(&file.display().to_string(), &text)?
+        }
+        None => usual_space(&question.design, &question.machine, errors)?,
+    };
+    let progress = ProgressMeter::spinner("searching");
+    let answer = ask(&question, &space, &|what| progress.doing(what))?;
+    drop(progress);
+    let names: Vec<&str> = frames
+        .iter()
+        .map(|frame| frame.name.as_str())
+        .take(3)
+        .collect();
+    let more = if frames.len() > 3 { ", ..." } else { "" };
+    let camera = &plan.camera;
+    print_result(&format!(
+        "{}{more} at {}x{}: {:.1} s\n",
+        names.join(", "),
+        camera.width,
+        camera.height,
+        started.elapsed().as_secs_f64()
+    ))?;
+    print_result(&answer.text(&Config::default()))?;
+    let note = synthesis::statement(&question.calibration);
+    let clock = answer.found.first().map(|found| &found.reached.pace.clock);
+    let of = clock.map_or(String::new(), |clock| {
+        format!("{} MHz: {}\n", clock.mhz, clock.of)
+    });
+    print_result(&format!("\n{of}{note}\n"))?;
+    match &options.output {
+        Some(folder) => write_answer(&answer, &note, folder),
+        None => Ok(()),
+    }
+}
+
+/// The options' limits and the part's.
+fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
+    let own = own_limits(&options.limits);
+    let named = options.search.area.part.clone().unwrap_or_default();
+    let of_part = part(&options.search.area)?.map(|part| limits_of_part(&named, &part));
+    let mut of_part = of_part.unwrap_or_default();
+    // Who names a bandwidth has another memory on the board.
+    if options.limits.bandwidth.is_some() {
+        of_part.retain(|limit| limit.quantity != Quantity::BytesPerSecond);
+    }
+    Ok(tightest([own, of_part].concat()))
+}
+
+fn write_answer(answer: &Answer, note: &str, folder: &Path) -> Result<(), Failure> {
+    let result = json!({ "format": "splatline-answer/1", "answer": answer, "area_of": note });
+    write(&folder.join(FILES[0]), format!("{result:#}\n").as_bytes())?;
+    let Some(first) = answer.found.first() else {
+        return Ok(());
+    };
+    write(&folder.join(FILES[1]), first.design.to_toml().as_bytes())?;
+    let machine = config::to_toml(&first.machine);
+    write(&folder.join(FILES[2]), machine.as_bytes())
+}

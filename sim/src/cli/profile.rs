@@ -1,0 +1,139 @@
+//! `splatline profile`: which units, layers, ranges, widths and FIFO depths a scene exercises.
+
+use super::fit;
+use super::output::{self, write};
+use super::resolve::{NamedFrame, PlanRequest};
+use super::say::{Failure, print_result, warn};
+use super::search_args::ProfileOptions;
+use crate::explore::fit::Metric;
+use crate::explore::needs::{Needs, SLACK, needs};
+use crate::fixed;
+use crate::plan::{Depiction, Prepared};
+use crate::progress::ProgressMeter;
+use crate::systems::SystemVerdict;
+use serde_json::{Map, json};
+use std::fmt::Write;
+
+pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
+    if let Some(path) = &options.json {
+        let mut inputs = options.view.inputs();
+        inputs.extend(options.work.inputs());
+        inputs.extend(options.more.others.clone());
+        inputs.extend(options.path.camera_path.clone());
+        inputs.extend(options.machine.machine.clone());
+        output::check(path, &["json"], &inputs)?;
+    }
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
+    let frames = asked.frames(&options.path, &options.more)?;
+    let mut answers = Vec::with_capacity(frames.len());
+    for frame in frames {
+        answers.push(one(&frame, options)?);
+    }
+    if let Some(path) = &options.json {
+        let answer = match &answers[..] {
+            [only] => only.clone(),
+            _ => json!({ "format": "splatline-needs/1", "frames": answers }),
+        };
+        write(path, format!("{answer:#}\n").as_bytes())?;
+    }
+    Ok(())
+}
+
+/// What one frame needs, which is also said.
+fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value, Failure> {
+    let prepared = &frame.prepared;
+    warn(&prepared.setup_warnings()?);
+    let (name, systems) = (frame.name.as_str(), prepared.systems());
+    let mut answer = Map::new();
+    answer.insert("format".to_owned(), "splatline-needs/1".into());
+    answer.insert("scene".to_owned(), name.into());
+    answer.insert("systems".to_owned(), json!(systems));
+    // Units and FIFOs are those of the machine, which draws plain splats.
+    match prepared.subject()? {
+        Depiction::Splats(splats) if splats.hybrid.is_none() => {
+            let found = examined(prepared)?;
+            print_result(&text(name, &found))?;
+            answer.insert("needs".to_owned(), json!(found));
+        }
+        Depiction::Splats(splats) => {
+            let count = splats.scene.splats.len();
+            print_result(&format!("{name}: {count} points and splats\n"))?;
+        }
+        Depiction::Surface(scene, _) => {
+            let count = scene.points.len();
+            print_result(&format!("{name}: {count} points of a surface\n"))?;
+        }
+    }
+    print_result(&systems_text(&systems))?;
+    let design = &prepared.plan.entry.design;
+    match options.max_error {
+        Some(budget) => {
+            let only = std::slice::from_ref(frame);
+            let fitted = fit::fitted(only, Metric::Largest, budget)?;
+            print_result(&fit::text(design, &fitted))?;
+            answer.insert("fit".to_owned(), json!(fitted));
+        }
+        None => {
+            print_result("widths: give --max-error E to find the smallest ones within an error\n")?;
+            answer.insert("fit".to_owned(), json!(null));
+        }
+    }
+    Ok(json!(answer))
+}
+
+/// Units, ranges and FIFO depths of splats.
+fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
+    let (splats, plan) = (prepared.splats()?, &prepared.plan);
+    let progress = ProgressMeter::spinner("setting up every splat");
+    let options = splats.options(&plan.entry);
+    let footprints: Vec<_> = fixed::footprints(splats.scene, splats.camera, &options)
+        .into_iter()
+        .filter_map(Result::ok)
+        .collect();
+    progress.doing("walking the rows of every tile");
+    let workload = prepared.workload()?;
+    progress.doing("trying the depths of every FIFO");
+    let peak_bits = plan.entry.design.widths.peak;
+    Ok(needs(&workload, &footprints, peak_bits, &plan.machine))
+}
+
+fn systems_text(systems: &[SystemVerdict]) -> String {
+    let line = |verdict: &SystemVerdict| {
+        let used = if verdict.used { "used" } else { "not needed" };
+        format!(
+            "  {:>2} {:<48} {used}: {}\n",
+            verdict.number, verdict.name, verdict.reason
+        )
+    };
+    let lines: String = systems.iter().map(line).collect();
+    format!("systems of the papers:\n{lines}")
+}
+
+fn text(name: &str, needs: &Needs) -> String {
+    let mut text = format!("{name}: {} visible splats\nunits:\n", needs.visible);
+    // Writing to a String cannot fail.
+    for (unit, verdict) in &needs.units {
+        let _ = writeln!(text, "  {unit:<18} {verdict}");
+    }
+    let _ = writeln!(
+        text,
+        "FIFOs (depth within {} % of the cycles of deep ones; fullest when deep):",
+        SLACK * 100.0
+    );
+    for ((name, depth), high) in needs.fifo_depths.iter().zip(needs.fifo_high_water.values()) {
+        let _ = writeln!(text, "  {name:<18} {depth:>5} {high:>6}");
+    }
+    let [columns, rows] = needs.largest_box;
+    let _ = writeln!(
+        text,
+        "layers: at most {} in a pixel; longest tile list {}; largest box {columns} x {rows}; longest run {}",
+        needs.deepest_pixel, needs.longest_tile_list, needs.longest_run
+    );
+    if let (Some([low, high]), Some([most, least])) = (needs.curvature_log2, needs.peaks) {
+        let _ = writeln!(
+            text,
+            "ranges: curvature 2^{low} to 2^{high} per square pixel; peak opacity {least:.5} to {most:.5}"
+        );
+    }
+    text
+}
