@@ -1,6 +1,6 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
-use super::output::write;
+use super::output::{Outputs, write};
 use super::say::{Failure, print_result};
 use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
@@ -45,6 +45,11 @@ struct MeasuredLine {
 }
 
 pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
+    let mut outputs = Outputs::default().json(options.json.as_ref())?;
+    if let Some(page) = &options.markdown {
+        outputs = outputs.file(page, &["md"])?;
+    }
+    outputs.spare_inputs()?;
     let wants = |section| options.only.is_empty() || options.only.contains(&section);
     let mut measured = MeasuredLine {
         cases: Vec::new(),

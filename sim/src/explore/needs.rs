@@ -54,11 +54,13 @@ pub struct Needs {
     pub empty_pairs_part: f64,
 }
 
-/// Examines a workload and the footprints that it came from. `peak_bits` are the fraction bits of a peak.
+/// Examines a workload and the footprints that it came from. `peak_bits` are the fraction bits of a peak,
+/// `alpha_max` is what the rules clamp a pixel's opacity to.
 pub fn needs(
     workload: &Workload,
     footprints: &[Footprint],
     peak_bits: u8,
+    alpha_max: f64,
     machine: &Config,
 ) -> Needs {
     let totals = workload.totals();
@@ -109,12 +111,12 @@ pub fn needs(
         finished_part: part(finished, totals.covered as usize),
         empty_pairs_part: part(empty, workload.pairs.len()),
     };
-    needs.judge_units(workload);
+    needs.judge_units(workload, alpha_max);
     needs
 }
 
 impl Needs {
-    fn judge_units(&mut self, workload: &Workload) {
+    fn judge_units(&mut self, workload: &Workload, alpha_max: f64) {
         let finished_tiles = workload
             .tiles
             .iter()
@@ -157,12 +159,12 @@ impl Needs {
                 per_cent(self.empty_pairs_part)
             ),
         );
-        let opaque = self.peaks.is_some_and(|[high, _]| high > 1.0);
+        let opaque = self.peaks.is_some_and(|[high, _]| high > alpha_max);
         judge(
             "opacity_clamp",
             opaque,
             format!(
-                "largest peak {:.4}",
+                "largest peak {:.4}, opacities end at {alpha_max}",
                 self.peaks.map_or(0.0, |[high, _]| high)
             ),
         );
