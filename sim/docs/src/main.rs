@@ -1,9 +1,9 @@
-//! `splatline-lab`: prints the documentation's pages of figures and its galleries.
+//! `splatline-docs`: prints the documentation's pages of figures and its galleries.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use splatline_lab::gallery::command::{self as gallery, GALLERY_EXAMPLES, GalleryOptions};
-use splatline_lab::pages::check::differences;
-use splatline_lab::pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
+use splatline_docs::gallery::command::{self as gallery, GALLERY_EXAMPLES, GalleryOptions};
+use splatline_docs::pages::check::differences;
+use splatline_docs::pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
 use splatline_sim::cli::{Failure, create_folder, finish, print_result, write};
 use splatline_sim::fast::lanes::VectorLevel;
 use std::path::PathBuf;
@@ -11,14 +11,14 @@ use std::process::ExitCode;
 
 /// Prints splatline's documentation.
 #[derive(Debug, Parser)]
-#[command(name = "splatline-lab", version)]
-struct Lab {
+#[command(name = "splatline-docs", version)]
+struct Program {
     #[command(subcommand)]
-    command: LabCommand,
+    command: PageCommand,
 }
 
 #[derive(Debug, Subcommand)]
-enum LabCommand {
+enum PageCommand {
     /// Draw the exhibits that show each system, with their numbers beside the pictures.
     #[command(after_help = GALLERY_EXAMPLES)]
     Gallery(GalleryOptions),
@@ -29,10 +29,10 @@ enum LabCommand {
 
 const RESULTS_EXAMPLES: &str = "\
 Examples:
-  splatline-lab results -o docs/results
-  splatline-lab results --only accuracy -o /tmp/results
-  splatline-lab results --only speed --vectors avx2 -o /tmp/results
-  splatline-lab results --check --only packet";
+  splatline-docs results -o docs/results
+  splatline-docs results --only accuracy -o /tmp/results
+  splatline-docs results --only speed --vectors avx2 -o /tmp/results
+  splatline-docs results --check --only packet";
 
 #[derive(Debug, Args)]
 struct ResultsOptions {
@@ -65,14 +65,14 @@ enum PageName {
     Widths,
     /// Throughput, machines of others, where work and energy go, memories.
     Machines,
-    /// How fast the kernel draws on this machine.
+    /// How fast the kernel draws on this machine, which must have nothing else to do; printed only where it is named.
     Speed,
 }
 
 fn main() -> ExitCode {
-    finish(match Lab::parse().command {
-        LabCommand::Gallery(options) => gallery::run(&options),
-        LabCommand::Results(options) => results(&options),
+    finish(match Program::parse().command {
+        PageCommand::Gallery(options) => gallery::run(&options),
+        PageCommand::Results(options) => results(&options),
     })
 }
 
@@ -95,7 +95,10 @@ fn results(options: &ResultsOptions) -> Result<(), Failure> {
 
 fn asked(options: &ResultsOptions) -> impl Iterator<Item = PageName> {
     let pages = PageName::value_variants().iter().copied();
-    pages.filter(|page| options.only.is_empty() || options.only.contains(page))
+    pages.filter(|page| {
+        let by_itself = options.only.is_empty() && *page != PageName::Speed;
+        by_itself || options.only.contains(page)
+    })
 }
 
 fn print(name: PageName, options: &ResultsOptions) -> Result<Page, Failure> {

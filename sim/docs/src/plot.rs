@@ -1,4 +1,4 @@
-//! Curves in panels side by side as one SVG: what the laboratory's pages plot.
+//! Curves in panels side by side as one SVG: what the pages plot.
 //!
 //! Axes are linear; who wants a logarithm gives exponents and a label that says so.
 

@@ -19,7 +19,7 @@ use splatline_sim::cli::{Failure, write};
 use std::path::Path;
 
 /// The command that prints every page.
-pub const COMMAND: &str = "cargo run --release -p splatline-lab -- results";
+pub const COMMAND: &str = "cargo run --release -p splatline-docs -- results";
 
 /// A page in Markdown, and the files that it shows or refers to.
 #[derive(Clone, Debug, PartialEq)]

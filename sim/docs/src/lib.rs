@@ -1,4 +1,4 @@
-//! What prints splatline's documentation: `cargo run --release -p splatline-lab -- results` and `... gallery all` print `docs/results` and
+//! What prints splatline's documentation: `cargo run --release -p splatline-docs -- results` and `... gallery all` print `docs/results` and
 //! `docs/gallery`. Nobody needs it to use the simulator, so it is a crate of its own, outside the workspace's default members.
 //!
 //! ```text

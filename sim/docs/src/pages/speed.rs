@@ -87,7 +87,7 @@ pub fn page(data: &Path, levels: &[VectorLevel]) -> Result<Page> {
     let mut page = Page::new("speed", "Speed");
     page.add(format!(
         "{SIZE} x {SIZE} pixels; medians of {ROUNDS} rounds in which all engines draw one after the other, ratios within the round. A frame is everything from a scene that has \
-         been loaded and quantised to single-precision pixels in memory. \"Floats\" is the best that open CPU rasterizers do (`sim/lab/src/rasterizer.rs`). \
+         been loaded and quantised to single-precision pixels in memory. \"Floats\" is the best that open CPU rasterizers do (`sim/docs/src/rasterizer.rs`). \
          [speed.csv](speed.csv) has setup, sort and raster of each."
     ));
     let mut all = Table::new(&[

@@ -1,11 +1,11 @@
 //! The bars of accuracy as tests: on the embedded volume, the deep stack and golden_a, at a size that keeps them quick.
 //!
-//! `splatline-lab results --only accuracy` prints the same figures at full size on all scenes.
+//! `splatline-docs results --only accuracy` prints the same figures at full size on all scenes.
 
-use splatline_lab::bars::{BARS, TINY_DB};
-use splatline_lab::pages::accuracy::measure;
-use splatline_lab::pages::golden::{fixed_conics, tiny};
-use splatline_lab::views::{BRAIN, DEEP_STACK, View};
+use splatline_docs::bars::{BARS, TINY_DB};
+use splatline_docs::pages::accuracy::measure;
+use splatline_docs::pages::golden::{fixed_conics, tiny};
+use splatline_docs::views::{BRAIN, DEEP_STACK, View};
 use splatline_sim::reference::golden::{GoldenA, archive};
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `splatline-lab gallery`: exhibits of the papers' systems as pictures and numbers, one page per collection.
+//! `splatline-docs gallery`: exhibits of the papers' systems as pictures and numbers, one page per collection.
 
 use super::{Exhibit, deep, kernels, page, sheet, surface, texture};
 use clap::{Args, ValueEnum};
@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 /// What the help ends with.
 pub const GALLERY_EXAMPLES: &str = "\
 Examples:
-  splatline-lab gallery all -o docs/gallery
-  splatline-lab gallery surface -o docs/gallery/surface
-  splatline-lab gallery kernels -o docs/gallery/kernels
-  splatline-lab gallery kernels --only antialias -o out
+  splatline-docs gallery all -o docs/gallery
+  splatline-docs gallery surface -o docs/gallery/surface
+  splatline-docs gallery kernels -o docs/gallery/kernels
+  splatline-docs gallery kernels --only antialias -o out
 
 Groups of kernels: shapes, antialias, spheres, hybrid, stamps; of deep: alpha, sheets; of texture: checkerboard, terrain, warp, plane.";
 
@@ -176,7 +176,7 @@ fn store(
         .as_ref()
         .map_or(String::new(), |only| format!(" --only {only}"));
     let command = format!(
-        "cargo run --release -p splatline-lab -- gallery {name}{only} -o docs/gallery/{name}"
+        "cargo run --release -p splatline-docs -- gallery {name}{only} -o docs/gallery/{name}"
     );
     let text = page::markdown(title, &command, exhibits);
     write(&folder.join("README.md"), text.as_bytes())?;

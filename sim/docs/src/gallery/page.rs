@@ -87,8 +87,8 @@ mod tests {
             ],
         };
         assert_eq!(
-            markdown("Kernels", "splatline-lab gallery kernels", &[exhibit]),
-            "# Kernels\n\nPrinted by `splatline-lab gallery kernels`.\n\n## plane\n\n[SWAN] 4.3. A plane.\n\n\
+            markdown("Kernels", "splatline-docs gallery kernels", &[exhibit]),
+            "# Kernels\n\nPrinted by `splatline-docs gallery kernels`.\n\n## plane\n\n[SWAN] 4.3. A plane.\n\n\
              ![plane](plane.png)\n\nPictures: none; swan.\n\n| measurement | value |\n|---|---|\n\
              | error | 0.5000 dB |\n| bias | -2.0e-6 |\n"
         );
