@@ -204,7 +204,8 @@ mod tests {
     fn the_models_clock_is_the_median() {
         let speeds = [(1, 90.25), (2, 100.0), (3, 80.0), (4, 99.0), (5, 81.0)];
         let lines = speeds.map(|(seed, mhz)| line(seed, 5, mhz));
-        let printed = "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/hardware.md";
+        let printed =
+            "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/hardware.md";
         assert_eq!(clocks(&lines).lines().nth(1), Some(printed));
         assert_eq!(clocks(&lines[..4]).lines().count(), 1);
     }
