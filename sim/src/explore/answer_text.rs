@@ -1,6 +1,6 @@
 //! An answer for people.
 
-use super::{Answer, Found, Standing};
+use super::answer::{Answer, Found, Standing};
 use crate::machine::config::{Config, FIELDS};
 use std::fmt::Write;
 
