@@ -5,8 +5,8 @@ use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
-use crate::explore::fit::Metric;
-use crate::explore::needs::{Needs, SLACK, needs};
+use crate::explore::limits::Quantity;
+use crate::explore::profile::{Needs, SLACK, needs};
 use crate::fixed;
 use crate::plan::{Depiction, Prepared};
 use crate::progress::ProgressMeter;
@@ -63,7 +63,7 @@ fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value
     match options.max_error {
         Some(budget) => {
             let only = std::slice::from_ref(frame);
-            let fitted = fit::fitted(only, Metric::Largest, budget)?;
+            let fitted = fit::fitted(only, Quantity::LargestError, budget)?;
             print_result(&fit::text(design, &fitted))?;
             answer.insert("fit".to_owned(), json!(fitted));
         }

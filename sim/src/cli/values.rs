@@ -1,7 +1,7 @@
 //! The values that options have, as they are written on the command line.
 
 use crate::design;
-use crate::explore::fit::Metric;
+use crate::explore::limits::Quantity;
 use crate::explore::sweep::Shard;
 use crate::framing::Orbit;
 use crate::hybrid::Points;
@@ -105,9 +105,9 @@ pub const FAMILIES: &Choices<Family> = &[
 ];
 
 /// Which error a budget is about.
-pub const METRICS: &Choices<Metric> = &[
-    ("largest", "Largest absolute error", Metric::Largest),
-    ("rms", "Root mean square error", Metric::Rms),
+pub const METRICS: &Choices<Quantity> = &[
+    ("largest", "Largest absolute error", Quantity::LargestError),
+    ("rms", "Root mean square error", Quantity::RmsError),
 ];
 
 /// How the kernel walks a footprint.

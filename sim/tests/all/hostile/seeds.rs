@@ -2,13 +2,13 @@
 
 use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
+use splatline_sim::explore::evaluator::Subject;
 use splatline_sim::explore::identity::Identity;
 use splatline_sim::explore::space::Space;
-use splatline_sim::explore::sweep::SweepSubject;
-use splatline_sim::explore::table::heading;
+use splatline_sim::explore::table::{heading, row_digest, to_line};
 use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::config::{self, Config};
-use splatline_sim::plan::Splats;
+use splatline_sim::plan::Prepared;
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
@@ -150,29 +150,20 @@ fn sweep() -> String {
     let text = "[machine]\nlanes = [1, 2, 4]\n";
     let scene = synthetic::random_gaussians(3, 1, 2.0);
     let space = Space::from_toml("space.toml", text).expect("a sound space");
-    let subject = SweepSubject {
-        splats: Splats {
-            scene: &scene,
-            camera: &synthetic::camera(16, 16),
-            rules: &Rules::GAUSSIAN_3D,
-            compositing: Compositing::FrontToBack,
-            hybrid: None,
-        },
-        design: DesignChoice::named("lean18").expect("a named design"),
-        traversal: None,
-        machine: Config::default(),
-        calibration: Calibration::default(),
-        energy: splatline_sim::machine::energy::EnergyTable::default(),
-        reference: None,
-        more: Vec::new(),
-    };
+    let design = DesignChoice::named("lean18").expect("a named design");
+    let camera = synthetic::camera(16, 16);
+    let frame = Prepared::of_splats(scene, camera, Rules::GAUSSIAN_3D, design);
+    let subject = Subject::new(vec![&frame]).expect("a sound plan");
     let identity = Identity::new(&subject, text, &[]).expect("a sound sweep");
     let rows: String = [(0, 1), (1, 2), (2, 4)]
         .map(|(point, lanes)| {
-            format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,\n")
+            let row = format!("{point},{lanes},,,,,,900,1,2,3,0.5,0.5,0.25,100,0,60.5,16.5,16.5,16.5,1,1000,2e6,0.5,1,2,3,4,5,6,7,8,900,0.5,");
+            let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+            fields.push(row_digest(&fields));
+            to_line(&fields)
         })
         .concat();
-    format!("{}{}\n{rows}", identity.to_text(), heading(&space))
+    format!("{}{}{rows}", identity.to_text(), to_line(&heading(&space)))
 }
 
 /// Vectors of two splats.

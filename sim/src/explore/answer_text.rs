@@ -1,6 +1,6 @@
 //! An answer for people.
 
-use super::{Answer, Found, Standing};
+use super::answer::{Answer, Found, Standing};
 use crate::machine::config::{Config, SETTINGS};
 use std::fmt::Write;
 

@@ -1,5 +1,6 @@
 //! What is asked for: lower and upper limits of what a machine with a design reaches.
 
+use super::evaluator::{DesignError, Reached};
 use serde::Serialize;
 
 /// What can be limited.
@@ -22,6 +23,8 @@ pub enum Quantity {
     PsnrDb,
     /// Largest error of a colour in any frame.
     LargestError,
+    /// Root mean square error of the colours over all frames.
+    RmsError,
     /// Millijoules a frame.
     MillijoulesPerFrame,
 }
@@ -49,6 +52,7 @@ impl Quantity {
             Quantity::BytesPerSecond => "channels, MB a second",
             Quantity::PsnrDb => "PSNR, dB",
             Quantity::LargestError => "largest error",
+            Quantity::RmsError => "rms error",
             Quantity::MillijoulesPerFrame => "mJ a frame",
         }
     }
@@ -60,7 +64,37 @@ impl Quantity {
 
     /// Does it follow from the design's pictures alone?
     pub fn is_error(self) -> bool {
-        matches!(self, Quantity::PsnrDb | Quantity::LargestError)
+        matches!(
+            self,
+            Quantity::PsnrDb | Quantity::LargestError | Quantity::RmsError
+        )
+    }
+
+    /// The value of an error.
+    pub fn of_error(self, error: &DesignError) -> Option<f64> {
+        match self {
+            Quantity::PsnrDb => Some(error.psnr_db()),
+            Quantity::LargestError => Some(error.max_abs),
+            Quantity::RmsError => Some(error.rms),
+            _ => None,
+        }
+    }
+
+    /// The value that is reached; nothing if it was not measured.
+    pub fn of(self, reached: &Reached) -> Option<f64> {
+        let all = reached.area.raster + reached.area.around;
+        Some(match self {
+            Quantity::FramesPerSecond => reached.pace.frames_per_s,
+            Quantity::Luts => all.luts as f64,
+            Quantity::FlipFlops => all.flip_flops as f64,
+            Quantity::Dsps => all.dsps as f64,
+            Quantity::MemoryKbit => all.memory_kbit as f64,
+            Quantity::BytesPerSecond => reached.pace.channel_bytes_per_s,
+            Quantity::MillijoulesPerFrame => reached.millijoules,
+            Quantity::PsnrDb | Quantity::LargestError | Quantity::RmsError => {
+                self.of_error(reached.error.as_ref()?)?
+            }
+        })
     }
 
     /// The value as people read it.
@@ -70,7 +104,7 @@ impl Quantity {
             Quantity::Luts | Quantity::FlipFlops | Quantity::Dsps | Quantity::MemoryKbit => {
                 format!("{value:.0}")
             }
-            Quantity::LargestError => format!("{value:.3e}"),
+            Quantity::LargestError | Quantity::RmsError => format!("{value:.3e}"),
             _ => format!("{value:.2}"),
         }
     }
@@ -103,6 +137,17 @@ impl Limit {
         }
     }
 
+    /// By which part of the bound a point misses it; what was not measured misses it without measure.
+    pub fn missed_by(&self, reached: &Reached) -> f64 {
+        self.excess(self.quantity.of(reached).unwrap_or(f64::NAN))
+    }
+
+    /// The same of a design's errors.
+    pub fn excess_of_error(&self, error: Option<DesignError>) -> f64 {
+        let value = error.and_then(|error| self.quantity.of_error(&error));
+        self.excess(value.unwrap_or(f64::NAN))
+    }
+
     /// Which part of the bound is left.
     pub fn slack(&self, value: f64) -> f64 {
         let left = if self.quantity.is_at_least() {
@@ -112,6 +157,51 @@ impl Limit {
         };
         left / if self.bound > 0.0 { self.bound } else { 1.0 }
     }
+}
+
+/// By how much all limits are missed, in sum, `but` one if it names one.
+pub fn missed(limits: &[Limit], but: Option<usize>, reached: &Reached) -> f64 {
+    let counted = limits
+        .iter()
+        .enumerate()
+        .filter(|(place, _)| Some(*place) != but);
+    counted.map(|(_, limit)| limit.missed_by(reached)).sum()
+}
+
+/// Limits from a bandwidth, a part and so on are upper ones of the same quantity: the tighter holds.
+pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
+    let mut all: Vec<Limit> = Vec::new();
+    for limit in limits {
+        match all
+            .iter_mut()
+            .find(|other| other.quantity == limit.quantity)
+        {
+            Some(other) => {
+                let tighter = if limit.quantity.is_at_least() {
+                    limit.bound > other.bound
+                } else {
+                    limit.bound < other.bound
+                };
+                if tighter {
+                    *other = limit;
+                }
+            }
+            None => all.push(limit),
+        }
+    }
+    all
+}
+
+/// The limits that a part sets.
+pub fn limits_of_part(name: &str, part: &crate::machine::parts::Part) -> Vec<Limit> {
+    let limit = |quantity, bound: u64| Limit::new(quantity, bound as f64, name);
+    vec![
+        limit(Quantity::Luts, part.luts),
+        limit(Quantity::FlipFlops, part.flip_flops),
+        limit(Quantity::Dsps, part.dsps),
+        limit(Quantity::MemoryKbit, part.memory_kbit),
+        limit(Quantity::BytesPerSecond, part.megabytes_per_s * 1_000_000),
+    ]
 }
 
 #[cfg(test)]

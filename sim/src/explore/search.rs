@@ -1,15 +1,19 @@
 //! The search: coordinate descent from several machines, and moves of two fields at once where one alone gains nothing.
 //!
 //! A point is better if it misses its limits by less, and among points that hold them if it costs less. A field of the machine is tried at every
-//! value. A width is lowered by bisection to the least that holds the limits on errors, as `fit` does, because each trial draws pictures. Where no
-//! single field gains anything, one is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
+//! value. A width is lowered by bisection to the least that holds the limits on errors, because each trial draws pictures: widths interact weakly,
+//! each one's rounding adds its own part to the error. Dear bits come first, and rounds repeat until none can be lowered. Where no single field gains
+//! anything, one is moved up a step and another down: a lane less for a row more at once is a gain that neither shows alone.
 
-use super::evaluate::{Evaluator, Reached};
-use crate::explore::fit::LOWERING_ORDER;
-use crate::explore::space::{SpaceAxis, SpacePart};
+use super::evaluator::{Choice, DesignError, Evaluator, Reached, work_key};
+use super::limits::Limit;
+use super::space::{Space, SpaceAxis, SpacePart};
 use anyhow::Result;
+use rayon::prelude::*;
 use splatline::format::WIDTH_RANGES;
 use std::cmp::Ordering;
+use std::collections::HashMap;
+use std::sync::Mutex;
 
 /// What a point is judged by, the first number first; less is better.
 pub type Score = [f64; 3];
@@ -22,6 +26,26 @@ const RANDOM: usize = 32;
 
 /// Of all machines to begin with, so many are followed.
 const FOLLOWED: usize = 2;
+
+/// Points evaluated at a time: each may hold rows of its own.
+const BATCH: usize = 24;
+
+/// The order in which widths are lowered: dear bits first (multipliers of setup, rows and lanes, then storage).
+const LOWERING_ORDER: [&str; 13] = [
+    "mantissa",
+    "view",
+    "position",
+    "peak",
+    "weight",
+    "transmittance",
+    "alpha",
+    "accumulator",
+    "interpolation",
+    "table",
+    "radial",
+    "colour",
+    "subpixel",
+];
 
 /// Fields of a machine that are exchanged for each other: those whose steps cost and gain most.
 const EXCHANGED: [&str; 12] = [
@@ -48,7 +72,152 @@ pub fn compare(a: &Score, b: &Score) -> Ordering {
         .unwrap_or(Ordering::Equal)
 }
 
-impl Evaluator<'_> {
+/// A search over the points of a space.
+pub struct Search<'a> {
+    /// Evaluates points.
+    pub evaluator: &'a Evaluator<'a>,
+    /// Where points come from.
+    pub space: &'a Space,
+    /// What is to be held.
+    pub limits: &'a [Limit],
+    /// What has been evaluated; nothing for what makes no machine.
+    pub known: HashMap<Vec<usize>, Option<Reached>>,
+    /// Every design that was drawn, with its errors.
+    drawn: Vec<(Choice, DesignError)>,
+    frames: Vec<usize>,
+    progress: &'a (dyn Fn(&str) + Sync),
+}
+
+impl<'a> Search<'a> {
+    /// A search on some frames; `progress` is given what is being done.
+    pub fn new(
+        evaluator: &'a Evaluator<'a>,
+        space: &'a Space,
+        limits: &'a [Limit],
+        frames: Vec<usize>,
+        progress: &'a (dyn Fn(&str) + Sync),
+    ) -> Search<'a> {
+        Search {
+            evaluator,
+            space,
+            limits,
+            known: HashMap::new(),
+            drawn: Vec::new(),
+            frames,
+            progress,
+        }
+    }
+
+    /// The design and the machine of a point.
+    pub fn choice(&self, point: &[usize]) -> Result<Choice> {
+        self.evaluator.choice(self.space, point)
+    }
+
+    /// Designs drawn.
+    pub fn designs(&self) -> usize {
+        self.drawn.len()
+    }
+
+    /// The errors of a design; nothing without references.
+    fn design_error(&mut self, choice: &Choice) -> Result<Option<DesignError>> {
+        let known = self.drawn.iter().find(|(other, _)| {
+            other.variant.traversal == choice.variant.traversal
+                && other.variant.design.widths == choice.variant.design.widths
+        });
+        if let Some((_, error)) = known {
+            return Ok(Some(*error));
+        }
+        let error = self.evaluator.error(&choice.variant, &self.frames)?;
+        if let Some(error) = error {
+            self.drawn.push((choice.clone(), error));
+            (self.progress)("drawing by other widths");
+        }
+        Ok(error)
+    }
+
+    /// The errors of a point's design.
+    pub fn error(&mut self, point: &[usize]) -> Result<Option<DesignError>> {
+        let choice = self.choice(point)?;
+        self.design_error(&choice)
+    }
+
+    /// By how much the limits on errors are missed, in sum.
+    pub fn error_excess(&mut self, point: &[usize]) -> Result<f64> {
+        let error = self.error(point)?;
+        let errors = self.limits.iter().filter(|limit| limit.quantity.is_error());
+        Ok(errors.map(|limit| limit.excess_of_error(error)).sum())
+    }
+
+    /// The least cost of a design that was drawn, on this machine, if one of the limits on errors did not hold: such designs are drawn and not
+    /// simulated.
+    pub fn cost_without_error(&self, machine: &crate::machine::Config, but: usize) -> Option<f64> {
+        let holds = |error: DesignError| {
+            let others = self.limits.iter().enumerate();
+            let mut errors = others.filter(|(place, l)| *place != but && l.quantity.is_error());
+            errors.all(|(_, limit)| limit.excess_of_error(Some(error)) <= 0.0)
+        };
+        let held = self.drawn.iter().filter(|(_, error)| holds(*error));
+        let cost = |(choice, _): &(Choice, DesignError)| {
+            let machine = *machine;
+            let variant = choice.variant.clone();
+            self.evaluator.area(&Choice { variant, machine }).weight
+        };
+        held.map(cost).min_by(f64::total_cmp)
+    }
+
+    /// Evaluates points, side by side.
+    pub fn evaluate(&mut self, points: &[Vec<usize>]) -> Result<()> {
+        let mut open: Vec<(Vec<usize>, Choice)> = Vec::new();
+        for point in points {
+            let listed = open.iter().any(|(other, _)| other == point);
+            if self.known.contains_key(point) || listed {
+                continue;
+            }
+            let choice = self.choice(point)?;
+            if choice.machine.check_together().is_ok() {
+                open.push((point.clone(), choice));
+            } else {
+                self.known.insert(point.clone(), None);
+            }
+        }
+        // By rows, so that what is thrown out is not needed again at once.
+        open.sort_by_cached_key(|(_, choice)| work_key(choice));
+        for batch in open.chunks(BATCH) {
+            self.evaluate_batch(batch)?;
+        }
+        Ok(())
+    }
+
+    fn evaluate_batch(&mut self, batch: &[(Vec<usize>, Choice)]) -> Result<()> {
+        let mut errors = Vec::with_capacity(batch.len());
+        for (_, choice) in batch {
+            errors.push(self.design_error(choice)?);
+        }
+        (self.progress)("simulating machines");
+        let (points, choices): (Vec<_>, Vec<_>) = batch.iter().cloned().unzip();
+        let found = Mutex::new(Vec::with_capacity(batch.len()));
+        let groups = choices.chunk_by(|a, b| work_key(a) == work_key(b));
+        let firsts = groups.scan(0, |first, group| {
+            *first += group.len();
+            Some((*first - group.len(), group))
+        });
+        let groups: Vec<(usize, &[Choice])> = firsts.collect();
+        groups.par_iter().try_for_each(|(first, group)| {
+            self.evaluator
+                .run(group, &self.frames, true, &|place, costs| {
+                    let all = first + place;
+                    let reached = self.evaluator.reached(&choices[all], errors[all], &costs);
+                    let mut found = found
+                        .lock()
+                        .unwrap_or_else(std::sync::PoisonError::into_inner);
+                    found.push((points[all].clone(), Some(reached)));
+                    Ok(())
+                })
+        })?;
+        self.known.extend(found.into_inner().unwrap_or_default());
+        Ok(())
+    }
+
     /// The score of a point; infinite for what makes no machine.
     fn score(&mut self, point: &[usize], judge: Judge) -> Result<Score> {
         self.evaluate(&[point.to_vec()])?;
@@ -83,13 +252,13 @@ impl Evaluator<'_> {
     /// Would a point be better than this score if it had no error and took no time?
     fn could_be_better(&self, point: &[usize], score: &Score, judge: Judge) -> Result<bool> {
         let choice = self.choice(point)?;
-        let optimistic = judge(&self.at_best(&choice));
+        let optimistic = judge(&self.evaluator.at_best(&choice));
         Ok(choice.machine.check_together().is_ok() && compare(&optimistic, score).is_lt())
     }
 
     /// What a point costs, which needs no simulation.
     fn cost(&self, point: &[usize]) -> Result<f64> {
-        Ok(self.at_best(&self.choice(point)?).cost())
+        Ok(self.evaluator.area(&self.choice(point)?).weight)
     }
 
     /// The better of two points; the second only if it is better.
@@ -166,12 +335,17 @@ impl Evaluator<'_> {
         })
     }
 
-    /// Lowers one width at a time as far as the limits on errors allow, until none gains area.
-    fn lower_widths(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
+    /// Lowers one width at a time as far as the limits on errors allow, until none can be lowered; where `cheaper` asks for it, only if that gains area.
+    pub fn lower_widths(
+        &mut self,
+        start: Vec<usize>,
+        widths: &[usize],
+        cheaper: bool,
+    ) -> Result<Vec<usize>> {
         self.until_it_stays(start, |search, mut point| {
             for axis in widths {
                 let lowest = search.lowest_width(&point, *axis)?;
-                if search.cost(&lowest)? <= search.cost(&point)? {
+                if !cheaper || search.cost(&lowest)? <= search.cost(&point)? {
                     point = lowest;
                 }
             }
@@ -224,7 +398,7 @@ impl Evaluator<'_> {
     /// Widths as small as the limits on errors allow; all of them untouched if there are none.
     fn narrow(&mut self, start: Vec<usize>, widths: &[usize]) -> Result<Vec<usize>> {
         self.until_it_stays(start, |search, point| {
-            let point = search.lower_widths(point, widths)?;
+            let point = search.lower_widths(point, widths, true)?;
             search.exchange_widths(&point, widths)
         })
     }
@@ -237,7 +411,7 @@ impl Evaluator<'_> {
             others.extend(&widths);
         }
         let mut point = if self.has_error_limit() {
-            self.lower_widths(start, &widths)?
+            self.lower_widths(start, &widths, true)?
         } else {
             start
         };
@@ -301,8 +475,7 @@ impl Evaluator<'_> {
     }
 
     pub fn has_error_limit(&self) -> bool {
-        let limits = &self.question.limits;
-        limits.iter().any(|limit| limit.quantity.is_error())
+        self.limits.iter().any(|limit| limit.quantity.is_error())
     }
 }
 
@@ -318,8 +491,8 @@ fn is_width(axis: &SpaceAxis) -> bool {
 }
 
 /// The point with every other value of a field.
-fn others_of(evaluator: &Evaluator, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
-    let all = 0..evaluator.space.axes[axis].values.len();
+fn others_of(search: &Search, point: &[usize], axis: usize) -> Vec<Vec<usize>> {
+    let all = 0..search.space.axes[axis].values.len();
     all.filter(|index| *index != point[axis])
         .map(|index| {
             let mut moved = point.to_vec();
@@ -330,9 +503,9 @@ fn others_of(evaluator: &Evaluator, point: &[usize], axis: usize) -> Vec<Vec<usi
 }
 
 /// A field one step up or down its axis.
-fn step(evaluator: &Evaluator, point: &[usize], axis: usize, by: isize) -> Option<Vec<usize>> {
+fn step(search: &Search, point: &[usize], axis: usize, by: isize) -> Option<Vec<usize>> {
     let index = point[axis].checked_add_signed(by)?;
-    (index < evaluator.space.axes[axis].values.len()).then(|| {
+    (index < search.space.axes[axis].values.len()).then(|| {
         let mut moved = point.to_vec();
         moved[axis] = index;
         moved
