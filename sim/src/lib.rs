@@ -9,8 +9,8 @@
 pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
 pub use splatline_reference::engines as reference;
 pub use splatline_reference::{
-    atomic, camera, cameras, framing, hybrid, input, metrics, picture, rules, scene, sheets,
-    surface, texture, vector,
+    atomic, camera, cameras, framing, hybrid, input, memory, metrics, picture, rules, scene,
+    sheets, surface, texture, vector,
 };
 
 pub mod cli;
@@ -18,7 +18,6 @@ pub mod difference;
 pub mod digest;
 pub mod explore;
 pub mod machine;
-pub mod memory;
 pub mod page;
 pub mod plan;
 pub mod progress;

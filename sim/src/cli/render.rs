@@ -1,7 +1,6 @@
 //! `splatline render`: one picture.
 
 use super::args::RenderOptions;
-use super::chunks;
 use super::frames;
 use super::output::{self, write};
 use super::resolve::{Asked, COMPARED, DRAWN, room_for_picture};
@@ -26,9 +25,6 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(format!(
             "--traversal has no meaning for --engine {engine}"
         )));
-    }
-    if let Some(size) = options.chunks {
-        return chunks::render(options, size as usize);
     }
     if options.path.camera_path.is_some() {
         return frames::render(options);

@@ -11,6 +11,7 @@ use flate2::read::{MultiGzDecoder, ZlibDecoder};
 use ruzstd::decoding::StreamingDecoder;
 
 use super::error::Problem;
+use crate::memory;
 
 /// Deflate cannot expand further than this (258 bytes out of 2 bits, rounded up).
 const MAX_DEFLATE_RATIO: u64 = 1040;
@@ -88,12 +89,10 @@ pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, P
 /// Unpacks a gzip stream that must hold exactly `expected` bytes.
 pub(super) fn gunzip_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
     possible(packed, expected, field)?;
+    let mut unpacked = memory::list(expected + 1, field)?;
     // One byte more than expected tells "too long" apart from "exact", and makes the decoder check its trailer.
-    exactly(
-        gunzip_at_most(packed, expected + 1, field)?,
-        expected,
-        field,
-    )
+    gunzip(packed, expected + 1, field, &mut unpacked)?;
+    exactly(unpacked, expected, field)
 }
 
 /// The same for a zlib stream; nothing may follow its end.
@@ -103,7 +102,7 @@ pub(super) fn unzlib_exact(packed: &[u8], expected: u64, field: &str) -> Result<
         let found = format!("the zlib stream is damaged or truncated ({reason})");
         Problem::malformed(field, found, "fetch the file again")
     };
-    let mut unpacked = Vec::new();
+    let mut unpacked = memory::list(expected + 1, field)?;
     let mut decoder = ZlibDecoder::new(packed);
     (&mut decoder)
         .take(expected + 1)
@@ -147,14 +146,18 @@ fn exactly(unpacked: Vec<u8>, expected: u64, field: &str) -> Result<Vec<u8>, Pro
 /// The first `limit` bytes of a gzip stream, fewer if it ends before.
 pub(super) fn gunzip_at_most(packed: &[u8], limit: u64, field: &str) -> Result<Vec<u8>, Problem> {
     let mut unpacked = Vec::new();
-    MultiGzDecoder::new(packed)
-        .take(limit)
-        .read_to_end(&mut unpacked)
-        .map_err(|error| Problem::Gzip {
-            field: field.to_string(),
-            reason: error.to_string(),
-        })?;
+    gunzip(packed, limit, field, &mut unpacked)?;
     Ok(unpacked)
+}
+
+fn gunzip(packed: &[u8], limit: u64, field: &str, unpacked: &mut Vec<u8>) -> Result<(), Problem> {
+    let read = MultiGzDecoder::new(packed)
+        .take(limit)
+        .read_to_end(unpacked);
+    read.map(|_| ()).map_err(|error| Problem::Gzip {
+        field: field.to_string(),
+        reason: error.to_string(),
+    })
 }
 
 /// Largest window of a zstd stream: what the decoder sets aside before a byte has been unpacked.
@@ -167,7 +170,7 @@ pub(super) fn unzstd_exact(packed: &[u8], expected: u64, field: &str) -> Result<
         reason,
     };
     let mut packed = packed;
-    let mut unpacked = Vec::new();
+    let mut unpacked = memory::list(expected + 1, field)?;
     if expected == 0 && packed.is_empty() {
         return Ok(unpacked);
     }

@@ -20,7 +20,7 @@ use super::bytes::{Reader, gunzip_at_most, gunzip_exact, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, base_from_coefficient, coefficient_count,
-    harmonic_basis, scale_from_log,
+    harmonic_basis, room_for, scale_from_log,
 };
 use super::half;
 
@@ -56,6 +56,7 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     if header.version > 3 {
         return Err(unsupported_version(&header.version.to_string()));
     }
+    header.room()?;
     let unpacked = gunzip_exact(bytes, header.file_bytes(), "spz data")?;
     let mut reader = Reader::new(&unpacked);
     reader.take(HEADER_BYTES, "spz header")?;
@@ -103,6 +104,7 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
             "correct the count in the header or fetch the file again",
         ));
     }
+    header.room()?;
     let sizes = table.records(streams as u64, 16, "spz table")?;
     let mut unpacked: [Vec<u8>; 6] = Default::default();
     for (index, entry) in sizes.as_chunks::<16>().0.iter().enumerate() {
@@ -139,7 +141,7 @@ fn size_at(entry: &[u8; 16], at: usize) -> u64 {
 
 fn decode(header: &SpzHeader, arrays: [&[u8]; 6], name: &str) -> Result<Scene, Problem> {
     let arrays = Arrays::new(arrays);
-    let mut scene = GaussianScene::new(header.degree);
+    let mut scene = GaussianScene::new(header.degree, header.count.into())?;
     let parities = harmonic_parities();
     let mut harmonics = vec![[0.0f32; 3]; coefficient_count(header.degree)];
     for index in 0..header.count as usize {
@@ -191,6 +193,11 @@ impl SpzHeader {
         let rotation = if self.version < 3 { 3 } else { 4 };
         let harmonics = 3 * coefficient_count(self.degree);
         [position, 1, 3, 3, rotation, harmonics]
+    }
+
+    /// Refuses a scene that does not fit into memory together with the unpacked file.
+    fn room(&self) -> Result<(), Problem> {
+        room_for(self.degree, self.count.into(), self.file_bytes())
     }
 
     /// Size of the unpacked file: the largest count times the largest record fits easily.

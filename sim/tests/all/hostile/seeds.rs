@@ -52,7 +52,7 @@ fn splat() -> Vec<u8> {
     [-0.3, 0.0, 0.4].map(record).concat()
 }
 
-fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     packed.write_all(bytes).expect("memory does not fail");
     packed.finish().expect("memory does not fail")

@@ -3,7 +3,7 @@
 
 use super::super::bytes::{Endian, Reader, Scalar};
 use super::super::error::Problem;
-use super::super::load::read_file;
+use super::super::file::read_file;
 use super::{Document, missing, shorten};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

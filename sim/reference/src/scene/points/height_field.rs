@@ -9,8 +9,9 @@
 
 use super::{INSIDE_CUTOFF, Material, SurfacePoint, SurfaceScene};
 use crate::camera::Camera;
+use crate::memory;
 use crate::scene::error::{LoadError, Problem};
-use crate::scene::load::read_file;
+use crate::scene::file::read_file;
 use crate::scene::view;
 use crate::vector::{self, Vector};
 use std::path::Path;
@@ -54,6 +55,10 @@ impl HeightField {
 
     /// Reads a file's bytes; a problem names the line.
     pub(crate) fn parse(bytes: &[u8], spacing: f64) -> Result<HeightField, Problem> {
+        let between = |byte: &&u8| b",;\n".contains(byte);
+        let most = 1 + bytes.iter().filter(between).count();
+        let each = size_of::<f64>() + size_of::<SurfacePoint>();
+        memory::room_for_records(most as u64, each, "the grid's points")?;
         let text = String::from_utf8_lossy(bytes);
         let (mut columns, mut rows, mut heights) = (0, 0, Vec::new());
         for (index, line) in text.lines().enumerate() {

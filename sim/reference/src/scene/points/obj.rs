@@ -8,7 +8,7 @@
 //!
 //! Faces, lines and curves are not drawn, and a note says so: the points are what is there of the surface.
 
-use super::{Cloud, Record, full_scale};
+use super::{Cloud, Record, full_scale, room_for_lines};
 use crate::scene::error::Problem;
 use crate::vector::{self, Vector};
 
@@ -52,6 +52,7 @@ struct Obj {
 
 /// Every vertex as a record.
 pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
+    room_for_lines(bytes, 2 * size_of::<Vector>())?;
     let text = String::from_utf8_lossy(bytes);
     let mut obj = Obj::default();
     for (index, line) in text.lines().enumerate() {

@@ -4,7 +4,7 @@
 //! `.pts` file). Three numbers after the place are a normal if they have about unit length in the first line, otherwise a colour.
 //! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
 
-use super::{Record, full_scale};
+use super::{Record, full_scale, room_for_lines};
 use crate::scene::error::Problem;
 use crate::vector;
 
@@ -13,6 +13,7 @@ const UNIT_LENGTHS: std::ops::Range<f64> = 0.9..1.1;
 
 /// Every line's numbers as a record.
 pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
+    room_for_lines(bytes, size_of::<[f64; 9]>() + size_of::<Vec<f64>>())?;
     let text = String::from_utf8_lossy(bytes);
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (index, line) in text.lines().enumerate() {

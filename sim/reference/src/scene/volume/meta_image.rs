@@ -5,7 +5,7 @@
 
 use super::super::bytes::{Endian, Scalar, unzlib_exact};
 use super::super::error::Problem;
-use super::super::read_file;
+use super::super::file::read_file;
 use super::{Grid, Noted, TURNED, exact, shorten, three_sizes, three_spacings, unreadable};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -76,8 +76,8 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
     let needed = grid.bytes("DimSize")?;
     let packed = fields.flag("compresseddata")?.unwrap_or(false);
     let decode = |data: &[u8]| match packed {
-        true => unzlib_exact(data, needed, "volume data").map(|data| grid.decode(&data)),
-        false => exact(data, needed).map(|data| grid.decode(data)),
+        true => grid.decode(&unzlib_exact(data, needed, "volume data")?),
+        false => grid.decode(exact(data, needed)?),
     };
     let file = fields.required(LAST)?;
     let values = match file.value.as_str() {

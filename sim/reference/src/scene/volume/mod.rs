@@ -12,6 +12,7 @@ pub(super) mod vti;
 
 use super::bytes::{Endian, Scalar, checked_bytes, truncated};
 use super::error::Problem;
+use crate::memory;
 
 /// A regular grid of numbers, x fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,15 +46,22 @@ impl Grid {
         Ok(count)
     }
 
-    /// Bytes of all numbers.
+    /// Bytes of all numbers as stored. They are refused if there is no room for them beside the values that they become.
     pub(super) fn bytes(&self, field: &str) -> Result<u64, Problem> {
-        checked_bytes(self.count(field)?, self.kind.size() as u64, field)
+        let count = self.count(field)?;
+        let bytes = checked_bytes(count, self.kind.size() as u64, field)?;
+        let [x, y, z] = self.sizes;
+        let what = format!("{x} x {y} x {z} voxels");
+        memory::room_for_records(count, self.kind.size() + size_of::<f32>(), &what)?;
+        Ok(bytes)
     }
 
     /// The numbers in bytes that are as many as [`Self::bytes`].
-    pub(super) fn decode(&self, stored: &[u8]) -> Vec<f32> {
+    pub(super) fn decode(&self, stored: &[u8]) -> Result<Vec<f32>, Problem> {
         let number = |stored: &[u8]| self.kind.decode(stored, self.endian) as f32;
-        stored.chunks_exact(self.kind.size()).map(number).collect()
+        let mut values = memory::list((stored.len() / self.kind.size()) as u64, "the voxels")?;
+        values.extend(stored.chunks_exact(self.kind.size()).map(number));
+        Ok(values)
     }
 
     pub(super) fn volume(&self, values: Vec<f32>) -> Volume {

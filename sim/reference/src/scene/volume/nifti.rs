@@ -218,7 +218,7 @@ impl<'a> Header<'a> {
     fn volume(&self, data: &[u8]) -> Result<Noted, Problem> {
         let (place, step, kind) = self.layout.slope;
         let [slope, inter] = [0, 1].map(|index| self.number(place + index * step, kind));
-        let mut values = self.grid.decode(data);
+        let mut values = self.grid.decode(data)?;
         if slope != 0.0 && slope.is_finite() && inter.is_finite() && (slope, inter) != (1.0, 0.0) {
             for value in &mut values {
                 *value = (slope * f64::from(*value) + inter) as f32;

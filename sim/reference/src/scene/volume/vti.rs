@@ -7,6 +7,7 @@
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
 use super::super::error::Problem;
 use super::{Grid, Noted, TURNED, exact, shorten, three_spacings};
+use crate::memory;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -167,14 +168,14 @@ impl<'a> VtiFile<'a> {
         let values = match (format, self.appended) {
             ("binary", _) => self
                 .grid
-                .decode(&self.encoded(text().trim().as_bytes(), needed)?),
+                .decode(&self.encoded(text().trim().as_bytes(), needed)?)?,
             ("appended", Some((data, raw))) => {
                 let data = self.appended_at(data)?;
                 let stored = match raw {
                     true => self.unpacked(data, needed, "appended data")?,
                     false => self.encoded(data, needed)?,
                 };
-                self.grid.decode(&stored)
+                self.grid.decode(&stored)?
             }
             ("appended", None) => {
                 return Err(malformed(
@@ -280,7 +281,7 @@ impl<'a> VtiFile<'a> {
         }
         let sizes = reader.records(blocks, self.count_bytes(), field)?;
         let mut sizes = Reader::new(sizes);
-        let mut unpacked = Vec::new();
+        let mut unpacked = memory::list(needed, field)?;
         for block in 0..blocks {
             let packed = self.count(&mut sizes, field)?;
             let packed = reader.records(packed, 1, field)?;
