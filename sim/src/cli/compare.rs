@@ -30,9 +30,10 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let mut prepared = asked.prepare()?;
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
-    let others = match options.only || !prepared.has_traversals() {
-        true => Vec::new(),
-        false => all_entries(&prepared.plan.entry.design),
+    let others = if options.only || !prepared.has_traversals() {
+        Vec::new()
+    } else {
+        all_entries(&prepared.plan.entry.design)
     };
     let mut comparison = compare_all(&prepared, &drawing.effort(), &others)?;
     if options.formats {

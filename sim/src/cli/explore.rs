@@ -114,11 +114,10 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
 /// That no clock was given, where it was not; nothing otherwise.
 fn clock_note(machine: &Config, space: &Space) -> &'static str {
     let swept = space.axes.iter().any(|axis| axis.key == "clock_mhz");
-    match machine.clock_mhz > 0 || swept {
-        true => "",
-        false => {
-            "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
-        }
+    if machine.clock_mhz > 0 || swept {
+        ""
+    } else {
+        "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
     }
 }
 

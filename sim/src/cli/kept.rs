@@ -103,9 +103,12 @@ pub fn text(kept: &[KeptFrame], frames: usize) -> String {
         100.0 * mean(&|frame: &KeptFrame| of(&frame.lists)) / mean(whole).max(1.0)
     };
     let rms = Spread::of(kept.iter().map(|frame| frame.error.rms));
-    let psnr = |rms: f64| match rms > 0.0 {
-        true => format!("{:.2} dB", -20.0 * rms.log10()),
-        false => "equal".to_owned(),
+    let psnr = |rms: f64| {
+        if rms > 0.0 {
+            format!("{:.2} dB", -20.0 * rms.log10())
+        } else {
+            "equal".to_owned()
+        }
     };
     format!(
         "order kept in {} of {frames} frames, a frame of them on the mean:\n{}{}{}  \

@@ -80,11 +80,12 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
 }
 
 fn check_size(width: usize, height: usize) -> Result<(), Failure> {
-    match width.max(height) > LARGEST_SIDE {
-        true => Err(Failure::Usage(format!(
+    if width.max(height) > LARGEST_SIDE {
+        Err(Failure::Usage(format!(
             "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
-        ))),
-        false => Ok(()),
+        )))
+    } else {
+        Ok(())
     }
 }
 
@@ -115,9 +116,10 @@ pub fn write_page(
 /// What the camera turns around: the point in the middle of the picture that is as far away as the middle of the scene.
 fn pivot(camera: &Camera, frame: &FramingInput, scene: &Scene) -> [f64; 3] {
     let depth = camera.to_camera(frame.ball.centre)[2];
-    let depth = match depth > camera.near && !scene.splats.is_empty() {
-        true => depth,
-        false => frame.ball.radius,
+    let depth = if depth > camera.near && !scene.splats.is_empty() {
+        depth
+    } else {
+        frame.ball.radius
     };
     let (eye, forward) = (camera.eye(), camera.rotation[2]);
     [0, 1, 2].map(|axis| eye[axis] + depth * forward[axis])

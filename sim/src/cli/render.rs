@@ -79,11 +79,12 @@ pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
 }
 
 fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {
-    match picture == json {
-        true => Err(Failure::Usage(format!(
+    if picture == json {
+        Err(Failure::Usage(format!(
             "picture and report cannot both be written to '{}'",
             json.display()
-        ))),
-        false => Ok(()),
+        )))
+    } else {
+        Ok(())
     }
 }

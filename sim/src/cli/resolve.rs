@@ -131,9 +131,10 @@ impl<'a> Asked<'a> {
 
     /// Refuses a machine that keeps an order where no picture comes before another.
     fn check_order(&self, machine: &Config) -> Result<(), Failure> {
-        match self.keeps_order {
-            true => Ok(()),
-            false => refuse_kept_order(machine),
+        if self.keeps_order {
+            Ok(())
+        } else {
+            refuse_kept_order(machine)
         }
     }
 
@@ -531,9 +532,10 @@ fn camera_from_eye(
 
 /// An automatic camera, unless the scene's coordinates are so large that it cannot be placed: their squares overflow beyond 1e154.
 pub fn sound_camera(camera: Camera, scene: &str) -> Result<Camera, Failure> {
-    match camera.is_sound() {
-        true => Ok(camera),
-        false => Err(too_large(scene)),
+    if camera.is_sound() {
+        Ok(camera)
+    } else {
+        Err(too_large(scene))
     }
 }
 

@@ -62,12 +62,13 @@ fn times(report: &Report) -> String {
         String::new()
     };
     let total = format!("{:.1} ms{runs}", host.total_s * 1e3);
-    let before = match host.prepare_s > 0.0 {
-        true => format!(
+    let before = if host.prepare_s > 0.0 {
+        format!(
             ", after {:.1} ms of loading and preparing",
             host.prepare_s * 1e3
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     if report.traversal.is_none() {
         return total + &before;

@@ -148,9 +148,10 @@ fn change_camera(camera: &mut Camera, which: usize, bit: u32) -> &'static str {
 }
 
 fn change_rules(rules: &mut Rules, which: usize, bit: u32) -> &'static str {
-    let other = match rules.normalised {
-        true => Rules::GAUSSIAN_3D,
-        false => Rules::EWA,
+    let other = if rules.normalised {
+        Rules::GAUSSIAN_3D
+    } else {
+        Rules::EWA
     };
     match which % 10 {
         0 => rules.normalised = !rules.normalised,

@@ -157,9 +157,10 @@ impl Part {
 
 /// A part of a whole in words.
 fn share(some: f64, of: f64) -> String {
-    match of > 0.0 {
-        true => format!("{:.1} %", 100.0 * some / of),
-        false => format!("{some} of 0"),
+    if of > 0.0 {
+        format!("{:.1} %", 100.0 * some / of)
+    } else {
+        format!("{some} of 0")
     }
 }
 
@@ -204,9 +205,12 @@ mod tests {
         );
         let refused = |line: usize, key: &str, value: &str| {
             let lines = mine.lines().enumerate();
-            let changed = lines.map(|(index, text)| match index + 1 == line {
-                true => format!("{key} = {value}\n"),
-                false => format!("{text}\n"),
+            let changed = lines.map(|(index, text)| {
+                if index + 1 == line {
+                    format!("{key} = {value}\n")
+                } else {
+                    format!("{text}\n")
+                }
             });
             let told = Parts::default().and("mine.toml", &changed.collect::<String>());
             told.unwrap_err()
@@ -218,9 +222,10 @@ mod tests {
         let mut checked = 0;
         for (index, text) in keys {
             let key = text.split(" = ").next().unwrap();
-            let wrong: &[&str] = match COUNTS.iter().any(|(count, _)| *count == key) {
-                true => &["-1", "100000001", "1.5", "\"many\"", "nan"],
-                false => &["\" \"", "3", "true"],
+            let wrong: &[&str] = if COUNTS.iter().any(|(count, _)| *count == key) {
+                &["-1", "100000001", "1.5", "\"many\"", "nan"]
+            } else {
+                &["\" \"", "3", "true"]
             };
             for value in wrong {
                 let told = refused(index + 1, key, value);

@@ -209,9 +209,10 @@ fn a_claim_of_a_million_million_elements_is_refused_at_once() {
     let message = |name: &str, bytes: &[u8], cloud: bool| {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        let error = match cloud {
-            true => points::load(&path).err(),
-            false => scene::load(&path, &LoadOptions::default()).err(),
+        let error = if cloud {
+            points::load(&path).err()
+        } else {
+            scene::load(&path, &LoadOptions::default()).err()
         };
         error.expect("an absurd count").to_string()
     };

@@ -159,9 +159,10 @@ pub fn summary(lines: &[PlacedLine], now: u64) -> String {
         .fabric
         .resources()
         .map(|(_, count)| count.to_string());
-    let dated = match lines.iter().all(|line| line.sources == now) {
-        true => "",
-        false => " (before the last change of its sources)",
+    let dated = if lines.iter().all(|line| line.sources == now) {
+        ""
+    } else {
+        " (before the last change of its sources)"
     };
     format!(
         "| {}{dated} | {} | {} | {:.1} | {:.1} to {:.1} | {} | {} | {} |\n",

@@ -137,9 +137,10 @@ impl<'a> Evaluator<'a> {
         progress: &'a (dyn Fn(&str) + Sync),
     ) -> Evaluator<'a> {
         let quantise = |frame: &Splats| QuantisedScene::new(frame.scene, frame.camera, frame.rules);
-        let scenes = match question.references.is_empty() {
-            true => Vec::new(),
-            false => question.frames.iter().map(quantise).collect(),
+        let scenes = if question.references.is_empty() {
+            Vec::new()
+        } else {
+            question.frames.iter().map(quantise).collect()
         };
         Evaluator {
             question,
@@ -160,9 +161,10 @@ impl<'a> Evaluator<'a> {
         let settings = self.space.settings(point, |part| part == SpacePart::Design);
         let design = changed(&question.design, &settings)?;
         let swept = settings.iter().any(|(key, _)| *key == "traversal");
-        let traversal = match swept {
-            true => design.traversal,
-            false => question.traversal.unwrap_or(design.traversal),
+        let traversal = if swept {
+            design.traversal
+        } else {
+            question.traversal.unwrap_or(design.traversal)
         };
         let mut machine = question.machine;
         for (key, value) in self.space.settings(point, |part| part != SpacePart::Design) {

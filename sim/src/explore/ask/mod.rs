@@ -182,9 +182,10 @@ impl<'a> Question<'a> {
 /// Searches the space and answers. `progress` is told what is being done.
 pub fn ask(question: &Question, space: &Space, progress: &(dyn Fn(&str) + Sync)) -> Result<Answer> {
     let all: Vec<usize> = (0..question.frames.len()).collect();
-    let mut searched = match all.len() > FEW_FRAMES {
-        true => heaviest(question, space, progress)?,
-        false => all.clone(),
+    let mut searched = if all.len() > FEW_FRAMES {
+        heaviest(question, space, progress)?
+    } else {
+        all.clone()
     };
     loop {
         let some = question.about(&searched);
@@ -426,9 +427,10 @@ pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
             .find(|other| other.quantity == limit.quantity)
         {
             Some(other) => {
-                let tighter = match limit.quantity.is_at_least() {
-                    true => limit.bound > other.bound,
-                    false => limit.bound < other.bound,
+                let tighter = if limit.quantity.is_at_least() {
+                    limit.bound > other.bound
+                } else {
+                    limit.bound < other.bound
                 };
                 if tighter {
                     *other = limit;

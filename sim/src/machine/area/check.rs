@@ -68,35 +68,38 @@ fn check_line(name: &str, line: &PriceLine) -> Result<(), Refused> {
 }
 
 fn price(key: &str, value: f64) -> Result<(), Refused> {
-    match value.abs() <= LARGEST {
-        true => Ok(()),
-        false => Err(refused(
+    if value.abs() <= LARGEST {
+        Ok(())
+    } else {
+        Err(refused(
             key,
             &value.to_string(),
             &format!("numbers from {} to {LARGEST}", -LARGEST),
-        )),
+        ))
     }
 }
 
 fn weight(key: &str, value: f64) -> Result<(), Refused> {
-    match (0.0..=LARGEST).contains(&value) {
-        true => Ok(()),
-        false => Err(refused(
+    if (0.0..=LARGEST).contains(&value) {
+        Ok(())
+    } else {
+        Err(refused(
             key,
             &value.to_string(),
             &format!("numbers from 0 to {LARGEST}"),
-        )),
+        ))
     }
 }
 
 fn whole(key: &str, value: u64, (low, high): (u64, u64)) -> Result<(), Refused> {
-    match (low..=high).contains(&value) {
-        true => Ok(()),
-        false => Err(refused(
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(refused(
             key,
             &value.to_string(),
             &format!("whole numbers from {low} to {high}"),
-        )),
+        ))
     }
 }
 

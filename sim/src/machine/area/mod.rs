@@ -102,9 +102,10 @@ fn splat_setup(
         Traversal::Box => shared(&[[m, m]; 7], config.splat_cycles, calibration),
     };
     let logic = |lines: &Lines| {
-        let setup = match config.splat_cycles >= SETUP_INTERVAL {
-            true => &lines.shared_setup,
-            false => &lines.setup,
+        let setup = if config.splat_cycles >= SETUP_INTERVAL {
+            &lines.shared_setup
+        } else {
+            &lines.setup
         };
         (setup.at(m) + lines.rest).round() as u64
     };

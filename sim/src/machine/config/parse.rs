@@ -386,9 +386,10 @@ fn unknown(place: &str, key: &str) -> ConfigError {
             let start: String = name.chars().take(3).collect();
             let near = FIELDS.iter().filter(|field| field.key.starts_with(&start));
             let keys: Vec<&str> = near.map(|field| field.key).collect();
-            match keys.is_empty() {
-                true => format!(": {}", known(key)),
-                false => format!(": did you mean {}?", keys.join(" or ")),
+            if keys.is_empty() {
+                format!(": {}", known(key))
+            } else {
+                format!(": did you mean {}?", keys.join(" or "))
             }
         }
     };

@@ -159,9 +159,10 @@ impl EnergyTable {
 
     /// What a reader of an estimate must know.
     pub fn statement(&self) -> String {
-        let source = match self.shipped {
-            true => "figures of the literature",
-            false => "a table of your own",
+        let source = if self.shipped {
+            "figures of the literature"
+        } else {
+            "a table of your own"
         };
         format!(
             "estimate by {source} for {}: actions counted times energy each; without clock tree, pipeline registers, control, wires, leakage, and what a DRAM \
@@ -186,9 +187,10 @@ impl PriceCurve {
             .min(self.points.len() - 1);
         let [x0, y0] = self.points[high.saturating_sub(1)];
         let [x1, y1] = self.points[high];
-        let slope = match x1 > x0 {
-            true => (y1 / y0).ln() / (x1 / x0).ln(),
-            false => self.alone,
+        let slope = if x1 > x0 {
+            (y1 / y0).ln() / (x1 / x0).ln()
+        } else {
+            self.alone
         };
         y0 * (x / x0).powf(slope)
     }
@@ -306,14 +308,13 @@ mod tests {
                 continue;
             };
             let refused = |wrong: &str| {
-                let changed =
-                    SHIPPED
-                        .lines()
-                        .enumerate()
-                        .map(|(other, text)| match other == index {
-                            true => format!("{key} = {wrong}\n"),
-                            false => format!("{text}\n"),
-                        });
+                let changed = SHIPPED.lines().enumerate().map(|(other, text)| {
+                    if other == index {
+                        format!("{key} = {wrong}\n")
+                    } else {
+                        format!("{text}\n")
+                    }
+                });
                 EnergyTable::from_toml("mine.toml", &changed.collect::<String>()).unwrap_err()
             };
             let wrong: &[&str] = match key {

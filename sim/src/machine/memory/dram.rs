@@ -228,9 +228,10 @@ impl Dram {
     fn note(&mut self, command: u64, write: bool) {
         self.counts.turnarounds += u64::from(self.last.is_some_and(|(_, before)| before != write));
         self.last = Some((command, write));
-        match write {
-            true => self.counts.writes += 1,
-            false => self.counts.reads += 1,
+        if write {
+            self.counts.writes += 1
+        } else {
+            self.counts.reads += 1
         }
     }
 

@@ -141,9 +141,10 @@ impl DesignJob for ExtractJob<'_> {
             .into_par_iter()
             .map(|tile| self.tile(design, &painter, &bins.lists[tile], window(tile)))
             .collect();
-        let screen = match self.wants_pixels {
-            true => self.screen(&parts, &widths, window),
-            false => Vec::new(),
+        let screen = if self.wants_pixels {
+            self.screen(&parts, &widths, window)
+        } else {
+            Vec::new()
         };
         let pixels = |tile: usize| {
             let Window { first, end: last } = window(tile);

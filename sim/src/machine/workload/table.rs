@@ -152,13 +152,14 @@ impl Work {
             self.last[axis] = self.last[axis].max(entry.last[axis]);
             tiles *= u64::from(self.last[axis].div_ceil(options.tile[axis]));
         }
-        match self.rows.max(tiles) <= LARGEST_WORK {
-            true => Ok(()),
-            false => Err(TableError::TooLarge {
+        if self.rows.max(tiles) <= LARGEST_WORK {
+            Ok(())
+        } else {
+            Err(TableError::TooLarge {
                 line,
                 rows: self.rows,
                 tiles,
-            }),
+            })
         }
     }
 }
@@ -256,13 +257,14 @@ impl TableReader<'_> {
         let [a, b, c] = [self.number(3)?, self.number(4)?, self.number(5)?];
         // A needle's form has almost no determinant, and rounding to the narrowest mantissas (8 bits) may turn its sign.
         let definite = a >= 0.0 && c >= 0.0 && b.abs() <= (a.sqrt() * c.sqrt()) * (1.0 + ROUNDED);
-        match definite {
-            true => Ok([a, b, c]),
-            false => Err(self.wrong(
+        if definite {
+            Ok([a, b, c])
+        } else {
+            Err(self.wrong(
                 "conic_b",
                 self.text(self.places[4]),
                 "expected conic_a >= 0, conic_c >= 0 and conic_b^2 <= conic_a conic_c, an ellipse",
-            )),
+            ))
         }
     }
 

@@ -97,9 +97,10 @@ fn design() -> DesignChoice {
 fn scene_file(path: &Path) -> Result<(), String> {
     let scene = scene::load(path, &LoadOptions::default()).map_err(told)?;
     let camera = scene.default_camera(SIDE, SIDE);
-    match camera.is_sound() {
-        true => draw(&scene, &camera, &design()),
-        false => Err("no camera can be placed".to_owned()),
+    if camera.is_sound() {
+        draw(&scene, &camera, &design())
+    } else {
+        Err("no camera can be placed".to_owned())
     }
 }
 
