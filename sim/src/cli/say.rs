@@ -27,7 +27,7 @@ pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            print_error(&format!("error: {}\n", explain(&error)));
+            print_error(&format!("error: {}\n", shortened(&explain(&error))));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
@@ -37,6 +37,16 @@ pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+/// A message without the rests of long lines: errors of TOML quote the line, which may be a megabyte.
+fn shortened(message: &str) -> String {
+    const LONGEST: usize = 400;
+    let short = |line: &str| match line.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{} ...", &line[..end]),
+        None => line.to_owned(),
+    };
+    message.lines().map(short).collect::<Vec<_>>().join("\n")
 }
 
 /// The error and its causes, each said once: some errors already quote their cause.

@@ -107,8 +107,8 @@ fn splats() -> Vec<Bomb> {
         .into_iter()
         .enumerate()
     {
+        let how = if index % 2 == 0 { INFO } else { RENDER };
         for degree in 0..=4u8 {
-            let how = if index % 2 == 0 { INFO } else { RENDER };
             let record = 20 + 3 * (usize::from(degree + 1).pow(2) - 1);
             let megabytes = (count as usize * record / MEGABYTE + 1).min(2000);
             let bytes = zeros(&spz_header(3, count, degree, 0), megabytes);

@@ -6,7 +6,6 @@
 #![allow(unsafe_code)]
 
 use super::factors::Factors;
-use super::narrow::Narrow;
 use super::wide::Words;
 use super::{Portable, Wide};
 
@@ -53,8 +52,6 @@ pub trait Fused: Wide {
     fn without(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
     /// The bits of b where those of a are set, else those of c.
     fn blend(self, a: Self::Word, b: Self::Word, c: Self::Word) -> Self::Word;
-    /// The lower halves one after the other, in the first four words; zeros in the others.
-    fn halves(self, a: Self::Word) -> Self::Word;
     /// -1 where the most significant bit is set, else 0.
     fn spread(self, a: Self::Word) -> Self::Word;
     /// Bit k of `bits` in word k, as its most significant bit; the others are anything.
@@ -78,7 +75,7 @@ pub trait FusedTask {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: Narrow>(self, lanes: L) -> Self::Output;
+    fn run<L: Fused>(self, lanes: L) -> Self::Output;
 }
 
 /// What a processor has for fused products. Whoever has nothing draws by words; arrays stand in for the instructions in tests alone.
@@ -170,12 +167,6 @@ impl Fused for Portable {
     }
     fn blend(self, a: Words, b: Words, c: Words) -> Words {
         std::array::from_fn(|k| (a[k] & b[k]) | (!a[k] & c[k]))
-    }
-    fn halves(self, a: Words) -> Words {
-        std::array::from_fn(|k| match a.get(2 * k..2 * k + 2) {
-            Some([low, high]) => i64::from(*low as u32) | (high << 32),
-            _ => 0,
-        })
     }
     fn spread(self, a: Words) -> Words {
         a.map(|a| a >> 63)
@@ -270,10 +261,6 @@ mod x86 {
         #[inline(always)]
         fn blend(self, a: __m512i, b: __m512i, c: __m512i) -> __m512i {
             op!(_mm512_ternarylogic_epi64::<0b1100_1010>(a, b, c))
-        }
-        #[inline(always)]
-        fn halves(self, a: __m512i) -> __m512i {
-            op!(_mm512_zextsi256_si512(_mm512_cvtepi64_epi32(a)))
         }
         #[inline(always)]
         fn spread(self, a: __m512i) -> __m512i {

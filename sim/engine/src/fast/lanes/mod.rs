@@ -1,5 +1,5 @@
 //! Vectors of 32-bit words: the few operations that the pixel path needs, for whatever the processor has. Those of 64-bit words are in
-//! [`Wide`] and [`fused::Fused`], those of a cell of sixteen short words in [`narrow::Narrow`].
+//! [`Wide`] and [`fused::Fused`].
 //!
 //! | implementation | words | chosen |
 //! |---|--:|---|
@@ -28,7 +28,6 @@ mod doubles;
 pub mod factors;
 mod floats;
 pub mod fused;
-pub mod narrow;
 mod portable;
 pub mod sums;
 mod wide;
