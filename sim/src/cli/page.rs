@@ -1,7 +1,7 @@
 //! `splatline page`: the live page of a scene.
 
 use super::output;
-use super::resolve::Asked;
+use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, VectorValue};
 use super::view_args::ViewOptions;
@@ -58,7 +58,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     if let Some(size) = options.view.size {
         check_size(size.width, size.height)?;
     }
-    let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
+    let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
     if let Some(traversal) = options.traversal {
         prepared.plan.entry.traversal = Traversal::from(traversal);
     }

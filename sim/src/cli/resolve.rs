@@ -22,7 +22,7 @@ use crate::machine::energy::EnergyTable;
 use crate::machine::parts::{Part, Parts};
 use crate::memory;
 use crate::plan::path::{self, CameraPath};
-use crate::plan::{AnyScene, Engine, Entry, Look, Plan, Prepared, Source, Taken};
+use crate::plan::{AnyScene, DesignVariant, Engine, Look, Plan, Prepared, SceneInput, Source};
 use crate::progress::ProgressMeter;
 use crate::rules::{Antialias, Compositing, Kernel, Rules};
 use crate::scene::Scene;
@@ -48,7 +48,7 @@ const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
 const DEPTH_RANGE: f64 = 0.5;
 
 /// What the options of a command say about a scene and its drawing; commands that lack an option have its default here.
-pub struct Asked<'a> {
+pub struct PlanRequest<'a> {
     view: &'a ViewOptions,
     engine: Engine,
     design: &'a DesignName,
@@ -78,10 +78,10 @@ impl NamedFrame {
     }
 }
 
-impl<'a> Asked<'a> {
+impl<'a> PlanRequest<'a> {
     /// By one design's own traversal, front to back.
-    pub fn by_design(view: &'a ViewOptions, design: &'a DesignName) -> Asked<'a> {
-        Asked {
+    pub fn by_design(view: &'a ViewOptions, design: &'a DesignName) -> PlanRequest<'a> {
+        PlanRequest {
             view,
             engine: Engine::Fixed,
             design,
@@ -95,35 +95,35 @@ impl<'a> Asked<'a> {
     }
 
     /// What the commands about the kernel and the machine ask.
-    pub fn work(view: &'a ViewOptions, work: &'a WorkOptions) -> Asked<'a> {
-        Asked {
+    pub fn work(view: &'a ViewOptions, work: &'a WorkOptions) -> PlanRequest<'a> {
+        PlanRequest {
             traversal: work.traversal,
             compositing: work.compositing,
-            ..Asked::by_design(view, &work.design)
+            ..PlanRequest::by_design(view, &work.design)
         }
     }
 
     /// What the commands that write pictures ask.
-    pub fn drawing(view: &'a ViewOptions, drawing: &'a DrawingOptions) -> Asked<'a> {
-        Asked {
+    pub fn drawing(view: &'a ViewOptions, drawing: &'a DrawingOptions) -> PlanRequest<'a> {
+        PlanRequest {
             engine: drawing.engine,
             points: drawing.points,
             phase_bits: drawing.phase_bits,
-            ..Asked::work(view, &drawing.work)
+            ..PlanRequest::work(view, &drawing.work)
         }
     }
 
     /// The same for a machine.
-    pub fn on(self, machine: &'a MachineOptions) -> Asked<'a> {
-        Asked {
+    pub fn on(self, machine: &'a MachineOptions) -> PlanRequest<'a> {
+        PlanRequest {
             machine: Some(machine),
             ..self
         }
     }
 
     /// The same where lists may keep the order of the picture before.
-    pub fn keeping_order(self) -> Asked<'a> {
-        Asked {
+    pub fn keeping_order(self) -> PlanRequest<'a> {
+        PlanRequest {
             keeps_order: true,
             ..self
         }
@@ -213,7 +213,7 @@ impl<'a> Asked<'a> {
         };
         self.check_order(&machine)?;
         let design = DesignChoice::load(&self.design.0)?;
-        let entry = Entry::new(design, self.traversal.map(Traversal::from));
+        let entry = DesignVariant::new(design, self.traversal.map(Traversal::from));
         let progress = ProgressMeter::spinner(format!("loading {}", source.path.display()));
         let loaded = source.load(&|what| progress.doing(what))?;
         let frame = || loaded.scene.frame(view.up.map(|VectorValue(up)| up));
@@ -255,7 +255,7 @@ impl<'a> Asked<'a> {
         let (view, surface) = (self.view, &self.view.surface);
         let path = path.to_owned();
         let taken = match surface.kind {
-            None => Taken::Splats {
+            None => SceneInput::Splats {
                 transfer: view.transfer.clone(),
                 light: view.light.map(|VectorValue(direction)| direction),
             },
@@ -263,7 +263,7 @@ impl<'a> Asked<'a> {
                 self.refuse_volume_options()?;
                 refuse_height_field_options(&path, surface)?;
                 let method = surface.coefficients;
-                Taken::Surface {
+                SceneInput::Surface {
                     texture: surface
                         .texture
                         .clone()
@@ -559,7 +559,7 @@ pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
 const FRAME_BYTES: usize = 40_000;
 
 /// Bytes of a pixel of each further reference picture that is kept beside those being compared.
-pub const KEPT: u64 = 32;
+pub const HELD_PIXEL_BYTES: u64 = 32;
 
 /// Bytes of a pixel while a picture is drawn and written: 47 were measured, 53 for a surface.
 pub const DRAWN: u64 = 64;

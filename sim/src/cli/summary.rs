@@ -3,7 +3,7 @@
 use crate::picture::Picture;
 use crate::report::facts::ReasonCounts;
 use crate::report::formats::formats_text;
-use crate::report::table::{decibels, pace_text, scientific, signed};
+use crate::report::table::{decibels, scientific, signed, throughput_text};
 use crate::report::{ChannelFacts, Report};
 use std::path::Path;
 
@@ -126,7 +126,7 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
         report.traversal.as_deref().unwrap_or("-"),
         report.reference.as_deref().unwrap_or("-"),
         errors.collect::<String>(),
-        pace_text(report),
+        throughput_text(report),
         formats_text(report),
         folder.join("report.html").display(),
     )

@@ -1,6 +1,6 @@
 //! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
 
-use super::{Depiction, Engine, Entry, Prepared, Splats};
+use super::{Depiction, DesignVariant, Engine, Prepared, Splats};
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
 use crate::fixed::surface::{QuantisedPoints, SurfaceOptions, SurfaceRenderer};
@@ -76,7 +76,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 
 impl Prepared {
     /// Draws through the kernel.
-    pub fn draw_fixed(&self, entry: &Entry) -> Result<Drawing> {
+    pub fn draw_fixed(&self, entry: &DesignVariant) -> Result<Drawing> {
         let mut kernel = self.kernel(entry, None, true)?;
         let mut drawing = kernel.draw(&|_, _| ())?;
         kernel.finish(&mut drawing);
@@ -86,7 +86,7 @@ impl Prepared {
     /// What draws through the kernel again and again: the scene in its formats. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
         &'a self,
-        entry: &'a Entry,
+        entry: &'a DesignVariant,
         vectors: Option<VectorLevel>,
         counts: bool,
     ) -> Result<KernelDrawing<'a>> {
@@ -145,7 +145,7 @@ impl Prepared {
     }
 
     /// Footprints by the kernel's setup, in the scene's order; nothing for what is culled.
-    pub fn fixed_footprints(&self, entry: &Entry) -> Result<Vec<Option<FootprintLine>>> {
+    pub fn fixed_footprints(&self, entry: &DesignVariant) -> Result<Vec<Option<FootprintLine>>> {
         let widths = &entry.design.widths;
         Ok(match self.subject()? {
             Depiction::Splats(splats) => {
@@ -245,7 +245,7 @@ impl Prepared {
     }
 
     /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine does not know: points, stamps, surfaces.
-    pub fn cycles(&self, entry: &Entry, drawing: &Drawing) -> Result<Option<Timing>> {
+    pub fn cycles(&self, entry: &DesignVariant, drawing: &Drawing) -> Result<Option<Timing>> {
         let Depiction::Splats(splats) = self.subject()? else {
             return Ok(None);
         };
@@ -357,7 +357,12 @@ pub enum KernelDrawing<'a> {
 }
 
 impl<'a> KernelDrawing<'a> {
-    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::PaintEngine, counts: bool) -> Self {
+    fn splats(
+        splats: Splats<'a>,
+        entry: &DesignVariant,
+        engine: fixed::PaintEngine,
+        counts: bool,
+    ) -> Self {
         let settings = Settings {
             rules: *splats.rules,
             compositing: splats.compositing,

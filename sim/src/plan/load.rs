@@ -24,13 +24,13 @@ pub struct Source {
     /// The file, from the folder in which the command ran.
     pub path: PathBuf,
     /// What its contents are.
-    pub taken: Taken,
+    pub taken: SceneInput,
 }
 
 /// What the contents of a file are taken for.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Taken {
+pub enum SceneInput {
     /// 3D Gaussians, or a volume's voxels.
     Splats {
         /// Transfer function of a volume.
@@ -73,7 +73,7 @@ pub struct LoadedSubject {
 impl Source {
     /// Splats, a volume by its own transfer function.
     pub fn splats(path: PathBuf) -> Source {
-        let taken = Taken::Splats {
+        let taken = SceneInput::Splats {
             transfer: None,
             light: None,
         };
@@ -84,7 +84,7 @@ impl Source {
     pub fn is_textured(&self) -> bool {
         matches!(
             self.taken,
-            Taken::Surface {
+            SceneInput::Surface {
                 texture: Some(_),
                 ..
             }
@@ -95,7 +95,7 @@ impl Source {
     pub fn load(&self, doing: &dyn Fn(String)) -> Result<LoadedSubject> {
         let started = Instant::now();
         let (scene, notes) = match &self.taken {
-            Taken::Splats { transfer, light } => {
+            SceneInput::Splats { transfer, light } => {
                 let options = LoadOptions {
                     transfer: transfer.clone(),
                     light: *light,
@@ -103,7 +103,7 @@ impl Source {
                 let (scene, notes) = scene::load_with_notes(&self.path, &options)?;
                 (AnyScene::Splats(scene), notes)
             }
-            Taken::Surface { texture, spacing } => {
+            SceneInput::Surface { texture, spacing } => {
                 let scene = self.load_surface(texture.as_ref(), *spacing, doing)?;
                 let notes = scene.notes.clone();
                 let is_height_field = height_field::is_height_field(&self.path);
@@ -167,7 +167,7 @@ pub fn recognise(path: &Path, transfer: Option<PathBuf>) -> Result<LoadedSubject
         let (field, name) = load_heights(path, None)?;
         return Ok(surface(field.scene(&name), true));
     }
-    let taken = Taken::Splats {
+    let taken = SceneInput::Splats {
         transfer,
         light: None,
     };

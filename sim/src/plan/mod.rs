@@ -16,14 +16,14 @@ pub mod path;
 pub mod record;
 
 pub use draw::{Drawing, FootprintLine};
-pub use load::{AnyScene, LoadedSubject, Source, Taken};
+pub use load::{AnyScene, LoadedSubject, SceneInput, Source};
 pub use measure::{Comparison, Effort, Measured, all_entries, compare_all};
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
 use crate::fixed;
 use crate::hybrid::Hybrid;
-use crate::machine::Config;
+use crate::machine::{Config, others};
 use crate::reference::formats::{self, FloatFormat};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
@@ -86,7 +86,7 @@ impl Engine {
 
 /// One design walked by one traversal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
+pub struct DesignVariant {
     /// Widths of its datapath.
     pub design: DesignChoice,
     /// How a footprint's pixels are walked.
@@ -94,11 +94,11 @@ pub struct Entry {
     pub traversal: Traversal,
 }
 
-impl Entry {
+impl DesignVariant {
     /// A design by the traversal asked for, or else by its own.
-    pub fn new(design: DesignChoice, traversal: Option<Traversal>) -> Entry {
+    pub fn new(design: DesignChoice, traversal: Option<Traversal>) -> DesignVariant {
         let traversal = traversal.unwrap_or(design.traversal);
-        Entry { design, traversal }
+        DesignVariant { design, traversal }
     }
 
     /// `lean18 by spans`.
@@ -140,7 +140,7 @@ pub struct Plan {
     /// Whom it is compared with; none if it is drawn alone.
     pub reference: Option<Engine>,
     /// The kernel's design and traversal.
-    pub entry: Entry,
+    pub entry: DesignVariant,
     /// The machine whose cycles are counted.
     pub machine: Config,
 }
@@ -182,8 +182,18 @@ pub struct Splats<'a> {
 }
 
 impl<'a> Splats<'a> {
+    /// What machines of others are compared on: they draw no points.
+    pub fn without_points(&self) -> others::Splats<'a> {
+        others::Splats {
+            scene: self.scene,
+            camera: self.camera,
+            rules: self.rules,
+            compositing: self.compositing,
+        }
+    }
+
     /// What the kernel is told.
-    pub fn options(&self, entry: &'a Entry) -> fixed::Options<'a> {
+    pub fn options(&self, entry: &'a DesignVariant) -> fixed::Options<'a> {
         fixed::Options {
             rules: self.rules,
             compositing: self.compositing,
@@ -207,7 +217,7 @@ impl Prepared {
                 },
                 engine: Engine::Fixed,
                 reference: None,
-                entry: Entry::new(design, None),
+                entry: DesignVariant::new(design, None),
                 machine: Config::default(),
             },
             scene: Arc::new(AnyScene::Splats(scene)),

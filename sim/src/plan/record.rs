@@ -1,6 +1,6 @@
 //! A plan's results as a report, and a plan out of a report.
 
-use super::{Depiction, Engine, Entry, Look, Measured, Plan, Prepared};
+use super::{Depiction, DesignVariant, Engine, Look, Measured, Plan, Prepared};
 use crate::camera::Camera;
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
@@ -35,7 +35,7 @@ impl Prepared {
     }
 
     /// Name of the traversal in reports.
-    pub fn traversal_name(&self, entry: &Entry) -> &'static str {
+    pub fn traversal_name(&self, entry: &DesignVariant) -> &'static str {
         match self.plan.look {
             Look::Splats {
                 hybrid: Some(hybrid),
@@ -94,7 +94,11 @@ impl Plan {
 }
 
 /// The report of one picture through the kernel that was compared with nothing.
-pub fn report_of_entry(prepared: &Prepared, entry: &Entry, measured: &Measured) -> Result<Report> {
+pub fn report_of_entry(
+    prepared: &Prepared,
+    entry: &DesignVariant,
+    measured: &Measured,
+) -> Result<Report> {
     Ok(Report {
         design: serde_json::to_value(entry.design.resolved())?,
         traversal: Some(prepared.traversal_name(entry).to_owned()),

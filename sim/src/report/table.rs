@@ -55,7 +55,7 @@ pub fn cells(row: &ReportRow) -> [String; COLUMNS] {
 }
 
 /// What the machine's cycles are in time, in one line; nothing where it was not run.
-pub fn pace_text(report: &Report) -> String {
+pub fn throughput_text(report: &Report) -> String {
     let Some(pace) = &report.pace else {
         return String::new();
     };

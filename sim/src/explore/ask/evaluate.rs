@@ -10,7 +10,7 @@ use crate::explore::space::{Space, SpacePart};
 use crate::explore::sweep::changed;
 use crate::fixed::{self, Options, QuantisedScene, best_engine};
 use crate::machine::area::{Area, Calibration, estimate};
-use crate::machine::clock::{Clock, Pace};
+use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config::Config;
 use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -63,7 +63,7 @@ pub struct Reached {
     /// Errors over all frames.
     pub error: Option<Fitness>,
     /// The pace of the slowest frame.
-    pub pace: Pace,
+    pub pace: Throughput,
     /// Milliseconds over the frames.
     pub ms_per_frame: Spread,
     /// Cycles of the slowest frame by phase: geometry, sort, raster.
@@ -244,7 +244,7 @@ impl<'a> Evaluator<'a> {
         let prices = &self.question.calibration;
         Reached {
             error: Some(Fitness::default()),
-            pace: Pace::new(&nothing, machine, clock),
+            pace: Throughput::new(&nothing, machine, clock),
             ms_per_frame: Spread::default(),
             phases: [0; 3],
             area: estimate(&design.widths, *traversal, machine, prices),
@@ -381,8 +381,8 @@ fn reached(
         .zip(work)
         .map(|(workload, work)| simulate(workload, work, machine))
         .collect();
-    let pace = |timing: &Timing| Pace::new(timing, machine, clock.clone());
-    let paces: Vec<Pace> = timings.iter().map(pace).collect();
+    let pace = |timing: &Timing| Throughput::new(timing, machine, clock.clone());
+    let paces: Vec<Throughput> = timings.iter().map(pace).collect();
     let energy = |timing: &Timing| {
         let table = &question.energy;
         energy::estimate(widths, *traversal, machine, timing, table).mj_per_frame

@@ -37,7 +37,7 @@ const USUAL: &str = include_str!("usual.toml");
 const FEW_FRAMES: usize = 3;
 
 /// Points that an answer holds: the cheapest and the next three.
-const KEPT: usize = 4;
+const MOST_ANSWERS: usize = 4;
 
 /// By which part of its cost a point is dearer at least than the one before it in an answer.
 const APART: f64 = 0.01;
@@ -331,7 +331,7 @@ fn answered(
     if !holds {
         points = vec![(&searched.point, first)];
     }
-    for (point, reached) in points.into_iter().take(KEPT) {
+    for (point, reached) in points.into_iter().take(MOST_ANSWERS) {
         let mut all = vec![reached.clone()];
         for frame in others {
             let one = on_frame(question, evaluator.space, point, *frame, progress)?;
