@@ -15,6 +15,7 @@ mod gltf;
 mod ksplat;
 mod half;
 mod load;
+mod look;
 mod nrrd;
 mod order;
 mod ply;

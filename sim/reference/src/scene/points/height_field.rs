@@ -12,7 +12,7 @@ use crate::camera::Camera;
 use crate::memory;
 use crate::scene::error::{LoadError, Problem};
 use crate::scene::file::read_file;
-use crate::scene::view;
+use crate::scene::look::look_at;
 use crate::vector::{self, Vector};
 use std::path::Path;
 
@@ -175,7 +175,7 @@ pub fn default_camera(scene: &SurfaceScene, width: usize, height: usize) -> Came
     let (centre, extents) = (bounds.centre(), bounds.extents());
     let largest = extents.into_iter().fold(1e-9, f64::max);
     let eye = vector::add(centre, [0.0, -1.5 * largest, 0.9 * largest]);
-    view::look_at(eye, centre, scene.up, 45.0, width, height)
+    look_at(eye, centre, scene.up, 45.0, width, height)
 }
 
 /// The weight by which basis functions on the square grid sum to 1: a cell over the integral inside the cut-off.

@@ -341,7 +341,7 @@ impl SurfaceScene {
         let largest = extents.into_iter().fold(1e-9, f64::max);
         let mut eye = centre;
         eye[across] += 1.5 * largest;
-        super::view::look_at(eye, centre, self.up, 45.0, width, height)
+        super::look::look_at(eye, centre, self.up, 45.0, width, height)
     }
 
     /// Depth differences up to this belong to one surface unless the command line says otherwise: three radii.
