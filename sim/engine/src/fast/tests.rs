@@ -2,8 +2,7 @@
 
 use super::TILE;
 use super::cells::FusedPainter;
-use super::lanes::VectorLevel;
-use super::lanes::fused::FusedLanes;
+use super::lanes::{FusedLanes, VectorLevel};
 use super::painter::{PaintScratch, TilePainter};
 use super::words::WordPainter;
 use crate::fixed::{QuantisedScene, kernel_rules, table, table_entries};

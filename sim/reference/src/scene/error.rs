@@ -110,3 +110,8 @@ impl Problem {
         }
     }
 }
+
+/// What a message may show of a file: no control characters, and not much.
+pub(crate) fn shorten(text: &str) -> String {
+    text.chars().filter(|c| !c.is_control()).take(60).collect()
+}

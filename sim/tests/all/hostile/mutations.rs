@@ -65,9 +65,10 @@ fn unpacked(name: &str) -> Vec<u8> {
 fn folder_file(path: &Path) -> Result<(), String> {
     let bundle = bundle();
     for name in bundle.file_names() {
-        let file = path.with_file_name(name);
+        let name = name.expect("a name in UTF-8");
+        let file = path.with_file_name(&*name);
         if !file.exists() {
-            std::fs::write(file, unpacked(name)).expect("a folder for temporary files");
+            std::fs::write(file, unpacked(&name)).expect("a folder for temporary files");
         }
     }
     let read = scene::load(path, &LoadOptions::default());

@@ -113,7 +113,7 @@ fn scene_file(path: &Path) -> Result<(), String> {
 fn gltf_file(path: &Path) -> Result<(), String> {
     let buffer = path.with_file_name("tiny.bin");
     if !buffer.exists() {
-        std::fs::write(&buffer, &super::seeds::apart()[1]).map_err(told)?;
+        std::fs::write(&buffer, &super::seeds::apart()[1]).map_err(printed)?;
     }
     scene_file(path)
 }

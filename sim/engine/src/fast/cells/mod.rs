@@ -11,8 +11,8 @@ mod parts;
 mod scale;
 pub mod tile;
 
-use super::lanes::fused::{Fused, FusedLanes, FusedTask};
-use super::lanes::{VectorLevel, prefetch};
+use super::lanes::fused::Fused;
+use super::lanes::{FusedLanes, FusedTask, VectorLevel, prefetch};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::is_tame;
 use batch::{Batch, CellFootprint, Prepare};

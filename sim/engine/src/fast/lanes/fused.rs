@@ -70,54 +70,6 @@ pub trait Fused: Wide {
     fn truth(self, bits: u8) -> Self::Truth;
 }
 
-/// Work on fused products. Implement `run` and all that it calls with `#[inline(always)]`.
-pub trait FusedTask {
-    /// The result.
-    type Output;
-    /// The work.
-    fn run<L: Fused>(self, lanes: L) -> Self::Output;
-}
-
-/// What a processor has for fused products. Whoever has nothing draws by words; arrays stand in for the instructions in tests alone.
-#[derive(Clone, Copy, Debug)]
-pub enum FusedLanes {
-    /// AVX-512.
-    #[cfg(target_arch = "x86_64")]
-    Avx512(super::avx512::Avx512),
-    /// Arrays.
-    #[cfg(test)]
-    Portable,
-}
-
-impl FusedLanes {
-    /// This processor's.
-    pub fn detect() -> Option<FusedLanes> {
-        #[cfg(target_arch = "x86_64")]
-        return super::avx512::Avx512::detect().map(FusedLanes::Avx512);
-        #[cfg(not(target_arch = "x86_64"))]
-        None
-    }
-
-    /// This processor's and arrays.
-    #[cfg(test)]
-    pub fn all() -> impl Iterator<Item = FusedLanes> {
-        FusedLanes::detect()
-            .into_iter()
-            .chain([FusedLanes::Portable])
-    }
-
-    /// Runs the task on them.
-    #[inline]
-    pub fn run<T: FusedTask>(self, task: T) -> T::Output {
-        match self {
-            #[cfg(target_arch = "x86_64")]
-            FusedLanes::Avx512(lanes) => lanes.run_fused(task),
-            #[cfg(test)]
-            FusedLanes::Portable => task.run(Portable),
-        }
-    }
-}
-
 #[inline(always)]
 fn zip(a: Words, b: Words, operation: impl Fn(i64, i64) -> i64) -> Words {
     std::array::from_fn(|k| operation(a[k], b[k]))

@@ -1,7 +1,7 @@
 //! Every operation of every implementation against the portable arrays, word for word.
 
 use super::factors::Factors;
-use super::fused::{Fused, FusedLanes, FusedTask, Pairs};
+use super::fused::{Fused, Pairs};
 use super::*;
 use proptest::prelude::*;
 use splatline::format::Deep32;

@@ -10,8 +10,8 @@ pub mod visit;
 
 use super::TILE;
 use super::lanes::sums::PixelSums;
-use super::lanes::words::{PixelTask, PixelWords, dispatch_pixels};
-use super::lanes::{VectorLevel, prefetch};
+use super::lanes::words::PixelWords;
+use super::lanes::{PixelTask, VectorLevel, dispatch_pixels, prefetch};
 use super::painter::{CHECK_INTERVAL, PaintScratch, Results, TableMemory, TilePainter};
 use super::rows::{RowBatch, RunWords};
 use path::{BACK_TO_FRONT, DRAW_FINISHING, OMIT_FINISHING, PathNumbers, Pixels, SplatNumbers};

@@ -12,7 +12,7 @@ mod transform;
 
 use self::buffers::{Buffers, Numbers};
 use self::transform::Transform;
-use super::error::Problem;
+use super::error::{Problem, shorten};
 use super::gaussian::{Gaussian, GaussianScene, HARMONIC_0, MAX_DEGREE, coefficient_count};
 use super::{Scene, SortOrder};
 use crate::memory;
@@ -412,10 +412,6 @@ impl GltfAttributes<'_> {
         }
         Ok(())
     }
-}
-
-fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 #[cfg(test)]

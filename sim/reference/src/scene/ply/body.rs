@@ -5,8 +5,8 @@
 //! describes another file, and the picture would be silently wrong.
 
 use super::super::bytes::{Endian, Reader, Scalar, checked_bytes, truncated};
-use super::super::error::Problem;
-use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, shorten, split_line};
+use super::super::error::{Problem, shorten};
+use super::header::{Element, PlyEncoding, PlyHeader, Property, PropertyKind, split_line};
 
 /// Calls `visit` with each record of the element called `wanted`.
 pub(super) fn for_each_record(

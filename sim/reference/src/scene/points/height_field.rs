@@ -10,7 +10,7 @@
 use super::{INSIDE_CUTOFF, Material, SurfacePoint, SurfaceScene};
 use crate::camera::Camera;
 use crate::memory;
-use crate::scene::error::{LoadError, Problem};
+use crate::scene::error::{LoadError, Problem, shorten};
 use crate::scene::file::read_file;
 use crate::scene::look::look_at;
 use crate::vector::{self, Vector};
@@ -191,7 +191,7 @@ fn read_row(line: &str, number: usize, heights: &mut Vec<f64>) -> Result<(), Pro
             .ok()
             .filter(|height| f64::is_finite(*height));
         let Some(height) = height else {
-            let shown: String = word.chars().filter(|c| !c.is_control()).take(40).collect();
+            let shown = shorten(word);
             return Err(Problem::malformed(
                 format!("line {number}, height {}", index + 1),
                 format!("'{}' is no finite number", shown.trim()),

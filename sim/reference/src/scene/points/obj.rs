@@ -9,7 +9,7 @@
 //! Faces, lines and curves are not drawn, and a note says so: the points are what is there of the surface.
 
 use super::{Cloud, Record, full_scale, room_for_lines};
-use crate::scene::error::Problem;
+use crate::scene::error::{Problem, shorten};
 use crate::vector::{self, Vector};
 
 /// Words whose lines have nothing to do with points.
@@ -67,10 +67,6 @@ pub(super) fn cloud(bytes: &[u8]) -> Result<Cloud, Problem> {
 
 fn malformed(line: usize, found: impl Into<String>, fix: &str) -> Problem {
     Problem::malformed(format!("line {line}"), found, fix)
-}
-
-fn shorten(word: &str) -> String {
-    word.chars().filter(|c| !c.is_control()).take(40).collect()
 }
 
 fn numbers(words: &[&str], line: usize) -> Result<Vec<f64>, Problem> {

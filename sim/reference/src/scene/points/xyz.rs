@@ -5,7 +5,7 @@
 //! Colours are 0 to 255, or 0 to 1 if none in the file exceeds 1.
 
 use super::{Record, full_scale, room_for_lines};
-use crate::scene::error::Problem;
+use crate::scene::error::{Problem, shorten};
 use crate::vector;
 
 /// Squared lengths that are taken for a unit normal's.
@@ -50,7 +50,7 @@ fn numbers(line: &str, number: usize) -> Result<Vec<f64>, Problem> {
         .enumerate()
         .map(|(index, word)| {
             word.parse().map_err(|_| {
-                let shown: String = word.chars().filter(|c| !c.is_control()).take(40).collect();
+                let shown = shorten(word);
                 Problem::malformed(
                     format!("line {number}, number {}", index + 1),
                     format!("'{shown}' is no number"),

@@ -21,7 +21,7 @@ use self::images::Pictures;
 use self::meta::Meta;
 use super::Scene;
 use super::archive::Archive;
-use super::error::Problem;
+use super::error::{Problem, shorten};
 use super::file::read_file;
 use super::gaussian::{GaussianScene, coefficient_count, room_for};
 use std::path::Path;
@@ -124,10 +124,6 @@ fn load(source: &SogSource, name: &str) -> Result<Scene, Problem> {
         scene.push(&pictures.gaussian(&meta, index, &harmonics));
     }
     scene.finish(name)
-}
-
-fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@
 //! integers of 8 to 32 bits and floats in both byte orders; raw or packed by zlib. A header of its own dozen keys needs no library.
 
 use super::super::bytes::{Endian, Scalar, unzlib_exact};
-use super::super::error::Problem;
+use super::super::error::{Problem, shorten};
 use super::super::file::read_file;
-use super::{Grid, Noted, TURNED, exact, shorten, three_sizes, three_spacings, unreadable};
+use super::{Grid, Noted, TURNED, exact, three_sizes, three_spacings, unreadable};
 use std::collections::BTreeMap;
 use std::path::Path;
 

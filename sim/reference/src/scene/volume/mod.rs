@@ -121,11 +121,6 @@ pub(super) fn unreadable(data_file: &str, problem: &Problem) -> Problem {
     )
 }
 
-/// What a message may show of a file.
-pub(super) fn shorten(text: &str) -> String {
-    text.chars().filter(|c| !c.is_control()).take(60).collect()
-}
-
 /// Said of a header that turns or mirrors its grid.
 pub(super) const TURNED: &str =
     "its orientation is not applied: the grid is drawn along its own axes";

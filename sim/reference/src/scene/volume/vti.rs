@@ -5,8 +5,8 @@
 //! (0: as the others), packed sizes, and each block in a zlib stream; counts have 32 or 64 bits as `header_type` says.
 
 use super::super::bytes::{Endian, Reader, Scalar, unzlib_exact};
-use super::super::error::Problem;
-use super::{Grid, Noted, TURNED, exact, shorten, three_spacings};
+use super::super::error::{Problem, shorten};
+use super::{Grid, Noted, TURNED, exact, three_spacings};
 use crate::memory;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
