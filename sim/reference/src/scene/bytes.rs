@@ -86,9 +86,15 @@ pub(super) fn checked_bytes(count: u64, each: u64, field: &str) -> Result<u64, P
     })
 }
 
-/// Unpacks a gzip stream that must hold exactly `expected` bytes.
-pub(super) fn gunzip_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+/// Unpacks a gzip stream that must hold exactly `expected` bytes, if there is room for them and for so many `more`, which they become.
+pub(super) fn gunzip_exact(
+    packed: &[u8],
+    expected: u64,
+    more: u64,
+    field: &str,
+) -> Result<Vec<u8>, Problem> {
     possible(packed, expected, field)?;
+    memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
     let mut unpacked = memory::list(expected + 1, field)?;
     // One byte more than expected tells "too long" apart from "exact", and makes the decoder check its trailer.
     gunzip(packed, expected + 1, field, &mut unpacked)?;
@@ -96,8 +102,14 @@ pub(super) fn gunzip_exact(packed: &[u8], expected: u64, field: &str) -> Result<
 }
 
 /// The same for a zlib stream; nothing may follow its end.
-pub(super) fn unzlib_exact(packed: &[u8], expected: u64, field: &str) -> Result<Vec<u8>, Problem> {
+pub(super) fn unzlib_exact(
+    packed: &[u8],
+    expected: u64,
+    more: u64,
+    field: &str,
+) -> Result<Vec<u8>, Problem> {
     possible(packed, expected, field)?;
+    memory::room_for(expected.saturating_add(more), field, memory::FIX)?;
     let damaged = |reason: String| {
         let found = format!("the zlib stream is damaged or truncated ({reason})");
         Problem::malformed(field, found, "fetch the file again")
@@ -276,12 +288,14 @@ mod tests {
     #[test]
     fn a_gzip_bomb_stops_at_the_size_the_header_justifies() {
         let bomb = gzip(&vec![0; 4_000_000]);
-        let message = gunzip_exact(&bomb, 1000, "data").unwrap_err().to_string();
+        let message = gunzip_exact(&bomb, 1000, 0, "data")
+            .unwrap_err()
+            .to_string();
         assert_eq!(
             message,
             "data: more than the 1000 bytes that the header justifies; correct the header"
         );
-        let message = gunzip_exact(&bomb, 1 << 40, "data")
+        let message = gunzip_exact(&bomb, 1 << 40, 0, "data")
             .unwrap_err()
             .to_string();
         assert!(
@@ -294,12 +308,12 @@ mod tests {
     fn every_truncation_of_a_gzip_stream_is_noticed() {
         let packed = gzip(b"twenty bytes of data");
         assert_eq!(
-            gunzip_exact(&packed, 20, "data").unwrap(),
+            gunzip_exact(&packed, 20, 0, "data").unwrap(),
             b"twenty bytes of data"
         );
         for length in 0..packed.len() {
             assert!(
-                gunzip_exact(&packed[..length], 20, "data").is_err(),
+                gunzip_exact(&packed[..length], 20, 0, "data").is_err(),
                 "cut at {length}"
             );
         }

@@ -49,11 +49,16 @@ pub(super) fn base_from_coefficient(coefficient: f64) -> f64 {
     0.5 + HARMONIC_0 * coefficient
 }
 
-/// Is there room for so many Gaussians, and for so many bytes that they are unpacked to before?
-pub(super) fn room_for(degree: u8, count: u64, unpacked: u64) -> Result<(), Problem> {
+/// Bytes of so many Gaussians.
+pub(super) fn scene_bytes(degree: u8, count: u64) -> u64 {
     let coloured = coefficient_count(degree) + usize::from(degree > 0);
     let each = size_of::<Splat>() + coloured * size_of::<[f32; 3]>();
-    let bytes = count.saturating_mul(each as u64).saturating_add(unpacked);
+    count.saturating_mul(each as u64)
+}
+
+/// Is there room for so many Gaussians, and for so many bytes that they are unpacked to before?
+pub(super) fn room_for(degree: u8, count: u64, unpacked: u64) -> Result<(), Problem> {
+    let bytes = scene_bytes(degree, count).saturating_add(unpacked);
     let what = format!("{count} splats of degree {degree}");
     Ok(memory::room_for(bytes, &what, memory::FIX)?)
 }

@@ -20,7 +20,7 @@ use super::bytes::{Reader, gunzip_at_most, gunzip_exact, unzstd_exact};
 use super::error::Problem;
 use super::gaussian::{
     Gaussian, GaussianScene, HARMONICS, MAX_DEGREE, base_from_coefficient, coefficient_count,
-    harmonic_basis, room_for, scale_from_log,
+    harmonic_basis, room_for, scale_from_log, scene_bytes,
 };
 use super::half;
 
@@ -56,8 +56,8 @@ pub(super) fn load(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
     if header.version > 3 {
         return Err(unsupported_version(&header.version.to_string()));
     }
-    header.room()?;
-    let unpacked = gunzip_exact(bytes, header.file_bytes(), "spz data")?;
+    let scene = scene_bytes(header.degree, header.count.into());
+    let unpacked = gunzip_exact(bytes, header.file_bytes(), scene, "spz data")?;
     let mut reader = Reader::new(&unpacked);
     reader.take(HEADER_BYTES, "spz header")?;
     let mut arrays = [&[][..]; 6];
@@ -104,7 +104,7 @@ fn load_streams(bytes: &[u8], name: &str) -> Result<Scene, Problem> {
             "correct the count in the header or fetch the file again",
         ));
     }
-    header.room()?;
+    room_for(header.degree, header.count.into(), claimed)?;
     let sizes = table.records(streams as u64, 16, "spz table")?;
     let mut unpacked: [Vec<u8>; 6] = Default::default();
     for (index, entry) in sizes.as_chunks::<16>().0.iter().enumerate() {
@@ -193,11 +193,6 @@ impl SpzHeader {
         let rotation = if self.version < 3 { 3 } else { 4 };
         let harmonics = 3 * coefficient_count(self.degree);
         [position, 1, 3, 3, rotation, harmonics]
-    }
-
-    /// Refuses a scene that does not fit into memory together with the unpacked file.
-    fn room(&self) -> Result<(), Problem> {
-        room_for(self.degree, self.count.into(), self.file_bytes())
     }
 
     /// Size of the unpacked file: the largest count times the largest record fits easily.

@@ -42,7 +42,7 @@ fn decode(header: &NrrdHeader, data: &[u8], needed: u64) -> Result<Vec<f32>, Pro
     match header.encoding {
         Encoding::Raw => header.grid.decode(exact(data, needed)?),
         Encoding::Gzip => {
-            let unpacked = gunzip_exact(data, needed, "volume data")?;
+            let unpacked = gunzip_exact(data, needed, header.grid.value_bytes(), "volume data")?;
             header.grid.decode(&unpacked)
         }
     }

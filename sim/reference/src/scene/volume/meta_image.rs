@@ -77,7 +77,12 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
     let packed = fields.flag("compresseddata")?.unwrap_or(false);
     let decode = |data: &[u8]| {
         if packed {
-            grid.decode(&unzlib_exact(data, needed, "volume data")?)
+            grid.decode(&unzlib_exact(
+                data,
+                needed,
+                grid.value_bytes(),
+                "volume data",
+            )?)
         } else {
             grid.decode(exact(data, needed)?)
         }

@@ -46,14 +46,15 @@ impl Grid {
         Ok(count)
     }
 
-    /// Bytes of all numbers as stored. They are refused if there is no room for them beside the values that they become.
+    /// Bytes of all numbers as stored.
     pub(super) fn bytes(&self, field: &str) -> Result<u64, Problem> {
-        let count = self.count(field)?;
-        let bytes = checked_bytes(count, self.kind.size() as u64, field)?;
-        let [x, y, z] = self.sizes;
-        let what = format!("{x} x {y} x {z} voxels");
-        memory::room_for_records(count, self.kind.size() + size_of::<f32>(), &what)?;
-        Ok(bytes)
+        checked_bytes(self.count(field)?, self.kind.size() as u64, field)
+    }
+
+    /// Bytes of the values that they become.
+    pub(super) fn value_bytes(&self) -> u64 {
+        let sizes = self.sizes.map(|size| size as u64).into_iter();
+        sizes.fold(size_of::<f32>() as u64, u64::saturating_mul)
     }
 
     /// The numbers in bytes that are as many as [`Self::bytes`].

@@ -83,7 +83,7 @@ pub(in super::super) fn load(bytes: &[u8]) -> Result<Noted, Problem> {
     let header = Header::read(&begin)?;
     let needed = header.grid.bytes("dim")?;
     let whole = needed.saturating_add(header.offset as u64);
-    let unpacked = gunzip_exact(bytes, whole, "NIfTI file")?;
+    let unpacked = gunzip_exact(bytes, whole, header.grid.value_bytes(), "NIfTI file")?;
     header.volume(unpacked.get(header.offset..).unwrap_or_default())
 }
 

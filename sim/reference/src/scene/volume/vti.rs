@@ -287,7 +287,7 @@ impl<'a> VtiFile<'a> {
             let packed = self.count(&mut sizes, field)?;
             let packed = reader.records(packed, 1, field)?;
             let expected = if block < whole { size } else { last };
-            unpacked.extend(unzlib_exact(packed, expected, field)?);
+            unpacked.extend(unzlib_exact(packed, expected, 0, field)?);
         }
         Ok(unpacked)
     }
