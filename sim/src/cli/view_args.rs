@@ -1,6 +1,5 @@
 //! What is looked at and from where: the options that every command about a scene has.
 
-use super::output;
 use super::values::{
     AntialiasChoice, Backfaces, KERNELS, OrbitChoice, PictureSize, SceneKind, VectorValue,
     field_of_view, layers, one_of, positive,
@@ -97,21 +96,6 @@ pub struct ViewOptions {
     pub light: Option<VectorValue>,
     #[command(flatten)]
     pub surface: SurfaceArgs,
-}
-
-impl ViewOptions {
-    /// The files that are read.
-    pub fn inputs(&self) -> Vec<PathBuf> {
-        let texture = &self.surface.texture;
-        let given = [
-            &self.scene,
-            &self.from,
-            &self.camera,
-            &self.transfer,
-            texture,
-        ];
-        output::files(given.map(Option::as_ref))
-    }
 }
 
 /// Many views in one command.

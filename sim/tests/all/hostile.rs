@@ -7,7 +7,7 @@
 mod bombs;
 mod mutations;
 mod readers;
-mod seeds;
+pub mod seeds;
 
 use seeds::few_vectors;
 use splatline_sim::camera::Camera;

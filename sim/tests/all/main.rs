@@ -6,6 +6,7 @@ mod documents;
 mod fast;
 mod hostile;
 mod machine_commands;
+mod outputs;
 mod stability;
 mod texture;
 mod vectors;

@@ -1,5 +1,6 @@
 //! The gallery: scenes that show each system, with its error in numbers beside the pictures.
 
+pub mod command;
 pub mod deep;
 pub mod holes;
 pub mod kernels;

@@ -1,7 +1,7 @@
 //! The bytes of a scene's files: regular files, or stdin, if they fit into memory.
 
 use super::error::Problem;
-use crate::memory;
+use crate::{input, memory};
 use std::fs;
 use std::io::Read;
 use std::path::Path;
@@ -18,6 +18,7 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     if !metadata.is_file() {
         return Err(Problem::NotAFile);
     }
+    input::note(path);
     let mut bytes = memory::list(metadata.len(), "the file's bytes")?;
     // It may have grown since.
     fs::File::open(path)?
