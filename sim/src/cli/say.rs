@@ -40,16 +40,6 @@ pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
     }
 }
 
-/// A message without the rests of long lines: errors of TOML quote the line, which may be a megabyte.
-fn shortened(message: &str) -> String {
-    const LONGEST: usize = 400;
-    let short = |line: &str| match line.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{} ...", &line[..end]),
-        None => line.to_owned(),
-    };
-    message.lines().map(short).collect::<Vec<_>>().join("\n")
-}
-
 /// The error and its causes, each said once: some errors already quote their cause.
 pub fn explain(error: &anyhow::Error) -> String {
     error
