@@ -312,7 +312,7 @@ fn failure(folder: &Path, (name, bytes, options): &Bomb) -> Option<String> {
     if !matches!(code, Some(1 | 2)) || !told.contains(|c: char| c.is_ascii_digit()) {
         return Some(format!("{name} ended with {code:?}: {shown}"));
     }
-    if told.contains("out of memory") || told.len() > 2000 {
+    if told.contains("out of memory") || told.len() > 10_000 {
         return Some(format!("{name} is told in {} bytes: {shown}", told.len()));
     }
     None
