@@ -318,7 +318,7 @@ proptest! {
     }
 
     #[test]
-    fn narrow_widths(
+    fn designs_of_few_bits(
         widths in narrow_widths(), ewa: bool, seed: u64, multiplier in 0.2f64..10.0, footprints in prop::collection::vec(arbitrary(), 0..20),
         tile in (0u16..3, 0u16..2),
     ) {
