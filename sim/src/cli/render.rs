@@ -1,7 +1,6 @@
 //! `splatline render`: one picture.
 
 use super::args::RenderOptions;
-use super::chunks;
 use super::frames;
 use super::output::{Outputs, write};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
@@ -23,9 +22,6 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(format!(
             "--traversal has no meaning for --engine {engine}"
         )));
-    }
-    if let Some(size) = options.chunks {
-        return chunks::render(options, &outputs, size as usize);
     }
     if options.path.camera_path.is_some() {
         return frames::render(options);

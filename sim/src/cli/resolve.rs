@@ -3,10 +3,6 @@
 //! Names are resolved, files of settings read and what contradicts itself is refused; then the scene is loaded, and what the options leave
 //! open follows from it: camera, rules, thresholds.
 
-mod chunked;
-
-pub use chunked::Chunked;
-
 use super::drawing_args::{DrawingOptions, WorkOptions};
 use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
 use super::output::read_settings;
@@ -178,7 +174,10 @@ impl<'a> PlanRequest<'a> {
                 frames.push(NamedFrame::only(prepared));
                 continue;
             };
-            for (name, camera) in path.cameras(prepared.scene.up(), self.path_size())? {
+            let cameras = path.cameras(prepared.scene.up(), self.path_size())?;
+            let what = format!("a camera path of {} frames", cameras.len());
+            memory::room_for_records(cameras.len() as u64, FRAME_BYTES, &what)?;
+            for (name, camera) in cameras {
                 frames.push(NamedFrame {
                     name: format!("{}, {name}", prepared.scene.name()),
                     prepared: prepared.seen_by(camera),
@@ -555,6 +554,9 @@ pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
     memory::room_for(bytes, &what, "give a smaller --size")?;
     Ok(())
 }
+
+/// Bytes of a frame of a camera path: its plan, and what is reported of it.
+const FRAME_BYTES: usize = 40_000;
 
 /// Bytes of a pixel of each further reference picture that is kept beside those being compared.
 pub const HELD_PIXEL_BYTES: u64 = 32;

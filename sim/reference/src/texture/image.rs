@@ -3,6 +3,7 @@
 //! Texture coordinates are in texels from the upper left corner: texel (i, j) is the sample at (i + 0.5, j + 0.5). As everywhere,
 //! values are linear as stored (no gamma applied).
 
+use crate::memory;
 use crate::picture::png;
 use crate::scene::{LoadError, Problem};
 use std::path::Path;
@@ -115,8 +116,15 @@ fn from_jpeg(bytes: &[u8]) -> Result<Texture, String> {
         .set_max_height(LARGEST_SIDE)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    let samples = decoder.decode().map_err(|error| error.to_string())?;
+    decoder
+        .decode_headers()
+        .map_err(|error| error.to_string())?;
     let (width, height) = decoder.dimensions().ok_or("it has no size")?;
+    let what = format!("{width} x {height} texels");
+    let each = 6 + size_of::<[f64; 3]>();
+    memory::room_for_records((width * height) as u64, each, &what)
+        .map_err(|error| error.to_string())?;
+    let samples = decoder.decode().map_err(|error| error.to_string())?;
     let texel = |texel: &[u8]| [0, 1, 2].map(|c: usize| f64::from(texel[c]) / 255.0);
     Ok(Texture {
         width,

@@ -9,9 +9,10 @@
 
 use super::{INSIDE_CUTOFF, Material, SurfacePoint, SurfaceScene};
 use crate::camera::Camera;
-use crate::scene::error::{LoadError, Problem};
-use crate::scene::load::read_file;
-use crate::scene::view;
+use crate::memory;
+use crate::scene::error::{LoadError, Problem, shorten};
+use crate::scene::file::read_file;
+use crate::scene::look::look_at;
 use crate::vector::{self, Vector};
 use std::path::Path;
 
@@ -54,6 +55,10 @@ impl HeightField {
 
     /// Reads a file's bytes; a problem names the line.
     pub(crate) fn parse(bytes: &[u8], spacing: f64) -> Result<HeightField, Problem> {
+        let between = |byte: &&u8| b",;\n".contains(byte);
+        let most = 1 + bytes.iter().filter(between).count();
+        let each = size_of::<f64>() + size_of::<SurfacePoint>();
+        memory::room_for_records(most as u64, each, "the grid's points")?;
         let text = String::from_utf8_lossy(bytes);
         let (mut columns, mut rows, mut heights) = (0, 0, Vec::new());
         for (index, line) in text.lines().enumerate() {
@@ -170,7 +175,7 @@ pub fn default_camera(scene: &SurfaceScene, width: usize, height: usize) -> Came
     let (centre, extents) = (bounds.centre(), bounds.extents());
     let largest = extents.into_iter().fold(1e-9, f64::max);
     let eye = vector::add(centre, [0.0, -1.5 * largest, 0.9 * largest]);
-    view::look_at(eye, centre, scene.up, 45.0, width, height)
+    look_at(eye, centre, scene.up, 45.0, width, height)
 }
 
 /// The weight by which basis functions on the square grid sum to 1: a cell over the integral inside the cut-off.
@@ -186,7 +191,7 @@ fn read_row(line: &str, number: usize, heights: &mut Vec<f64>) -> Result<(), Pro
             .ok()
             .filter(|height| f64::is_finite(*height));
         let Some(height) = height else {
-            let shown: String = word.chars().filter(|c| !c.is_control()).take(40).collect();
+            let shown = shorten(word);
             return Err(Problem::malformed(
                 format!("line {number}, height {}", index + 1),
                 format!("'{}' is no finite number", shown.trim()),
