@@ -5,8 +5,18 @@
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
-use splatline_sim::report::plot::{INK, Tone, colour};
+use splatline_sim::report::chart::{INK, Tone};
 use std::ops::Range;
+
+/// The light tone; one of the report's constants, so every digit is valid.
+fn colour(tone: Tone) -> RGBColor {
+    let part = |at: usize| {
+        let hex = tone.light.get(at..at + 2);
+        hex.and_then(|hex| u8::from_str_radix(hex, 16).ok())
+            .unwrap_or(0)
+    };
+    RGBColor(part(1), part(3), part(5))
+}
 
 /// What stands at a curve's points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

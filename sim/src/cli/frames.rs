@@ -2,7 +2,7 @@
 
 use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
-use super::output::{self, Outputs, create_folder, write};
+use super::output::{self, Outputs, create_folder, write, write_json};
 use super::render::{check_room, write_picture};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
@@ -12,13 +12,9 @@ use crate::picture::EXTENSIONS;
 use crate::plan::compare_all;
 use crate::plan::measure::draw_alone;
 use crate::progress::ProgressMeter;
-use crate::report::frames::{FrameRow, page};
-use serde_json::json;
+use crate::report::frames::{DrawnFrame, DrawnFrames, FORMAT, FrameRow, FramesReport, page};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-
-/// Version of the report over frames.
-const FORMAT: &str = "splatline-frames/1";
 
 /// A picture a frame, numbered behind the output's name.
 pub fn render(options: &RenderOptions) -> Result<(), Failure> {
@@ -44,15 +40,23 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         let file = numbered(&options.output, number);
         write_picture(options, &measured.drawing.picture, &file)?;
         seconds.push(report.host.total_s);
-        rows.push(json!({ "name": frame.name, "file": file, "report": report }));
-        warnings.extend(report.warnings);
+        warnings.extend(report.warnings.iter().cloned());
+        rows.push(DrawnFrame {
+            name: frame.name.clone(),
+            file,
+            report,
+        });
         progress.advance();
     }
     drop(progress);
     let spread = Spread::of(seconds);
     if let Some(json) = &drawing.json {
-        let all = json!({ "format": FORMAT, "frames": rows, "total_s": spread });
-        write(json, format!("{all:#}\n").as_bytes())?;
+        let all = DrawnFrames {
+            format: FORMAT,
+            frames: rows,
+            total_s: spread,
+        };
+        write_json(json, &all)?;
     }
     warn(&warnings.into_iter().collect::<Vec<_>>());
     print_result(&format!(
@@ -91,11 +95,14 @@ pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure
     }
     drop(progress);
     let over = FrameRow::over(&rows);
-    let result = json!({ "format": FORMAT, "frames": rows, "over_frames": over });
-    let text = format!("{result:#}\n");
-    write(&options.output.join("frames.json"), text.as_bytes())?;
+    let result = FramesReport {
+        format: FORMAT,
+        frames: &rows,
+        over_frames: &over,
+    };
+    write_json(&options.output.join("frames.json"), &result)?;
     if let Some(json) = &drawing.json {
-        write(json, text.as_bytes())?;
+        write_json(json, &result)?;
     }
     let title = format!(
         "Frames: {}",

@@ -83,10 +83,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         } => Info::of_surface(scene, *is_height_field),
     };
     match &options.json {
-        Some(path) => {
-            let text = serde_json::to_string_pretty(&info)? + "\n";
-            output::write(path, text.as_bytes())
-        }
+        Some(path) => output::write_json(path, &info),
         None => print_result(&info.text()),
     }
 }

@@ -6,6 +6,7 @@
 use super::say::{Failure, divert, printed};
 use crate::{atomic, input};
 use anyhow::{Context, anyhow};
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -113,6 +114,12 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     }
     atomic::write(path, bytes).with_context(|| format!("cannot write '{}'", path.display()))?;
     Ok(())
+}
+
+/// Writes a record as JSON.
+pub fn write_json(path: &Path, record: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(record)? + "\n";
+    write(path, text.as_bytes())
 }
 
 /// A text file, or stdin.

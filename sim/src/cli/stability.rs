@@ -1,6 +1,6 @@
 //! `splatline stability`: the hard-case suite and the classes of scenes, with the verdict on each bar.
 
-use super::output::{Outputs, write};
+use super::output::{Outputs, write, write_json};
 use super::say::{Failure, print_result};
 use super::verification_args::{StabilityOptions, StabilitySection};
 use crate::design::DesignChoice;
@@ -85,7 +85,7 @@ pub fn run(options: &StabilityOptions) -> Result<(), Failure> {
     }
     drop(progress);
     if let Some(path) = &options.json {
-        write(path, serde_json::to_string_pretty(&measured)?.as_bytes())?;
+        write_json(path, &measured)?;
     }
     match &options.markdown {
         Some(path) => {

@@ -47,12 +47,12 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     let mut recorder = Recorder::new(options.first, last);
     let timing = simulate_observed(&workload, &work, config, &mut recorder);
     let events = recorder.into_events();
-    let text = match options.format {
-        TraceFormat::Kanata => kanata::log(&events),
-        TraceFormat::Vcd => vcd::dump(&events),
-        _ => perfetto::trace(&events),
+    let bytes = match options.format {
+        TraceFormat::Kanata => kanata::log(&events).into_bytes(),
+        TraceFormat::Vcd => vcd::dump(&events)?,
+        _ => perfetto::trace(&events).into_bytes(),
     };
-    write(&options.output, text.as_bytes())?;
+    write(&options.output, &bytes)?;
     let (first, count, path) = (options.first, events.len(), options.output.display());
     print_result(&format!(
         "{path}: splats {first} to {last}, {count} events in {} raster cycles\n",

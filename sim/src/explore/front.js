@@ -99,7 +99,7 @@ function scatter() {
   for (const entry of [...state.seen].sort((a, b) => a.front - b.front)) {
     const [a, b] = [along(x, entry.index, false), along(y, entry.index, true)];
     if (a === null || b === null) continue;
-    parts.push(`<circle class="${entry.front ? "front" : ""}" data-point="${entry.point}" cx="${px(a).toFixed(1)}" cy="${py(b).toFixed(1)}" r="${entry.front ? 5 : 3.5}"><title>${title(entry)}</title></circle>`);
+    parts.push(`<circle class="point ${entry.front ? "front" : ""}" data-point="${entry.point}" cx="${px(a).toFixed(1)}" cy="${py(b).toFixed(1)}" r="${entry.front ? 5 : 3.5}"><title>${title(entry)}</title></circle>`);
   }
   el("scatter").innerHTML = parts.join("");
 }

@@ -11,12 +11,14 @@ use crate::design::{DesignChoice, NAMES};
 use crate::fixed::{self, Options};
 use crate::report::html::escape;
 use crate::report::scale::PERCENTILE;
+use crate::report::shell::Shell;
 use crate::report::table::count;
 use crate::report::viewer::packed;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
-use serde_json::{Value, json};
+use serde::Serialize;
 use splatline::format::{Rounding, Traversal, WIDTH_RANGES};
+use std::collections::BTreeMap;
 
 /// The kernel and the reference, compiled from `sim/page`.
 pub const WASM: &[u8] = include_bytes!("page.wasm");
@@ -71,6 +73,9 @@ pub enum LivePageError {
     /// The bytes just written could not be read back.
     #[error("the scene cannot be brought into a page")]
     Scene,
+    /// The settings have no JSON form.
+    #[error("cannot write the page's settings: {0}")]
+    Settings(#[from] serde_json::Error),
     /// Compression failed.
     #[error("cannot compress the page's scene: {0}")]
     Io(#[from] std::io::Error),
@@ -84,7 +89,7 @@ pub fn html(shown: &Shown) -> Result<String, LivePageError> {
     }
     let bytes = bytes::encode(shown.scene, shown.rules);
     let checksum = host_checksum(shown, &bytes).ok_or(LivePageError::Scene)?;
-    let settings = settings(shown, checksum).to_string();
+    let settings = serde_json::to_string(&settings(shown, checksum))?;
     let facts = format!(
         "{} splats at {} × {}, rules {}.",
         count(splats as u64),
@@ -92,28 +97,31 @@ pub fn html(shown: &Shown) -> Result<String, LivePageError> {
         shown.camera.height,
         escape(shown.rules.name)
     );
-    let body = include_str!("page.html")
-        .replace("{facts}", &facts)
-        .replace("{version}", env!("CARGO_PKG_VERSION"))
-        .replace("{name}", &escape(&shown.scene.name));
-    Ok(format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; img-src data:\">\n\
-         <title>{title}: splatline, live</title>\n<style>\n{style}{live}</style>\n</head>\n<body>\n{body}\
-         <script type=\"application/json\" id=\"settings\">{settings}</script>\n\
+    let scripts = format!(
+        "<script type=\"application/json\" id=\"settings\">{settings}</script>\n\
          <script type=\"text/plain\" id=\"wasm\">{wasm}</script>\n\
          <script type=\"text/plain\" id=\"scene\">{scene}</script>\n\
-         <script>\n{script}</script>\n</body>\n</html>\n",
-        title = escape(&shown.scene.name),
-        style = include_str!("../report/page.css"),
-        live = include_str!("live.css"),
+         <script>\n{script}</script>\n",
         // In JSON a slash may be escaped, and then no text of a stranger's ends the script.
         settings = settings.replace('/', "\\/").replace("<!", "\\u003c!"),
         wasm = packed(WASM)?,
         scene = packed(&bytes)?,
         script = include_str!("page.js"),
-    ))
+    );
+    let name = &shown.scene.name;
+    let shell = Shell {
+        title: &format!("{name}: splatline, live"),
+        product: "splatline: a scene drawn while you watch, fixed point beside float",
+        heading: name,
+        facts: &format!(
+            "<p class=\"facts\">{facts} <b id=\"same\" class=\"unknown\">drawing</b></p>\n<p class=\"bad\" id=\"failure\" hidden></p>\n"
+        ),
+        body: include_str!("page.html"),
+        footer: &include_str!("footer.html").replace("{version}", env!("CARGO_PKG_VERSION")),
+        scripts: &scripts,
+        script_policy: " 'wasm-unsafe-eval'",
+    };
+    Ok(shell.html())
 }
 
 /// The checksum of the host's picture of what the page holds.
@@ -133,47 +141,82 @@ fn host_checksum(shown: &Shown, bytes: &[u8]) -> Option<u64> {
     Some(bytes::checksum(words))
 }
 
-fn settings(shown: &Shown, checksum: u64) -> Value {
-    let widths: Vec<Value> = WIDTH_RANGES
-        .iter()
-        .zip(ABOUT)
-        .map(|((name, low, high), about)| json!({"name": name, "low": low, "high": high, "about": about}))
-        .collect();
-    let mut designs = serde_json::Map::new();
-    for name in NAMES {
-        if let Some(choice) = DesignChoice::named(name) {
-            designs.insert(name.to_owned(), design_settings(&choice, choice.traversal));
+/// What the page's script reads.
+#[derive(Serialize)]
+struct LiveSettings<'a> {
+    splats: usize,
+    camera: [f64; bytes::CAMERA],
+    target: [f64; 3],
+    up: [f64; 3],
+    widths: Vec<WidthSlider>,
+    designs: BTreeMap<String, DesignSettings>,
+    /// Buttons lie from small to large.
+    order: Vec<&'a str>,
+    design: &'a str,
+    percentile: f64,
+    checksum: String,
+}
+
+#[derive(Serialize)]
+struct WidthSlider {
+    name: &'static str,
+    low: u8,
+    high: u8,
+    about: &'static str,
+}
+
+#[derive(Serialize)]
+struct DesignSettings {
+    widths: [u8; WIDTH_RANGES.len()],
+    rounding: u8,
+    traversal: u8,
+}
+
+impl DesignSettings {
+    fn new(design: &DesignChoice, traversal: Traversal) -> DesignSettings {
+        DesignSettings {
+            widths: design.widths.numbers(),
+            rounding: u8::from(design.widths.rounding == Rounding::Truncate),
+            traversal: u8::from(traversal == Traversal::Spans),
         }
     }
-    designs.insert(
-        shown.design.name.clone(),
-        design_settings(shown.design, shown.traversal),
-    );
-    // A map's keys come back in alphabetical order; buttons lie from small to large.
+}
+
+fn settings<'a>(shown: &'a Shown, checksum: u64) -> LiveSettings<'a> {
+    let widths = WIDTH_RANGES.iter().zip(ABOUT);
+    let slider = |(&(name, low, high), about)| WidthSlider {
+        name,
+        low,
+        high,
+        about,
+    };
+    let named = NAMES.into_iter().filter_map(DesignChoice::named);
+    let mut designs: BTreeMap<String, DesignSettings> = named
+        .map(|design| {
+            (
+                design.name.clone(),
+                DesignSettings::new(&design, design.traversal),
+            )
+        })
+        .collect();
+    let own = DesignSettings::new(shown.design, shown.traversal);
+    designs.insert(shown.design.name.clone(), own);
     let mut order = NAMES.to_vec();
     if !order.contains(&shown.design.name.as_str()) {
         order.push(&shown.design.name);
     }
-    json!({
-        "splats": shown.scene.splats.len(),
-        "camera": camera_numbers(shown.camera),
-        "target": shown.target,
-        "up": shown.up,
-        "widths": widths,
-        "designs": designs,
-        "order": order,
-        "design": shown.design.name,
-        "percentile": PERCENTILE,
-        "checksum": format!("{checksum:016x}"),
-    })
-}
-
-fn design_settings(design: &DesignChoice, traversal: Traversal) -> Value {
-    json!({
-        "widths": design.widths.numbers(),
-        "rounding": u8::from(design.widths.rounding == Rounding::Truncate),
-        "traversal": u8::from(traversal == Traversal::Spans),
-    })
+    LiveSettings {
+        splats: shown.scene.splats.len(),
+        camera: camera_numbers(shown.camera),
+        target: shown.target,
+        up: shown.up,
+        widths: widths.map(slider).collect(),
+        designs,
+        order,
+        design: &shown.design.name,
+        percentile: PERCENTILE,
+        checksum: format!("{checksum:016x}"),
+    }
 }
 
 /// The camera as the page's wasm takes it. JSON writes an infinite far plane as null, and every other double so that it is read back the same.

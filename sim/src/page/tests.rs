@@ -119,7 +119,7 @@ fn the_page_is_one_file_that_loads_nothing() {
     }
     let settings = page.split("id=\"settings\">").nth(1).unwrap();
     let settings = settings.split("</script>").next().unwrap();
-    let settings: Value = serde_json::from_str(settings).unwrap();
+    let settings: serde_json::Value = serde_json::from_str(settings).unwrap();
     assert_eq!(
         settings["widths"].as_array().unwrap().len(),
         WIDTH_RANGES.len()

@@ -231,8 +231,8 @@ pub fn compare_all(
         reference: Some(reference.name().to_owned()),
         error: Some(ErrorFacts::from(&errors)),
         error_map: Some(ScaleFacts::from(&map)),
-        pace: pace.map(serde_json::to_value).transpose()?,
-        cycles: cycles.map(serde_json::to_value).transpose()?,
+        pace,
+        cycles,
         table,
         ..report_of_entry(prepared, chosen, &measured)?
     };

@@ -100,7 +100,7 @@ pub fn report_of_entry(
     measured: &Measured,
 ) -> Result<Report> {
     Ok(Report {
-        design: serde_json::to_value(entry.design.resolved())?,
+        design: Some(entry.design.resolved()),
         traversal: Some(prepared.traversal_name(entry).to_owned()),
         ..report_of_drawing(prepared, Engine::Fixed, measured)?
     })
@@ -118,7 +118,7 @@ pub fn report_of_drawing(
         format: FORMAT.to_owned(),
         engine: engine.name().to_owned(),
         reference: None,
-        design: serde_json::Value::Null,
+        design: None,
         traversal: None,
         warnings: scene.warnings(&prepared.warnings),
         scene,
@@ -195,8 +195,9 @@ pub(super) mod camera {
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Camera, D::Error> {
-        let facts = serde_json::Value::deserialize(from)?;
-        Camera::from_json_str(&facts.to_string()).map_err(D::Error::custom)
+        let facts = CameraFacts::deserialize(from)?;
+        let text = serde_json::to_string(&facts).map_err(D::Error::custom)?;
+        Camera::from_json_str(&text).map_err(D::Error::custom)
     }
 }
 

@@ -1,11 +1,50 @@
 //! Many frames as one table and two curves: error and cycles over the path.
 
 use super::Report;
+use super::chart::{Axis, Chart};
 use super::html::escape;
+use super::labels::Rectangle;
+use super::shell::Shell;
 use crate::machine::summary::Spread;
 use serde::Serialize;
 use std::fmt::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// Version of the reports over frames.
+pub const FORMAT: &str = "splatline-frames/1";
+
+/// What `compare` writes over frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FramesReport<'a> {
+    /// [`FORMAT`].
+    pub format: &'static str,
+    /// Every frame.
+    pub frames: &'a [FrameRow],
+    /// All of them.
+    pub over_frames: &'a OverRows,
+}
+
+/// What `render` writes over frames.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrawnFrames {
+    /// [`FORMAT`].
+    pub format: &'static str,
+    /// Every frame.
+    pub frames: Vec<DrawnFrame>,
+    /// Seconds of drawing one.
+    pub total_s: Spread,
+}
+
+/// A frame's picture.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct DrawnFrame {
+    /// The camera's name.
+    pub name: String,
+    /// The picture's file.
+    pub file: PathBuf,
+    /// Its report.
+    pub report: Report,
+}
 
 /// A frame's line.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -60,19 +99,17 @@ impl FrameRow {
     pub fn new(name: &str, folder: &Path, report: &Report) -> FrameRow {
         let folder = folder.file_name().unwrap_or_default().to_string_lossy();
         let rgb = report.error.map(|error| error.rgb);
-        let total =
-            |cycles: &serde_json::Value| cycles.get("total").and_then(|total| total.as_u64());
-        let pace = |key: &str| report.pace.as_ref()?.get(key)?.as_f64();
+        let pace = report.pace.as_ref();
         FrameRow {
-            ms_per_frame: pace("ms_per_frame"),
-            bytes_per_s: pace("bytes_per_s"),
+            ms_per_frame: pace.map(|pace| pace.ms_per_frame),
+            bytes_per_s: pace.map(|pace| pace.bytes_per_s),
             name: name.to_owned(),
             folder: folder.into_owned(),
             psnr_db: rgb.and_then(|rgb| rgb.psnr_db),
             max_abs: rgb.map_or(0.0, |rgb| rgb.max_abs),
             bias: rgb.map_or(0.0, |rgb| rgb.bias),
             ssim: rgb.map_or(1.0, |rgb| rgb.ssim),
-            cycles: report.cycles.as_ref().and_then(total),
+            cycles: report.cycles.as_ref().map(|cycles| cycles.total),
         }
     }
 
@@ -151,21 +188,15 @@ impl OverRows {
     }
 }
 
-pub(super) const STYLE: &str = "body{font:15px/1.5 system-ui,sans-serif;max-width:64rem;margin:1.5rem auto;padding:0 1rem;color:#1b1f24;background:#fff}\
-table{border-collapse:collapse}td,th{padding:.15rem .6rem;text-align:right}td:first-child,th:first-child{text-align:left}\
-.scroll{overflow-x:auto}svg{max-width:100%;height:auto}pre{overflow-x:auto}text{fill:currentColor;font:12px system-ui,sans-serif}\
-@media(prefers-color-scheme:dark){body{color:#e6e8eb;background:#14171a}a{color:#8ab4f8}}";
-
 /// One page that stands alone.
 pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
-    let title = escape(title);
     let mut table = String::from(
-        "<table><tr><th>frame</th><th>PSNR, dB</th><th>largest error</th><th>bias</th><th>SSIM</th><th>cycles</th><th>ms</th></tr>\n",
+        "<table><tr><th class=\"word\">frame</th><th>PSNR, dB</th><th>largest error</th><th>bias</th><th>SSIM</th><th>cycles</th><th>ms</th></tr>\n",
     );
     for row in rows {
         let psnr = row
             .psnr_db
-            .map_or("equal".to_owned(), |psnr| format!("{psnr:.2}"));
+            .map_or("identical".to_owned(), |psnr| format!("{psnr:.2}"));
         let cycles = row
             .cycles
             .map_or(String::new(), |cycles| cycles.to_string());
@@ -174,7 +205,7 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         // Writing to a String cannot fail.
         let _ = writeln!(
             table,
-            "<tr><td><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{cycles}</td><td>{ms}</td></tr>",
+            "<tr><td class=\"word\"><a href=\"{}/report.html\">{}</a></td><td>{psnr}</td><td>{:.3e}</td><td>{:+.2e}</td><td>{:.6}</td><td>{cycles}</td><td>{ms}</td></tr>",
             escape(&row.folder),
             escape(&row.name),
             row.max_abs,
@@ -186,45 +217,47 @@ pub fn page(title: &str, rows: &[FrameRow], over: &OverRows) -> String {
         curve("Largest error", rows, &|row| row.max_abs),
         curve("Mcycles", rows, &|row| row.cycles.unwrap_or(0) as f64 / 1e6),
     ];
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<h1>{title}</h1>\n<pre>{}</pre>\n{}\n<div class=\"scroll\">{table}</table></div>\n</body>\n</html>\n",
+    let body = format!(
+        "<section>\n<pre>{}</pre>\n</section>\n<section class=\"charts\">\n{}</section>\n\
+         <section>\n<h2>Frame by frame</h2>\n<div class=\"scroll\">{table}</table></div>\n</section>\n",
         escape(&over.text()),
         curves.concat()
+    );
+    Shell::still(
+        "splatline: many frames, fixed point against float",
+        title,
+        "",
+        &body,
     )
+    .html()
 }
 
 /// A value over the frames, from 0 to its largest.
 fn curve(name: &str, rows: &[FrameRow], of: &dyn Fn(&FrameRow) -> f64) -> String {
-    let [width, height, left, top] = [760.0, 180.0, 70.0, 24.0];
-    let most = rows.iter().map(of).fold(0.0, f64::max);
-    let unit = if most > 0.0 { most } else { 1.0 };
-    let across = (width - left - 10.0) / (rows.len().max(2) - 1) as f64;
-    let place = |(number, row): (usize, &FrameRow)| {
-        let y = top + (height - top - 24.0) * (1.0 - of(row) / unit);
-        (left + across * number as f64, y)
+    let frame = Rectangle {
+        left: 70.0,
+        top: 34.0,
+        width: 680.0,
+        height: 180.0,
     };
-    let mut points = String::new();
-    let mut dots = String::new();
-    for (number, row) in rows.iter().enumerate() {
-        let (x, y) = place((number, row));
-        // Writing to a String cannot fail.
-        let _ = write!(points, "{x:.1},{y:.1} ");
-        let title = escape(&format!("{}: {:.4e}", row.name, of(row)));
-        let _ = write!(
-            dots,
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"#2f6fde\"><title>{title}</title></circle>"
-        );
+    let most = rows.iter().map(of).fold(0.0, f64::max);
+    let last = rows.len().max(2) as f64;
+    let across = Axis::linear([1.0, last], [frame.left, frame.left + frame.width]);
+    let up = Axis::linear([0.0, most], [frame.top + frame.height, frame.top]);
+    let mut chart = Chart::new(760.0, 264.0, &format!("{name} over the frames"));
+    chart.rows(&frame, &up, &up.ticks(5));
+    let numbers = across.ticks(12).into_iter();
+    let numbers: Vec<f64> = numbers.filter(|number| number.fract() == 0.0).collect();
+    chart.columns(&frame, &across, &numbers);
+    chart.names(&frame, "frame", name);
+    let places: Vec<(f64, f64)> = (1..)
+        .zip(rows)
+        .map(|(number, row)| (across.at(f64::from(number)), up.at(of(row))))
+        .collect();
+    chart.curve(places.iter().copied(), "s3", name);
+    for (place, row) in places.iter().zip(rows) {
+        let words = format!("{}: {:.4e}", row.name, of(row));
+        chart.disc(*place, 3.0, "class=\"mark s3\"", &words);
     }
-    let base = height - 24.0;
-    format!(
-        "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" role=\"img\" aria-label=\"{name} over the frames\">\
-         <text x=\"{left}\" y=\"14\">{name} over the frames</text>\
-         <text x=\"{0}\" y=\"{1}\" text-anchor=\"end\">{most:.3e}</text><text x=\"{0}\" y=\"{base}\" text-anchor=\"end\">0</text>\
-         <path d=\"M{left} {top}V{base}H{2}\" fill=\"none\" stroke=\"currentColor\" stroke-opacity=\".4\"/>\
-         <polyline points=\"{points}\" fill=\"none\" stroke=\"#2f6fde\" stroke-width=\"1.5\"/>{dots}</svg>\n",
-        left - 6.0,
-        top + 6.0,
-        width - 10.0
-    )
+    chart.finish()
 }

@@ -5,19 +5,23 @@
 //! Every number is taken from the [`Report`], so the page never says anything that report.json does not.
 
 use super::error_map::{self, ErrorMap};
+use super::facts::ReasonCounts;
 use super::formats::formats_section;
-use super::plot::{self, PlotError, Tone};
+use super::plot::{self, Across};
 use super::png::Rgb;
 use super::scale::PERCENTILE;
-use super::table::{self, HEADINGS, WORD_COLUMNS};
+use super::shell::Shell;
+use super::table::{self, HEADINGS, WORD_COLUMNS, count};
 use super::viewer;
 use super::{ChannelFacts, ErrorFacts, Report, ReportRow};
+use crate::machine::accounts::UnitTime;
 use crate::picture::Picture;
 use crate::picture::png::PngError;
 use crate::scene::SortOrder;
 use crate::systems::SystemVerdict;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
 
 /// Why a page could not be made.
 #[derive(Debug, thiserror::Error)]
@@ -25,9 +29,6 @@ pub enum ReportError {
     /// A picture could not be encoded.
     #[error("cannot encode a picture of the report: {0}")]
     Picture(#[from] PngError),
-    /// The plot could not be drawn.
-    #[error(transparent)]
-    Plot(#[from] PlotError),
     /// The pixels' numbers could not be compressed.
     #[error("cannot compress the numbers of the report: {0}")]
     Numbers(#[from] std::io::Error),
@@ -37,8 +38,8 @@ pub enum ReportError {
 }
 
 /// The plot twice, for wide and for narrow screens: shrinking one drawing would make its text unreadable on a phone.
-const WIDE_PLOT: (u32, u32) = (1100, 480);
-const NARROW_PLOT: (u32, u32) = (380, 420);
+const WIDE_PLOT: (f64, f64) = (1100.0, 480.0);
+const NARROW_PLOT: (f64, f64) = (380.0, 420.0);
 /// Pictures up to this width are enlarged pixel by pixel instead of smoothly.
 const SMALL_PICTURE: usize = 256;
 
@@ -49,44 +50,38 @@ pub fn page(
     float: &Picture,
     map: &ErrorMap,
 ) -> Result<String, ReportError> {
-    let sections = [
-        header(report),
+    let body = [
         pictures(report, fixed, float, map)?,
         sweep(report)?,
         systems(report),
         details(report)?,
     ];
-    Ok(format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:\">\n\
-         <title>{title}: splatline report</title>\n<style>\n{style}{dark}</style>\n</head>\n<body>\n{body}<div id=\"tip\" hidden></div>\n{script}</body>\n</html>\n",
-        title = escape(&report.scene.name),
-        style = include_str!("page.css"),
-        dark = dark_plot(),
-        body = sections.concat(),
-        script = viewer::script(fixed, float, &report.engine, reference_name(report))?,
-    ))
+    let name = &report.scene.name;
+    let shell = Shell {
+        title: &format!("{name}: splatline report"),
+        product: "splatline: fixed point against float",
+        heading: name,
+        facts: &facts(report),
+        body: &body.concat(),
+        footer: &format!(
+            "The same numbers for scripts: report.json ({}).",
+            escape(&report.format)
+        ),
+        scripts: &format!(
+            "<div id=\"tip\" hidden></div>\n{}",
+            viewer::script(fixed, float, &report.engine, reference_name(report))?
+        ),
+        script_policy: "",
+    };
+    Ok(shell.html())
 }
 
 fn reference_name(report: &Report) -> &str {
     report.reference.as_deref().unwrap_or("float")
 }
 
-/// Restyles the plot's few colours on a dark page.
-fn dark_plot() -> String {
-    let rule = |tone: &Tone| {
-        let Tone { light, dark } = tone;
-        format!(
-            ".plot [fill=\"{light}\"]{{fill:{dark}}}.plot [stroke=\"{light}\"]{{stroke:{dark}}}\n"
-        )
-    };
-    let tones = [plot::INK, plot::GRID, plot::LEADER];
-    let rules: String = tones.iter().chain(&plot::DESIGNS).map(rule).collect();
-    format!("@media(prefers-color-scheme:dark){{\n{rules}}}\n")
-}
-
-fn header(report: &Report) -> String {
+/// Below the heading: what was drawn, what is to be known about it, and the figures.
+fn facts(report: &Report) -> String {
     let camera = &report.camera;
     let facts = format!(
         "{splats} splats at {width} × {height}, rules {rules}, {compositing}{order}. {subject} compared with the {reference} engine.",
@@ -108,10 +103,8 @@ fn header(report: &Report) -> String {
         .map(|line| format!("<p class=\"facts\">Warning: {}</p>\n", escape(line)))
         .collect();
     format!(
-        "<header>\n<p class=\"product\">splatline: fixed point against float</p>\n<h1>{name}</h1>\n\
-         <p class=\"facts\">{facts}</p>\n{warnings}{headline}</header>\n<main>\n",
-        name = escape(&report.scene.name),
-        headline = headline(report),
+        "<p class=\"facts\">{facts}</p>\n{warnings}{}",
+        headline(report)
     )
 }
 
@@ -329,7 +322,7 @@ fn sweep(report: &Report) -> Result<String, ReportError> {
          (cov) over the pixels that either picture covers. Visited counts each \
          pixel that a traversal steps over, once per splat; vis/cov divides it by the pixels inside the footprints, and 1 \
          is the best possible.</p>\n<div class=\"scroll\">{table}</div>\n</section>\n{formats}{machine}",
-        plots = plots(report)?,
+        plots = plots(report),
         table = sweep_table(report),
         formats = formats_section(report),
         machine = machine_section(report),
@@ -337,12 +330,12 @@ fn sweep(report: &Report) -> Result<String, ReportError> {
 }
 
 /// Time and cycles against error; nothing of a single row, whose dot would say no more than the row.
-fn plots(report: &Report) -> Result<String, ReportError> {
+fn plots(report: &Report) -> String {
     if report.table.len() < 2 {
-        return Ok(String::new());
+        return String::new();
     }
-    let (wide, narrow) = (WIDE_PLOT, NARROW_PLOT);
-    Ok(format!(
+    let plot = |(width, height)| plot::svg(&report.table, Across::HostTime, width, height);
+    format!(
         "<section>\n<h2>Speed against error</h2>\n<p class=\"read\">Up is nearer to the reference, left is faster: the \
          best corner is the upper left. A colour is a design, a shape is a traversal, and a line joins the two traversals \
          of one design. Time is that of the bit-exact model on this machine ({repeat}, {threads}); it orders the designs' \
@@ -350,26 +343,25 @@ fn plots(report: &Report) -> Result<String, ReportError> {
          <div class=\"narrow\">{narrow}</div>\n</div>\n{cycles}</section>\n",
         repeat = plural(report.host.repeat, "run", "median of "),
         threads = plural(report.host.threads, "thread", ""),
-        wide = inline_svg(&plot::svg(&report.table, wide.0, wide.1)?),
-        narrow = inline_svg(&plot::svg(&report.table, narrow.0, narrow.1)?),
-        cycles = cycles_plot(report)?,
-    ))
+        wide = plot(WIDE_PLOT),
+        narrow = plot(NARROW_PLOT),
+        cycles = cycles_plot(report),
+    )
 }
 
 /// The same designs against cycles of the hardware model, if it was run.
-fn cycles_plot(report: &Report) -> Result<String, ReportError> {
+fn cycles_plot(report: &Report) -> String {
     if report.table.iter().all(|row| row.cycles.is_none()) {
-        return Ok(String::new());
+        return String::new();
     }
-    let plot =
-        |(width, height)| plot::svg_across(&report.table, plot::Across::Cycles, width, height);
-    Ok(format!(
+    let plot = |(width, height)| plot::svg(&report.table, Across::Cycles, width, height);
+    format!(
         "<p class=\"read\">The same designs in clock cycles of the hardware model: one raster unit of one lane unless a machine \
          was given. Widths hardly change cycles, the traversal does.</p>\n<div class=\"plot\">\n<div class=\"wide\">{}</div>\n\
          <div class=\"narrow\">{}</div>\n</div>\n",
-        inline_svg(&plot(WIDE_PLOT)?),
-        inline_svg(&plot(NARROW_PLOT)?),
-    ))
+        plot(WIDE_PLOT),
+        plot(NARROW_PLOT),
+    )
 }
 
 /// The accounts of the machine's units for the chosen design.
@@ -377,40 +369,33 @@ fn machine_section(report: &Report) -> String {
     let Some(cycles) = &report.cycles else {
         return String::new();
     };
-    let number = |value: &serde_json::Value| table::count(value.as_u64().unwrap_or(0));
-    let line = |(name, unit): (&String, &serde_json::Value)| {
-        let stalled = unit["stalled"].as_object().into_iter().flatten();
-        let causes: Vec<String> = stalled
-            .map(|(cause, cycles)| {
-                format!("{} {}", escape(&cause.replace('_', " ")), number(cycles))
-            })
+    let line = |(name, unit): (&&str, &UnitTime)| {
+        let causes: Vec<String> = unit
+            .stalled
+            .iter()
+            .map(|(cause, cycles)| format!("{} {}", cause.replace('_', " "), count(*cycles)))
             .collect();
         format!(
             "<tr><td class=\"word\">{}</td><td>{}</td><td>{}</td><td>{:.1}</td><td>{}</td><td class=\"word\">{}</td></tr>\n",
             escape(&name.replace('_', " ")),
-            number(&unit["instances"]),
-            number(&unit["busy"]),
-            100.0 * unit["utilisation"].as_f64().unwrap_or(0.0),
-            number(&unit["idle"]),
-            causes.join(", ")
+            count(unit.instances),
+            count(unit.busy),
+            100.0 * unit.utilisation,
+            count(unit.idle),
+            escape(&causes.join(", "))
         )
     };
-    let lines: String = cycles["units"]
-        .as_object()
-        .into_iter()
-        .flatten()
-        .map(line)
-        .collect();
+    let lines: String = cycles.units.iter().map(line).collect();
     let pace = escape(table::throughput_text(report).trim_end());
     format!(
         "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
          stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n<div class=\"scroll\"><table>\n\
          <tr><th class=\"word\">unit</th><th>number</th><th>busy</th><th>busy %</th><th>idle</th><th class=\"word\">stalled by</th></tr>\n\
          {lines}</table></div>\n</section>\n",
-        number(&cycles["total"]),
-        number(&cycles["geometry"]),
-        number(&cycles["sort"]),
-        number(&cycles["raster"]),
+        count(cycles.total),
+        count(cycles.geometry),
+        count(cycles.sort),
+        count(cycles.raster),
     )
 }
 
@@ -524,21 +509,21 @@ fn is_chosen(report: &Report, row: &ReportRow) -> bool {
     row.design == report.design_name() && Some(&row.traversal) == report.traversal.as_ref()
 }
 
-/// Inline SVG needs no namespace; without it the page holds no address at all.
-fn inline_svg(svg: &str) -> String {
-    svg.replacen(
-        " xmlns=\"http://www.w3.org/2000/svg\"",
-        " role=\"img\" aria-label=\"speed against error\"",
-        1,
-    )
-}
-
 fn details(report: &Report) -> Result<String, ReportError> {
-    let left_out = serde_json::to_string_pretty(&serde_json::json!({
-        "skipped when loading": report.scene.skipped,
-        "culled by this camera": report.scene.culled,
-        "clamped to the kernel's formats, but drawn": report.scene.clamped,
-    }))?;
+    #[derive(Serialize)]
+    struct LeftOut<'a> {
+        #[serde(rename = "skipped when loading")]
+        skipped: &'a ReasonCounts,
+        #[serde(rename = "culled by this camera")]
+        culled: &'a ReasonCounts,
+        #[serde(rename = "clamped to the kernel's formats, but drawn")]
+        clamped: u64,
+    }
+    let left_out = serde_json::to_string_pretty(&LeftOut {
+        skipped: &report.scene.skipped,
+        culled: &report.scene.culled,
+        clamped: report.scene.clamped,
+    })?;
     let folds = [
         fold("Splats left out or clamped", &left_out),
         fold(
@@ -552,10 +537,8 @@ fn details(report: &Report) -> Result<String, ReportError> {
         ),
     ];
     Ok(format!(
-        "<section>\n<h2>Details</h2>\n{}</section>\n</main>\n<footer>The same numbers for scripts: report.json \
-         ({}).</footer>\n",
-        folds.concat(),
-        escape(&report.format),
+        "<section>\n<h2>Details</h2>\n{}</section>\n",
+        folds.concat()
     ))
 }
 

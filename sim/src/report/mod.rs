@@ -1,23 +1,30 @@
 //! What a run tells people: report.json for scripts, report.html for eyes, the same table as text.
 //!
 //! [`Report`] is the whole of report.json and the only source of the other forms, so that no number can differ
-//! between them. Errors are in units of 1.0, times in seconds, pixels are counted once per splat that visits them.
+//! between them. It is read back for its plan, which stays JSON here because plans are made of what comes later in the data flow; what a
+//! machine counted is counted again rather than believed. Errors are in units of 1.0, times in seconds, pixels are counted once per splat
+//! that visits them.
 //! JSON knows neither infinity nor NaN: the PSNR of identical pictures is `null` beside `"identical": true`.
 
+pub mod chart;
 pub mod error_map;
 pub mod facts;
 pub mod formats;
 pub mod frames;
 pub mod html;
 pub mod machine;
-mod labels;
+pub(crate) mod labels;
 pub mod plot;
 pub mod png;
 pub mod scale;
+pub mod shell;
 pub mod table;
 pub(crate) mod viewer;
 
 use crate::atomic;
+use crate::design::ResolvedDesign;
+use crate::machine::clock::Throughput;
+use crate::machine::timing::Timing;
 use crate::metrics::{ChannelError, Errors};
 use crate::systems::SystemVerdict;
 use error_map::ErrorMap;
@@ -39,7 +46,7 @@ pub struct Report {
     /// What it was compared with: `float` or `exact`; null if nothing was compared.
     pub reference: Option<String>,
     /// The fully resolved design: every width, also those that were left to a default. Null for a float engine.
-    pub design: serde_json::Value,
+    pub design: Option<ResolvedDesign>,
     /// `box` or `spans`; null for a float engine.
     pub traversal: Option<String>,
     /// What was drawn.
@@ -61,10 +68,11 @@ pub struct Report {
     /// How the colours of error.png are to be read; null if nothing was compared.
     pub error_map: Option<ScaleFacts>,
     /// Cycles of the hardware model (total, phases, accounts per unit); null if it was not run, and for a float engine.
-    pub cycles: Option<serde_json::Value>,
+    #[serde(skip_deserializing)]
+    pub cycles: Option<Timing>,
     /// What those cycles are by the machine's clock: frames a second, milliseconds a frame, bytes a second; null without cycles.
-    #[serde(default)]
-    pub pace: Option<serde_json::Value>,
+    #[serde(skip_deserializing)]
+    pub pace: Option<Throughput>,
     /// Work of the rasterizer; null for a float engine, which counts no visits.
     pub pixels: Option<PixelCounts>,
     /// Time on this machine.
@@ -234,10 +242,8 @@ impl Report {
 
     /// Name of the design in words.
     pub fn design_name(&self) -> &str {
-        self.design
-            .get("name")
-            .and_then(|name| name.as_str())
-            .unwrap_or("unnamed")
+        let design = self.design.as_ref();
+        design.map_or("unnamed", |design| &design.name)
     }
 }
 

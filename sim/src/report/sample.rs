@@ -3,6 +3,7 @@
 use super::facts::{CameraFacts, RulesFacts, SceneFacts};
 use super::*;
 use crate::camera::Camera;
+use crate::design::DesignChoice;
 use crate::metrics::compare;
 use crate::picture::Picture;
 use crate::rules::{Compositing, Rules};
@@ -109,7 +110,7 @@ pub fn report(fixed: &Picture, float: &Picture) -> Report {
         format: FORMAT.to_owned(),
         engine: "fixed".to_owned(),
         reference: Some("float".to_owned()),
-        design: serde_json::json!({"name": "standard24", "mantissa_bits": 24, "sub_pixel_bits": 12}),
+        design: DesignChoice::named("standard24").map(|design| design.resolved()),
         traversal: Some("spans".to_owned()),
         scene: SceneFacts {
             name: "brainsmall".to_owned(),

@@ -59,15 +59,13 @@ pub fn throughput_text(report: &Report) -> String {
     let Some(pace) = &report.pace else {
         return String::new();
     };
-    let number = |key: &str| pace[key].as_f64().unwrap_or(0.0);
-    let clock = &pace["clock"];
     format!(
         "machine: {:.2} frames a second, {:.3} ms a frame, {:.1} MB a second at {} MHz ({})\n",
-        number("frames_per_s"),
-        number("ms_per_frame"),
-        number("bytes_per_s") / 1e6,
-        clock["mhz"],
-        clock["of"].as_str().unwrap_or("unknown"),
+        pace.frames_per_s,
+        pace.ms_per_frame,
+        pace.bytes_per_s / 1e6,
+        pace.clock.mhz,
+        pace.clock.of,
     )
 }
 

@@ -276,9 +276,9 @@ fn the_scale_grows_in_lightness_on_both_sides() {
 
 #[test]
 fn the_plot_names_every_design_once_and_both_traversals() {
-    let svg = plot::svg(&sample::rows(), 760, 440).unwrap();
+    let svg = plot::svg(&sample::rows(), plot::Across::HostTime, 760.0, 440.0);
     for name in ["classic8", "lean18", "standard24", "deep32", "box", "spans"] {
-        let labels = svg.lines().filter(|line| line.trim() == name).count();
+        let labels = svg.matches(&format!(">{name}</text>")).count();
         assert_eq!(labels, 1, "{name}\n{svg}");
     }
 }
@@ -290,7 +290,7 @@ proptest! {
     fn no_figures_break_plot_or_table(
         figures in proptest::collection::vec(
             (proptest::option::of(-50.0..400.0f64), 0.0..1e5f64, any::<u64>(), any::<u64>()), 0..12),
-        width in 1u32..900, height in 1u32..700,
+        width in 1.0..900.0f64, height in 1.0..700.0f64,
     ) {
         let rows: Vec<ReportRow> = figures.iter().enumerate().map(|(index, &(psnr_db, total_s, visited, covered))| {
             let mut row = sample::rows()[index % 8].clone();
@@ -301,7 +301,7 @@ proptest! {
             row.covered = covered;
             row
         }).collect();
-        prop_assert!(plot::svg(&rows, width, height).unwrap().contains("</svg>"));
+        prop_assert!(plot::svg(&rows, plot::Across::Cycles, width, height).contains("</svg>"));
         prop_assert_eq!(table::plain(&rows).lines().count(), rows.len() + 2);
     }
 }
@@ -318,7 +318,12 @@ fn look() {
     std::fs::write(folder.join("report.html"), page(&report, &fixed, &float)).unwrap();
     std::fs::write(
         folder.join("plot.svg"),
-        plot::svg(&report.table, 760, 440).unwrap(),
+        chart::alone(&plot::svg(
+            &report.table,
+            plot::Across::HostTime,
+            760.0,
+            440.0,
+        )),
     )
     .unwrap();
     std::fs::write(

@@ -12,7 +12,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde_json::json;
+use serde::Serialize;
 use std::io::Write;
 
 /// Pictures of more pixels are shown without their numbers, which would make a file of tens of megabytes.
@@ -24,6 +24,21 @@ const PERCENTILES: [f64; 8] = [50.0, 75.0, 90.0, 95.0, 99.0, 99.9, 99.99, 100.0]
 /// Shades of the error scale that the script chooses from.
 const SHADES: usize = 257;
 
+/// What the script reads.
+#[derive(Serialize)]
+struct ViewerSettings<'a> {
+    width: usize,
+    height: usize,
+    engine: &'a str,
+    reference: &'a str,
+    percentile: f64,
+    percentiles: [f64; PERCENTILES.len()],
+    /// Counted here: the page's own errors have two digits, so that a few too many or too few of them would lie beyond.
+    outliers: [usize; PERCENTILES.len()],
+    colours: Vec<[u8; 3]>,
+    most: usize,
+}
+
 /// The page's data and script; `engine` drew `fixed`, `reference` drew `float`.
 pub fn script(
     fixed: &Picture,
@@ -33,18 +48,18 @@ pub fn script(
 ) -> Result<String, ReportError> {
     let differences = ErrorMap::new(fixed, float).differences;
     let shade = |index: usize| colour(2.0 * index as f64 / (SHADES - 1) as f64 - 1.0);
-    let settings = json!({
-        "width": fixed.width,
-        "height": fixed.height,
-        "engine": engine,
-        "reference": reference,
-        "percentile": PERCENTILE,
-        "percentiles": PERCENTILES,
-        // The page's own errors have two digits, so that a few too many or too few of them would lie beyond.
-        "outliers": PERCENTILES.map(|percentile| ErrorScale::of(&differences, percentile).outliers),
-        "colours": (0..SHADES).map(shade).collect::<Vec<_>>(),
-        "most": MOST_PIXELS,
-    });
+    let outliers = |percentile| ErrorScale::of(&differences, percentile).outliers;
+    let settings = serde_json::to_string(&ViewerSettings {
+        width: fixed.width,
+        height: fixed.height,
+        engine,
+        reference,
+        percentile: PERCENTILE,
+        percentiles: PERCENTILES,
+        outliers: PERCENTILES.map(outliers),
+        colours: (0..SHADES).map(shade).collect(),
+        most: MOST_PIXELS,
+    })?;
     let values = if fixed.pixels.len() <= MOST_PIXELS {
         format!(
             "<script type=\"text/plain\" id=\"values\">{}</script>\n",
@@ -55,7 +70,7 @@ pub fn script(
     };
     Ok(format!(
         "<script type=\"application/json\" id=\"settings\">{}</script>\n{values}<script>\n{}</script>\n",
-        settings.to_string().replace('<', "\\u003c"),
+        settings.replace('<', "\\u003c"),
         include_str!("report.js")
     ))
 }

@@ -132,8 +132,8 @@ fn kanata_reads_back() {
 #[test]
 fn vcd_reads_back() {
     for events in sets() {
-        let text = vcd::dump(&events);
-        let mut parser = ::vcd::Parser::new(text.as_bytes());
+        let text = vcd::dump(&events).unwrap();
+        let mut parser = ::vcd::Parser::new(&text[..]);
         let header = parser.parse_header().unwrap();
         assert_eq!(header.timescale, Some((1, ::vcd::TimescaleUnit::NS)));
         let mut names = HashMap::new();

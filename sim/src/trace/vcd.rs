@@ -2,107 +2,98 @@
 
 use super::name_of;
 use crate::machine::observe::{Event, Stage};
+use ::vcd::{IdCode, SimulationCommand, TimescaleUnit, Value, Writer};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write;
+use std::io;
 
 /// Unit, stage and lane.
 type VcdPlace = (u32, Stage, u32);
 
+/// What changes at a place in a cycle: items that come or go, and the splat that came last.
+#[derive(Default)]
+struct Change {
+    items: i64,
+    splat: Option<u32>,
+}
+
 /// The dump of some events.
-pub fn dump(events: &[Event]) -> String {
-    let places: BTreeSet<VcdPlace> = events
-        .iter()
-        .map(|event| (event.unit, event.stage, event.lane))
-        .collect();
-    let numbers: BTreeMap<VcdPlace, usize> = places
-        .iter()
-        .zip(0..)
-        .map(|(place, number)| (*place, number))
-        .collect();
-    let mut text = header(&numbers);
-    // Items that come or go, and the splat that came last, by cycle and place.
-    let mut changes: BTreeMap<u64, BTreeMap<usize, (i64, Option<u32>)>> = BTreeMap::new();
+pub fn dump(events: &[Event]) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut writer = Writer::new(&mut bytes);
+    let signals = header(&mut writer, events)?;
+    let mut changes: BTreeMap<u64, BTreeMap<VcdPlace, Change>> = BTreeMap::new();
     for event in events {
-        let number = numbers[&(event.unit, event.stage, event.lane)];
-        let come = changes
-            .entry(event.start)
-            .or_default()
-            .entry(number)
-            .or_default();
-        come.0 += 1;
-        come.1 = Some(event.splat);
-        changes
-            .entry(event.end)
-            .or_default()
-            .entry(number)
-            .or_default()
-            .0 -= 1;
+        let place = (event.unit, event.stage, event.lane);
+        let mut at = |cycle: u64, items: i64, splat: Option<u32>| {
+            let change = changes.entry(cycle).or_default().entry(place).or_default();
+            change.items += items;
+            change.splat = splat.or(change.splat);
+        };
+        at(event.start, 1, Some(event.splat));
+        at(event.end, -1, None);
     }
-    let mut items = vec![0i64; numbers.len()];
     let first = changes.keys().next().copied().unwrap_or(0);
-    // Writing to a String cannot fail.
-    let _ = writeln!(text, "#{first}\n$dumpvars");
-    for number in 0..numbers.len() {
-        let _ = writeln!(text, "b0 {}\nbx {}", code(2 * number), code(2 * number + 1));
+    writer.timestamp(first)?;
+    writer.begin(SimulationCommand::Dumpvars)?;
+    for [items, splat] in signals.values() {
+        writer.change_vector(*items, [Value::V0])?;
+        writer.change_vector(*splat, [Value::X])?;
     }
-    text.push_str("$end\n");
+    writer.end()?;
+    let mut items: BTreeMap<VcdPlace, i64> = BTreeMap::new();
     for (cycle, places) in changes {
         if cycle > first {
-            let _ = writeln!(text, "#{cycle}");
+            writer.timestamp(cycle)?;
         }
-        for (number, (change, splat)) in places {
-            if change != 0 {
-                items[number] += change;
-                let _ = writeln!(text, "b{:b} {}", items[number], code(2 * number));
+        for (place, change) in places {
+            let [of_items, of_splat] = signals[&place];
+            if change.items != 0 {
+                let now = items.entry(place).or_default();
+                *now += change.items;
+                writer.change_vector(of_items, bits(*now as u32))?;
             }
-            if let Some(splat) = splat {
-                let _ = writeln!(text, "b{splat:b} {}", code(2 * number + 1));
+            if let Some(splat) = change.splat {
+                writer.change_vector(of_splat, bits(splat))?;
             }
         }
     }
-    text
+    Ok(bytes)
 }
 
-fn header(numbers: &BTreeMap<VcdPlace, usize>) -> String {
-    let mut text = String::from(
-        "$comment one cycle is 1 ns; a write-back's splat is 4294967295 $end\n$timescale 1 ns $end\n",
-    );
-    let mut unit = None;
-    for ((of, stage, lane), number) in numbers {
-        if unit != Some(of) {
-            if unit.is_some() {
-                text.push_str("$upscope $end\n");
-            }
-            let _ = writeln!(text, "$scope module raster_{of} $end");
-            unit = Some(of);
+/// Declares the signals of every place: its items and its splat.
+fn header(
+    writer: &mut Writer<&mut Vec<u8>>,
+    events: &[Event],
+) -> io::Result<BTreeMap<VcdPlace, [IdCode; 2]>> {
+    writer.comment("one cycle is 1 ns; a write-back's splat is 4294967295")?;
+    writer.timescale(1, TimescaleUnit::NS)?;
+    let place = |event: &Event| (event.unit, event.stage, event.lane);
+    let places: BTreeSet<VcdPlace> = events.iter().map(place).collect();
+    let units: BTreeSet<u32> = places.iter().map(|(unit, ..)| *unit).collect();
+    let mut signals = BTreeMap::new();
+    for unit in units {
+        writer.add_module(&format!("raster_{unit}"))?;
+        for place in places.iter().filter(|(of, ..)| *of == unit) {
+            let (_, stage, lane) = place;
+            let (name, _) = name_of(*stage);
+            let items = writer.add_wire(32, &format!("{name}_{lane}_items"))?;
+            let splat = writer.add_wire(32, &format!("{name}_{lane}_splat"))?;
+            signals.insert(*place, [items, splat]);
         }
-        let (name, _) = name_of(*stage);
-        let _ = writeln!(
-            text,
-            "$var wire 32 {} {name}_{lane}_items $end",
-            code(2 * number)
-        );
-        let _ = writeln!(
-            text,
-            "$var wire 32 {} {name}_{lane}_splat $end",
-            code(2 * number + 1)
-        );
+        writer.upscope()?;
     }
-    if unit.is_some() {
-        text.push_str("$upscope $end\n");
-    }
-    text.push_str("$enddefinitions $end\n");
-    text
+    writer.enddefinitions()?;
+    Ok(signals)
 }
 
-/// A signal's identifier: digits to base 94 from '!' to '~'.
-fn code(mut number: usize) -> String {
-    let mut code = String::new();
-    loop {
-        code.push((b'!' + (number % 94) as u8) as char);
-        number /= 94;
-        if number == 0 {
-            return code;
+/// The bits of a number from its highest one.
+fn bits(number: u32) -> impl Iterator<Item = Value> {
+    let count = (u32::BITS - number.leading_zeros()).max(1);
+    (0..count).rev().map(move |bit| {
+        if number >> bit & 1 == 1 {
+            Value::V1
+        } else {
+            Value::V0
         }
-    }
+    })
 }

@@ -14,6 +14,7 @@ use splatline_sim::machine::memory::parts::PARTS;
 use splatline_sim::machine::others::{self, Outcome};
 use splatline_sim::machine::workload::{Workload, extract_if_room};
 use splatline_sim::machine::{Config, Timing, simulate, simulate_alone};
+use splatline_sim::report::chart::alone;
 use splatline_sim::report::machine::{plots, watch};
 use std::path::Path;
 
@@ -215,7 +216,7 @@ fn add_plots(page: &mut Page, view: &View, design: &DesignChoice) -> Result<()> 
     for plot in plots(&timing, &watched, workload.columns, &config) {
         let file = format!("machines-guitar-{}.svg", plot.file);
         page.add(format!("![{}]({file})", plot.title));
-        page.beside(&file, plot.alone());
+        page.beside(&file, alone(&plot.svg));
     }
     Ok(())
 }

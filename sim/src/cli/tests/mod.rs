@@ -23,6 +23,10 @@ fn run_line(line: &str) -> Result<(), Failure> {
     dispatch(parse(line).unwrap().command)
 }
 
+fn read_json(path: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
+}
+
 fn read_report(path: &Path) -> Report {
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }

@@ -6,7 +6,7 @@ use crate::plot::{self, Curve, Marker, PlotPanel};
 use crate::study::deep::{LAYERS, Stack, representation_name, rounding_name};
 use plotters::prelude::SeriesLabelPosition;
 use splatline::blend::deep::{ChannelRounding, Representation};
-use splatline_sim::report::plot::DESIGNS;
+use splatline_sim::report::chart::DESIGNS;
 
 /// Opacity of the left panel's stacks, as an exponent of 2, and opacity and width of the right panel's.
 const LEFT_LOG2_ALPHA: i32 = -12;
