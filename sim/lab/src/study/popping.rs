@@ -93,7 +93,7 @@ pub fn orbit(
         let plan = SheetPlan::new(kind, 1.0, scene, &camera);
         let picture = fixed::sheets::draw(scene, &camera, &options, fixed::best_engine(), &plan);
         if frame + 1 == half {
-            let float = reference::sheets::draw(scene, &camera, &rules, &plan);
+            let float = reference::sheets::draw(scene, &camera, &rules, &plan).picture;
             errors = Some(compare(&picture, &float)?);
         }
         pictures.push(picture);

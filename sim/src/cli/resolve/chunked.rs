@@ -1,6 +1,7 @@
 //! What `--chunks` draws: a file that is never in memory as a whole, so that nothing may follow from all of its splats.
 
-use super::{Asked, camera, scene_of};
+use super::camera::camera;
+use super::{Asked, scene_of};
 use crate::camera::Camera;
 use crate::cli::say::Failure;
 use crate::cli::values::{AntialiasChoice, TraversalChoice};

@@ -8,7 +8,7 @@ use splatline_sim::explore::sweep::SweepSubject;
 use splatline_sim::explore::table::heading;
 use splatline_sim::machine::area::Calibration;
 use splatline_sim::machine::config::{self, Config};
-use splatline_sim::plan::Splats;
+use splatline_sim::plan::{SplatMethod, Splats};
 use splatline_sim::rules::{Compositing, Rules};
 use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
@@ -156,7 +156,7 @@ fn sweep() -> String {
             camera: &synthetic::camera(16, 16),
             rules: &Rules::GAUSSIAN_3D,
             compositing: Compositing::FrontToBack,
-            hybrid: None,
+            method: &SplatMethod::Composited,
         },
         design: DesignChoice::named("lean18").expect("a named design"),
         traversal: None,

@@ -18,7 +18,7 @@ use splatline_sim::fixed;
 use splatline_sim::hybrid::{self, Hybrid, Points};
 use splatline_sim::metrics;
 use splatline_sim::plan::draw::on_threads;
-use splatline_sim::plan::{AnyScene, Entry, Look, Prepared};
+use splatline_sim::plan::{AnyScene, Entry, Prepared, SplatMethod, Technique};
 use splatline_sim::report::HostTimes;
 use splatline_sim::rules::{Antialias, Compositing, Rules};
 use splatline_sim::scene::points::SurfaceScene;
@@ -145,10 +145,10 @@ fn volume_plans(scene: &Scene, design: &DesignChoice) -> Vec<(&'static str, Prep
             _ => scene.default_camera(SIZE, SIZE),
         };
         let mut prepared = Prepared::of_splats(scene.clone(), camera, rules, design.clone());
-        prepared.plan.look = Look::Splats {
+        prepared.plan.technique = Technique::Splats {
             rules,
             compositing: order,
-            hybrid: points,
+            method: points.map_or(SplatMethod::Composited, SplatMethod::Points),
         };
         (name, prepared)
     };
@@ -190,7 +190,7 @@ fn surface_plans(
     let plan = |(name, style)| {
         let mut prepared =
             Prepared::of_splats(empty.clone(), camera.clone(), Rules::EWA, design.clone());
-        prepared.plan.look = Look::Surface(style);
+        prepared.plan.technique = Technique::Surface(style);
         prepared.scene = Arc::new(AnyScene::Surface {
             scene: points.clone(),
             is_height_field: false,
