@@ -13,7 +13,7 @@ import re
 import subprocess
 import tempfile
 
-PACKAGES = ["splatline-sim", "splatline-engine", "splatline-reference", "splatline"]
+PACKAGES = ["splatline-sim", "splatline-machine", "splatline-engine", "splatline-reference", "splatline"]
 
 
 def output(*command, **options):

@@ -1,4 +1,4 @@
-// Lists of the splats of each tile: those whose box meets it, in the order in which the splats come (`Bins` of sim/src/machine/workload).
+// Lists of the splats of each tile: those whose box meets it, in the order in which the splats come (`Bins` of sim/machine/src/workload).
 //
 //   every splat once, in any order: its tiles are counted -> sums -> every splat again, nearest first: its number goes to the end of its tiles' lists
 //

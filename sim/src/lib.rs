@@ -3,10 +3,12 @@
 //!
 //! Data flows down this list and never back: what comes in is read by the reference's crate (a [`scene`] of splats is seen by a [`camera`]
 //! under [`rules`]); the engine's crate draws it through the kernel ([`fixed`], a [`Renderer`] many frames of it), and [`reference`](mod@reference) in double precision, both into a [`picture`];
-//! [`metrics`] compares two pictures; [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
+//! [`metrics`] compares two pictures; the crate of the [`machine`] counts cycles, [`explore`] searches designs and machines, [`trace`] and [`vectors`] write
 //! what other tools read, and [`report`] and the live [`page`] tell people about it. [`cli`] is the command line over all of them.
 
 pub use splatline_engine::{Renderer, design, fast, fixed, renderer, threads};
+pub use splatline_machine as machine;
+pub use splatline_machine::host_memory as memory;
 pub use splatline_reference::engines as reference;
 pub use splatline_reference::{
     atomic, camera, cameras, framing, hybrid, input, metrics, picture, rules, scene, sheets,
@@ -17,8 +19,6 @@ pub mod cli;
 pub mod difference;
 pub mod digest;
 pub mod explore;
-pub mod machine;
-pub mod memory;
 pub mod page;
 pub mod plan;
 pub mod progress;

@@ -82,10 +82,12 @@ mod tests {
             for group in system.modules.split("; ") {
                 let mut folder = root.join("src");
                 for name in group.split(", ") {
-                    let file = match name.starts_with("sim/") {
-                        true => root.join(name),
-                        false if name.contains('/') => root.join("src").join(name),
-                        false => folder.join(name),
+                    let file = if name.starts_with("sim/") {
+                        root.join(name)
+                    } else if name.contains('/') {
+                        root.join("src").join(name)
+                    } else {
+                        folder.join(name)
                     };
                     assert!(exists(&file), "{}: {name}", system.number);
                     folder = file.parent().map_or(folder, |parent| parent.to_owned());

@@ -82,9 +82,12 @@ impl Gaussian {
     ) -> Gaussian {
         const HARMONIC_0: f64 = 0.282_094_791_773_878_14;
         // An infinite logarithm is no scale at all, not scale 0.
-        let scale = |log: f32| match log.is_finite() {
-            true => libm::exp(log.into()) as f32,
-            false => f32::NAN,
+        let scale = |log: f32| {
+            if log.is_finite() {
+                libm::exp(log.into()) as f32
+            } else {
+                f32::NAN
+            }
         };
         Gaussian {
             mean,

@@ -61,9 +61,10 @@ fn normalised(a: &BigInt, exponent: i64, bits: u32) -> (BigInt, i64) {
         return (a << shift.unsigned_abs(), exponent + shift);
     }
     let mantissa = halved(a, shift as u32);
-    match mantissa.bits() > u64::from(bits) {
-        true => (mantissa / 2, exponent + shift + 1),
-        false => (mantissa, exponent + shift),
+    if mantissa.bits() > u64::from(bits) {
+        (mantissa / 2, exponent + shift + 1)
+    } else {
+        (mantissa, exponent + shift)
     }
 }
 

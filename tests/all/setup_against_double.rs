@@ -46,9 +46,10 @@ impl InputBounds {
                 .map(|m| f64::from(m) * f64::from(axis.exponent).exp2());
             let [x, y, z] = rotation.map(|row| dot(row, axis).abs());
             [(x, 0), (y, 1)].map(|(across, i)| {
-                let slant = match perspective {
-                    true => 1.0 + (exact.camera[i] / depth).abs(),
-                    false => 0.0,
+                let slant = if perspective {
+                    1.0 + (exact.camera[i] / depth).abs()
+                } else {
+                    0.0
                 };
                 let terms = (6.0 * u + 2.0 * w + 2.0 * near) * (across + slant * z);
                 // The rotation of axes has entries of `view` bits: an error of the axis' length, however little of it lies across.
@@ -197,9 +198,10 @@ fn check_shape<D: Design>(
         bounds.form()
     );
     let peak = f64::from(footprint.opacity) / f64::from(widths.peak).exp2();
-    let lost = match rules.normalised {
-        true => 0.5 * bounds.determinant() + 10.0 * bounds.u + 3.0 * bounds.w + 2.0 * bounds.near,
-        false => unit(31),
+    let lost = if rules.normalised {
+        0.5 * bounds.determinant() + 10.0 * bounds.u + 3.0 * bounds.w + 2.0 * bounds.near
+    } else {
+        unit(31)
     };
     let allowed = exact.peak * lost + 0.5 * unit(widths.peak);
     let largest = 16.0 - unit(widths.peak);

@@ -5,4 +5,10 @@ mod readers;
 
 pub use readers::seeds;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::read(bytes, &[".ply", ".splat", ".spz", ".nrrd", ".nhdr", ".nii", ".mha", ".vti", ".sog", ".ksplat", ".glb", ".xyz", ".obj", ".las", ".laz", "grid"]));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::read(
+    bytes,
+    &[
+        ".ply", ".splat", ".spz", ".nrrd", ".nhdr", ".nii", ".mha", ".vti", ".sog", ".ksplat",
+        ".glb", ".xyz", ".obj", ".las", ".laz", "grid"
+    ]
+));

@@ -5,4 +5,17 @@ mod readers;
 
 pub use readers::seeds;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::read(bytes, &["camera", "images", "transforms", "path", "transfer", "design", "machine", "prices", "space"]));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::read(
+    bytes,
+    &[
+        "camera",
+        "images",
+        "transforms",
+        "path",
+        "transfer",
+        "design",
+        "machine",
+        "prices",
+        "space"
+    ]
+));

@@ -5,4 +5,7 @@ mod readers;
 
 pub use readers::seeds;
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::read(bytes, &["footprints", "sweep", "manifest"]));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| readers::read(
+    bytes,
+    &["footprints", "sweep", "manifest"]
+));

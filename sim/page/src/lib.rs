@@ -229,7 +229,9 @@ fn camera_from(numbers: &[f64; bytes::CAMERA]) -> Option<Camera> {
     let [width, height, fx, fy, cx, cy] = *numbers.first_chunk()?;
     let size = |pixels: f64| (1.0..=4096.0).contains(&pixels).then_some(pixels as usize);
     let row = |i: usize| [0, 1, 2].map(|k| numbers[6 + 3 * i + k]);
-    numbers[..18].iter().all(|n| n.is_finite()).then_some(())?;
+    if !numbers[..18].iter().all(|n| n.is_finite()) {
+        return None;
+    }
     Some(Camera {
         width: size(width)?,
         height: size(height)?,

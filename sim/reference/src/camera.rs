@@ -218,13 +218,12 @@ impl Camera {
         let wrong =
             |error: serde_json::Error| CameraError::whole(format!("not a camera in JSON: {error}"));
         let is_report = serde_json::from_str::<HasCamera>(text).is_ok();
-        let file: CameraFile = match is_report {
-            true => {
-                serde_json::from_str::<ReportFile>(text)
-                    .map_err(wrong)?
-                    .camera
-            }
-            false => serde_json::from_str(text).map_err(wrong)?,
+        let file: CameraFile = if is_report {
+            serde_json::from_str::<ReportFile>(text)
+                .map_err(wrong)?
+                .camera
+        } else {
+            serde_json::from_str(text).map_err(wrong)?
         };
         let matrix: [f64; 16] = file
             .world_to_camera

@@ -149,17 +149,18 @@ impl FramingInput {
         let places: Vec<Vector> = scene.points.iter().map(|point| point.centre).collect();
         let ball = Ball::around(&places, 3.0 * scene.radius);
         let chosen = up.unwrap_or(scene.up);
-        let (front, elevation, reason) = match is_height_field {
-            true => (
+        let (front, elevation, reason) = if is_height_field {
+            (
                 [0.0, -1.0, 0.0],
                 OBLIQUE,
                 "a height field is seen from the south and above",
-            ),
-            false => (
+            )
+        } else {
+            (
                 thinner_side(&places, &ball, chosen),
                 0.0,
                 "a cloud is seen across its thinner horizontal side; z is up in scanners' files",
-            ),
+            )
         };
         FramingInput {
             ball,

@@ -24,12 +24,13 @@ pub fn text_of(stream: impl Read, most: u64) -> io::Result<String> {
     stream
         .take(most.saturating_add(1))
         .read_to_end(&mut bytes)?;
-    match bytes.len() as u64 > most {
-        true => Err(io::Error::new(
+    if bytes.len() as u64 > most {
+        Err(io::Error::new(
             io::ErrorKind::FileTooLarge,
             format!("longer than {most} bytes: is it the right one?"),
-        )),
-        false => in_utf8(bytes),
+        ))
+    } else {
+        in_utf8(bytes)
     }
 }
 

@@ -341,9 +341,10 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
 impl ChannelError {
     /// Root mean square, from the decibels that state it.
     pub fn rms(&self) -> f64 {
-        match self.psnr_db.is_finite() {
-            true => 10f64.powf(-self.psnr_db / 20.0),
-            false => 0.0,
+        if self.psnr_db.is_finite() {
+            10f64.powf(-self.psnr_db / 20.0)
+        } else {
+            0.0
         }
     }
 }

@@ -243,9 +243,10 @@ fn over([r, g, b, a]: &[f64; 4], behind: [f64; 3]) -> [f64; 3] {
 
 /// Colours divided by alpha.
 fn straight(&[r, g, b, a]: &[f64; 4]) -> [f64; 4] {
-    match a > 0.0 {
-        true => [r / a, g / a, b / a, a],
-        false => [0.0; 4],
+    if a > 0.0 {
+        [r / a, g / a, b / a, a]
+    } else {
+        [0.0; 4]
     }
 }
 

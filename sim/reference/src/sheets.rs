@@ -52,9 +52,10 @@ impl SheetPlan {
     /// Sheets of `thickness`; depth slabs begin one slab and a half before the nearest centre.
     pub fn new(kind: SheetKind, thickness: f64, scene: &Scene, camera: &Camera) -> SheetPlan {
         let middle = scene.bounds().map_or([0.0; 3], |bounds| bounds.centre());
-        let direction = match camera.orthographic {
-            true => camera.forward(),
-            false => vector::subtract(middle, camera.eye()),
+        let direction = if camera.orthographic {
+            camera.forward()
+        } else {
+            vector::subtract(middle, camera.eye())
         };
         let depths = scene.splats.iter().map(|s| camera.to_camera(s.centre)[2]);
         let nearest = depths.fold(f64::INFINITY, f64::min).max(camera.near);

@@ -2,7 +2,9 @@
 
 use super::machine_args::{ExploreOptions, LimitOptions};
 use super::output::{self, create_folder, read_settings, write};
-use super::resolve::{Asked, COMPARED, KEPT, calibration, energy_table, part, room_for_picture};
+use super::resolve::{
+    COMPARED, HELD_PIXEL_BYTES, PlanRequest, calibration, energy_table, part, room_for_picture,
+};
 use super::say::{Failure, print_result, warn};
 use crate::explore::ask::limits::{Limit, Quantity};
 use crate::explore::ask::{Answer, Question, ask, limits_of_part, tightest, usual_space};
@@ -72,7 +74,7 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
     }
     let started = Instant::now();
     let limits = limits(options)?;
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     let mut splats = Vec::with_capacity(frames.len());
@@ -85,7 +87,10 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         if !errors && frames.len() > 1 {
             continue;
         }
-        room_for_picture(&prepared.plan.camera, COMPARED + KEPT * frames.len() as u64)?;
+        room_for_picture(
+            &prepared.plan.camera,
+            COMPARED + HELD_PIXEL_BYTES * frames.len() as u64,
+        )?;
         references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
     }
     let plan = &frames[0].prepared.plan;

@@ -2,7 +2,7 @@
 
 use super::args::RenderOptions;
 use super::render::write_picture;
-use super::resolve::{Asked, Chunked, DRAWN, room_for_picture, scene_of};
+use super::resolve::{Chunked, DRAWN, PlanRequest, room_for_picture, scene_of};
 use super::say::{Failure, print_result, warn};
 use crate::fixed::chunks::{BYTES, ChunkDrawing, draw_in_chunks};
 use crate::fixed::{Options, PaintEngine, best_engine};
@@ -16,7 +16,7 @@ use std::time::Instant;
 pub fn render(options: &RenderOptions, size: usize) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let file = GaussianFile::open(scene_of(&options.view)?)?;
-    let asked = Asked::drawing(&options.view, drawing).in_chunks(&file)?;
+    let asked = PlanRequest::drawing(&options.view, drawing).in_chunks(&file)?;
     room_for_picture(&asked.camera, DRAWN)?;
     let footprints = (size as u64).min(file.count());
     let what = format!("a chunk of {footprints} footprints");

@@ -3,7 +3,7 @@
 use super::args::CompareOptions;
 use super::frames;
 use super::output::{self, create_folder, write};
-use super::resolve::{Asked, COMPARED, room_for_picture};
+use super::resolve::{COMPARED, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_comparison};
 use crate::plan::measure::FILES;
@@ -26,13 +26,14 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     if options.path.camera_path.is_some() {
         return frames::compare(options);
     }
-    let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
+    let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = asked.prepare()?;
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
-    let others = match options.only || !prepared.has_traversals() {
-        true => Vec::new(),
-        false => all_entries(&prepared.plan.entry.design),
+    let others = if options.only || !prepared.has_traversals() {
+        Vec::new()
+    } else {
+        all_entries(&prepared.plan.entry.design)
     };
     let mut comparison = compare_all(&prepared, &drawing.effort(), &others)?;
     if options.formats {

@@ -4,7 +4,8 @@ use super::ask;
 use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
 use super::resolve::{
-    Asked, COMPARED, KEPT, NamedFrame, calibration, energy_table, room_for_picture,
+    COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
+    room_for_picture,
 };
 use super::say::{Failure, print_result, warn};
 use crate::explore::folder::{self, Appender};
@@ -37,7 +38,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
     create_folder(output)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
     let mut references = Vec::with_capacity(frames.len());
     for NamedFrame { prepared, .. } in &frames {
@@ -46,7 +47,7 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
             references.push(None);
             continue;
         }
-        let kept = KEPT * (frames.len() as u64 - 1);
+        let kept = HELD_PIXEL_BYTES * (frames.len() as u64 - 1);
         room_for_picture(prepared.splats()?.camera, COMPARED + kept)?;
         references.push(Some(
             prepared.draw_reference(Engine::Float, &|_, _| ())?.picture,
@@ -114,11 +115,10 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
 /// That no clock was given, where it was not; nothing otherwise.
 fn clock_note(machine: &Config, space: &Space) -> &'static str {
     let swept = space.axes.iter().any(|axis| axis.key == "clock_mhz");
-    match machine.clock_mhz > 0 || swept {
-        true => "",
-        false => {
-            "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
-        }
+    if machine.clock_mhz > 0 || swept {
+        ""
+    } else {
+        "; frames a second by an assumed clock, that of the nearest circuit that was placed: --set clock_mhz=N says another"
     }
 }
 

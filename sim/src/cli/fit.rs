@@ -2,11 +2,11 @@
 
 use super::machine_args::FitOptions;
 use super::output::{self, write};
-use super::resolve::{Asked, COMPARED, KEPT, NamedFrame, room_for_picture};
+use super::resolve::{COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::explore::fit::{Fit, Fitness, Metric, Task, design_toml, fit};
-use crate::plan::{Engine, Entry};
+use crate::plan::{DesignVariant, Engine};
 use crate::progress::ProgressMeter;
 use anyhow::anyhow;
 use splatline::format::WIDTH_RANGES;
@@ -20,12 +20,12 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
         inputs.extend(options.work.inputs());
         output::check(path, &["toml"], &inputs)?;
     }
-    let asked = Asked::work(&options.view, &options.work);
+    let asked = PlanRequest::work(&options.view, &options.work);
     let frames = asked.frames(&options.path, &options.more)?;
     for frame in &frames {
         warn(&frame.prepared.setup_warnings()?);
     }
-    let Entry { design, traversal } = &frames[0].prepared.plan.entry;
+    let DesignVariant { design, traversal } = &frames[0].prepared.plan.entry;
     let fitted = fitted(&frames, options.metric, options.max_error)?;
     print_result(&text(design, &fitted))?;
     if frames.len() > 1 {
@@ -41,14 +41,17 @@ pub fn run(options: &FitOptions) -> Result<(), Failure> {
 
 /// Fits what is planned for all frames, starting from their design.
 pub fn fitted(frames: &[NamedFrame], metric: Metric, budget: f64) -> Result<Fit, Failure> {
-    let Entry { design, traversal } = &frames[0].prepared.plan.entry;
+    let DesignVariant { design, traversal } = &frames[0].prepared.plan.entry;
     let mut references = Vec::with_capacity(frames.len());
     for NamedFrame { prepared, .. } in frames {
-        room_for_picture(&prepared.plan.camera, COMPARED + KEPT * frames.len() as u64)?;
+        room_for_picture(
+            &prepared.plan.camera,
+            COMPARED + HELD_PIXEL_BYTES * frames.len() as u64,
+        )?;
         references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
     }
     let measure = |design: &DesignChoice| {
-        let entry = Entry {
+        let entry = DesignVariant {
             design: design.clone(),
             traversal: *traversal,
         };

@@ -5,7 +5,7 @@
 
 use super::args::FootprintsOptions;
 use super::output::{self, write};
-use super::resolve::Asked;
+use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::plan::{Engine, FootprintLine};
 use std::fmt::Write;
@@ -24,7 +24,7 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
     if options.engine == Engine::Exact {
         return Err(no_exact());
     }
-    let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
+    let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
     if options.view.from.is_none() {
         prepared.plan.engine = options.engine;
     }

@@ -4,7 +4,7 @@ use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
 use super::output::{self, create_folder, write};
 use super::render::{check_room, inputs, write_picture};
-use super::resolve::{Asked, COMPARED, NamedFrame, room_for_picture};
+use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::view_args::MoreScenes;
 use crate::machine::summary::Spread;
@@ -27,8 +27,8 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let drawing = &options.drawing;
-    let frames =
-        Asked::drawing(&options.view, drawing).frames(&options.path, &MoreScenes::default())?;
+    let frames = PlanRequest::drawing(&options.view, drawing)
+        .frames(&options.path, &MoreScenes::default())?;
     let inputs = inputs(options);
     for number in 1..=frames.len() {
         output::check(&numbered(&options.output, number), &EXTENSIONS, &inputs)?;
@@ -68,7 +68,7 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 /// Every frame's pictures and report in a folder of its own.
 pub fn compare(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let asked = Asked::drawing(&options.view, drawing).on(&options.machine);
+    let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let frames = asked.frames(&options.path, &MoreScenes::default())?;
     let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(frames.len());

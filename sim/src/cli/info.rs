@@ -156,9 +156,10 @@ impl Info {
             ShownRange::new("colour", points().flat_map(|point| point.colour)),
         ];
         Info {
-            kind: match is_height_field {
-                true => "height field (drawn with --as surface)",
-                false => "points of a surface (drawn with --as surface)",
+            kind: if is_height_field {
+                "height field (drawn with --as surface)"
+            } else {
+                "points of a surface (drawn with --as surface)"
             },
             count: cloud.points.len(),
             bounds: (!cloud.points.is_empty()).then(|| corners(cloud.bounds())),

@@ -7,18 +7,18 @@ use super::say::Failure;
 use crate::explore::fit::Fitness;
 use crate::machine::simulate_alone;
 use crate::machine::summary::Spread;
-use crate::machine::workload::{Kept, Workload};
+use crate::machine::workload::{OrderChanges, Workload};
 use crate::plan::AnyScene;
 use serde::Serialize;
 use std::sync::Arc;
 
 /// A picture in a kept order, beside the same sorted anew.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct KeptFrame {
+pub struct ReusedOrderFrame {
     /// Which one.
     pub name: String,
     /// Entries that changed, and pairs in the wrong order.
-    pub lists: Kept,
+    pub lists: OrderChanges,
     /// Entries of all lists.
     pub entries: u64,
     /// Cycles of the sort: kept, anew.
@@ -35,16 +35,19 @@ pub struct KeptFrame {
 
 /// The picture before, as long as it is of the same scene and screen and the order is young enough.
 #[derive(Default)]
-pub struct KeptOrder {
+pub struct OrderReuse {
     before: Option<Workload>,
     scene: Option<Arc<AnyScene>>,
     size: [usize; 2],
     age: u32,
 }
 
-impl KeptOrder {
+impl OrderReuse {
     /// The work of the next picture, and what keeping its order is worth if it is kept.
-    pub fn next(&mut self, frame: &NamedFrame) -> Result<(Workload, Option<KeptFrame>), Failure> {
+    pub fn next(
+        &mut self,
+        frame: &NamedFrame,
+    ) -> Result<(Workload, Option<ReusedOrderFrame>), Failure> {
         let prepared = &frame.prepared;
         let plan = &prepared.plan;
         let size = [plan.camera.width, plan.camera.height];
@@ -64,7 +67,7 @@ impl KeptOrder {
         let old = prepared.in_order(Some(&before))?;
         let timings = [&old, &anew].map(|one| simulate_alone(&one.workload, &plan.machine));
         let error = Fitness::of(&old.picture, &anew.picture)?;
-        let kept = KeptFrame {
+        let kept = ReusedOrderFrame {
             name: frame.name.clone(),
             lists: old.workload.kept.unwrap_or_default(),
             entries: timings[0].splats.entries,
@@ -84,28 +87,31 @@ impl KeptOrder {
 }
 
 /// Gain and errors over all pictures whose order was kept; nothing of none.
-pub fn text(kept: &[KeptFrame], frames: usize) -> String {
+pub fn text(kept: &[ReusedOrderFrame], frames: usize) -> String {
     let Some(worst) = kept
         .iter()
         .max_by(|a, b| a.error.max_abs.total_cmp(&b.error.max_abs))
     else {
         return String::new();
     };
-    let mean = |of: &dyn Fn(&KeptFrame) -> u64| {
+    let mean = |of: &dyn Fn(&ReusedOrderFrame) -> u64| {
         kept.iter().map(|frame| of(frame) as f64).sum::<f64>() / kept.len() as f64
     };
-    let pair = |name: &str, of: fn(&KeptFrame) -> [u64; 2], unit: f64| {
-        let [old, anew] = [0, 1].map(|which| mean(&|frame: &KeptFrame| of(frame)[which]));
+    let pair = |name: &str, of: fn(&ReusedOrderFrame) -> [u64; 2], unit: f64| {
+        let [old, anew] = [0, 1].map(|which| mean(&|frame: &ReusedOrderFrame| of(frame)[which]));
         let (gain, old, anew) = (100.0 * (old / anew.max(1.0) - 1.0), old / unit, anew / unit);
         format!("  {name:<22} {old:>10.3} in place of {anew:>10.3} ({gain:+.1} %)\n")
     };
-    let part = |of: fn(&Kept) -> u64, whole: &dyn Fn(&KeptFrame) -> u64| {
-        100.0 * mean(&|frame: &KeptFrame| of(&frame.lists)) / mean(whole).max(1.0)
+    let part = |of: fn(&OrderChanges) -> u64, whole: &dyn Fn(&ReusedOrderFrame) -> u64| {
+        100.0 * mean(&|frame: &ReusedOrderFrame| of(&frame.lists)) / mean(whole).max(1.0)
     };
     let rms = Spread::of(kept.iter().map(|frame| frame.error.rms));
-    let psnr = |rms: f64| match rms > 0.0 {
-        true => format!("{:.2} dB", -20.0 * rms.log10()),
-        false => "equal".to_owned(),
+    let psnr = |rms: f64| {
+        if rms > 0.0 {
+            format!("{:.2} dB", -20.0 * rms.log10())
+        } else {
+            "equal".to_owned()
+        }
     };
     format!(
         "order kept in {} of {frames} frames, a frame of them on the mean:\n{}{}{}  \
@@ -117,7 +123,7 @@ pub fn text(kept: &[KeptFrame], frames: usize) -> String {
         pair("bytes of the sort, MB", |frame| frame.sort_bytes, 1e6),
         part(|lists| lists.came, &|frame| frame.entries),
         part(|lists| lists.left, &|frame| frame.entries),
-        mean(&|frame: &KeptFrame| frame.lists.inversions),
+        mean(&|frame: &ReusedOrderFrame| frame.lists.inversions),
         part(|lists| lists.inversions, &|frame| frame.lists.pairs),
         psnr(rms.worst),
         psnr(rms.percentile_95),

@@ -1,15 +1,15 @@
 //! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
 
-use super::kept::{self, KeptFrame, KeptOrder};
+use super::kept::{self, OrderReuse, ReusedOrderFrame};
 use super::machine_args::{AreaOptions, ModelOptions};
 use super::output::{self, create_folder, write};
 use super::resolve::{
-    Asked, NamedFrame, calibration, energy_table, machine, part, refuse_kept_order,
+    NamedFrame, PlanRequest, calibration, energy_table, machine, part, refuse_kept_order,
 };
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
 use crate::machine::area::{self, Calibration, synthesis};
-use crate::machine::clock::{Clock, Pace};
+use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config;
 use crate::machine::energy;
 use crate::machine::histogram::Histograms;
@@ -20,7 +20,7 @@ use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
 use crate::machine::{Config, others, simulate, simulate_alone};
 use crate::metrics::median;
-use crate::plan::Entry;
+use crate::plan::DesignVariant;
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ use std::time::Instant;
 struct Modelled {
     name: String,
     workload: Workload,
-    entry: Entry,
+    entry: DesignVariant,
     machine: Config,
 }
 
@@ -76,7 +76,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         let message = "name a scene, a report with --from, or a table with --footprints";
         return Err(Failure::Usage(message.to_owned()));
     }
-    let asked = Asked::work(&options.view, &options.work)
+    let asked = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .keeping_order();
     let mut frames = asked.frames(&options.path, &options.more)?;
@@ -91,12 +91,12 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 
 /// All machines of the presets on the scene's splats.
 fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
-    let prepared = Asked::work(&options.view, &options.work)
+    let prepared = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .prepare()?;
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?;
-    let outcomes = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let outcomes = others::run_all(&splats.without_points(), &energy_table(&options.energy)?)?;
     let (table, note) = (others::table_of(&outcomes), others::note());
     print_result(&format!("{table}\n{note}"))?;
     if let Some(folder) = &options.output {
@@ -134,9 +134,9 @@ impl Priced {
         })
     }
 
-    fn pace(&self, timing: &Timing, entry: &Entry, config: &Config) -> Pace {
+    fn pace(&self, timing: &Timing, entry: &DesignVariant, config: &Config) -> Throughput {
         let clock = Clock::of(config, &entry.design.widths, self.prices.family);
-        Pace::new(timing, config, clock)
+        Throughput::new(timing, config, clock)
     }
 }
 
@@ -199,9 +199,9 @@ fn several(frames: &[NamedFrame], priced: &Priced, options: &ModelOptions) -> Re
     let started = Instant::now();
     let progress = ProgressMeter::new(frames.len());
     let mut paces = Vec::with_capacity(frames.len());
-    let mut told = Vec::with_capacity(frames.len());
-    let mut kept: Vec<KeptFrame> = Vec::new();
-    let mut order = KeptOrder::default();
+    let mut records = Vec::with_capacity(frames.len());
+    let mut kept: Vec<ReusedOrderFrame> = Vec::new();
+    let mut order = OrderReuse::default();
     for frame in frames {
         progress.doing(&frame.name);
         let plan = &frame.prepared.plan;
@@ -214,7 +214,7 @@ fn several(frames: &[NamedFrame], priced: &Priced, options: &ModelOptions) -> Re
         };
         let timing = simulate_alone(&workload, &plan.machine);
         let pace = priced.pace(&timing, &plan.entry, &plan.machine);
-        told.push(json!({ "name": frame.name, "visible": workload.visible(), "cycles": timing, "pace": pace, "kept": of_kept }));
+        records.push(json!({ "name": frame.name, "visible": workload.visible(), "cycles": timing, "pace": pace, "kept": of_kept }));
         kept.extend(of_kept);
         if plan.machine.sort_every > 1 {
             order.keep(workload);
@@ -225,7 +225,7 @@ fn several(frames: &[NamedFrame], priced: &Priced, options: &ModelOptions) -> Re
     drop(progress);
     let plan = &frames[0].prepared.plan;
     let (entry, config) = (&plan.entry, &plan.machine);
-    let named: Vec<(&str, &Pace)> = frames
+    let named: Vec<(&str, &Throughput)> = frames
         .iter()
         .map(|frame| frame.name.as_str())
         .zip(&paces)
@@ -252,7 +252,7 @@ fn several(frames: &[NamedFrame], priced: &Priced, options: &ModelOptions) -> Re
     };
     let result = json!({
         "format": "splatline-timing/1",
-        "frames": told,
+        "frames": records,
         "over_frames": over,
         "area": area,
         "host": { "all_s": seconds },
@@ -278,9 +278,9 @@ fn write_results(
 /// The machine's area, and how much of the part it takes, which are also said.
 fn estimate_area(
     priced: &Priced,
-    entry: &Entry,
+    entry: &DesignVariant,
     config: &Config,
-    pace: &Pace,
+    pace: &Throughput,
 ) -> Result<serde_json::Value, Failure> {
     let prices = &priced.prices;
     let area = area::estimate(&entry.design.widths, entry.traversal, config, prices);
@@ -341,7 +341,7 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
     let name = path.display().to_string();
     let text = output::read_text(path)?;
     let design = DesignChoice::load(&options.work.design.0)?;
-    let entry = Entry::new(design, options.work.traversal.map(Traversal::from));
+    let entry = DesignVariant::new(design, options.work.traversal.map(Traversal::from));
     if options.screen.is_none() {
         print_result(
             "screen: up to the largest x1 and y1 of the table; --screen WxH gives another\n",

@@ -3,7 +3,7 @@
 use super::fit;
 use super::machine_args::NeedsOptions;
 use super::output::{self, write};
-use super::resolve::{Asked, NamedFrame};
+use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
@@ -23,7 +23,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
         inputs.extend(options.machine.machine.clone());
         output::check(path, &["json"], &inputs)?;
     }
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
     let mut answers = Vec::with_capacity(frames.len());
     for frame in frames {

@@ -77,9 +77,10 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
     if is_device || extensions.iter().any(known) {
         return Ok(());
     }
-    let found = match extension.is_empty() {
-        true => "it has no extension".to_owned(),
-        false => format!("'.{extension}' is not written"),
+    let found = if extension.is_empty() {
+        "it has no extension".to_owned()
+    } else {
+        format!("'.{extension}' is not written")
     };
     let named = extensions.iter().filter(|name| !name.is_empty());
     let expected = named.map(|name| format!(".{name}"));
@@ -120,9 +121,10 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 
 /// A text file, or stdin.
 pub fn read_text(path: &Path) -> Result<String, Failure> {
-    let text = match is_stream(path) {
-        true => input::text_of(std::io::stdin(), input::TABLE),
-        false => input::text(path, input::TABLE),
+    let text = if is_stream(path) {
+        input::text_of(std::io::stdin(), input::TABLE)
+    } else {
+        input::text(path, input::TABLE)
     };
     Ok(text.with_context(|| format!("cannot read '{}'", path.display()))?)
 }

@@ -1,7 +1,7 @@
 //! `splatline page`: the live page of a scene.
 
 use super::output;
-use super::resolve::Asked;
+use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, VectorValue};
 use super::view_args::ViewOptions;
@@ -58,7 +58,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
     if let Some(size) = options.view.size {
         check_size(size.width, size.height)?;
     }
-    let mut prepared = Asked::by_design(&options.view, &options.design).prepare()?;
+    let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
     if let Some(traversal) = options.traversal {
         prepared.plan.entry.traversal = Traversal::from(traversal);
     }
@@ -80,11 +80,12 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
 }
 
 fn check_size(width: usize, height: usize) -> Result<(), Failure> {
-    match width.max(height) > LARGEST_SIDE {
-        true => Err(Failure::Usage(format!(
+    if width.max(height) > LARGEST_SIDE {
+        Err(Failure::Usage(format!(
             "a live page draws at most {LARGEST_SIDE} pixels a side: give a smaller --size"
-        ))),
-        false => Ok(()),
+        )))
+    } else {
+        Ok(())
     }
 }
 
@@ -119,9 +120,10 @@ pub fn write_page(
 /// What the camera turns around: the point in the middle of the picture that is as far away as the middle of the scene.
 fn pivot(camera: &Camera, frame: &FramingInput, scene: &Scene) -> [f64; 3] {
     let depth = camera.to_camera(frame.ball.centre)[2];
-    let depth = match depth > camera.near && !scene.splats.is_empty() {
-        true => depth,
-        false => frame.ball.radius,
+    let depth = if depth > camera.near && !scene.splats.is_empty() {
+        depth
+    } else {
+        frame.ball.radius
     };
     let (eye, forward) = (camera.eye(), camera.rotation[2]);
     [0, 1, 2].map(|axis| eye[axis] + depth * forward[axis])

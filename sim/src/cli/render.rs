@@ -4,7 +4,7 @@ use super::args::RenderOptions;
 use super::chunks;
 use super::frames;
 use super::output::{self, write};
-use super::resolve::{Asked, COMPARED, DRAWN, room_for_picture};
+use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::picture::{EXTENSIONS, Picture, PictureFormat};
@@ -33,7 +33,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     if options.path.camera_path.is_some() {
         return frames::render(options);
     }
-    let prepared = Asked::drawing(&options.view, drawing).prepare()?;
+    let prepared = PlanRequest::drawing(&options.view, drawing).prepare()?;
     check_room(&prepared)?;
     let progress = ProgressMeter::new(1);
     progress.doing(format!("drawing {}", prepared.scene.name()));
@@ -83,11 +83,12 @@ pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
 }
 
 fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {
-    match picture == json {
-        true => Err(Failure::Usage(format!(
+    if picture == json {
+        Err(Failure::Usage(format!(
             "picture and report cannot both be written to '{}'",
             json.display()
-        ))),
-        false => Ok(()),
+        )))
+    } else {
+        Ok(())
     }
 }

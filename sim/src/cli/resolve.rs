@@ -22,7 +22,7 @@ use crate::design::DesignChoice;
 use crate::machine::Config;
 use crate::memory;
 use crate::plan::path::{self, CameraPath};
-use crate::plan::{Engine, Entry, Plan, Prepared};
+use crate::plan::{DesignVariant, Engine, Plan, Prepared};
 use crate::progress::ProgressMeter;
 use crate::rules::Compositing;
 use anyhow::anyhow;
@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// What the options of a command say about a scene and its drawing; commands that lack an option have its default here.
-pub struct Asked<'a> {
+pub struct PlanRequest<'a> {
     view: &'a ViewOptions,
     engine: Engine,
     design: &'a DesignName,
@@ -62,10 +62,10 @@ impl NamedFrame {
     }
 }
 
-impl<'a> Asked<'a> {
+impl<'a> PlanRequest<'a> {
     /// By one design's own traversal, front to back.
-    pub fn by_design(view: &'a ViewOptions, design: &'a DesignName) -> Asked<'a> {
-        Asked {
+    pub fn by_design(view: &'a ViewOptions, design: &'a DesignName) -> PlanRequest<'a> {
+        PlanRequest {
             view,
             engine: Engine::Fixed,
             design,
@@ -78,34 +78,34 @@ impl<'a> Asked<'a> {
     }
 
     /// What the commands about the kernel and the machine ask.
-    pub fn work(view: &'a ViewOptions, work: &'a WorkOptions) -> Asked<'a> {
-        Asked {
+    pub fn work(view: &'a ViewOptions, work: &'a WorkOptions) -> PlanRequest<'a> {
+        PlanRequest {
             traversal: work.traversal,
             compositing: work.compositing,
             technique: Some(&work.technique),
-            ..Asked::by_design(view, &work.design)
+            ..PlanRequest::by_design(view, &work.design)
         }
     }
 
     /// What the commands that write pictures ask.
-    pub fn drawing(view: &'a ViewOptions, drawing: &'a DrawingOptions) -> Asked<'a> {
-        Asked {
+    pub fn drawing(view: &'a ViewOptions, drawing: &'a DrawingOptions) -> PlanRequest<'a> {
+        PlanRequest {
             engine: drawing.engine,
-            ..Asked::work(view, &drawing.work)
+            ..PlanRequest::work(view, &drawing.work)
         }
     }
 
     /// The same for a machine.
-    pub fn on(self, machine: &'a MachineOptions) -> Asked<'a> {
-        Asked {
+    pub fn on(self, machine: &'a MachineOptions) -> PlanRequest<'a> {
+        PlanRequest {
             machine: Some(machine),
             ..self
         }
     }
 
     /// The same where lists may keep the order of the picture before.
-    pub fn keeping_order(self) -> Asked<'a> {
-        Asked {
+    pub fn keeping_order(self) -> PlanRequest<'a> {
+        PlanRequest {
             keeps_order: true,
             ..self
         }
@@ -113,9 +113,10 @@ impl<'a> Asked<'a> {
 
     /// Refuses a machine that keeps an order where no picture comes before another.
     fn check_order(&self, machine: &Config) -> Result<(), Failure> {
-        match self.keeps_order {
-            true => Ok(()),
-            false => refuse_kept_order(machine),
+        if self.keeps_order {
+            Ok(())
+        } else {
+            refuse_kept_order(machine)
         }
     }
 
@@ -191,7 +192,7 @@ impl<'a> Asked<'a> {
         };
         self.check_order(&machine)?;
         let design = DesignChoice::load(&self.design.0)?;
-        let entry = Entry::new(design, self.traversal.map(Traversal::from));
+        let entry = DesignVariant::new(design, self.traversal.map(Traversal::from));
         let progress = ProgressMeter::spinner(format!("loading {}", source.path.display()));
         let loaded = source.load(&|what| progress.doing(what))?;
         let frame = || loaded.scene.frame(view.up.map(|VectorValue(up)| up));
@@ -241,7 +242,7 @@ pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
 }
 
 /// Bytes of a pixel of each further reference picture that is kept beside those being compared.
-pub const KEPT: u64 = 32;
+pub const HELD_PIXEL_BYTES: u64 = 32;
 
 /// Bytes of a pixel while a picture is drawn and written: 47 were measured, 53 for a surface.
 pub const DRAWN: u64 = 64;

@@ -3,7 +3,7 @@
 use crate::picture::Picture;
 use crate::report::facts::ReasonCounts;
 use crate::report::formats::formats_text;
-use crate::report::table::{decibels, pace_text, scientific, signed};
+use crate::report::table::{decibels, scientific, signed, throughput_text};
 use crate::report::{ChannelFacts, Report};
 use std::path::Path;
 
@@ -62,12 +62,13 @@ fn times(report: &Report) -> String {
         String::new()
     };
     let total = format!("{:.1} ms{runs}", host.total_s * 1e3);
-    let before = match host.prepare_s > 0.0 {
-        true => format!(
+    let before = if host.prepare_s > 0.0 {
+        format!(
             ", after {:.1} ms of loading and preparing",
             host.prepare_s * 1e3
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     if report.traversal.is_none() {
         return total + &before;
@@ -125,7 +126,7 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
         report.traversal.as_deref().unwrap_or("-"),
         report.reference.as_deref().unwrap_or("-"),
         errors.collect::<String>(),
-        pace_text(report),
+        throughput_text(report),
         formats_text(report),
         folder.join("report.html").display(),
     )

@@ -2,7 +2,7 @@
 
 use super::machine_args::{TraceFormat, TraceOptions};
 use super::output::{self, write};
-use super::resolve::Asked;
+use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::machine::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -38,7 +38,7 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
             options.first
         )));
     }
-    let asked = Asked::work(&options.view, &options.work).on(&options.machine);
+    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let prepared = asked.prepare()?;
     warn(&prepared.setup_warnings()?);
     let (workload, config) = (prepared.workload()?, &prepared.plan.machine);

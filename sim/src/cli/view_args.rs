@@ -180,9 +180,10 @@ pub struct SurfaceArgs {
 impl SurfaceArgs {
     /// Whether backs are left out, from both options.
     pub fn backfaces(&self) -> Backfaces {
-        match self.no_cull_backfaces {
-            true => Backfaces::Off,
-            false => self.cull_backfaces,
+        if self.no_cull_backfaces {
+            Backfaces::Off
+        } else {
+            self.cull_backfaces
         }
     }
 }

@@ -273,7 +273,7 @@ impl Search<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plan::{Engine, Entry, Prepared};
+    use crate::plan::{DesignVariant, Engine, Prepared};
     use crate::scene::synthetic;
 
     /// Beside the whole comparison, on a picture with large and with tiny errors and one beyond 0 to 1.
@@ -315,7 +315,7 @@ mod tests {
         let prepared = Prepared::of_splats(scene, camera, rules, start.clone());
         let reference = prepared.draw_reference(Engine::Float, &|_, _| ()).unwrap();
         let measure = |design: &DesignChoice| {
-            let entry = Entry::new(design.clone(), Some(Traversal::Spans));
+            let entry = DesignVariant::new(design.clone(), Some(Traversal::Spans));
             Fitness::of(&prepared.draw_fixed(&entry)?.picture, &reference.picture)
         };
         let task = Task {

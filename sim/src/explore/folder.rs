@@ -36,13 +36,14 @@ pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
         return Ok(());
     }
     let known = Identity::parse(&text).with_context(|| shown.clone())?;
-    match identity.differences(&known).is_empty() {
-        true => Ok(()),
-        false => bail!(
+    if identity.differences(&known).is_empty() {
+        Ok(())
+    } else {
+        bail!(
             "'{}' holds another sweep ({shown}): choose another folder with -o. It differs in{}",
             folder.display(),
             identity.difference_text(&known)
-        ),
+        )
     }
 }
 
@@ -132,9 +133,10 @@ pub fn merge(folders: &[PathBuf]) -> Result<(ResultTable, Identity)> {
 /// Writes a merged table; refused while a sweep is writing to the file of that name.
 pub fn replace(path: &Path, table: &ResultTable) -> Result<()> {
     let shown = path.display();
-    let _lock = match path.exists() {
-        true => Some(locked(path).with_context(|| format!("cannot write '{shown}'"))?),
-        false => None,
+    let _lock = if path.exists() {
+        Some(locked(path).with_context(|| format!("cannot write '{shown}'"))?)
+    } else {
+        None
     };
     atomic::write(path, table.to_csv().as_bytes())
         .with_context(|| format!("cannot write '{shown}'"))

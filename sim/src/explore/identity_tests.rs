@@ -148,9 +148,10 @@ fn change_camera(camera: &mut Camera, which: usize, bit: u32) -> &'static str {
 }
 
 fn change_rules(rules: &mut Rules, which: usize, bit: u32) -> &'static str {
-    let other = match rules.normalised {
-        true => Rules::GAUSSIAN_3D,
-        false => Rules::EWA,
+    let other = if rules.normalised {
+        Rules::GAUSSIAN_3D
+    } else {
+        Rules::EWA
     };
     match which % 10 {
         0 => rules.normalised = !rules.normalised,
@@ -258,10 +259,10 @@ fn check(kind: usize, which: usize, bit: u32) -> Result<(), TestCaseError> {
     let read = Identity::parse(&known.to_text()).unwrap();
     prop_assert!(known.differences(&read).is_empty(), "what is read back");
     for (a, b) in [(&known, &other), (&other, &known)] {
-        let told = a.differences(b);
+        let printed = a.differences(b);
         prop_assert!(
-            told.iter().any(|line| line.starts_with(named)),
-            "{named}: {told:?}"
+            printed.iter().any(|line| line.starts_with(named)),
+            "{named}: {printed:?}"
         );
     }
     let folder = tempfile::tempdir().unwrap();

@@ -422,8 +422,8 @@ mod tests {
         ] {
             let range =
                 format!("[machine]\nlatency = {{ from = {from}, to = {to}, step = {step} }}\n");
-            let told = message(&range);
-            assert!(told.contains("s.toml:2: latency: "), "{told}");
+            let printed = message(&range);
+            assert!(printed.contains("s.toml:2: latency: "), "{printed}");
         }
         assert!(message("sample = \"latin\"\ncount = 0\n").contains("s.toml:2: count"));
     }

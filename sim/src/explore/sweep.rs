@@ -8,7 +8,7 @@ use super::table::ResultTable;
 use crate::design::DesignChoice;
 use crate::fixed::{self, Options};
 use crate::machine::area::{Area, Calibration, estimate};
-use crate::machine::clock::{Clock, Pace};
+use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config::Config;
 use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -86,7 +86,7 @@ impl SweepError {
 /// What a point takes on a frame.
 struct OnFrame {
     timing: Timing,
-    pace: Pace,
+    pace: Throughput,
     energy_mj: f64,
 }
 
@@ -317,7 +317,7 @@ impl SharedWorkload<'_> {
         let energy = energy::estimate(widths, traversal, config, &timing, &subject.energy);
         let clock = Clock::of(config, widths, subject.calibration.family);
         OnFrame {
-            pace: Pace::new(&timing, config, clock),
+            pace: Throughput::new(&timing, config, clock),
             timing,
             energy_mj: energy.mj_per_frame,
         }

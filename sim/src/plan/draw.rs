@@ -1,6 +1,8 @@
 //! From a prepared plan to a picture, by any engine: the engines' different results become one [`Drawing`].
 
-use super::{AlphaChannel, Engine, Entry, Prepared, SheetBuffers, SplatMethod, Splats, Subject};
+use super::{
+    AlphaChannel, DesignVariant, Engine, Prepared, SheetBuffers, SplatMethod, Splats, Subject,
+};
 use crate::camera::Camera;
 use crate::fast::frame::FrameFacts;
 use crate::fast::lanes::VectorLevel;
@@ -78,7 +80,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
 
 impl Prepared {
     /// Draws through the kernel.
-    pub fn draw_fixed(&self, entry: &Entry) -> Result<Drawing> {
+    pub fn draw_fixed(&self, entry: &DesignVariant) -> Result<Drawing> {
         let mut kernel = self.kernel(entry, None, true)?;
         let mut drawing = kernel.draw(&|_, _| ())?;
         kernel.finish(&mut drawing);
@@ -88,7 +90,7 @@ impl Prepared {
     /// What draws through the kernel again and again: the scene in its formats. Pixels are counted if `counts` asks for it.
     pub fn kernel<'a>(
         &'a self,
-        entry: &'a Entry,
+        entry: &'a DesignVariant,
         vectors: Option<VectorLevel>,
         counts: bool,
     ) -> Result<KernelDrawing<'a>> {
@@ -149,7 +151,7 @@ impl Prepared {
     }
 
     /// Footprints by the kernel's setup, in the scene's order; nothing for what is culled.
-    pub fn fixed_footprints(&self, entry: &Entry) -> Result<Vec<Option<FootprintLine>>> {
+    pub fn fixed_footprints(&self, entry: &DesignVariant) -> Result<Vec<Option<FootprintLine>>> {
         let widths = &entry.design.widths;
         Ok(match self.subject()? {
             Subject::Splats(splats) => {
@@ -248,7 +250,7 @@ impl Prepared {
     }
 
     /// Cycles on the plan's machine of the picture that was drawn; nothing for what the machine has no units for: it composites affine footprints one by one.
-    pub fn cycles(&self, entry: &Entry, drawing: &Drawing) -> Result<Option<Timing>> {
+    pub fn cycles(&self, entry: &DesignVariant, drawing: &Drawing) -> Result<Option<Timing>> {
         let Subject::Splats(splats) = self.subject()? else {
             return Ok(None);
         };
@@ -374,7 +376,7 @@ fn refuse_spheres(splats: &Splats) -> Result<()> {
 }
 
 /// What a setup tells of splats that are drawn by a method which keeps no counts of its own; no picture.
-fn set_up(splats: &Splats, entry: &Entry) -> Drawing {
+fn set_up(splats: &Splats, entry: &DesignVariant) -> Drawing {
     let found = fixed::footprints(splats.scene, splats.camera, &splats.options(entry));
     let quantised = QuantisedScene::new(splats.scene, splats.camera, splats.rules);
     Drawing {
@@ -398,7 +400,12 @@ pub enum KernelDrawing<'a> {
 }
 
 impl<'a> KernelDrawing<'a> {
-    fn splats(splats: Splats<'a>, entry: &Entry, engine: fixed::PaintEngine, counts: bool) -> Self {
+    fn splats(
+        splats: Splats<'a>,
+        entry: &DesignVariant,
+        engine: fixed::PaintEngine,
+        counts: bool,
+    ) -> Self {
         let settings = Settings {
             rules: *splats.rules,
             compositing: splats.compositing,
@@ -413,7 +420,7 @@ impl<'a> KernelDrawing<'a> {
 
     fn sheets(
         splats: Splats<'a>,
-        entry: &'a Entry,
+        entry: &'a DesignVariant,
         engine: fixed::PaintEngine,
         sheets: &SheetBuffers,
     ) -> Self {
@@ -433,7 +440,7 @@ impl<'a> KernelDrawing<'a> {
 
     fn deep_alpha(
         splats: Splats<'a>,
-        entry: &'a Entry,
+        entry: &'a DesignVariant,
         engine: fixed::PaintEngine,
         channel: &AlphaChannel,
     ) -> Result<Self> {
@@ -451,7 +458,7 @@ impl<'a> KernelDrawing<'a> {
         Ok(KernelDrawing::Anew(Box::new(draw), Picture::new(0, 0)))
     }
 
-    fn spheres(splats: Splats<'a>, entry: &'a Entry, shape: Shape) -> Self {
+    fn spheres(splats: Splats<'a>, entry: &'a DesignVariant, shape: Shape) -> Self {
         let Splats { scene, camera, .. } = splats;
         let draw = move || {
             let options = splats.options(entry);

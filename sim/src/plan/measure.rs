@@ -2,13 +2,13 @@
 
 use super::draw::on_threads;
 use super::record::{report_of_drawing, report_of_entry};
-use super::{Drawing, Engine, Entry, Prepared};
+use super::{DesignVariant, Drawing, Engine, Prepared};
 use crate::atomic;
 use crate::design::DesignChoice;
 use crate::fast::lanes::VectorLevel;
 use crate::machine::Timing;
 use crate::machine::area::Family;
-use crate::machine::clock::{Clock, Pace};
+use crate::machine::clock::{Clock, Throughput};
 use crate::metrics::{Errors, compare};
 use crate::picture::{Backdrop, Depth, Picture};
 use crate::progress::ProgressMeter;
@@ -112,7 +112,7 @@ pub fn draw_alone(
 fn measure_fixed(
     prepared: &Prepared,
     effort: &Effort,
-    entry: &Entry,
+    entry: &DesignVariant,
     progress: &ProgressMeter,
 ) -> Result<Measured> {
     let started = Instant::now();
@@ -147,7 +147,7 @@ fn measure_reference(
 fn judge(
     prepared: &Prepared,
     threads: usize,
-    entry: &Entry,
+    entry: &DesignVariant,
     drawing: &Drawing,
     float: &Picture,
 ) -> Result<(Errors, Option<Timing>)> {
@@ -162,13 +162,13 @@ fn judge(
 }
 
 /// Every named design by both traversals, and the chosen design by both if it is none of them.
-pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
+pub fn all_entries(chosen: &DesignChoice) -> Vec<DesignVariant> {
     let mut designs = DesignChoice::all();
     if !designs.contains(chosen) {
         designs.push(chosen.clone());
     }
     let both = |design: &DesignChoice| {
-        [Traversal::Box, Traversal::Spans].map(|traversal| Entry {
+        [Traversal::Box, Traversal::Spans].map(|traversal| DesignVariant {
             design: design.clone(),
             traversal,
         })
@@ -177,7 +177,11 @@ pub fn all_entries(chosen: &DesignChoice) -> Vec<Entry> {
 }
 
 /// Draws the plan's own entry and `others`, which may hold it again, against the plan's reference.
-pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Result<Comparison> {
+pub fn compare_all(
+    prepared: &Prepared,
+    effort: &Effort,
+    others: &[DesignVariant],
+) -> Result<Comparison> {
     let chosen = &prepared.plan.entry;
     let reference = prepared.plan.reference.unwrap_or(Engine::Float);
     let entries = entries(chosen, others);
@@ -221,7 +225,7 @@ pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Re
     let machine = &prepared.plan.machine;
     let pace = cycles.as_ref().map(|timing| {
         let clock = Clock::of(machine, &chosen.design.widths, Family::default());
-        Pace::new(timing, machine, clock)
+        Throughput::new(timing, machine, clock)
     });
     let report = Report {
         reference: Some(reference.name().to_owned()),
@@ -242,7 +246,7 @@ pub fn compare_all(prepared: &Prepared, effort: &Effort, others: &[Entry]) -> Re
 }
 
 /// All entries, the chosen one in its place among the others or else last.
-fn entries(chosen: &Entry, others: &[Entry]) -> Vec<Entry> {
+fn entries(chosen: &DesignVariant, others: &[DesignVariant]) -> Vec<DesignVariant> {
     let mut entries = others.to_vec();
     if !entries.contains(chosen) {
         entries.push(chosen.clone());

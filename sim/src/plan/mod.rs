@@ -27,7 +27,7 @@ pub use technique::{AlphaChannel, SheetBuffers, SplatMethod, Technique};
 
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_name};
-use crate::machine::Config;
+use crate::machine::{Config, others};
 use crate::reference::formats::{self, FloatFormat};
 use crate::rules::{Compositing, Rules};
 use crate::scene::points::SurfaceScene;
@@ -93,8 +93,8 @@ impl Engine {
 
 /// One design walked by one traversal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "text::EntryText")]
-pub struct Entry {
+#[serde(try_from = "text::VariantText")]
+pub struct DesignVariant {
     /// Widths of its datapath.
     pub design: DesignChoice,
     /// How a footprint's pixels are walked.
@@ -102,11 +102,11 @@ pub struct Entry {
     pub traversal: Traversal,
 }
 
-impl Entry {
+impl DesignVariant {
     /// A design by the traversal asked for, or else by its own.
-    pub fn new(design: DesignChoice, traversal: Option<Traversal>) -> Entry {
+    pub fn new(design: DesignChoice, traversal: Option<Traversal>) -> DesignVariant {
         let traversal = traversal.unwrap_or(design.traversal);
-        Entry { design, traversal }
+        DesignVariant { design, traversal }
     }
 
     /// `lean18 by spans`.
@@ -115,10 +115,10 @@ impl Entry {
     }
 }
 
-impl Default for Entry {
+impl Default for DesignVariant {
     /// `standard24` by spans.
-    fn default() -> Entry {
-        match Entry::try_from(text::EntryText::default()) {
+    fn default() -> DesignVariant {
+        match DesignVariant::try_from(text::VariantText::default()) {
             Ok(entry) => entry,
             Err(_) => unreachable!("standard24 is a named design"),
         }
@@ -144,7 +144,7 @@ pub struct Plan {
     pub reference: Option<Engine>,
     /// The kernel's design and traversal.
     #[serde(default)]
-    pub entry: Entry,
+    pub entry: DesignVariant,
     /// The machine whose cycles are counted.
     #[serde(default)]
     pub machine: Config,
@@ -189,8 +189,18 @@ pub struct Splats<'a> {
 }
 
 impl<'a> Splats<'a> {
+    /// What machines of others are compared on: they draw no points.
+    pub fn without_points(&self) -> others::Splats<'a> {
+        others::Splats {
+            scene: self.scene,
+            camera: self.camera,
+            rules: self.rules,
+            compositing: self.compositing,
+        }
+    }
+
     /// What the kernel is told.
-    pub fn options(&self, entry: &'a Entry) -> fixed::Options<'a> {
+    pub fn options(&self, entry: &'a DesignVariant) -> fixed::Options<'a> {
         fixed::Options {
             rules: self.rules,
             compositing: self.compositing,
@@ -263,7 +273,7 @@ impl Prepared {
             },
             engine: Engine::Fixed,
             reference: None,
-            entry: Entry::new(design, None),
+            entry: DesignVariant::new(design, None),
             machine: Config::default(),
         };
         let scene = Arc::new(AnyScene::Splats(scene));

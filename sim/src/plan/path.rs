@@ -202,14 +202,17 @@ mod tests {
 
     #[test]
     fn wrong_keys_are_refused_by_name_and_line() {
-        let told = |text: &str| format!("{:#}", keys("p.toml", text).unwrap_err());
-        let zero = told(&TEXT.replace("frames = 5", "frames = 0"));
+        let printed = |text: &str| format!("{:#}", keys("p.toml", text).unwrap_err());
+        let zero = printed(&TEXT.replace("frames = 5", "frames = 0"));
         assert_eq!(zero, "p.toml:1: frames = 0: allowed are 1 to 100000");
-        assert!(told(&TEXT.replacen("target", "tarket", 1)).contains("tarket"));
-        assert!(told("frames = 2\nkey = []\n").contains("needs one or more"));
+        assert!(printed(&TEXT.replacen("target", "tarket", 1)).contains("tarket"));
+        assert!(printed("frames = 2\nkey = []\n").contains("needs one or more"));
         let path =
             CameraPath::Keys(keys("p.toml", &TEXT.replace("fov = 40.0", "fov = 400.0")).unwrap());
-        let told = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
-        assert!(told.contains("frame 1") && told.contains("fov"), "{told}");
+        let printed = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
+        assert!(
+            printed.contains("frame 1") && printed.contains("fov"),
+            "{printed}"
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! A plan's results as a report, and a plan out of a report.
 
 use super::exercised::exercised;
-use super::{AnyScene, Engine, Entry, Measured, Plan, Prepared, SplatMethod, Technique};
+use super::{AnyScene, DesignVariant, Engine, Measured, Plan, Prepared, SplatMethod, Technique};
 use crate::design::traversal_name;
 use crate::hybrid::Hybrid;
 use crate::report::facts::{CameraFacts, RulesFacts, SceneFacts};
@@ -15,7 +15,7 @@ use splatline::format::Traversal;
 
 impl Prepared {
     /// Name of the traversal in reports.
-    pub fn traversal_name(&self, entry: &Entry) -> &'static str {
+    pub fn traversal_name(&self, entry: &DesignVariant) -> &'static str {
         let Technique::Splats { method, .. } = &self.plan.technique else {
             return traversal_name(entry.traversal);
         };
@@ -71,7 +71,11 @@ impl Plan {
 }
 
 /// The report of one picture through the kernel that was compared with nothing.
-pub fn report_of_entry(prepared: &Prepared, entry: &Entry, measured: &Measured) -> Result<Report> {
+pub fn report_of_entry(
+    prepared: &Prepared,
+    entry: &DesignVariant,
+    measured: &Measured,
+) -> Result<Report> {
     Ok(Report {
         design: serde_json::to_value(entry.design.resolved())?,
         traversal: Some(prepared.traversal_name(entry).to_owned()),

@@ -1,6 +1,6 @@
 //! A plan's parts as text: what reports record in full, and what a plan file may leave out.
 
-use super::Entry;
+use super::DesignVariant;
 use crate::camera::Camera;
 use crate::design::{DesignChoice, traversal_by_name};
 use crate::report::facts::{CameraFacts, RulesFacts};
@@ -73,7 +73,7 @@ pub(super) mod rules {
 /// A design in full or by its name, and the traversal if it is not the design's own.
 #[derive(Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct EntryText {
+pub(super) struct VariantText {
     design: DesignText,
     #[serde(deserialize_with = "some_traversal")]
     traversal: Option<Traversal>,
@@ -86,26 +86,26 @@ enum DesignText {
     Full(DesignChoice),
 }
 
-impl Default for EntryText {
+impl Default for VariantText {
     fn default() -> Self {
-        EntryText {
+        VariantText {
             design: DesignText::Name("standard24".to_owned()),
             traversal: None,
         }
     }
 }
 
-impl TryFrom<EntryText> for Entry {
+impl TryFrom<VariantText> for DesignVariant {
     type Error = String;
 
-    fn try_from(text: EntryText) -> Result<Entry, String> {
+    fn try_from(text: VariantText) -> Result<DesignVariant, String> {
         let design = match text.design {
             DesignText::Full(design) => design,
             DesignText::Name(name) => {
                 DesignChoice::named(&name).ok_or_else(|| format!("no design is named '{name}'"))?
             }
         };
-        Ok(Entry::new(design, text.traversal))
+        Ok(DesignVariant::new(design, text.traversal))
     }
 }
 

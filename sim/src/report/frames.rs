@@ -103,9 +103,12 @@ impl FrameRow {
 impl OverRows {
     /// For people.
     pub fn text(&self) -> String {
-        let psnr = |rms: f64| match rms > 0.0 {
-            true => format!("{:.2} dB", -20.0 * rms.log10()),
-            false => "equal".to_owned(),
+        let psnr = |rms: f64| {
+            if rms > 0.0 {
+                format!("{:.2} dB", -20.0 * rms.log10())
+            } else {
+                "equal".to_owned()
+            }
         };
         let three = |show: &dyn Fn(f64) -> String, spread: &Spread| {
             [spread.worst, spread.percentile_95, spread.mean].map(show)

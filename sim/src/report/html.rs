@@ -401,7 +401,7 @@ fn machine_section(report: &Report) -> String {
         .flatten()
         .map(line)
         .collect();
-    let pace = escape(table::pace_text(report).trim_end());
+    let pace = escape(table::throughput_text(report).trim_end());
     format!(
         "<section>\n<h2>Cycles of the machine</h2>\n<p class=\"read\">{pace}</p>\n<p class=\"read\">{} cycles: geometry {}, sort {}, raster {}. For every unit busy, \
          stalled and idle cycles add up to its number times the total; utilisation is the busy part.</p>\n<div class=\"scroll\"><table>\n\

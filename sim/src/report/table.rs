@@ -55,7 +55,7 @@ pub fn cells(row: &ReportRow) -> [String; COLUMNS] {
 }
 
 /// What the machine's cycles are in time, in one line; nothing where it was not run.
-pub fn pace_text(report: &Report) -> String {
+pub fn throughput_text(report: &Report) -> String {
     let Some(pace) = &report.pace else {
         return String::new();
     };
@@ -92,9 +92,12 @@ pub fn markdown(rows: &[ReportRow]) -> String {
     let rule: Vec<String> = widths
         .iter()
         .enumerate()
-        .map(|(column, &width)| match column < WORD_COLUMNS {
-            true => "-".repeat(width),
-            false => "-".repeat(width - 1) + ":",
+        .map(|(column, &width)| {
+            if column < WORD_COLUMNS {
+                "-".repeat(width)
+            } else {
+                "-".repeat(width - 1) + ":"
+            }
         })
         .collect();
     text.push_str(&markdown_line(&rule, &widths));
@@ -171,9 +174,12 @@ fn padded<'a>(
         .iter()
         .zip(widths)
         .enumerate()
-        .map(|(column, (cell, &width))| match column < WORD_COLUMNS {
-            true => format!("{:<width$}", cell.as_ref()),
-            false => format!("{:>width$}", cell.as_ref()),
+        .map(|(column, (cell, &width))| {
+            if column < WORD_COLUMNS {
+                format!("{:<width$}", cell.as_ref())
+            } else {
+                format!("{:>width$}", cell.as_ref())
+            }
         })
 }
 

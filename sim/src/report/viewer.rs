@@ -45,12 +45,13 @@ pub fn script(
         "colours": (0..SHADES).map(shade).collect::<Vec<_>>(),
         "most": MOST_PIXELS,
     });
-    let values = match fixed.pixels.len() <= MOST_PIXELS {
-        true => format!(
+    let values = if fixed.pixels.len() <= MOST_PIXELS {
+        format!(
             "<script type=\"text/plain\" id=\"values\">{}</script>\n",
             packed(&planes(fixed, float))?
-        ),
-        false => String::new(),
+        )
+    } else {
+        String::new()
     };
     Ok(format!(
         "<script type=\"application/json\" id=\"settings\">{}</script>\n{values}<script>\n{}</script>\n",

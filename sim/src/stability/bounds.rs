@@ -46,13 +46,13 @@ impl ErrorBounds {
         let middle = [(camera.cx, camera.fx), (camera.cy, camera.fy)];
         let offset = [0, 1].map(|i| (footprint.centre[i] - middle[i].0).abs());
         // The difference to the eye, whose length over the depth is the slant, and the rotation.
-        let slant = match camera.orthographic {
-            true => camera_distance(footprint, camera, offset) / footprint.depth.abs(),
-            false => (1.0
-                + (0..2)
-                    .map(|i| (offset[i] / middle[i].1).powi(2))
-                    .sum::<f64>())
-            .sqrt(),
+        let slant = if camera.orthographic {
+            camera_distance(footprint, camera, offset) / footprint.depth.abs()
+        } else {
+            (1.0 + (0..2)
+                .map(|i| (offset[i] / middle[i].1).powi(2))
+                .sum::<f64>())
+            .sqrt()
         };
         let near = 8.0 * half(widths.position) * slant;
         let lost = (6.0 * u + 2.0 * near) * footprint.cancellation;
@@ -61,9 +61,10 @@ impl ErrorBounds {
         let centre =
             [0, 1].map(|i| 8.0 * half(widths.view) * offset[i] + near * (middle[i].1 + offset[i]));
         // Dimmed by the area and the root of the determinant, or the weight itself.
-        let scaled = match normalised {
-            true => 0.5 * determinant + 10.0 * u + 2.0 * near,
-            false => half(30),
+        let scaled = if normalised {
+            0.5 * determinant + 10.0 * u + 2.0 * near
+        } else {
+            half(30)
         };
         ErrorBounds {
             centre: half(widths.subpixel) + half(31) + centre[0].max(centre[1]),

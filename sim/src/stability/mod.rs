@@ -133,9 +133,10 @@ fn project_all<F: Copy>(
     let mut projected: Vec<Option<F>> = Vec::with_capacity(weights.len());
     for (index, splat) in case.scene.splats.iter().enumerate() {
         let repeated = index > 0 && case.scene.splats[index - 1] == *splat;
-        projected.push(match repeated {
-            true => projected[index - 1],
-            false => project(splat, weights[index], &case.camera, &case.rules),
+        projected.push(if repeated {
+            projected[index - 1]
+        } else {
+            project(splat, weights[index], &case.camera, &case.rules)
         });
     }
     projected

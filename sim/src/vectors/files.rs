@@ -162,14 +162,15 @@ fn refuse_absurd_picture(
 ) -> Result<(), VectorError> {
     let pixels: u64 = viewport.iter().map(|side| u64::from(*side)).product();
     let stored = fs::metadata(folder.join("tile.hex")).map_or(0, |metadata| metadata.len());
-    match pixels <= stored.max(FREE_PIXELS) {
-        true => Ok(()),
-        false => Err(content(
+    if pixels <= stored.max(FREE_PIXELS) {
+        Ok(())
+    } else {
+        Err(content(
             manifest,
             format!(
                 "view.viewport has {pixels} pixels, but tile.hex has {stored} bytes: correct the viewport or export the vectors again"
             ),
-        )),
+        ))
     }
 }
 

@@ -165,11 +165,11 @@ fn output_that_fails_fails_and_a_reader_that_left_does_not() {
     for arguments in PRINTING {
         let full = std::fs::File::create("/dev/full").unwrap();
         let output = with_output(arguments, folder.path(), full.into());
-        let told = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {told}");
+        let printed = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {printed}");
         assert!(
-            told.contains("cannot write to the standard output"),
-            "{arguments:?}: {told}"
+            printed.contains("cannot write to the standard output"),
+            "{arguments:?}: {printed}"
         );
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -206,9 +206,9 @@ fn every_command_is_tried_with_a_full_disk() {
 /// What must be refused with a message, whatever it asks for.
 fn refused(code: i32, arguments: &[&str], expected: &str) {
     let output = splatline(arguments);
-    let told = stderr(&output);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {told}");
-    assert!(told.contains(expected), "{arguments:?}: {told}");
+    let printed = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {printed}");
+    assert!(printed.contains(expected), "{arguments:?}: {printed}");
 }
 
 /// Coordinates of which squares, sums or differences overflow: no camera can be placed, and nothing is drawn from none.
@@ -228,9 +228,9 @@ fn absurd_coordinates_are_refused() {
                 let output = splatline(&[
                     "render", &scene, "--as", "surface", "--engine", engine, "-o", &picture,
                 ]);
-                let told = stderr(&output);
-                assert_eq!(output.status.code(), Some(1), "{scene} {huge}: {told}");
-                assert!(told.contains(&scene), "{scene}: {told}");
+                let printed = stderr(&output);
+                assert_eq!(output.status.code(), Some(1), "{scene} {huge}: {printed}");
+                assert!(printed.contains(&scene), "{scene}: {printed}");
             }
         }
     }
@@ -303,11 +303,11 @@ fn what_does_not_fit_into_memory_is_refused() {
             .args(command)
             .output()
             .unwrap();
-        let told = stderr(&output);
-        assert_eq!(output.status.code(), Some(1), "{command:?}: {told}");
+        let printed = stderr(&output);
+        assert_eq!(output.status.code(), Some(1), "{command:?}: {printed}");
         assert!(
-            told.contains("MB are available: give a smaller --size"),
-            "{told}"
+            printed.contains("MB are available: give a smaller --size"),
+            "{printed}"
         );
     }
 }
@@ -371,10 +371,10 @@ fn an_empty_picture_says_why() {
         }
         let output = splatline(&arguments);
         assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let told = stderr(&output);
+        let printed = stderr(&output);
         assert!(
-            told.contains("the picture is empty: of ") && told.contains("culled"),
-            "{told}"
+            printed.contains("the picture is empty: of ") && printed.contains("culled"),
+            "{printed}"
         );
     }
     let seen = splatline(&["render", "random:9", "--size", "16x16", "-o", &picture]);
@@ -391,7 +391,7 @@ fn info_tells_what_is_in_a_scene() {
     )
     .unwrap();
     let output = splatline(&["info", cloud.to_str().unwrap()]);
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     for expected in [
         "points of a surface",
@@ -400,7 +400,7 @@ fn info_tells_what_is_in_a_scene() {
         "up         +z",
         "radius ",
     ] {
-        assert!(told.contains(expected), "{expected}: {told}");
+        assert!(printed.contains(expected), "{expected}: {printed}");
     }
     let output = splatline(&["info", "random:100", "--json", "-"]);
     let info: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -544,8 +544,8 @@ fn a_files_order_is_honoured_or_refused() {
     for order in ["depth", "distance"] {
         let scene = path(&format!("{order}.glb"));
         let info = splatline(&["info", &scene]).stdout;
-        let told = String::from_utf8_lossy(&info).into_owned();
-        assert!(told.contains(&format!("sorted by {order}")), "{told}");
+        let printed = String::from_utf8_lossy(&info).into_owned();
+        assert!(printed.contains(&format!("sorted by {order}")), "{printed}");
         run(&["render", &scene, "-o", &path("x.png")]);
         run(&["model", &scene]);
         let (fixed, float) = (depths(&scene, "fixed"), depths(&scene, "float"));

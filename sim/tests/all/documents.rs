@@ -87,7 +87,7 @@ fn refusal(section: &str, text: &str) -> String {
         }
         "Energies" => EnergyTable::from_toml("e.toml", text).unwrap_err(),
         "Parts" => match Parts::default().and("p.toml", text) {
-            Err(told) => told,
+            Err(printed) => printed,
             Ok(_) => panic!("{text} was read"),
         },
         "Camera path" => {
@@ -95,7 +95,7 @@ fn refusal(section: &str, text: &str) -> String {
             let file = folder.path().join("path.toml");
             std::fs::write(&file, text).unwrap();
             match plan::path::load(&file, None) {
-                Err(told) => format!("{told:#}"),
+                Err(printed) => format!("{printed:#}"),
                 Ok(_) => panic!("{text} was read"),
             }
         }
@@ -134,10 +134,13 @@ fn unknown_keys_are_answered_by_those_of_the_page() {
         let all: BTreeSet<&str> = rows.iter().flat_map(|[_, words]| words.clone()).collect();
         let mut known = BTreeSet::new();
         for text in texts {
-            let told = refusal(section, text);
-            assert!(told.contains("unknown field `hue`"), "{section}: {told}");
+            let printed = refusal(section, text);
+            assert!(
+                printed.contains("unknown field `hue`"),
+                "{section}: {printed}"
+            );
             known.extend(
-                marked(&told)
+                marked(&printed)
                     .filter(|word| *word != "hue")
                     .map(str::to_owned),
             );
@@ -163,9 +166,9 @@ fn unknown_keys_are_answered_by_those_of_the_page() {
     }
     for [first, words] in rows_of("Machine") {
         let section = *first.first().unwrap();
-        let told = config::from_toml("m.toml", &format!("[{section}]\nhue = 1")).unwrap_err();
-        let told = told.to_string();
-        assert!(told.contains(&format!("[{section}] has ")), "{told}");
+        let printed = config::from_toml("m.toml", &format!("[{section}]\nhue = 1")).unwrap_err();
+        let printed = printed.to_string();
+        assert!(printed.contains(&format!("[{section}] has ")), "{printed}");
         let key = |word: &&&str| word.contains('_') || FIELDS.iter().any(|f| f.key == **word);
         for word in words.iter().filter(key) {
             let of = |field: &&config::ConfigField| field.key == *word;

@@ -174,10 +174,10 @@ fn every_field_of_a_manifest_is_checked() {
     let mut more = sound.clone();
     more["rating"] = "five stars".into();
     std::fs::write(&path, more.to_string()).unwrap();
-    let told = verify(folder.path()).unwrap_err().to_string();
+    let printed = verify(folder.path()).unwrap_err().to_string();
     assert!(
-        told.contains("rating is \"five stars\", this kernel's is nothing"),
-        "{told}"
+        printed.contains("rating is \"five stars\", this kernel's is nothing"),
+        "{printed}"
     );
     std::fs::write(&path, text).unwrap();
     verify(folder.path()).unwrap();
@@ -207,30 +207,31 @@ fn a_claim_of_a_million_million_elements_is_refused_at_once() {
     let message = |name: &str, bytes: &[u8], cloud: bool| {
         let path = folder.path().join(name);
         std::fs::write(&path, bytes).unwrap();
-        let error = match cloud {
-            true => points::load(&path).err(),
-            false => scene::load(&path, &LoadOptions::default()).err(),
+        let error = if cloud {
+            points::load(&path).err()
+        } else {
+            scene::load(&path, &LoadOptions::default()).err()
         };
         error.expect("an absurd count").to_string()
     };
     let started = std::time::Instant::now();
     let cloud =
         String::from_utf8_lossy(&binary_cloud()).replace("vertex 4", "vertex 1000000000000");
-    let told = message("cloud.ply", cloud.as_bytes(), true);
+    let printed = message("cloud.ply", cloud.as_bytes(), true);
     assert!(
-        told.contains("element vertex, 1000000000000 records"),
-        "{told}"
+        printed.contains("element vertex, 1000000000000 records"),
+        "{printed}"
     );
     for encoding in ["raw", "gzip"] {
         let header = format!(
             "NRRD0004\ntype: float\nendian: little\ndimension: 3\nsizes: 10000 10000 10000\nencoding: {encoding}\n\nxxxx"
         );
-        let told = message("volume.nrrd", header.as_bytes(), false);
-        assert!(told.contains("4000000000000 bytes"), "{told}");
+        let printed = message("volume.nrrd", header.as_bytes(), false);
+        assert!(printed.contains("4000000000000 bytes"), "{printed}");
     }
     // A .pts file's first line is a count that nobody needs.
-    let told = message("cloud.pts", b"1000000000000\n0 0 0\n", true);
-    assert!(told.contains("only 1 of 1 are usable"), "{told}");
+    let printed = message("cloud.pts", b"1000000000000\n0 0 0\n", true);
+    assert!(printed.contains("only 1 of 1 are usable"), "{printed}");
     assert!(started.elapsed().as_secs() < 5, "{:?}", started.elapsed());
 }
 

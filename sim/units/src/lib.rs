@@ -34,7 +34,10 @@ mod common {
     pub static TABLE: [u32; kernel::entries(&WIDTHS)] = kernel::gaussian(&WIDTHS, 4);
 
     /// The painter that a front-to-back drawing by spans uses; none if the table did not fit, which it does.
-    pub fn painter(rules: &Rules, compositing: Compositing) -> Option<Painter<'static, Standard24>> {
+    pub fn painter(
+        rules: &Rules,
+        compositing: Compositing,
+    ) -> Option<Painter<'static, Standard24>> {
         let table = FootprintTable::new(&TABLE, &WIDTHS, rules.table_range).ok()?;
         Some(Painter::new(
             Standard24,

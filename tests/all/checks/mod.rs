@@ -171,9 +171,10 @@ pub fn blend(source: &mut Source) {
         colour: [(); 3].map(|()| source.u32()),
         transmittance: source.u32(),
     };
-    let alpha = match source.bool() {
-        true => blend.opacity(source.u32(), source.u32()),
-        false => source.u32(),
+    let alpha = if source.bool() {
+        blend.opacity(source.u32(), source.u32())
+    } else {
+        source.u32()
     };
     let mut after = [pixel; 3];
     blend.front_to_back(&mut after[0], alpha, &colour);
@@ -190,11 +191,12 @@ pub fn blend(source: &mut Source) {
 /// Any footprints, made or decoded, drawn into any window.
 pub fn draw(source: &mut Source) {
     let layout = Layout::new(&Standard24::WIDTHS);
-    let footprint = match source.bool() {
-        true => source.footprint(),
-        false => layout
+    let footprint = if source.bool() {
+        source.footprint()
+    } else {
+        layout
             .decode(&source.packet())
-            .unwrap_or_else(|_| source.footprint()),
+            .unwrap_or_else(|_| source.footprint())
     };
     let (window, rules, compositing) = (source.window(), source.rules(), source.compositing());
     let clear = source.bool();
@@ -314,9 +316,10 @@ impl ExactJob<'_> {
 pub fn target(source: &mut Source) {
     let window = source.window();
     let mut memory = vec![Pixel::default(); usize::from(source.u16() % 4096)];
-    let stride = match source.bool() {
-        true => usize::from(source.byte()),
-        false => source.i64() as usize,
+    let stride = if source.bool() {
+        usize::from(source.byte())
+    } else {
+        source.i64() as usize
     };
     let Ok(mut target) = Target::new(&mut memory, window, stride) else {
         return;

@@ -114,9 +114,10 @@ impl FrameSteps<'_> {
     }
 
     fn check(&self) -> Result<(), Cancelled> {
-        match self.cancelled.load(Ordering::Relaxed) {
-            true => Err(Cancelled),
-            false => Ok(()),
+        if self.cancelled.load(Ordering::Relaxed) {
+            Err(Cancelled)
+        } else {
+            Ok(())
         }
     }
 }

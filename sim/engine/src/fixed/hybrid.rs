@@ -349,9 +349,12 @@ impl<D: Design + Send + Sync + 'static> HybridSetup<'_, D> {
         table: &FootprintTable,
         bits: u8,
     ) -> Result<Option<(Vec<u32>, StampShape)>, String> {
-        let point = |splat: &VolumeSplat| match self.is_point(splat) {
-            true => self.set_up_point(splat).ok(),
-            false => None,
+        let point = |splat: &VolumeSplat| {
+            if self.is_point(splat) {
+                self.set_up_point(splat).ok()
+            } else {
+                None
+            }
         };
         let Some(point) = first_point(&self.quantised.splats, &point) else {
             return Ok(None);
@@ -403,9 +406,10 @@ impl<D: Design + Send + Sync> TilePainter for PointTiles<'_, D> {
             let is_point = self.is_point[*index as usize].load(Ordering::Relaxed);
             Some((footprint, is_point))
         });
-        match self.gathers {
-            true => gather_tile(&self.painter, &self.gathering, drawn, &mut target),
-            false => stamp_tile(&self.painter, &self.gathering, drawn, &mut target),
+        if self.gathers {
+            gather_tile(&self.painter, &self.gathering, drawn, &mut target)
+        } else {
+            stamp_tile(&self.painter, &self.gathering, drawn, &mut target)
         }
     }
 }

@@ -262,9 +262,10 @@ fn spheres_meet_the_bars_and_the_ray_index_is_exact() {
                     exact_ellipse,
                     index,
                 };
-                let ellipse = match exact_ellipse {
-                    true => Ellipse::Exact,
-                    false => Ellipse::Approximate,
+                let ellipse = if exact_ellipse {
+                    Ellipse::Exact
+                } else {
+                    Ellipse::Approximate
                 };
                 let options = options(&rules, &design);
                 let drawn = fixed::draw_spheres(&scene, &camera, &options, (ellipse, in_kernel));

@@ -42,9 +42,10 @@ fn petal(number: u16) -> Gaussian {
     let upper = number >= PETALS;
     let step = core::f32::consts::TAU / f32::from(PETALS);
     let angle = step * (f32::from(number) + if upper { 0.5 } else { 0.0 });
-    let (radius, height, lift, shade) = match upper {
-        true => (0.52, 0.0, 0.75, 0.85),
-        false => (0.85, 0.25, 0.3, 0.45),
+    let (radius, height, lift, shade) = if upper {
+        (0.52, 0.0, 0.75, 0.85)
+    } else {
+        (0.85, 0.25, 0.3, 0.45)
     };
     let (sine, cosine) = libm::sincosf(angle);
     Gaussian {

@@ -72,12 +72,13 @@ pub(super) fn load(folder: &Path) -> Read {
         bytes.map_err(|error| format!("{file} cannot be read: {error}"))
     };
     let (cameras, images) = (read("cameras")?, read("images")?);
-    match binary {
-        true => binary_images(&images, &binary_cameras(&cameras)?),
-        false => text_images(
+    if binary {
+        binary_images(&images, &binary_cameras(&cameras)?)
+    } else {
+        text_images(
             &text(&images, "images.txt")?,
             &text_cameras(&text(&cameras, "cameras.txt")?)?,
-        ),
+        )
     }
 }
 

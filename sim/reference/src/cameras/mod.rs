@@ -195,9 +195,10 @@ fn inverted(axes: [Vector; 3], place: Vector) -> ([Vector; 3], Vector) {
 fn unit_rows(rows: [Vector; 3]) -> [Vector; 3] {
     rows.map(|row| {
         let length = vector::length(row);
-        match length > 0.0 && (length - 1.0).abs() < 1e-3 {
-            true => vector::scale(1.0 / length, row),
-            false => row,
+        if length > 0.0 && (length - 1.0).abs() < 1e-3 {
+            vector::scale(1.0 / length, row)
+        } else {
+            row
         }
     })
 }

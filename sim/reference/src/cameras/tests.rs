@@ -178,9 +178,12 @@ fn distortion_is_told_and_fisheyes_are_refused() {
         load(folder.path(), None).map(|poses| poses[0].notes.concat())
     };
     assert_eq!(notes("SIMPLE_RADIAL 64 48 50 32 24 0").unwrap(), "");
-    let told = notes("SIMPLE_RADIAL 64 48 50 32 24 0.1").unwrap();
+    let printed = notes("SIMPLE_RADIAL 64 48 50 32 24 0.1").unwrap();
     // The corner is 40 pixels from the middle: 0.1 * 0.8^2 of them.
-    assert!(told.contains("distortion of up to 2.6 pixels"), "{told}");
+    assert!(
+        printed.contains("distortion of up to 2.6 pixels"),
+        "{printed}"
+    );
     assert!(
         notes("OPENCV 64 48 50 50 32 24 0 0 0 0.01")
             .unwrap()

@@ -39,9 +39,10 @@ fn pose(entry: &TrainerCamera) -> Result<CameraPose, String> {
         rotation,
         translation,
     };
-    let name = match entry.img_name.is_empty() {
-        true => entry.id.unwrap_or_default().to_string(),
-        false => entry.img_name.clone(),
+    let name = if entry.img_name.is_empty() {
+        entry.id.unwrap_or_default().to_string()
+    } else {
+        entry.img_name.clone()
     };
     let (camera, correction) = photograph.camera()?;
     Ok(CameraPose {

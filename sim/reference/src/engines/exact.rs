@@ -147,12 +147,11 @@ impl ExactFootprint<'_> {
         ];
         let jacobian = Jacobian::at(camera, slope, self.depth);
         let variance = ScreenVariance::new(&self.axes, &jacobian, self.low_pass);
-        let peak = match self.normalised {
-            true => {
-                let peak = variance.normalised_peak() * self.relative_peak;
-                self.weight * jacobian.determinant() * peak
-            }
-            false => self.weight,
+        let peak = if self.normalised {
+            let peak = variance.normalised_peak() * self.relative_peak;
+            self.weight * jacobian.determinant() * peak
+        } else {
+            self.weight
         };
         (variance, peak)
     }
@@ -202,9 +201,10 @@ impl ExactFootprint<'_> {
         }
         // Of the two forms of each root the one without cancellation.
         let root = (q * q + p * w).sqrt();
-        let (low, high) = match q >= 0.0 {
-            true => (-(q + root) / p, w / (q + root)),
-            false => (-w / (root - q), (root - q) / p),
+        let (low, high) = if q >= 0.0 {
+            (-(q + root) / p, w / (q + root))
+        } else {
+            (-w / (root - q), (root - q) / p)
         };
         // w = q = 0 (a point without a filter) makes 0 / 0: then both ends are the centre.
         let end = |e: f64| {

@@ -52,9 +52,10 @@ pub fn project(
     rules: &Rules,
 ) -> Result<Footprint, Culled> {
     let footprint = project_beyond_viewport(splat, weight, colour, camera, rules)?;
-    match footprint.bounds.is_empty() {
-        true => Err(Culled::OutsideViewport),
-        false => Ok(footprint),
+    if footprint.bounds.is_empty() {
+        Err(Culled::OutsideViewport)
+    } else {
+        Ok(footprint)
     }
 }
 
@@ -77,14 +78,10 @@ pub fn project_beyond_viewport(
         return Err(Culled::Degenerate);
     }
     // EWA eq. 31: the integral along the ray of a normalised kernel, times its mass. |W| is 1.
-    let peak = match rules.normalised {
-        true => {
-            weight
-                * jacobian.determinant()
-                * variance.normalised_peak()
-                * rules.kernel.relative_peak()
-        }
-        false => weight,
+    let peak = if rules.normalised {
+        weight * jacobian.determinant() * variance.normalised_peak() * rules.kernel.relative_peak()
+    } else {
+        weight
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let bounds = ellipse_bounds(centre, &variance, cutoff, camera);
@@ -217,9 +214,10 @@ pub(super) fn scaled_by_distance(
 ) -> ([Vector; 3], f64) {
     let factor = enlargement(rules, jacobian);
     let axes = splat.axes.map(|axis| vector::scale(factor, axis));
-    let weight = match rules.normalised {
-        true => weight,
-        false => weight / (factor * factor),
+    let weight = if rules.normalised {
+        weight
+    } else {
+        weight / (factor * factor)
     };
     (axes, weight)
 }

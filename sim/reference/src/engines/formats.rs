@@ -68,9 +68,10 @@ impl FloatFormat {
         let exponent = ((value.to_bits() >> 52) & 0x7ff) as i32 - 1023;
         let last = exponent.max(self.min_exponent) - self.fraction_bits;
         let rounded = (value * power(-last)).round_ties_even() * power(last);
-        match rounded.abs() > self.largest() {
-            true => f64::INFINITY.copysign(value),
-            false => rounded,
+        if rounded.abs() > self.largest() {
+            f64::INFINITY.copysign(value)
+        } else {
+            rounded
         }
     }
 
@@ -446,13 +447,11 @@ impl Setup<'_> {
         if !(determinant.value.is_finite() && determinant.value > 0.0) {
             return Err(Culled::Degenerate);
         }
-        let peak = match rules.normalised {
-            false => n(weight),
-            true => {
-                let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
-                n(weight) * gain[0] * gain[1] * slant
-                    / (n(std::f64::consts::TAU) * determinant.sqrt())
-            }
+        let peak = if rules.normalised {
+            let slant = (slope[0] * slope[0] + slope[1] * slope[1] + n(1.0)).sqrt();
+            n(weight) * gain[0] * gain[1] * slant / (n(std::f64::consts::TAU) * determinant.sqrt())
+        } else {
+            n(weight)
         };
         if !(peak.value > 0.0 && peak.value >= rules.alpha_min) {
             return Err(Culled::Transparent);

@@ -75,9 +75,10 @@ fn point(
     }
     let [across, down] = Jacobian::at(camera, [0.0; 2], position[2]).scale;
     let area = (deviation / rules.spacing).powi(2);
-    let share = match rules.normalised {
-        true => rules.kernel.circular_peak(area),
-        false => rules.spacing * rules.spacing,
+    let share = if rules.normalised {
+        rules.kernel.circular_peak(area)
+    } else {
+        rules.spacing * rules.spacing
     };
     let variance = ScreenVariance {
         a: area,
@@ -102,9 +103,10 @@ fn point(
         colour,
     };
     let footprint = bounded(footprint, camera);
-    match footprint.bounds.is_empty() {
-        true => Err(Culled::OutsideViewport),
-        false => Ok(footprint),
+    if footprint.bounds.is_empty() {
+        Err(Culled::OutsideViewport)
+    } else {
+        Ok(footprint)
     }
 }
 

@@ -112,13 +112,12 @@ pub fn project(
     });
     let kept = [double(&xx), double(&yy)];
     let cancellation = (0..2).fold(1.0, |most: f64, i| most.max((before[i] / kept[i]).sqrt()));
-    let peak = match rules.normalised {
-        false => weight,
-        true => {
-            let slant = double(&(&slope[0] * &slope[0] + &slope[1] * &slope[1])) + 1.0;
-            let area = double(&(&gain[0] * &gain[1]));
-            weight * area * (slant / double(&determinant)).sqrt() / std::f64::consts::TAU
-        }
+    let peak = if rules.normalised {
+        let slant = double(&(&slope[0] * &slope[0] + &slope[1] * &slope[1])) + 1.0;
+        let area = double(&(&gain[0] * &gain[1]));
+        weight * area * (slant / double(&determinant)).sqrt() / std::f64::consts::TAU
+    } else {
+        weight
     };
     if peak <= 0.0 || peak < rules.alpha_min {
         return None;

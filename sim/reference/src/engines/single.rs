@@ -103,12 +103,11 @@ pub fn project(
     if determinant.is_nan() || determinant <= 0.0 {
         return None;
     }
-    let peak = match rules.normalised {
-        false => weight as f32,
-        true => {
-            let slant = (slope[0] * slope[0] + slope[1] * slope[1] + 1.0).sqrt();
-            weight as f32 * gain[0] * gain[1] * slant / (std::f32::consts::TAU * determinant.sqrt())
-        }
+    let peak = if rules.normalised {
+        let slant = (slope[0] * slope[0] + slope[1] * slope[1] + 1.0).sqrt();
+        weight as f32 * gain[0] * gain[1] * slant / (std::f32::consts::TAU * determinant.sqrt())
+    } else {
+        weight as f32
     };
     if peak <= 0.0 || peak < rules.alpha_min as f32 {
         return None;

@@ -98,9 +98,10 @@ fn project(
 ) -> Result<SphereFootprint, Culled> {
     let position = visible_position(splat, weight, colour, camera)?;
     let deviation = vector::length(splat.axes[0]);
-    let peak = match rules.normalised {
-        true => weight * rules.kernel.circular_peak(deviation * deviation),
-        false => weight,
+    let peak = if rules.normalised {
+        weight * rules.kernel.circular_peak(deviation * deviation)
+    } else {
+        weight
     };
     let cutoff = effective_cutoff(peak, rules)?;
     let radius = deviation * cutoff.sqrt();

@@ -49,12 +49,15 @@ pub fn screen_axes(point: &SurfacePoint, camera: &Camera) -> ([[f64; 2]; 2], [f6
     let turned = point
         .frame
         .map(|axis| vector::transform(&camera.rotation, axis));
-    let column = |[dx, dy, dz]: Vector| match camera.orthographic {
-        true => [camera.fx * dx, camera.fy * dy],
-        false => [
-            camera.fx * (dx / z - x * dz / (z * z)),
-            camera.fy * (dy / z - y * dz / (z * z)),
-        ],
+    let column = |[dx, dy, dz]: Vector| {
+        if camera.orthographic {
+            [camera.fx * dx, camera.fy * dy]
+        } else {
+            [
+                camera.fx * (dx / z - x * dz / (z * z)),
+                camera.fy * (dy / z - y * dz / (z * z)),
+            ]
+        }
     };
     (turned.map(column), turned.map(|axis| axis[2]))
 }
@@ -152,9 +155,10 @@ pub fn inverse_jacobian(point: &SurfacePoint, camera: &Camera) -> Option<[[f64; 
     let foot = super::float::screen_position(centre, camera);
     let towards = |u: f64, v: f64| -> (Vector, Vector) {
         let (x, y) = ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
-        match camera.orthographic {
-            true => ([x, y, 0.0], [0.0, 0.0, 1.0]),
-            false => ([0.0; 3], [x, y, 1.0]),
+        if camera.orthographic {
+            ([x, y, 0.0], [0.0, 0.0, 1.0])
+        } else {
+            ([0.0; 3], [x, y, 1.0])
         }
     };
     let cut = |du: f64, dv: f64| -> Option<[f64; 2]> {
@@ -182,9 +186,10 @@ pub fn exact_depth(point: &SurfacePoint, camera: &Camera, place: [f64; 2]) -> f6
     let normal = vector::transform(&camera.rotation, point.normal);
     let x = (place[0] - camera.cx) / camera.fx;
     let y = (place[1] - camera.cy) / camera.fy;
-    match camera.orthographic {
-        true => centre[2] - (normal[0] * (x - centre[0]) + normal[1] * (y - centre[1])) / normal[2],
-        false => vector::dot(normal, centre) / vector::dot(normal, [x, y, 1.0]),
+    if camera.orthographic {
+        centre[2] - (normal[0] * (x - centre[0]) + normal[1] * (y - centre[1])) / normal[2]
+    } else {
+        vector::dot(normal, centre) / vector::dot(normal, [x, y, 1.0])
     }
 }
 
@@ -462,13 +467,14 @@ fn resolve(
 }
 
 fn towards_eye([u, v]: [f64; 2], camera: &Camera) -> Vector {
-    match camera.orthographic {
-        true => [0.0, 0.0, -1.0],
-        false => unit([
+    if camera.orthographic {
+        [0.0, 0.0, -1.0]
+    } else {
+        unit([
             -(u - camera.cx) / camera.fx,
             -(v - camera.cy) / camera.fy,
             -1.0,
-        ]),
+        ])
     }
 }
 
@@ -486,11 +492,12 @@ fn phong(
     };
     let diffuse = vector::dot(normal, light).max(0.0);
     let reflected = vector::subtract(vector::scale(2.0 * diffuse, normal), light);
-    let highlight = match diffuse > 0.0 {
-        true => vector::dot(reflected, view)
+    let highlight = if diffuse > 0.0 {
+        vector::dot(reflected, view)
             .max(0.0)
-            .powi(material.exponent.into()),
-        false => 0.0,
+            .powi(material.exponent.into())
+    } else {
+        0.0
     };
     colour.map(|c| {
         (material.ambient + material.diffuse * diffuse) * c

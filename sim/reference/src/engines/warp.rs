@@ -15,9 +15,10 @@ pub fn reproject(from: &Camera, place: [f64; 2], depth: f64, to: &Camera) -> ([f
         (place[0] - from.cx) / from.fx,
         (place[1] - from.cy) / from.fy,
     ];
-    let seen = match from.orthographic {
-        true => [x, y, depth],
-        false => [x * depth, y * depth, depth],
+    let seen = if from.orthographic {
+        [x, y, depth]
+    } else {
+        [x * depth, y * depth, depth]
     };
     let turned = |axis: usize| {
         let offset = to.translation[axis] - dot(relative[axis], from.translation);

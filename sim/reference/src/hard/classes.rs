@@ -242,9 +242,10 @@ fn direction(random: &mut Random) -> [f64; 3] {
 
 /// Two unit vectors across `up` and across each other.
 fn tangents(up: [f64; 3]) -> ([f64; 3], [f64; 3]) {
-    let helper = match up[0].abs() < 0.7 {
-        true => [1.0, 0.0, 0.0],
-        false => [0.0, 1.0, 0.0],
+    let helper = if up[0].abs() < 0.7 {
+        [1.0, 0.0, 0.0]
+    } else {
+        [0.0, 1.0, 0.0]
     };
     let across = vector::cross(up, helper);
     let across = vector::scale(1.0 / vector::length(across), across);

@@ -128,10 +128,11 @@ fn prefiltered(texture: &Texture, point: &SamplePoint) -> [f64; 3] {
             *total += weight * channel;
         }
     });
-    match sum > 0.0 {
-        true => colour.map(|total| total / sum),
+    if sum > 0.0 {
+        colour.map(|total| total / sum)
+    } else {
         // A point beyond the texture takes the border's colour.
-        false => texture.sample(point.place),
+        texture.sample(point.place)
     }
 }
 

@@ -89,9 +89,10 @@ fn decode(path: &Path) -> Result<Texture, Problem> {
             "give a sound .png or .jpg file as texture",
         )
     };
-    let texture = match bytes.starts_with(JPEG) {
-        true => from_jpeg(&bytes),
-        false => from_png(&bytes),
+    let texture = if bytes.starts_with(JPEG) {
+        from_jpeg(&bytes)
+    } else {
+        from_png(&bytes)
     };
     let texture = texture.map_err(damaged)?;
     if texture.texels.is_empty() {

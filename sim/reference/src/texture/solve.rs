@@ -148,15 +148,16 @@ fn solve_one(
     let tolerance = TOLERANCE * norm;
     let fresh = BiCGSTAB::<f64, _, _>::new(matrix.view(), start.view(), right.view());
     // An exact start has no direction to search in.
-    let solved = match fresh.err() < tolerance {
-        true => Ok(Box::new(fresh)),
-        false => BiCGSTAB::<f64, _, _>::solve(
+    let solved = if fresh.err() < tolerance {
+        Ok(Box::new(fresh))
+    } else {
+        BiCGSTAB::<f64, _, _>::solve(
             matrix.view(),
             start.view(),
             right.view(),
             tolerance,
             MOST_ITERATIONS,
-        ),
+        )
     };
     let (ended, solver) = match solved {
         Ok(solver) => (true, solver),

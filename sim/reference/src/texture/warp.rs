@@ -108,9 +108,10 @@ pub fn hybrid(scene: &Scene, points: Points) -> Hybrid {
 /// Where a place of the picture lies in space at a depth: W^-1 (t - d).
 fn in_space(camera: &Camera, [u, v]: [f64; 2], depth: f64) -> Vector {
     let (x, y) = ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
-    let seen = match camera.orthographic {
-        true => [x, y, depth],
-        false => [x * depth, y * depth, depth],
+    let seen = if camera.orthographic {
+        [x, y, depth]
+    } else {
+        [x * depth, y * depth, depth]
     };
     let offset = vector::subtract(seen, camera.translation);
     // The rotation's inverse is its transpose.

@@ -8,8 +8,7 @@ use splatline_rtl::setup::program::{SetupProgram, program, with_distance_scaling
 use splatline_rtl::stamps::{Distances, STAGES};
 use splatline_rtl::suite::{DESIGNS, Extent, LANES, Line, Loads, PASSES, PictureLine};
 use splatline_rtl::{
-    area, bitstream, fmax, formal, harmonics, layouts, machine, mutants, order, package, setup,
-    speed, tables,
+    area, bitstream, fmax, formal, harmonics, machine, mutants, order, package, setup, tables,
 };
 use splatline_sim::design::DesignChoice;
 use splatline_sim::machine::Config;
@@ -34,9 +33,7 @@ const USAGE: &str = "usage: rtl COMMAND
   area fmax WORDS [SEED]  circuits whose name contains WORDS, as `lean18 splat_primitive 1`, `setup_unit` or `splat_order`, with five seeds or with one
   area flat WORDS  what these circuits take on the ECP5, flattened between registers as they would be placed, without placing them
   bitstream DESIGN LANES FILE   the primitive between registers as a bitstream for the ECP5 LFE5U-85F, by Yosys, nextpnr and ecppack
-  speed         how many times as fast as the verilated circuits the model is
   estimate DESIGN LANES   the model's estimate of area, without synthesis
-  layouts       arrangements of four lanes compared on guitar, written to docs/lanes.md
   mutants       circuits with one mistake each: is it noticed?
   mutants PART  those whose name contains PART
   formal        what the units promise, by a solver (yosys-smtbmc, z3), each seen to fail on a mistake
@@ -87,12 +84,8 @@ fn main() -> ExitCode {
             .context("a number of lanes")
             .and_then(|lanes| bitstream::write(design, lanes, Path::new(file)))
             .map(|line| println!("{line}")),
-        ["layouts"] => {
-            layouts::report().and_then(|text| write_whole(layouts::REPORT.as_ref(), &text))
-        }
         ["estimate", design, lanes] => print_estimate(design, lanes),
         ["area", design] => area::design(design),
-        ["speed"] => speed::report(&mut |line| println!("{line}")),
         ["formal"] => formal::report(),
         ["mutants"] => judge_mutants(""),
         ["mutants", part] => judge_mutants(part),
@@ -526,7 +519,7 @@ fn judge_setup_mutants(part: &str) -> Result<()> {
 /// Judges the programs with a mistake in distance scaling, and that without.
 fn judge_programs() -> Result<()> {
     use setup::program_mistakes::{PROGRAM_MISTAKES, verdict};
-    splatline_rtl::switch::nothing_said(verdict(with_distance_scaling)?)?;
+    splatline_rtl::switch::expect_no_difference(verdict(with_distance_scaling)?)?;
     let judged = PROGRAM_MISTAKES
         .iter()
         .map(|mistake| (mistake.name.to_owned(), verdict(mistake.program)));

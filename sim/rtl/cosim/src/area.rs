@@ -1,6 +1,6 @@
 //! Area: what Yosys makes of the primitive for three families of FPGAs, beside what the model estimates.
 //!
-//! The counts go into `sim/src/machine/area/synthesised.csv`, which calibrates the estimate, and with it onto the page. `page` writes the
+//! The counts go into `sim/machine/src/area/synthesised.csv`, which calibrates the estimate, and with it onto the page. `page` writes the
 //! page again without synthesis, for a changed estimate, and the model's clocks from what was placed.
 
 use crate::mutants::run;
@@ -156,15 +156,15 @@ pub const REPORT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../docs/are
 /// Where the counts are kept.
 const COUNTS: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/../../src/machine/area/synthesised.csv"
+    "/../../machine/src/area/synthesised.csv"
 );
 
 const HEAD: &str = "# Area of the splat primitive
 
-Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23), which writes the counts into `sim/src/machine/area/synthesised.csv` too: they calibrate the estimate. For the
+Printed by `cargo run --release -p splatline-rtl --example rtl -- area` (Yosys 0.23), which writes the counts into `sim/machine/src/area/synthesised.csv` too: they calibrate the estimate. For the
 ECP5 each unit is flattened and synthesised as it would be placed (`-abc9`); for iCE40 hierarchy is kept. The primitive is the sum of setup, rows and what is left without both. LUT counts contain those
 used as memory and shift registers; memory is in whole blocks. The primitive holds two tiles of 32 x 32 pixels and sets a packet up in four cycles.
-Each cell: synthesis, the model's estimate (`sim/src/machine/area`), and its error. Lines with a point (.) were not fitted.
+Each cell: synthesis, the model's estimate (`sim/machine/src/area`), and its error. Lines with a point (.) were not fitted.
 
 | design | family | part | LUT | FF | DSP | memory, kbit |
 |---|---|---|---|---|---|---|

@@ -4,8 +4,7 @@
 //! verilated circuit and the only place with foreign code; [`mod@bench`] drives a tile through it; [`golden`] draws the same tile by the
 //! kernel; [`stamps`] holds the cycles of its handshakes against the machine's clock (`splatline_sim::machine::primitive`), and [`picture`] those of
 //! whole pictures under a memory's limits; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
-//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`switch`] puts many of them into one circuit, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`bitstream`] packs it for a device, [`layouts`] what other arrangements of lanes would do,
-//! [`speed`] how many times as fast as the verilated circuit the model is.
+//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`switch`] puts many of them into one circuit, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`bitstream`] packs it for a device.
 
 pub mod area;
 pub mod bench;
@@ -19,7 +18,6 @@ pub mod golden;
 #[cfg(all(test, has_rtl))]
 mod handshakes;
 pub mod harmonics;
-pub mod layouts;
 pub mod machine;
 pub mod model;
 pub mod mutants;
@@ -30,7 +28,6 @@ pub mod placed;
 pub mod registers;
 pub mod roots;
 pub mod setup;
-pub mod speed;
 pub mod stamps;
 pub mod suite;
 pub mod switch;

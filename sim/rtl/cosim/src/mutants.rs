@@ -4,7 +4,7 @@ use crate::check::Findings;
 use crate::circuit::{self, Spec};
 use crate::model::Model;
 use crate::suite::{Extent, Loads, PictureLine};
-use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
+use crate::switch::{MistakeNumber, SwitchedCircuit, expect_no_difference};
 use anyhow::{Context, Result, ensure};
 use splatline::format::{Lean18, Widths};
 use std::path::{Path, PathBuf};
@@ -338,7 +338,7 @@ impl MutantJudge {
             loads: Loads::all(DESIGN, Extent::Quick)?,
             circuit: SwitchedCircuit::new("files.txt", &MUTANTS, build)?,
         };
-        nothing_said(judge.drawn(judge.circuit.library(), 0)?)?;
+        expect_no_difference(judge.drawn(judge.circuit.library(), 0)?)?;
         Ok(judge)
     }
 

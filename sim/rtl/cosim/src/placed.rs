@@ -15,7 +15,7 @@ pub const PLACED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/placed.csv");
 /// Where the model's clocks are kept.
 pub const CLOCKS: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/../../src/machine/clock/placed.csv"
+    "/../../machine/src/clock/placed.csv"
 );
 
 const HEADING: &str =
@@ -125,7 +125,7 @@ fn middle(count: usize) -> usize {
 /// Seeds from which on a median is taken for a circuit's clock: two seeds differ by up to a fifth.
 const ENOUGH: usize = 5;
 
-/// What the model takes for its clock, `sim/src/machine/clock/placed.csv`: the median of each whole primitive that was placed often enough.
+/// What the model takes for its clock, `sim/machine/src/clock/placed.csv`: the median of each whole primitive that was placed often enough.
 pub fn clocks(lines: &[PlacedLine]) -> String {
     let mut text = "design,lanes,family,device,mhz,conditions,source\n".to_owned();
     for seeds in lines.chunk_by(|a, b| a.circuit == b.circuit) {
@@ -159,9 +159,10 @@ pub fn summary(lines: &[PlacedLine], now: u64) -> String {
         .fabric
         .resources()
         .map(|(_, count)| count.to_string());
-    let dated = match lines.iter().all(|line| line.sources == now) {
-        true => "",
-        false => " (before the last change of its sources)",
+    let dated = if lines.iter().all(|line| line.sources == now) {
+        ""
+    } else {
+        " (before the last change of its sources)"
     };
     format!(
         "| {}{dated} | {} | {} | {:.1} | {:.1} to {:.1} | {} | {} | {} |\n",
@@ -203,8 +204,8 @@ mod tests {
     fn the_models_clock_is_the_median() {
         let speeds = [(1, 90.25), (2, 100.0), (3, 80.0), (4, 99.0), (5, 81.0)];
         let lines = speeds.map(|(seed, mhz)| line(seed, 5, mhz));
-        let told = "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/area.md";
-        assert_eq!(clocks(&lines).lines().nth(1), Some(told));
+        let printed = "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/area.md";
+        assert_eq!(clocks(&lines).lines().nth(1), Some(printed));
         assert_eq!(clocks(&lines[..4]).lines().count(), 1);
     }
 

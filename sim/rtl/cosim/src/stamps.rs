@@ -3,10 +3,7 @@
 use crate::model::Outputs;
 use crate::workload::{BenchTile, BenchWorkload};
 use splatline::format::Design;
-use splatline_sim::fast::lanes::VectorLevel;
-use splatline_sim::machine::primitive::{
-    LaneRun, PacketStamp, PrimitiveClock, QUEUE, SETUP_INTERVAL, for_each_slot, tile_cycles,
-};
+use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
 use std::collections::BTreeMap;
 
 /// Lanes that a circuit may have.
@@ -152,37 +149,6 @@ impl Stamps {
         let first_difference = same.first;
         timed.first_difference = timed.first_difference.or(first_difference);
         timed
-    }
-
-    /// Where packets never ran out: the first difference from the clock of whole pictures, in words.
-    pub fn compare_with_picture_clock<D: Design>(
-        &self,
-        design: D,
-        lanes: usize,
-        tile: &BenchTile,
-        workload: &BenchWorkload,
-    ) -> Option<String> {
-        // Which is that of the circuit as it usually is.
-        let first = self
-            .taken
-            .first()
-            .filter(|_| self.setup_interval == SETUP_INTERVAL)?;
-        let list = tile.list.iter();
-        let footprints = list.map(|index| &workload.footprints[*index as usize]);
-        let mut nowhere = Default::default();
-        let mut same = Same::new(&mut nowhere);
-        let mut circuit = self.taken.iter().zip(&self.begun);
-        let compare = |stamp: PacketStamp| {
-            let (taken, begun) = circuit.next().unzip();
-            same.check("packet taken", first + stamp.taken, taken);
-            same.check("rows begun", first + stamp.begun, begun);
-        };
-        let choice = VectorLevel::Best;
-        let cycles = tile_cycles(design, footprints, tile.window, lanes, choice, compare);
-        let idle_at = cycles.map_or(0, |cycles| first + cycles);
-        same.check("last pixel", idle_at, Some(&self.idle_at));
-        same.first
-            .map(|text| format!("clock of whole pictures: {text}"))
     }
 }
 

@@ -152,7 +152,7 @@ impl SwitchedCircuit {
 }
 
 /// What is said of a circuit without a mistake must be nothing; else no verdict means anything.
-pub fn nothing_said(word: Option<String>) -> Result<()> {
+pub fn expect_no_difference(word: Option<String>) -> Result<()> {
     match word {
         None => Ok(()),
         Some(word) => bail!("without a mistake: {word}"),

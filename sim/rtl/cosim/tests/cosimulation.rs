@@ -514,11 +514,18 @@ mod with_verilator {
         });
     }
 
-    /// SPLATLINE_MUTANTS=N takes N mistakes, spread over the list; otherwise all.
+    /// A number from the environment.
+    fn number(name: &str) -> Option<usize> {
+        let asked = std::env::var(name).ok();
+        asked.map(|text| text.parse().expect("a number"))
+    }
+
+    /// SPLATLINE_MUTANTS=N takes about N mistakes, spread over the list from a place that SPLATLINE_SEED chooses; otherwise all.
     fn some<T>(all: &[T]) -> impl Iterator<Item = &T> {
-        let asked = std::env::var("SPLATLINE_MUTANTS").ok();
-        let count = asked.map_or(all.len(), |text| text.parse().expect("a number"));
-        all.iter().step_by(all.len().div_ceil(count.max(1)))
+        let count = number("SPLATLINE_MUTANTS").unwrap_or(all.len()).max(1);
+        let step = all.len().div_ceil(count);
+        let first = number("SPLATLINE_SEED").unwrap_or(0) % step;
+        all.iter().skip(first).step_by(step)
     }
 
     /// Every mistake is noticed.

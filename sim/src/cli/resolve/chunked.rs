@@ -1,12 +1,12 @@
 //! What `--chunks` draws: a file that is never in memory as a whole, so that nothing may follow from all of its splats.
 
 use super::camera::camera;
-use super::{Asked, scene_of};
+use super::{PlanRequest, scene_of};
 use crate::camera::Camera;
 use crate::cli::say::Failure;
 use crate::cli::values::{AntialiasChoice, TraversalChoice};
 use crate::design::DesignChoice;
-use crate::plan::{Engine, Entry};
+use crate::plan::{DesignVariant, Engine};
 use crate::rules::{Antialias, Compositing, Rules};
 use crate::scene::GaussianFile;
 use splatline::format::Traversal;
@@ -16,11 +16,11 @@ pub struct Chunked {
     pub camera: Camera,
     pub warnings: Vec<String>,
     pub rules: Rules,
-    pub entry: Entry,
+    pub entry: DesignVariant,
     pub compositing: Compositing,
 }
 
-impl Asked<'_> {
+impl PlanRequest<'_> {
     /// What is drawn of a file that is not read as a whole: its camera, its rules and by what.
     pub fn in_chunks(&self, file: &GaussianFile) -> Result<Chunked, Failure> {
         let view = self.view;
@@ -61,7 +61,7 @@ impl Asked<'_> {
             camera,
             warnings,
             rules,
-            entry: Entry::new(design, self.traversal.map(Traversal::from)),
+            entry: DesignVariant::new(design, self.traversal.map(Traversal::from)),
             compositing: self.compositing,
         })
     }

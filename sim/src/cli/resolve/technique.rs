@@ -2,7 +2,7 @@
 //!
 //! What contradicts itself or has no meaning for the kind of scene is refused; what is left open follows from the scene.
 
-use super::Asked;
+use super::PlanRequest;
 use crate::camera::Camera;
 use crate::cameras;
 use crate::cli::drawing_args::TechniqueOptions;
@@ -32,7 +32,7 @@ const USUAL_LIGHT: [f64; 3] = [0.4, 0.5, 1.0];
 /// Depth range of gathered points of a volume, in sample spacings.
 const DEPTH_RANGE: f64 = 0.5;
 
-impl Asked<'_> {
+impl PlanRequest<'_> {
     /// The scene that the options name, if the other options have a meaning for its kind.
     pub(super) fn source(&self, path: &Path) -> Result<Source, Failure> {
         let contents = match self.view.surface.kind {

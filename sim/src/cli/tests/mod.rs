@@ -2,7 +2,7 @@
 
 mod commands;
 mod options;
-mod told;
+mod messages;
 
 use super::args::*;
 use super::say::explain;

@@ -112,9 +112,10 @@ impl Evaluator<'_> {
         let (mut bad, mut good) = (0, point[axis]);
         while bad < good {
             let middle = bad + (good - bad) / 2;
-            match self.error_excess(&at(middle))? <= 0.0 {
-                true => good = middle,
-                false => bad = middle + 1,
+            if self.error_excess(&at(middle))? <= 0.0 {
+                good = middle
+            } else {
+                bad = middle + 1
             }
         }
         Ok(at(good))
@@ -235,9 +236,10 @@ impl Evaluator<'_> {
             // Without a limit widths are fields as all others.
             others.extend(&widths);
         }
-        let mut point = match self.has_error_limit() {
-            true => self.lower_widths(start, &widths)?,
-            false => start,
+        let mut point = if self.has_error_limit() {
+            self.lower_widths(start, &widths)?
+        } else {
+            start
         };
         let mut beginnings = self.beginnings(&point, &others);
         self.evaluate(&beginnings)?;

@@ -10,7 +10,7 @@ use crate::explore::space::{Space, SpacePart};
 use crate::explore::sweep::changed;
 use crate::fixed::{self, Options, QuantisedScene, best_engine};
 use crate::machine::area::{Area, Calibration, estimate};
-use crate::machine::clock::{Clock, Pace};
+use crate::machine::clock::{Clock, Throughput};
 use crate::machine::config::Config;
 use crate::machine::energy::{self, EnergyTable};
 use crate::machine::lanes::{LaneShape, LaneWork};
@@ -63,7 +63,7 @@ pub struct Reached {
     /// Errors over all frames.
     pub error: Option<Fitness>,
     /// The pace of the slowest frame.
-    pub pace: Pace,
+    pub pace: Throughput,
     /// Milliseconds over the frames.
     pub ms_per_frame: Spread,
     /// Cycles of the slowest frame by phase: geometry, sort, raster.
@@ -137,9 +137,10 @@ impl<'a> Evaluator<'a> {
         progress: &'a (dyn Fn(&str) + Sync),
     ) -> Evaluator<'a> {
         let quantise = |frame: &Splats| QuantisedScene::new(frame.scene, frame.camera, frame.rules);
-        let scenes = match question.references.is_empty() {
-            true => Vec::new(),
-            false => question.frames.iter().map(quantise).collect(),
+        let scenes = if question.references.is_empty() {
+            Vec::new()
+        } else {
+            question.frames.iter().map(quantise).collect()
         };
         Evaluator {
             question,
@@ -160,9 +161,10 @@ impl<'a> Evaluator<'a> {
         let settings = self.space.settings(point, |part| part == SpacePart::Design);
         let design = changed(&question.design, &settings)?;
         let swept = settings.iter().any(|(key, _)| *key == "traversal");
-        let traversal = match swept {
-            true => design.traversal,
-            false => question.traversal.unwrap_or(design.traversal),
+        let traversal = if swept {
+            design.traversal
+        } else {
+            question.traversal.unwrap_or(design.traversal)
         };
         let mut machine = question.machine;
         for (key, value) in self.space.settings(point, |part| part != SpacePart::Design) {
@@ -242,7 +244,7 @@ impl<'a> Evaluator<'a> {
         let prices = &self.question.calibration;
         Reached {
             error: Some(Fitness::default()),
-            pace: Pace::new(&nothing, machine, clock),
+            pace: Throughput::new(&nothing, machine, clock),
             ms_per_frame: Spread::default(),
             phases: [0; 3],
             area: estimate(&design.widths, *traversal, machine, prices),
@@ -379,8 +381,8 @@ fn reached(
         .zip(work)
         .map(|(workload, work)| simulate(workload, work, machine))
         .collect();
-    let pace = |timing: &Timing| Pace::new(timing, machine, clock.clone());
-    let paces: Vec<Pace> = timings.iter().map(pace).collect();
+    let pace = |timing: &Timing| Throughput::new(timing, machine, clock.clone());
+    let paces: Vec<Throughput> = timings.iter().map(pace).collect();
     let energy = |timing: &Timing| {
         let table = &question.energy;
         energy::estimate(widths, *traversal, machine, timing, table).mj_per_frame

@@ -88,23 +88,27 @@ impl Limit {
 
     /// By which part of the bound it is missed; 0 if it is held. What is no number misses it without measure.
     pub fn excess(&self, value: f64) -> f64 {
-        let over = match self.quantity.is_at_least() {
-            true => self.bound - value,
-            false => value - self.bound,
+        let over = if self.quantity.is_at_least() {
+            self.bound - value
+        } else {
+            value - self.bound
         };
-        match over <= 0.0 {
-            true => 0.0,
-            false if over.is_nan() => f64::INFINITY,
+        if over <= 0.0 {
+            0.0
+        } else if over.is_nan() {
+            f64::INFINITY
+        } else {
             // A bound of 0 is missed by as much as there is.
-            false => over / if self.bound > 0.0 { self.bound } else { 1.0 },
+            over / if self.bound > 0.0 { self.bound } else { 1.0 }
         }
     }
 
     /// Which part of the bound is left.
     pub fn slack(&self, value: f64) -> f64 {
-        let left = match self.quantity.is_at_least() {
-            true => value - self.bound,
-            false => self.bound - value,
+        let left = if self.quantity.is_at_least() {
+            value - self.bound
+        } else {
+            self.bound - value
         };
         left / if self.bound > 0.0 { self.bound } else { 1.0 }
     }

@@ -37,7 +37,7 @@ const USUAL: &str = include_str!("usual.toml");
 const FEW_FRAMES: usize = 3;
 
 /// Points that an answer holds: the cheapest and the next three.
-const KEPT: usize = 4;
+const MOST_ANSWERS: usize = 4;
 
 /// By which part of its cost a point is dearer at least than the one before it in an answer.
 const APART: f64 = 0.01;
@@ -182,9 +182,10 @@ impl<'a> Question<'a> {
 /// Searches the space and answers. `progress` is told what is being done.
 pub fn ask(question: &Question, space: &Space, progress: &(dyn Fn(&str) + Sync)) -> Result<Answer> {
     let all: Vec<usize> = (0..question.frames.len()).collect();
-    let mut searched = match all.len() > FEW_FRAMES {
-        true => heaviest(question, space, progress)?,
-        false => all.clone(),
+    let mut searched = if all.len() > FEW_FRAMES {
+        heaviest(question, space, progress)?
+    } else {
+        all.clone()
     };
     loop {
         let some = question.about(&searched);
@@ -330,7 +331,7 @@ fn answered(
     if !holds {
         points = vec![(&searched.point, first)];
     }
-    for (point, reached) in points.into_iter().take(KEPT) {
+    for (point, reached) in points.into_iter().take(MOST_ANSWERS) {
         let mut all = vec![reached.clone()];
         for frame in others {
             let one = on_frame(question, evaluator.space, point, *frame, progress)?;
@@ -426,9 +427,10 @@ pub fn tightest(limits: Vec<Limit>) -> Vec<Limit> {
             .find(|other| other.quantity == limit.quantity)
         {
             Some(other) => {
-                let tighter = match limit.quantity.is_at_least() {
-                    true => limit.bound > other.bound,
-                    false => limit.bound < other.bound,
+                let tighter = if limit.quantity.is_at_least() {
+                    limit.bound > other.bound
+                } else {
+                    limit.bound < other.bound
                 };
                 if tighter {
                     *other = limit;

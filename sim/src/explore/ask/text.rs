@@ -17,9 +17,10 @@ impl Answer {
         let Some((first, next)) = self.found.split_first() else {
             return text;
         };
-        text += match self.holds {
-            true => "\ncheapest point that holds all limits\n",
-            false => "\nno point was found that holds all limits; this one misses them least\n",
+        text += if self.holds {
+            "\ncheapest point that holds all limits\n"
+        } else {
+            "\nno point was found that holds all limits; this one misses them least\n"
         };
         text += &point(first, usual);
         text += &self.limits();
@@ -150,9 +151,10 @@ fn point(found: &Found, usual: &Config) -> String {
         widths.join(", "),
         design.rounding,
         design.traversal,
-        match fields.is_empty() {
-            true => "all as by default".to_owned(),
-            false => fields.join(", "),
+        if fields.is_empty() {
+            "all as by default".to_owned()
+        } else {
+            fields.join(", ")
         },
     )
 }

@@ -48,16 +48,16 @@ pub(super) struct Decisions {
 }
 
 /// An engine that says where a splat is drawn.
-pub(super) trait Decides: Sync {
+pub(super) trait DecisionEngine: Sync {
     /// The pixels outside of which splat `index` is not drawn.
     fn bounds(&self, index: usize) -> PixelBox;
 
     /// Empty pixels for `area`.
-    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_>;
+    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_>;
 }
 
 /// Pixels of a tile that an engine draws on.
-pub(super) trait Deciding {
+pub(super) trait DecisionTile {
     /// Draws splat `index` within `bounds`, and tells for each of those pixels, row by row, whether it would be drawn if alone.
     fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>);
 
@@ -78,14 +78,14 @@ pub(super) struct Double<'a> {
     pub rules: &'a Rules,
 }
 
-impl Decides for Double<'_> {
+impl DecisionEngine for Double<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
         self.projected[index]
             .as_ref()
             .map_or(NOWHERE, ScreenSplat::bounds)
     }
 
-    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
         let opacity = |index: usize, [x, y]: [usize; 2]| {
             let splat = self.projected[index].as_ref().ok()?;
             compositor::opacity(splat, [x as f64 + 0.5, y as f64 + 0.5], self.rules)
@@ -107,14 +107,14 @@ pub(super) struct Single<'a> {
     pub rules: &'a Rules,
 }
 
-impl Decides for Single<'_> {
+impl DecisionEngine for Single<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
         self.projected[index]
             .as_ref()
             .map_or(NOWHERE, |f| f.bounds(self.camera, self.rules))
     }
 
-    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
         let opacity = |index: usize, [x, y]: [usize; 2]| {
             let splat = self.projected[index].as_ref()?;
             let opacity = splat.opacity(x as f32 + 0.5, y as f32 + 0.5, self.rules);
@@ -139,7 +139,7 @@ struct Floating<'a, F, O> {
     behind: fn(F, F) -> F,
 }
 
-impl<F, O> Deciding for Floating<'_, F, O>
+impl<F, O> DecisionTile for Floating<'_, F, O>
 where
     F: Copy + Default + Into<f64>,
     O: Fn(usize, [usize; 2]) -> Option<F>,
@@ -202,7 +202,7 @@ impl<'a> FixedSide<'a> {
     }
 }
 
-impl Decides for FixedSide<'_> {
+impl DecisionEngine for FixedSide<'_> {
     fn bounds(&self, index: usize) -> PixelBox {
         let Ok(footprint) = &self.footprints[index] else {
             return NOWHERE;
@@ -212,7 +212,7 @@ impl Decides for FixedSide<'_> {
         PixelBox { x0, y0, x1, y1 }
     }
 
-    fn start(&self, area: PixelBox) -> Box<dyn Deciding + '_> {
+    fn start(&self, area: PixelBox) -> Box<dyn DecisionTile + '_> {
         Box::new(FixedTile {
             engine: self,
             area,
@@ -227,7 +227,7 @@ struct FixedTile<'a> {
     pixels: Vec<Pixel>,
 }
 
-impl Deciding for FixedTile<'_> {
+impl DecisionTile for FixedTile<'_> {
     fn draw(&mut self, index: usize, bounds: PixelBox, drawn: &mut Vec<bool>) {
         let engine = self.engine;
         let clear = Pixel::clear(&engine.design.widths);
@@ -288,8 +288,8 @@ impl DesignJob for DrawOne<'_, '_> {
 
 /// Every engine's decisions against the reference's; `order` lists all splats, nearest first.
 pub(super) fn count(
-    reference: &dyn Decides,
-    engines: &[&dyn Decides],
+    reference: &dyn DecisionEngine,
+    engines: &[&dyn DecisionEngine],
     order: &[usize],
     camera: &Camera,
 ) -> Vec<Decisions> {
@@ -328,8 +328,8 @@ pub(super) fn count(
 }
 
 fn count_tile(
-    reference: &dyn Decides,
-    engines: &[&dyn Decides],
+    reference: &dyn DecisionEngine,
+    engines: &[&dyn DecisionEngine],
     order: &[usize],
     area: PixelBox,
 ) -> Vec<Decisions> {

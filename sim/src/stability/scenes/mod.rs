@@ -28,7 +28,7 @@ use crate::vector;
 pub use splatline_reference::hard::classes;
 
 use classes::{Class, Size};
-use flips::{Decides, Double, FixedSide, Flips, Single};
+use flips::{DecisionEngine, Double, FixedSide, Flips, Single};
 
 /// The designs that the page shows.
 pub const DESIGNS: [&str; 3] = ["lean18", "standard24", "deep32"];
@@ -148,9 +148,9 @@ pub fn measure_class(class: &Class) -> Vec<SceneLine> {
         .zip(&drawings)
         .map(|(design, (_, footprints))| FixedSide::new(footprints, design, rules))
         .collect();
-    let mut engines: Vec<&dyn Decides> = vec![&other_form];
-    engines.extend(single.iter().map(|engine| engine as &dyn Decides));
-    engines.extend(fixed.iter().map(|engine| engine as &dyn Decides));
+    let mut engines: Vec<&dyn DecisionEngine> = vec![&other_form];
+    engines.extend(single.iter().map(|engine| engine as &dyn DecisionEngine));
+    engines.extend(fixed.iter().map(|engine| engine as &dyn DecisionEngine));
     let decisions = flips::count(&double(&truth.projected), &engines, &truth.order, camera);
     let pictures = std::iter::once(&other.drawing.picture)
         .chain(singles.iter().map(|(_, drawing)| &drawing.picture))

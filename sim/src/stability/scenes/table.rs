@@ -10,9 +10,12 @@ pub fn markdown(lines: &[SceneLine]) -> String {
          |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for line in lines {
-        let shown = |db: f64| match db.is_finite() {
-            true => format!("{db:.1}"),
-            false => "exact".to_owned(),
+        let shown = |db: f64| {
+            if db.is_finite() {
+                format!("{db:.1}")
+            } else {
+                "exact".to_owned()
+            }
         };
         let psnr = shown(decibels(line.psnr_db));
         let settled = settled(line).map_or_else(|| "-".to_owned(), shown);

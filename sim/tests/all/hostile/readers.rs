@@ -82,12 +82,12 @@ pub const FORMATS: &[(&str, Reader)] = &[
 
 const SIDE: usize = 16;
 
-fn told(error: impl std::fmt::Display) -> String {
+fn printed(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
 fn text(path: &Path) -> Result<String, String> {
-    input::text(path, input::SETTINGS).map_err(told)
+    input::text(path, input::SETTINGS).map_err(printed)
 }
 
 fn design() -> DesignChoice {
@@ -95,11 +95,12 @@ fn design() -> DesignChoice {
 }
 
 fn scene_file(path: &Path) -> Result<(), String> {
-    let scene = scene::load(path, &LoadOptions::default()).map_err(told)?;
+    let scene = scene::load(path, &LoadOptions::default()).map_err(printed)?;
     let camera = scene.default_camera(SIDE, SIDE);
-    match camera.is_sound() {
-        true => draw(&scene, &camera, &design()),
-        false => Err("no camera can be placed".to_owned()),
+    if camera.is_sound() {
+        draw(&scene, &camera, &design())
+    } else {
+        Err("no camera can be placed".to_owned())
     }
 }
 
@@ -108,7 +109,7 @@ fn detached_file(path: &Path) -> Result<(), String> {
     let data = path.with_file_name("data");
     if !data.exists() {
         let values: Vec<u8> = (0..60).map(|value| value * 4).collect();
-        std::fs::write(&data, values).map_err(told)?;
+        std::fs::write(&data, values).map_err(printed)?;
     }
     scene_file(path)
 }
@@ -123,18 +124,18 @@ fn draw(scene: &Scene, camera: &Camera, design: &DesignChoice) -> Result<(), Str
     };
     let fixed = fixed::draw(scene, camera, &options).picture;
     let float = reference::float::draw(scene, camera, options.rules, options.compositing).picture;
-    compare(&fixed, &float).map(|_| ()).map_err(told)
+    compare(&fixed, &float).map(|_| ()).map_err(printed)
 }
 
 fn cloud_file(path: &Path) -> Result<(), String> {
-    let scene = points::load(path).map_err(told)?;
+    let scene = points::load(path).map_err(printed)?;
     let camera = scene.default_camera(SIDE, SIDE);
     draw_surface(&scene, &camera)
 }
 
 fn height_field_file(path: &Path) -> Result<(), String> {
     let field = height_field::HeightField::load(path, height_field::USUAL_SPACING);
-    let scene = field.map_err(told)?.scene("grid");
+    let scene = field.map_err(printed)?.scene("grid");
     let camera = height_field::default_camera(&scene, SIDE, SIDE);
     draw_surface(&scene, &camera)
 }
@@ -147,12 +148,12 @@ fn draw_surface(scene: &SurfaceScene, camera: &Camera) -> Result<(), String> {
     let design = design();
     let fixed = fixed::surface::draw(scene, camera, &style, &design, design.traversal).picture;
     let float = reference::surface::draw(scene, camera, &style).picture;
-    compare(&fixed, &float).map(|_| ()).map_err(told)
+    compare(&fixed, &float).map(|_| ()).map_err(printed)
 }
 
 /// As large as the file says; only setup runs, which takes no pixels.
 fn camera_file(path: &Path) -> Result<(), String> {
-    let camera = Camera::from_json_file(path).map_err(told)?;
+    let camera = Camera::from_json_file(path).map_err(printed)?;
     let (scene, design) = (synthetic::random_gaussians(9, 1, 2.0), design());
     let options = Options {
         rules: &scene.natural_rules,
@@ -162,7 +163,7 @@ fn camera_file(path: &Path) -> Result<(), String> {
     };
     fixed::footprints(&scene, &camera, &options);
     reference::float::footprints(&scene, &camera, options.rules);
-    let small = camera.resized(SIDE, SIDE).map_err(told)?;
+    let small = camera.resized(SIDE, SIDE).map_err(printed)?;
     draw(&scene, &small, &design)
 }
 
@@ -172,18 +173,18 @@ fn cameras_file(path: &Path) -> Result<(), String> {
     if let Some(other) = super::seeds::beside(&name) {
         let file = path.with_file_name(other);
         if !file.exists() {
-            std::fs::write(&file, super::seeds::seed(other)).map_err(told)?;
+            std::fs::write(&file, super::seeds::seed(other)).map_err(printed)?;
         }
     }
-    let poses = cameras::load(path, Some([SIDE, SIDE])).map_err(told)?;
+    let poses = cameras::load(path, Some([SIDE, SIDE])).map_err(printed)?;
     let found = poses.into_iter().map(|pose| pose.camera);
     draw_frames(found)
 }
 
 fn path_file(path: &Path) -> Result<(), String> {
-    let loaded = plan::path::load(path, Some([SIDE, SIDE])).map_err(told)?;
+    let loaded = plan::path::load(path, Some([SIDE, SIDE])).map_err(printed)?;
     let frames = loaded.path.cameras([0.0, -1.0, 0.0], [SIDE, SIDE]);
-    let frames = frames.map_err(told)?;
+    let frames = frames.map_err(printed)?;
     draw_frames(frames.into_iter().map(|(_, camera)| camera))
 }
 
@@ -191,29 +192,29 @@ fn path_file(path: &Path) -> Result<(), String> {
 fn draw_frames(cameras: impl Iterator<Item = Camera>) -> Result<(), String> {
     let (scene, design) = (synthetic::random_gaussians(9, 1, 2.0), design());
     for camera in cameras.take(3) {
-        let small = camera.resized(SIDE, SIDE).map_err(told)?;
+        let small = camera.resized(SIDE, SIDE).map_err(printed)?;
         draw(&scene, &small, &design)?;
     }
     Ok(())
 }
 
 fn transfer_file(path: &Path) -> Result<(), String> {
-    Transfer::from_toml(&text(path)?).map_err(told)?;
+    Transfer::from_toml(&text(path)?).map_err(printed)?;
     let options = LoadOptions {
         transfer: Some(path.to_owned()),
         light: None,
     };
     let volume = path.with_file_name("volume.nrrd");
     if !volume.exists() {
-        std::fs::write(&volume, super::seeds::volume("raw")).map_err(told)?;
+        std::fs::write(&volume, super::seeds::volume("raw")).map_err(printed)?;
     }
-    let scene = scene::load(&volume, &options).map_err(told)?;
+    let scene = scene::load(&volume, &options).map_err(printed)?;
     let camera = scene.default_camera(SIDE, SIDE);
     draw(&scene, &camera, &design())
 }
 
 fn design_file(path: &Path) -> Result<(), String> {
-    let design = DesignChoice::load(&path.display().to_string()).map_err(told)?;
+    let design = DesignChoice::load(&path.display().to_string()).map_err(printed)?;
     let scene = synthetic::random_gaussians(9, 1, 2.0);
     draw(&scene, &synthetic::camera(SIDE, SIDE), &design)
 }
@@ -233,15 +234,15 @@ fn time(config: &Config, table: &str) -> Result<(), String> {
         cutoff: Some(4.0),
         packet_bytes: 40,
     };
-    let workload = read_table(table, &options).map_err(told)?;
+    let workload = read_table(table, &options).map_err(printed)?;
     let work = LaneWork::new(&workload, LaneShape::from(config));
     simulate(&workload, &work, config);
     Ok(())
 }
 
 fn machine_file(path: &Path) -> Result<(), String> {
-    let config = config::from_file(path).map_err(told)?;
-    let again = config::from_toml("again", &config::to_toml(&config)).map_err(told)?;
+    let config = config::from_file(path).map_err(printed)?;
+    let again = config::from_toml("again", &config::to_toml(&config)).map_err(printed)?;
     assert_eq!(config, again, "what is written is read back");
     time(&config, &footprints())
 }
@@ -260,7 +261,7 @@ fn prices_file(path: &Path) -> Result<(), String> {
 }
 
 fn space_file(path: &Path) -> Result<(), String> {
-    let space = Space::from_toml("space.toml", &text(path)?).map_err(told)?;
+    let space = Space::from_toml("space.toml", &text(path)?).map_err(printed)?;
     assert!(!space.points.is_empty(), "a space without points");
     for point in space.points.iter().take(99) {
         space.texts(point).for_each(drop);
@@ -276,8 +277,8 @@ fn footprints_file(path: &Path) -> Result<(), String> {
 fn sweep_file(path: &Path) -> Result<(), String> {
     let text = text(path)?;
     let (identity, table) = text.split_once("\n}\n").unwrap_or((&text, ""));
-    let identity = Identity::parse(&format!("{identity}\n}}\n")).map_err(told)?;
-    let space = identity.space().map_err(told)?;
+    let identity = Identity::parse(&format!("{identity}\n}}\n")).map_err(printed)?;
+    let space = identity.space().map_err(printed)?;
     let table = ResultTable::from_csv(table)?;
     table.check(&space, identity.has_errors())
 }
@@ -286,9 +287,9 @@ fn sweep_file(path: &Path) -> Result<(), String> {
 fn manifest_file(path: &Path) -> Result<(), String> {
     let folder = path.parent().unwrap_or(Path::new("."));
     if !folder.join("splats.hex").exists() {
-        let manifest = std::fs::read(path).map_err(told)?;
-        vectors::export(folder, &super::seeds::few_vectors([4, 4])).map_err(told)?;
-        std::fs::write(path, manifest).map_err(told)?;
+        let manifest = std::fs::read(path).map_err(printed)?;
+        vectors::export(folder, &super::seeds::few_vectors([4, 4])).map_err(printed)?;
+        std::fs::write(path, manifest).map_err(printed)?;
     }
-    vectors::verify(folder).map(|_| ()).map_err(told)
+    vectors::verify(folder).map(|_| ()).map_err(printed)
 }

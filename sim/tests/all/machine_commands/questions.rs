@@ -70,10 +70,10 @@ fn many_frames_are_one_report() {
     };
 
     let out = path("model");
-    let told = succeed(&[&["model"], &by_path[..], &["-o", text(&out)]].concat());
+    let printed = succeed(&[&["model"], &by_path[..], &["-o", text(&out)]].concat());
     assert!(
-        told.contains("12 frames, the worst is random:200:1, frame "),
-        "{told}"
+        printed.contains("12 frames, the worst is random:200:1, frame "),
+        "{printed}"
     );
     let timing = json(&out.join("timing.json"));
     let ms: Vec<f64> = timing["frames"]
@@ -103,10 +103,10 @@ fn many_frames_are_one_report() {
     assert_eq!(json(&report)["frames"].as_array().unwrap().len(), 12);
 
     let out = path("compare");
-    let told = succeed(&[&["compare"], &by_path[..], &["-o", text(&out)]].concat());
+    let printed = succeed(&[&["compare"], &by_path[..], &["-o", text(&out)]].concat());
     assert!(
-        told.contains("12 frames, the one with the lowest PSNR"),
-        "{told}"
+        printed.contains("12 frames, the one with the lowest PSNR"),
+        "{printed}"
     );
     let all = json(&out.join("frames.json"));
     assert_eq!(all["frames"].as_array().unwrap().len(), 12);
@@ -118,7 +118,10 @@ fn many_frames_are_one_report() {
     let of_first = &first["pace"]["ms_per_frame"];
     assert!(of_first.as_f64().unwrap() > 0.0);
     assert_eq!(*of_first, all["frames"][0]["ms_per_frame"]);
-    assert!(told.contains("frames a second if every frame"), "{told}");
+    assert!(
+        printed.contains("frames a second if every frame"),
+        "{printed}"
+    );
     let page = std::fs::read_to_string(out.join("frame-0001/report.html")).unwrap();
     assert!(
         page.contains(" ms a frame, "),
@@ -136,7 +139,7 @@ fn many_frames_are_one_report() {
         needed.contains("random:100:1: ") && needed.contains("random:100:2: "),
         "{needed}"
     );
-    let told = fail(
+    let printed = fail(
         2,
         &[
             "model",
@@ -147,12 +150,12 @@ fn many_frames_are_one_report() {
             "40",
         ],
     );
-    assert!(told.contains("--camera-path"), "{told}");
+    assert!(printed.contains("--camera-path"), "{printed}");
     std::fs::write(path("keys.toml"), PATH.replace("12", "0")).unwrap();
-    let told = fail(1, &[&["model"], &by_path[..]].concat());
+    let printed = fail(1, &[&["model"], &by_path[..]].concat());
     assert!(
-        told.contains("keys.toml:1: frames = 0: allowed are 1 to 100000"),
-        "{told}"
+        printed.contains("keys.toml:1: frames = 0: allowed are 1 to 100000"),
+        "{printed}"
     );
 }
 
@@ -165,11 +168,11 @@ fn a_kept_order_has_a_gain_and_an_error() {
     let scene = ["model", "random:2000:1", "--size", "64x48"];
     let path = ["--camera-path", text(&keys)];
     let every = ["--set", "sort_passes=8", "--set", "sort_every=4"];
-    let told = succeed(&[&scene[..], &path, &every, &["-o", text(&out)]].concat());
-    assert!(told.contains("order kept in 6 of 8 frames"), "{told}");
+    let printed = succeed(&[&scene[..], &path, &every, &["-o", text(&out)]].concat());
+    assert!(printed.contains("order kept in 6 of 8 frames"), "{printed}");
     assert!(
-        told.contains("against exact order    PSNR worst "),
-        "{told}"
+        printed.contains("against exact order    PSNR worst "),
+        "{printed}"
     );
     let timing: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("timing.json")).unwrap()).unwrap();
@@ -247,10 +250,10 @@ fn a_question_has_one_answer() {
         "-o",
         text(&out),
     ];
-    let told = succeed(&with("explore", &asked));
+    let printed = succeed(&with("explore", &asked));
     assert!(
-        told.contains("cheapest point that holds all limits") && told.contains("next 3"),
-        "{told}"
+        printed.contains("cheapest point that holds all limits") && printed.contains("next 3"),
+        "{printed}"
     );
     let answer: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("answer.json")).unwrap()).unwrap();
@@ -273,13 +276,13 @@ fn a_question_has_one_answer() {
     let base = format!("[design]\nbase = [\"lean18\", \"{}\"]\n", text(&design));
     std::fs::write(&space, base).unwrap();
     let swept = path("swept");
-    let told = succeed(&with(
+    let printed = succeed(&with(
         "explore",
         &["--space", text(&space), "-o", text(&swept)],
     ));
     assert!(
-        told.contains("2 points, 2 of them new") && told.contains("assumed clock"),
-        "{told}"
+        printed.contains("2 points, 2 of them new") && printed.contains("assumed clock"),
+        "{printed}"
     );
     let points = std::fs::read_to_string(swept.join("points.csv")).unwrap();
     assert!(
@@ -309,10 +312,10 @@ fn a_question_has_one_answer() {
     let design = path("energy").join("design.toml");
     let machine = path("energy").join("machine.toml");
     let again = ["--design", text(&design), "--machine", text(&machine)];
-    let told = succeed(&with("model", &again));
+    let printed = succeed(&with("model", &again));
     assert!(
-        reached > 0.0 && told.contains(&format!("energy: {reached:.4} mJ a frame")),
-        "{reached} {told}"
+        reached > 0.0 && printed.contains(&format!("energy: {reached:.4} mJ a frame")),
+        "{reached} {printed}"
     );
     let none = succeed(&with(
         "explore",
@@ -322,10 +325,10 @@ fn a_question_has_one_answer() {
         none.contains("the first limit to fail is mJ a frame (--max-energy)"),
         "{none}"
     );
-    let told = fail(2, &with("explore", &["--max-energy=-1"]));
+    let printed = fail(2, &with("explore", &["--max-energy=-1"]));
     assert!(
-        told.contains("--max-energy") && told.contains("larger than 0"),
-        "{told}"
+        printed.contains("--max-energy") && printed.contains("larger than 0"),
+        "{printed}"
     );
     let none = succeed(&with(
         "explore",
@@ -335,6 +338,6 @@ fn a_question_has_one_answer() {
         none.contains("no point was found that holds all limits"),
         "{none}"
     );
-    let told = fail(2, &with("explore", &["-o", text(&out)]));
-    assert!(told.contains("--space"), "{told}");
+    let printed = fail(2, &with("explore", &["-o", text(&out)]));
+    assert!(printed.contains("--space"), "{printed}");
 }

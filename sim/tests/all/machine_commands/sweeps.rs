@@ -74,8 +74,8 @@ fn a_sweep_over_frames_has_worst_percentile_and_mean() {
         text(&keys),
     ];
     let sweep = ["--space", text(&space), "-o", text(&out)];
-    let told = succeed(&[&["explore"], &frames[..], &sweep].concat());
-    assert!(told.contains("4 points, 4 of them new"), "{told}");
+    let printed = succeed(&[&["explore"], &frames[..], &sweep].concat());
+    assert!(printed.contains("4 points, 4 of them new"), "{printed}");
     let table = std::fs::read_to_string(out.join("points.csv")).unwrap();
     let heading: Vec<&str> = table.lines().next().unwrap().split(',').collect();
     let column = |line: &str, name: &str| {
@@ -96,8 +96,8 @@ fn a_sweep_over_frames_has_worst_percentile_and_mean() {
         "-o",
         text(&modelled),
     ];
-    let told = succeed(&[&["model"], &frames[..], &machine].concat());
-    assert!(told.contains("6 frames, the worst is"), "{told}");
+    let printed = succeed(&[&["model"], &frames[..], &machine].concat());
+    assert!(printed.contains("6 frames, the worst is"), "{printed}");
     let timing: serde_json::Value =
         serde_json::from_slice(&std::fs::read(modelled.join("timing.json")).unwrap()).unwrap();
     let spread = &timing["over_frames"]["ms_per_frame"];
@@ -190,13 +190,13 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
     assert!(run("1/2", "known", &[]).status.success());
     let refused = |expected: &str, out: &str, more: &[&str]| {
         let resumed = run("2/2", "known", more);
-        let told = String::from_utf8_lossy(&resumed.stderr).into_owned();
+        let printed = String::from_utf8_lossy(&resumed.stderr).into_owned();
         assert!(
-            told.contains("holds another sweep") && told.contains(expected),
-            "{expected}: {told}"
+            printed.contains("holds another sweep") && printed.contains(expected),
+            "{expected}: {printed}"
         );
         assert!(run("2/2", out, more).status.success(), "{expected}");
-        let told = fail(
+        let printed = fail(
             1,
             &[
                 "merge",
@@ -207,8 +207,8 @@ fn a_sweep_of_anything_else_is_neither_resumed_nor_merged() {
             ],
         );
         assert!(
-            told.contains("another sweep") && told.contains(expected),
-            "{expected}: {told}"
+            printed.contains("another sweep") && printed.contains(expected),
+            "{expected}: {printed}"
         );
         assert!(!path("merged").join("points.csv").exists());
     };
@@ -262,14 +262,17 @@ fn an_incomplete_or_altered_sweep_is_not_merged() {
         succeed(&with("explore", &more))
     };
     sweep("1/8");
-    let told = fail(1, &["merge", text(&out), "-o", text(&merged)]);
+    let printed = fail(1, &["merge", text(&out), "-o", text(&merged)]);
     assert!(
-        told.contains("7 of the sweep's 8 points are missing") && told.contains("--partial"),
-        "{told}"
+        printed.contains("7 of the sweep's 8 points are missing") && printed.contains("--partial"),
+        "{printed}"
     );
     assert!(!merged.join("points.csv").exists());
-    let told = succeed(&["merge", "--partial", text(&out), "-o", text(&merged)]);
-    assert!(told.contains("1 points; 7 of 8 are missing"), "{told}");
+    let printed = succeed(&["merge", "--partial", text(&out), "-o", text(&merged)]);
+    assert!(
+        printed.contains("1 points; 7 of 8 are missing"),
+        "{printed}"
+    );
     for shard in 2..=8 {
         sweep(&format!("{shard}/8"));
     }
@@ -282,10 +285,10 @@ fn an_incomplete_or_altered_sweep_is_not_merged() {
     let sound = std::fs::read_to_string(&table).unwrap();
     let altered = |from: &str, to: &str, expected: &str| {
         std::fs::write(&table, sound.replacen(from, to, 1)).unwrap();
-        let told = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
+        let printed = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
         assert!(
-            told.contains("points-3-of-8.csv") && told.contains(expected),
-            "{told}"
+            printed.contains("points-3-of-8.csv") && printed.contains(expected),
+            "{printed}"
         );
         let resume = [
             "--space",
@@ -309,10 +312,10 @@ fn an_incomplete_or_altered_sweep_is_not_merged() {
     altered(row, &format!("{row}\n{row}"), "point 2 a second time");
     std::fs::write(&table, &sound).unwrap();
     std::fs::write(out.join("points-old.csv"), &sound).unwrap();
-    let told = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
+    let printed = fail(1, &["merge", text(&out), "-o", text(&path("other"))]);
     assert!(
-        told.contains("points-old.csv: looks like a sweep's table"),
-        "{told}"
+        printed.contains("points-old.csv: looks like a sweep's table"),
+        "{printed}"
     );
 }
 

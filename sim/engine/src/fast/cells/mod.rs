@@ -110,7 +110,9 @@ pub struct CellPainter<D, P> {
 impl<D: Design, P: PixelScheme> CellPainter<D, P> {
     /// A painter for a design and rules; `None` under widths or on a processor that the scheme cannot do.
     pub fn new(design: D, rules: &Rules, choice: VectorLevel) -> Option<Self> {
-        (choice == VectorLevel::Best).then_some(())?;
+        if choice != VectorLevel::Best {
+            return None;
+        }
         Self::on(design, rules, FusedLanes::detect()?)
     }
 

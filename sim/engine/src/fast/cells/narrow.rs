@@ -54,8 +54,9 @@ impl super::PixelScheme for NarrowScheme {
         let kept = u32::from(widths.interpolation).min(reach.rest_bits);
         let entries = table.entries();
         let steepest = entries.windows(2).map(|pair| pair[0].abs_diff(pair[1]));
-        let fits = !reach.deep && u64::from(steepest.max()?) << kept < 1 << 30;
-        fits.then_some(())?;
+        if reach.deep || u64::from(steepest.max()?) << kept >= 1 << 30 {
+            return None;
+        }
         Some(NarrowScheme {
             widths: *widths,
             products: Products::new(widths, &constants)?,

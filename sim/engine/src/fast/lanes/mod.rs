@@ -183,9 +183,10 @@ impl FromStr for VectorLevel {
         }
         let known: Vec<&str> = levels.iter().map(|(name, _)| *name).collect();
         let here = known.join(", ");
-        match ["avx2", "avx512"].contains(&name) {
-            true => Err(format!("this processor has no {name}: give one of {here}")),
-            false => Err(format!("there are no vectors '{name}': give one of {here}")),
+        if ["avx2", "avx512"].contains(&name) {
+            Err(format!("this processor has no {name}: give one of {here}"))
+        } else {
+            Err(format!("there are no vectors '{name}': give one of {here}"))
         }
     }
 }

@@ -156,9 +156,10 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
             doubt.set(math.splat(0));
             let lists = S::set_up_together(&stages, &read(lanes, splats.iter().map(S::parts)));
             for ((splat, outcome), k) in splats.iter().zip(outcomes).zip(0..8) {
-                *outcome = match S::is_in_doubt(&lists, k) {
-                    true => splat.set_up_alone(self.design, self.view, self.rules),
-                    false => splat.outcome(&lists, k, &widths),
+                *outcome = if S::is_in_doubt(&lists, k) {
+                    splat.set_up_alone(self.design, self.view, self.rules)
+                } else {
+                    splat.outcome(&lists, k, &widths)
                 };
             }
         }

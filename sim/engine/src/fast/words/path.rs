@@ -106,9 +106,10 @@ impl PathNumbers {
             alpha_max: constants.alpha_max,
             opacity_min: i64::try_from(constants.opacity_min).ok()?,
             stop: i64::from(constants.minimum_transmittance) + 1,
-            operator: match constants.omit_finishing {
-                true => OMIT_FINISHING,
-                false => DRAW_FINISHING,
+            operator: if constants.omit_finishing {
+                OMIT_FINISHING
+            } else {
+                DRAW_FINISHING
             },
             layer: None,
             light: [0; 3],

@@ -18,7 +18,7 @@ use splatline_sim::fixed;
 use splatline_sim::hybrid::{self, Hybrid, Points};
 use splatline_sim::metrics;
 use splatline_sim::plan::draw::on_threads;
-use splatline_sim::plan::{AnyScene, Entry, Prepared, SplatMethod, Technique};
+use splatline_sim::plan::{AnyScene, DesignVariant, Prepared, SplatMethod, Technique};
 use splatline_sim::report::HostTimes;
 use splatline_sim::rules::{Antialias, Compositing, Rules};
 use splatline_sim::scene::points::SurfaceScene;
@@ -202,7 +202,7 @@ fn surface_plans(
 
 /// Drawn as every command draws it.
 fn planned<'a>(name: &'static str, prepared: &'a Prepared, choice: VectorLevel) -> Result<Way<'a>> {
-    let entry: &'a Entry = &prepared.plan.entry;
+    let entry: &'a DesignVariant = &prepared.plan.entry;
     let counted = prepared
         .kernel(entry, Some(choice), true)?
         .draw(&|_, _| ())?;

@@ -33,7 +33,7 @@ pub fn page(subjects: &[HardwareScene]) -> Result<(String, Vec<(String, String)>
     );
     for subject in subjects {
         let splats = splats(subject);
-        let outcomes = others::run_all(&splats, &EnergyTable::default())?;
+        let outcomes = others::run_all(&splats.without_points(), &EnergyTable::default())?;
         writeln!(
             text,
             "\n## {}\n\n{}",

@@ -63,11 +63,10 @@ fn check(options: &ResultsOptions) -> Result<(), Failure> {
     std::fs::remove_dir_all(&again)?;
     let found = found?;
     print_result(&format!("{} differences\n", found.len()))?;
-    match found.is_empty() {
-        true => Ok(()),
-        false => {
-            Err(anyhow::anyhow!("pages that are no longer true:\n{}", found.join("\n")).into())
-        }
+    if found.is_empty() {
+        Ok(())
+    } else {
+        Err(anyhow::anyhow!("pages that are no longer true:\n{}", found.join("\n")).into())
     }
 }
 

@@ -81,9 +81,10 @@ pub fn exhibit() -> Exhibit {
 
 /// The kernel's names for a shape.
 fn in_kernel(shape: Shape) -> (kernel::Ellipse, kernel::Index) {
-    let ellipse = match shape.exact_ellipse {
-        true => kernel::Ellipse::Exact,
-        false => kernel::Ellipse::Approximate,
+    let ellipse = if shape.exact_ellipse {
+        kernel::Ellipse::Exact
+    } else {
+        kernel::Ellipse::Approximate
     };
     let index = match shape.index {
         Index::Affine => kernel::Index::Affine,

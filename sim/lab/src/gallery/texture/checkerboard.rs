@@ -171,9 +171,10 @@ fn edge_width(picture: &Picture) -> f64 {
 /// Pixels between the last value of at most 10 % and the first of at least 90 % around the middle of a profile, or the other way round.
 fn width_at(profile: &[f64]) -> f64 {
     let rising = profile.last() > profile.first();
-    let profile: Vec<f64> = match rising {
-        true => profile.to_vec(),
-        false => profile.iter().rev().copied().collect(),
+    let profile: Vec<f64> = if rising {
+        profile.to_vec()
+    } else {
+        profile.iter().rev().copied().collect()
     };
     let crossing = profile.iter().position(|value| *value >= 0.5).unwrap_or(0);
     let between = |index: usize, level: f64| {

@@ -54,9 +54,10 @@ struct Original {
 
 impl Original {
     fn load(data: &Path, name: &str) -> Result<Original> {
-        let path = match name.contains('/') {
-            true => data.join(name),
-            false => name.into(),
+        let path = if name.contains('/') {
+            data.join(name)
+        } else {
+            name.into()
         };
         let scene = load(&path, &LoadOptions::default())?;
         let [width, height] = SIZE;
@@ -99,9 +100,10 @@ fn draw(scene: &Scene, camera: &Camera) -> Picture {
 }
 
 fn decibels(error: &ChannelError) -> String {
-    match error.psnr_db.is_finite() {
-        true => format!("{:.2}", error.psnr_db),
-        false => "equal".to_owned(),
+    if error.psnr_db.is_finite() {
+        format!("{:.2}", error.psnr_db)
+    } else {
+        "equal".to_owned()
     }
 }
 

@@ -81,9 +81,12 @@ pub(super) fn length(axis: [f64; 3]) -> f64 {
 /// The turn of three orthogonal axes, w at least 0. Each part's square is a sum of diagonal entries; the largest one gives the signs.
 pub(super) fn quaternion(axes: [[f64; 3]; 3], scales: [f64; 3]) -> [f64; 4] {
     // Entry of row and column: the axes are the columns.
-    let m = |row: usize, column: usize| match scales[column] > 0.0 {
-        true => axes[column][row] / scales[column],
-        false => f64::from(u8::from(row == column)),
+    let m = |row: usize, column: usize| {
+        if scales[column] > 0.0 {
+            axes[column][row] / scales[column]
+        } else {
+            f64::from(u8::from(row == column))
+        }
     };
     let [x, y, z] = [m(0, 0), m(1, 1), m(2, 2)];
     let squares = [
@@ -105,9 +108,10 @@ pub(super) fn quaternion(axes: [[f64; 3]; 3], scales: [f64; 3]) -> [f64; 4] {
         2 => [wy * over, xy * over, q, yz * over],
         _ => [wz * over, xz * over, yz * over, q],
     };
-    match parts[0] < 0.0 {
-        true => parts.map(|part| -part),
-        false => parts,
+    if parts[0] < 0.0 {
+        parts.map(|part| -part)
+    } else {
+        parts
     }
 }
 
@@ -137,9 +141,10 @@ pub(super) fn byte(part: f64) -> u8 {
 
 /// Where a number lies in a range, 0 to 1.
 pub(super) fn part(value: f64, least: f64, greatest: f64) -> f64 {
-    match greatest > least {
-        true => (value - least) / (greatest - least),
-        false => 0.0,
+    if greatest > least {
+        (value - least) / (greatest - least)
+    } else {
+        0.0
     }
 }
 

@@ -77,13 +77,14 @@ impl Transform {
                 (vector::dot(rotation[i], rotation[j]) - expected).abs() <= TOLERANCE
             })
         });
-        match orthonormal {
-            true => Ok(Some(Turn::new(&rotation, count))),
-            false => Err(Problem::malformed(
+        if orthonormal {
+            Ok(Some(Turn::new(&rotation, count)))
+        } else {
+            Err(Problem::malformed(
                 "node transform",
                 "it scales axes differently or shears, which view-dependent colours cannot follow",
                 "apply the transform to the Gaussians before exporting, or leave the harmonics out",
-            )),
+            ))
         }
     }
 }

@@ -72,9 +72,12 @@ fn bundle(files: &[SogFile]) -> Vec<u8> {
 }
 
 fn with(name: &str, bytes: Vec<u8>) -> Vec<SogFile> {
-    let change = |file: SogFile| match file.0 == name {
-        true => (file.0, bytes.clone()),
-        false => file,
+    let change = |file: SogFile| {
+        if file.0 == name {
+            (file.0, bytes.clone())
+        } else {
+            file
+        }
     };
     files().into_iter().map(change).collect()
 }

@@ -75,9 +75,12 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
     let grid = fields.grid()?;
     let needed = grid.bytes("DimSize")?;
     let packed = fields.flag("compresseddata")?.unwrap_or(false);
-    let decode = |data: &[u8]| match packed {
-        true => unzlib_exact(data, needed, "volume data").map(|data| grid.decode(&data)),
-        false => exact(data, needed).map(|data| grid.decode(data)),
+    let decode = |data: &[u8]| {
+        if packed {
+            unzlib_exact(data, needed, "volume data").map(|data| grid.decode(&data))
+        } else {
+            exact(data, needed).map(|data| grid.decode(data))
+        }
     };
     let file = fields.required(LAST)?;
     let values = match file.value.as_str() {
@@ -92,9 +95,10 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
             decode(&read_file(&path).map_err(|problem| unreadable(&shorten(name), &problem))?)?
         }
     };
-    let notes = match fields.is_turned()? {
-        true => vec![TURNED.to_owned()],
-        false => Vec::new(),
+    let notes = if fields.is_turned()? {
+        vec![TURNED.to_owned()]
+    } else {
+        Vec::new()
     };
     Ok((grid.volume(values), notes))
 }

@@ -194,13 +194,12 @@ impl<'a> Header<'a> {
     fn spacings(&self) -> Result<[f64; 3], Problem> {
         let (place, step, kind) = self.layout.pixdim;
         let spacings = [1, 2, 3].map(|axis| self.number(place + axis * step, kind).abs());
-        match spacings.into_iter().all(is_spacing) {
-            true => Ok(spacings),
-            false => {
-                let found = format!("{spacings:?} are no distances between voxels");
-                let fix = "write three positive lengths";
-                Err(malformed("pixdim", found, fix))
-            }
+        if spacings.into_iter().all(is_spacing) {
+            Ok(spacings)
+        } else {
+            let found = format!("{spacings:?} are no distances between voxels");
+            let fix = "write three positive lengths";
+            Err(malformed("pixdim", found, fix))
         }
     }
 
@@ -226,9 +225,10 @@ impl<'a> Header<'a> {
         }
         let (places, kind) = self.layout.codes;
         let code = |place: usize| self.number(place, Stored::Of(kind));
-        let notes = match places.into_iter().any(|place| code(place) != 0.0) {
-            true => vec![TURNED.to_owned()],
-            false => Vec::new(),
+        let notes = if places.into_iter().any(|place| code(place) != 0.0) {
+            vec![TURNED.to_owned()]
+        } else {
+            Vec::new()
         };
         Ok((self.grid.volume(values), notes))
     }

@@ -5,7 +5,7 @@ use super::circuit::{HarmonicsSpec, library};
 use super::loads::{captured, synthetic};
 use super::model::HarmonicsModel;
 use crate::mutants::{Mutant, mutant};
-use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
+use crate::switch::{MistakeNumber, SwitchedCircuit, expect_no_difference};
 use anyhow::Result;
 use std::path::Path;
 
@@ -83,7 +83,7 @@ impl HarmonicsJudge {
                 },
             )?,
         };
-        nothing_said(judge.compared(judge.circuit.library(), 0)?)?;
+        expect_no_difference(judge.compared(judge.circuit.library(), 0)?)?;
         Ok(judge)
     }
 

@@ -76,9 +76,10 @@ fn product(degree: usize, name: &'static str, left: &'static str, right: &'stati
 fn multiples(degree: usize, name: &'static str, parts: &[(i32, &'static str)]) -> Sum {
     let last = parts.len() - 1;
     let terms = parts.iter().enumerate().map(|(place, (number, left))| {
-        let target = match place == last {
-            true => Target::Register(name),
-            false => Target::Nothing,
+        let target = if place == last {
+            Target::Register(name)
+        } else {
+            Target::Nothing
         };
         term(left, Halves(2 * number.unsigned_abs()), *number < 0, target)
     });

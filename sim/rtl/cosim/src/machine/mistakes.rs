@@ -5,7 +5,7 @@ use super::circuit::{MachineSpec, library};
 use super::model::MachineModel;
 use crate::mutants::{Mutant, mutant};
 use crate::order::loads::{Seen, ordered};
-use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
+use crate::switch::{MistakeNumber, SwitchedCircuit, expect_no_difference};
 use anyhow::Result;
 use splatline::format::{Lean18, Widths};
 use splatline_sim::camera::Camera;
@@ -122,7 +122,7 @@ impl MachineJudge {
                 |folder, mistake, choices| library(folder, &spec(mistake, choices)),
             )?,
         };
-        nothing_said(judge.drawn(judge.circuit.library(), 0)?)?;
+        expect_no_difference(judge.drawn(judge.circuit.library(), 0)?)?;
         Ok(judge)
     }
 

@@ -31,7 +31,7 @@ pub const JUDGED: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/setup-mutants.md"
 /// Where the counts are kept.
 const COUNTS: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
-    "/../../src/machine/area/setup.csv"
+    "/../../machine/src/area/setup.csv"
 );
 
 const HEAD: &str = include_str!("../../setup-head.md");

@@ -8,7 +8,7 @@ use super::model::SetupModel;
 use super::program::{SetupProgram, program, units};
 use super::vectors::difference;
 use crate::mutants::{Mutant, mutant};
-use crate::switch::{MistakeNumber, SwitchedCircuit, nothing_said};
+use crate::switch::{MistakeNumber, SwitchedCircuit, expect_no_difference};
 use anyhow::{Context, Result};
 use splatline::format::{Lean18, RuntimeWidths, Widths};
 use std::path::{Path, PathBuf};
@@ -103,7 +103,7 @@ impl SetupJudge {
             units: library(beside.path(), &of_units)?,
             _beside: beside,
         };
-        nothing_said(judge.judged(judge.circuit.library(), 0)?)?;
+        expect_no_difference(judge.judged(judge.circuit.library(), 0)?)?;
         Ok(judge)
     }
 

@@ -194,9 +194,10 @@ fn chunk_size(vlr: &LazVlr, source: &LazBytes) -> Result<u64, Problem> {
     for _ in 0..layers {
         needed += u64::from(u32::from_le_bytes(reader.array(field)?));
     }
-    match needed > reader.remaining() as u64 {
-        true => Err(truncated(field, needed, reader.remaining())),
-        false => Ok(count.into()),
+    if needed > reader.remaining() as u64 {
+        Err(truncated(field, needed, reader.remaining()))
+    } else {
+        Ok(count.into())
     }
 }
 

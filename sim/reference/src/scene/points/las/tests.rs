@@ -71,9 +71,10 @@ fn a_cloud_goes_through_the_entrance_of_the_command_line() {
 /// Cut anywhere an answer or the whole: behind the points of a packed file lies only the table that seeking needs.
 #[test]
 fn damaged_clouds_are_refused() {
-    let names: &[&str] = match cfg!(feature = "laz") {
-        true => &["old.las", "new.las", "old.laz", "new.laz"],
-        false => &["old.las", "new.las"],
+    let names: &[&str] = if cfg!(feature = "laz") {
+        &["old.las", "new.las", "old.laz", "new.laz"]
+    } else {
+        &["old.las", "new.las"]
     };
     for name in names {
         let whole = bytes(name);

@@ -1,0 +1,332 @@
+//! Prices of a family of FPGAs: what its blocks hold, from its data sheets, and straight lines through what synthesis found.
+//!
+//! Look-up tables and flip-flops grow with the mantissa (setup, rows) or with the bits of a lane. The lines go through lean18 and standard24 with
+//! one and four lanes: two widths, so they meet both, and only what was *not* fitted says how good they are ([`super::synthesis`]). A TOML
+//! file may replace any of it, for another device or a chip: `family = "ecp5"` names the prices that it starts from.
+
+use super::Fabric;
+use super::circuit::Bits;
+use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
+use crate::primitive::SETUP_INTERVAL;
+use serde::{Deserialize, Serialize};
+
+/// A family of devices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Family {
+    /// Xilinx 7 series: LUT6, signed 25 x 18 multipliers (UG479), 18 kbit memories (UG473).
+    #[default]
+    Xilinx7,
+    /// Lattice ECP5: LUT4, signed or unsigned 18-bit multipliers, 18 kbit memories (FPGA-DS-02012).
+    Ecp5,
+    /// Lattice iCE40: LUT4, signed or unsigned 16-bit multipliers (UltraPlus), 4 kbit memories (FPGA-DS-02008).
+    Ice40,
+}
+
+/// `at_zero + per_bit * bits`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PriceLine {
+    /// Without any bits.
+    pub at_zero: f64,
+    /// And for each of them.
+    pub per_bit: f64,
+}
+
+/// Look-up tables or flip-flops: lines for setup and rows over the mantissa's bits, for a lane over its own bits, and what is left.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lines {
+    /// Splat setup of a packet in every cycle.
+    pub setup: PriceLine,
+    /// Splat setup of a packet in four cycles, whose shifters and multipliers are shared.
+    pub shared_setup: PriceLine,
+    /// Row generator.
+    pub rows: PriceLine,
+    /// One lane with its queue of eight runs.
+    pub lane: PriceLine,
+    /// Packets, scan and state.
+    pub rest: f64,
+}
+
+/// A memory made of look-up tables.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LutMemory {
+    /// Words.
+    pub words: u64,
+    /// Bits of a word.
+    pub bits: u64,
+    /// Look-up tables that it takes.
+    pub luts: u64,
+}
+
+/// All prices.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Calibration {
+    /// Whose prices they are, or which they started from.
+    pub family: Family,
+    /// Look-up tables.
+    pub luts: Lines,
+    /// Flip-flops.
+    pub flip_flops: Lines,
+    /// Factors of a multiplier, unsigned bits.
+    pub multiplier: [u64; 2],
+    /// Words and bits of a block memory's shapes, from the widest on.
+    pub shapes: Vec<[u64; 2]>,
+    /// Kilobits of a block.
+    pub block_kbit: u64,
+    /// Kilobits of splat setup: what waits for a stage, and splats that wait for the rows.
+    pub setup_kbit: PriceLine,
+    /// Kilobits of a row generator: the root table, what waits for a stage, and rows that wait for lanes.
+    pub row_kbit: PriceLine,
+    /// What queues are made of, if not of blocks.
+    pub lut_memory: Option<LutMemory>,
+    /// Look-up tables that weigh as much as a multiplier, for one number: their ratio in a device.
+    pub luts_per_dsp: f64,
+    /// And as much as a kilobit of block memory.
+    pub luts_per_kbit: f64,
+}
+
+/// What data sheets say: everything that is not fitted.
+struct SynthesisSheet {
+    multiplier: [u64; 2],
+    shapes: &'static [[u64; 2]],
+    block_kbit: u64,
+    lut_memory: Option<LutMemory>,
+    /// Look-up tables, multipliers and kilobits of the device whose ratios are the weights.
+    device: [f64; 3],
+}
+
+const SHAPES_18K: [[u64; 2]; 5] = [[512, 36], [1024, 18], [2048, 9], [4096, 4], [8192, 2]];
+const SHAPES_4K: [[u64; 2]; 4] = [[256, 16], [512, 8], [1024, 4], [2048, 2]];
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Family; 3] = [Family::Xilinx7, Family::Ecp5, Family::Ice40];
+
+    /// Name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Ice40 => "iCE40",
+            Family::Ecp5 => "ECP5",
+            Family::Xilinx7 => "Xilinx 7",
+        }
+    }
+
+    /// The family as options and files call it.
+    pub fn by_key(key: &str) -> Option<Family> {
+        let value = toml::Value::String(key.to_owned());
+        value.try_into().ok()
+    }
+
+    /// The family of that name.
+    pub fn named(name: &str) -> Option<Family> {
+        Family::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    fn sheet(self) -> SynthesisSheet {
+        match self {
+            // XC7A100T (DS180); RAM32M of four LUTs holds 32 words of 6 bits (UG474).
+            Family::Xilinx7 => SynthesisSheet {
+                multiplier: [24, 17],
+                shapes: &SHAPES_18K,
+                block_kbit: 18,
+                lut_memory: Some(LutMemory {
+                    words: 32,
+                    bits: 6,
+                    luts: 4,
+                }),
+                device: [63_400.0, 240.0, 4_860.0],
+            },
+            // LFE5U-85F (FPGA-DS-02012); TRELLIS_DPR16X4 takes four LUTs.
+            Family::Ecp5 => SynthesisSheet {
+                multiplier: [18, 18],
+                shapes: &SHAPES_18K,
+                block_kbit: 18,
+                lut_memory: Some(LutMemory {
+                    words: 16,
+                    bits: 4,
+                    luts: 4,
+                }),
+                device: [83_640.0, 156.0, 3_744.0],
+            },
+            // iCE40UP5K (FPGA-DS-02008).
+            Family::Ice40 => SynthesisSheet {
+                multiplier: [16, 16],
+                shapes: &SHAPES_4K,
+                block_kbit: 4,
+                lut_memory: None,
+                device: [5_280.0, 8.0, 120.0],
+            },
+        }
+    }
+
+    /// Prices calibrated on the synthesis of today's circuits.
+    pub fn calibration(self) -> Calibration {
+        Calibration::fitted(self, &synthesised())
+    }
+}
+
+impl Default for Calibration {
+    fn default() -> Self {
+        Family::default().calibration()
+    }
+}
+
+impl Calibration {
+    /// Prices calibrated on these circuits, of which a family's own with one and four lanes of two designs are used.
+    pub fn fitted(family: Family, circuits: &[Synthesised]) -> Calibration {
+        let sheet = family.sheet();
+        let used = circuits
+            .iter()
+            .filter(|line| line.family == family && line.fitted());
+        let found: Vec<Synthesised> = used.cloned().collect();
+        Calibration {
+            family,
+            luts: lines(&found, |fabric| fabric.luts),
+            flip_flops: lines(&found, |fabric| fabric.flip_flops),
+            multiplier: sheet.multiplier,
+            shapes: sheet.shapes.to_vec(),
+            block_kbit: sheet.block_kbit,
+            setup_kbit: over_mantissa(&found, SHARED_SETUP, |fabric| fabric.memory_kbit),
+            row_kbit: over_mantissa(&found, SynthesisedPart::Rows, |fabric| fabric.memory_kbit),
+            lut_memory: sheet.lut_memory,
+            luts_per_dsp: sheet.device[0] / sheet.device[1],
+            luts_per_kbit: sheet.device[0] / sheet.device[2],
+        }
+    }
+
+    /// Reads prices from the text of a TOML file; what it leaves out is that of its `family`.
+    pub fn from_toml(file: &str, text: &str) -> Result<Calibration, String> {
+        #[derive(Deserialize)]
+        struct Start {
+            #[serde(default)]
+            family: Family,
+        }
+        let problem = |error: toml::de::Error| format!("{file}: {error}");
+        let start: Start = toml::from_str(text).map_err(problem)?;
+        let changes: toml::Table = toml::from_str(text).map_err(problem)?;
+        let mut prices = toml::Table::try_from(start.family.calibration())
+            .map_err(|error| format!("{file}: {error}"))?;
+        replace(&mut prices, changes);
+        let prices: Calibration = prices.try_into().map_err(problem)?;
+        match prices.check() {
+            Ok(()) => Ok(prices),
+            Err((key, value, allowed)) => {
+                Err(format!("{file}: {key} = {value}: allowed are {allowed}"))
+            }
+        }
+    }
+
+    /// Are these the family's own prices?
+    pub fn is_own(&self) -> bool {
+        *self == self.family.calibration()
+    }
+
+    /// Multipliers of splat setup where a packet comes in so many cycles.
+    pub(super) fn setup_dsps(&self, bits: &Bits, interval: u32) -> u64 {
+        let products = bits.setup_multipliers().into_iter();
+        products
+            .map(|(factors, count)| self.tiles(factors) * count.div_ceil(interval.max(1).into()))
+            .sum()
+    }
+
+    /// A line's kilobits in whole blocks.
+    pub(super) fn blocks_of(&self, line: &PriceLine, bits: u64) -> u64 {
+        (line.at(bits) / self.block_kbit as f64).round() as u64 * self.block_kbit
+    }
+
+    /// One number for all of it, in look-up tables. Flip-flops stand behind the look-up tables of the same cells and weigh nothing.
+    pub fn weight(&self, fabric: &Fabric) -> f64 {
+        fabric.luts as f64
+            + fabric.dsps as f64 * self.luts_per_dsp
+            + fabric.memory_kbit as f64 * self.luts_per_kbit
+    }
+}
+
+impl PriceLine {
+    /// The line's value.
+    pub fn at(&self, bits: u64) -> f64 {
+        (self.at_zero + self.per_bit * bits as f64).max(0.0)
+    }
+
+    fn through(a: [f64; 2], b: [f64; 2]) -> PriceLine {
+        let per_bit = (b[1] - a[1]) / (b[0] - a[0]);
+        PriceLine {
+            at_zero: a[1] - per_bit * a[0],
+            per_bit,
+        }
+    }
+}
+
+/// Splat setup as the primitive has it.
+const SHARED_SETUP: SynthesisedPart = SynthesisedPart::Setup(SETUP_INTERVAL);
+
+/// What the two designs that are fitted take, over bits of theirs.
+fn points(
+    found: &[Synthesised],
+    part: SynthesisedPart,
+    bits: fn(&Bits) -> u64,
+    of: fn(&Fabric) -> u64,
+) -> Vec<[f64; 2]> {
+    let lines = found.iter().filter(|line| line.part == part);
+    lines
+        .map(|line| {
+            let bits = bits(&Bits::new(&line.widths)) as f64;
+            [bits, of(&line.fabric) as f64]
+        })
+        .collect()
+}
+
+/// The line of a part that depends on the mantissa alone.
+fn over_mantissa(
+    found: &[Synthesised],
+    part: SynthesisedPart,
+    of: fn(&Fabric) -> u64,
+) -> PriceLine {
+    let points = points(found, part, |bits| bits.mantissa, of);
+    PriceLine::through(points[0], points[1])
+}
+
+/// Lines through the two designs that are fitted.
+fn lines(found: &[Synthesised], of: fn(&Fabric) -> u64) -> Lines {
+    let mantissa = |part| points(found, part, |bits| bits.mantissa, of);
+    let of_lanes = |lanes| points(found, SynthesisedPart::Lanes(lanes), |bits| bits.lane, of);
+    let (setup, rows) = (mantissa(SHARED_SETUP), mantissa(SynthesisedPart::Rows));
+    let (one, four) = (of_lanes(1), of_lanes(4));
+    let lane: Vec<[f64; 2]> = one
+        .iter()
+        .zip(&four)
+        .map(|(one, four)| [one[0], (four[1] - one[1]) / 3.0])
+        .collect();
+    let rest: Vec<f64> = (0..one.len())
+        .map(|i| one[i][1] - lane[i][1] - setup[i][1] - rows[i][1])
+        .collect();
+    Lines {
+        setup: over_mantissa(found, SynthesisedPart::Setup(1), of),
+        shared_setup: PriceLine::through(setup[0], setup[1]),
+        rows: PriceLine::through(rows[0], rows[1]),
+        lane: PriceLine::through(lane[0], lane[1]),
+        rest: mean(&rest),
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
+/// Puts changes over prices, table by table.
+fn replace(prices: &mut toml::Table, changes: toml::Table) {
+    for (key, value) in changes {
+        match (prices.get_mut(&key), value) {
+            (Some(toml::Value::Table(inner)), toml::Value::Table(changes)) => {
+                replace(inner, changes);
+            }
+            (_, value) => {
+                prices.insert(key, value);
+            }
+        }
+    }
+}

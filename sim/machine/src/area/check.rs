@@ -1,0 +1,185 @@
+//! Whether prices of someone's own make sense: every division by them and every product of them must be defined.
+//!
+//! A price of NaN would make every area NaN and every comparison false; a memory of 0 words divides by zero.
+
+use super::calibration::{Calibration, Lines, PriceLine};
+
+/// Operands of a multiplier: at least a sign and a bit, at most what any device has.
+const MULTIPLIER: (u64, u64) = (2, 128);
+/// Words, bits, kilobits, look-up tables of one block or cell.
+const BLOCK: (u64, u64) = (1, 1 << 20);
+/// Largest absolute value of a price.
+const LARGEST: f64 = 1e9;
+
+/// A key, its value, and what is allowed.
+pub type Refused = (String, String, String);
+
+impl Calibration {
+    /// The first key whose value makes no sense.
+    pub fn check(&self) -> Result<(), Refused> {
+        for (name, lines) in [("luts", &self.luts), ("flip_flops", &self.flip_flops)] {
+            check_lines(name, lines)?;
+        }
+        for bits in self.multiplier {
+            whole("multiplier", bits, MULTIPLIER)?;
+        }
+        if self.shapes.is_empty() {
+            return Err(refused("shapes", "[]", "at least one [words, bits]"));
+        }
+        for number in self.shapes.as_flattened() {
+            whole("shapes", *number, BLOCK)?;
+        }
+        whole("block_kbit", self.block_kbit, BLOCK)?;
+        check_line("setup_kbit", &self.setup_kbit)?;
+        check_line("row_kbit", &self.row_kbit)?;
+        if let Some(memory) = &self.lut_memory {
+            whole("lut_memory.words", memory.words, BLOCK)?;
+            whole("lut_memory.bits", memory.bits, BLOCK)?;
+            whole("lut_memory.luts", memory.luts, BLOCK)?;
+        }
+        weight("luts_per_dsp", self.luts_per_dsp)?;
+        weight("luts_per_kbit", self.luts_per_kbit)
+    }
+}
+
+/// Lines through what was synthesised may begin below zero, and their sums are cut at zero.
+fn check_lines(name: &str, lines: &Lines) -> Result<(), Refused> {
+    let Lines {
+        setup,
+        shared_setup,
+        rows,
+        lane,
+        rest,
+    } = lines;
+    for (part, line) in [
+        ("setup", setup),
+        ("shared_setup", shared_setup),
+        ("rows", rows),
+        ("lane", lane),
+    ] {
+        check_line(&format!("{name}.{part}"), line)?;
+    }
+    price(&format!("{name}.rest"), *rest)
+}
+
+fn check_line(name: &str, line: &PriceLine) -> Result<(), Refused> {
+    price(&format!("{name}.at_zero"), line.at_zero)?;
+    weight(&format!("{name}.per_bit"), line.per_bit)
+}
+
+fn price(key: &str, value: f64) -> Result<(), Refused> {
+    if value.abs() <= LARGEST {
+        Ok(())
+    } else {
+        Err(refused(
+            key,
+            &value.to_string(),
+            &format!("numbers from {} to {LARGEST}", -LARGEST),
+        ))
+    }
+}
+
+fn weight(key: &str, value: f64) -> Result<(), Refused> {
+    if (0.0..=LARGEST).contains(&value) {
+        Ok(())
+    } else {
+        Err(refused(
+            key,
+            &value.to_string(),
+            &format!("numbers from 0 to {LARGEST}"),
+        ))
+    }
+}
+
+fn whole(key: &str, value: u64, (low, high): (u64, u64)) -> Result<(), Refused> {
+    if (low..=high).contains(&value) {
+        Ok(())
+    } else {
+        Err(refused(
+            key,
+            &value.to_string(),
+            &format!("whole numbers from {low} to {high}"),
+        ))
+    }
+}
+
+fn refused(key: &str, value: &str, allowed: &str) -> Refused {
+    (key.to_owned(), value.to_owned(), allowed.to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::area::{Family, estimate};
+    use crate::config::Config;
+    use splatline::format::{Deep32, Traversal};
+
+    #[test]
+    fn the_families_own_prices_are_allowed() {
+        for family in Family::ALL {
+            family.calibration().check().unwrap();
+        }
+    }
+
+    /// Every number of a calibration, set to what makes no sense, is refused by its key.
+    #[test]
+    fn every_price_is_checked() {
+        let text = toml::to_string(&Family::Xilinx7.calibration()).unwrap();
+        let mut tried = 0;
+        for (place, line) in text.lines().enumerate() {
+            let Some((key, _)) = line.split_once(" = ") else {
+                continue;
+            };
+            if key == "family" {
+                continue;
+            }
+            for wrong in ["0", "-1", "nan", "inf", "-inf", "1e300", "99999999999999"] {
+                // Neither a count nor where a line begins is a divisor.
+                let zero_is_fine = key == "luts_per_kbit"
+                    || ["at_zero", "per_bit", "rest", "luts_per_dsp"].contains(&key);
+                let negative_is_fine = ["at_zero", "rest"].contains(&key);
+                if wrong == "0" && zero_is_fine || wrong == "-1" && negative_is_fine {
+                    continue;
+                }
+                let value = match key {
+                    "multiplier" => format!("[{wrong}, 18]"),
+                    "shapes" => format!("[[512, {wrong}]]"),
+                    _ => wrong.to_owned(),
+                };
+                let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+                lines[place] = format!("{key} = {value}");
+                let read = Calibration::from_toml("p.toml", &lines.join("\n"));
+                assert!(read.is_err(), "{key} = {value}");
+                tried += 1;
+            }
+        }
+        assert!(tried > 100, "{tried}");
+    }
+
+    /// The extremes of what is allowed give numbers.
+    #[test]
+    fn allowed_extremes_give_an_estimate() {
+        for pick in [|range: (u64, u64)| range.0, |range: (u64, u64)| range.1] {
+            let mut prices = Family::Xilinx7.calibration();
+            prices.multiplier = [pick(MULTIPLIER); 2];
+            prices.shapes = vec![[pick(BLOCK); 2]];
+            prices.block_kbit = pick(BLOCK);
+            prices.row_kbit.per_bit = LARGEST;
+            prices.luts.lane.per_bit = LARGEST;
+            prices.luts.rest = -LARGEST;
+            prices.luts_per_dsp = LARGEST;
+            prices.check().unwrap();
+            let machine = Config {
+                raster_units: 1024,
+                lanes: 64,
+                tile_width: 64,
+                row_fifo: 65_536,
+                ..Config::default()
+            };
+            for traversal in [Traversal::Box, Traversal::Spans] {
+                let area = estimate(&Deep32::WIDTHS, traversal, &machine, &prices);
+                assert!(area.weight.is_finite() && area.weight >= 0.0);
+            }
+        }
+    }
+}

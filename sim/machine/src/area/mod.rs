@@ -1,0 +1,277 @@
+//! Area of a machine in an FPGA's own units: look-up tables, flip-flops, multipliers, memory.
+//!
+//! The raster units are priced by lines that go through Yosys' synthesis of the primitive in `sim/rtl` ([`synthesis`]), so that the machine
+//! `primitive-4` is estimated as the circuit that it is. What the circuit has otherwise, a machine is charged by the same lines: every generator of rows
+//! like its row generator, every lane like its lane. Geometry setup is the circuit of [`setup`] where a splat comes in eight cycles or more. What no circuit was
+//! written or synthesised for (faster setup, queues around the raster units, `box` rows) is counted and kept apart. Memory controller, binning, sort and bus are not counted: no
+//! source fits them. See `docs/hardware-model.md`, section 5.
+
+mod calibration;
+mod check;
+pub(super) mod circuit;
+pub mod setup;
+pub mod synthesis;
+
+pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
+
+use super::config::{Config, LaneLayout, Overlap, Termination};
+use super::primitive::{QUEUE, SETUP_INTERVAL};
+use circuit::{Bits, GeometryCircuit, Operators};
+use serde::Serialize;
+use splatline::footprint::packet;
+use splatline::format::{Traversal, Widths};
+use std::fmt;
+use std::ops::{Add, Mul};
+
+/// What a circuit takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Fabric {
+    /// Look-up tables, those used as memory and shift registers included.
+    pub luts: u64,
+    /// Flip-flops.
+    pub flip_flops: u64,
+    /// Multiplier blocks.
+    pub dsps: u64,
+    /// Kilobits of block memory, in whole blocks.
+    pub memory_kbit: u64,
+}
+
+/// A machine's resources.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Area {
+    /// The raster units, by lines through synthesis.
+    pub raster: Fabric,
+    /// Geometry setup and queues around them, counted.
+    pub around: Fabric,
+    /// All of it in look-up tables, for one number.
+    pub weight: f64,
+}
+
+/// Estimates a machine that carries a design.
+pub fn estimate(
+    widths: &Widths,
+    traversal: Traversal,
+    config: &Config,
+    calibration: &Calibration,
+) -> Area {
+    let raster =
+        raster_unit(widths, traversal, config, calibration) * u64::from(config.raster_units);
+    let counted = || counted_setup(widths, config, calibration) * u64::from(config.setup_units);
+    let around = setup::of_machine(widths, config, calibration).unwrap_or_else(counted)
+        + queues(widths, config, calibration);
+    Area {
+        raster,
+        around,
+        weight: calibration.weight(&(raster + around)),
+    }
+}
+
+/// One raster unit: what the primitive is for `primitive-1` and its like.
+pub fn raster_unit(
+    widths: &Widths,
+    traversal: Traversal,
+    config: &Config,
+    calibration: &Calibration,
+) -> Fabric {
+    let bits = Bits::new(widths);
+    let rows = rows(&bits, traversal, config, calibration);
+    splat_setup(&bits, traversal, config, calibration)
+        + rows * u64::from(config.rows_at_once)
+        + lanes(&bits, config, calibration)
+}
+
+/// Multipliers for products of the same unit, of which a longer interval lets several share one.
+fn shared(products: &[[u64; 2]], interval: u32, calibration: &Calibration) -> u64 {
+    calibration
+        .tiled(products)
+        .div_ceil(u64::from(interval.max(1)))
+}
+
+/// Start values of the rows. `box` has seven products of mantissas where the circuit of `spans` has three.
+///
+/// The circuit sets a packet up in every cycle, or in four by shared shifters; a machine between the two is charged for the larger one's logic.
+fn splat_setup(
+    bits: &Bits,
+    traversal: Traversal,
+    config: &Config,
+    calibration: &Calibration,
+) -> Fabric {
+    let m = bits.mantissa;
+    let dsps = match traversal {
+        Traversal::Spans => calibration.setup_dsps(bits, config.splat_cycles),
+        Traversal::Box => shared(&[[m, m]; 7], config.splat_cycles, calibration),
+    };
+    let logic = |lines: &Lines| {
+        let setup = if config.splat_cycles >= SETUP_INTERVAL {
+            &lines.shared_setup
+        } else {
+            &lines.setup
+        };
+        (setup.at(m) + lines.rest).round() as u64
+    };
+    Fabric {
+        luts: logic(&calibration.luts),
+        flip_flops: logic(&calibration.flip_flops),
+        dsps,
+        memory_kbit: calibration.blocks_of(&calibration.setup_kbit, m),
+    }
+}
+
+/// One generator of rows. `box` only adds: four words of 63 bits, counted.
+fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibration) -> Fabric {
+    if traversal == Traversal::Box {
+        return Fabric {
+            luts: 4 * 63,
+            flip_flops: 4 * 63,
+            ..Fabric::default()
+        };
+    }
+    let logic = |lines: &Lines| lines.rows.at(bits.mantissa).round() as u64;
+    Fabric {
+        luts: logic(&calibration.luts),
+        flip_flops: logic(&calibration.flip_flops),
+        dsps: shared(&bits.row_multipliers(), config.row_cycles, calibration),
+        memory_kbit: calibration.blocks_of(&calibration.row_kbit, bits.mantissa),
+    }
+}
+
+/// All lanes with their queues, tables and banks. Only with the layout `rows` has each lane a queue of its own.
+fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
+    let lanes = u64::from(config.lanes);
+    let or_lanes = |count: u32| if count == 0 { lanes } else { count.into() };
+    let (ports, banks) = (
+        or_lanes(config.table_ports).min(lanes),
+        or_lanes(config.buffer_banks),
+    );
+    let queues = if config.layout == LaneLayout::Rows {
+        lanes
+    } else {
+        1
+    };
+    let queue = |runs: u32| calibration.queue(runs.into(), bits.run);
+    // A mask of the tile's columns, with the search for the next open group.
+    let mask = match config.pixel_termination {
+        Termination::Skip => 2 * u64::from(config.tile_width),
+        Termination::Discard => 0,
+    };
+    let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
+    // The lines hold a lane with the circuit's queue.
+    let luts = lane(&calibration.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
+    let [opacity, share, colour] = bits.blend_multipliers();
+    let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
+    let interpolation = bits
+        .interpolation_multiplier()
+        .map_or(0, |product| calibration.tiles(product));
+    let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
+    let [words, entry] = bits.table;
+    let bank: u64 = bits
+        .pixel
+        .iter()
+        .map(|word| calibration.memory(pixels.div_ceil(banks), *word))
+        .sum();
+    Fabric {
+        luts: luts.saturating_sub(lanes * queue(QUEUE).luts),
+        flip_flops: lane(&calibration.flip_flops),
+        dsps: lanes * (blend(&[opacity]) + blend(&[share]) + blend(&[colour; 3]))
+            + ports * interpolation,
+        memory_kbit: ports * calibration.memory(words, entry)
+            + banks * u64::from(config.tile_buffers) * bank
+            + queues * queue(config.row_fifo).memory_kbit,
+    }
+}
+
+/// Geometry setup where no circuit was synthesised ([`setup`], [`circuit::Geometry`]): more often than once in eight cycles, or for another family.
+///
+/// Its operators are counted. Those of splat setup and rows, counted the same way, come out several times smaller than their synthesis (rounding,
+/// saturation, special cases); geometry setup is taken to be short by the same factor.
+fn counted_setup(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
+    let m = u64::from(widths.mantissa);
+    let geometry = GeometryCircuit::new(widths);
+    let written = Bits::new(widths).operators();
+    let written: f64 = written.iter().map(Operators::luts).sum();
+    let logic = |lines: &Lines| {
+        let synthesised = lines.setup.at(m) + lines.rows.at(m);
+        (geometry.counted().luts() * synthesised / written).round() as u64
+    };
+    Fabric {
+        luts: logic(&calibration.luts),
+        flip_flops: logic(&calibration.flip_flops),
+        dsps: shared(&geometry.products(), config.setup_interval, calibration),
+        memory_kbit: 2 * calibration.memory(GeometryCircuit::TABLE_WORDS, geometry.table_bits),
+    }
+}
+
+/// Queues of splats and packets. The circuit has none between splat setup and rows.
+fn queues(widths: &Widths, config: &Config, calibration: &Calibration) -> Fabric {
+    let bits = packet::Layout::new(widths).bits() as u64;
+    let queue = |depth: u32, bits: u64| calibration.queue(depth.into(), bits);
+    let splats = match config.overlap {
+        Overlap::Primitive => Fabric::default(),
+        _ => queue(config.splat_fifo, bits),
+    };
+    // Each packet of a cache with the rest of its splat's number, up to 2^24 splats.
+    let cache = match config.packet_cache {
+        0 => Fabric::default(),
+        packets => queue(packets, bits + 24),
+    };
+    let each = queue(config.packet_fifo, bits) + splats + cache;
+    each * u64::from(config.raster_units)
+        + queue(config.setup_fifo, 8 * u64::from(config.splat_bytes))
+        + queue(config.bin_fifo, bits)
+}
+
+impl Fabric {
+    /// The resources with their names, in the order of all tables.
+    pub fn resources(&self) -> [(&'static str, u64); 4] {
+        [
+            ("LUT", self.luts),
+            ("FF", self.flip_flops),
+            ("DSP", self.dsps),
+            ("kbit", self.memory_kbit),
+        ]
+    }
+
+    /// The largest deviation from what was found, of any resource, as a part of 1.
+    pub fn worst_error(&self, found: &Fabric) -> f64 {
+        let pairs = self.resources().into_iter().zip(found.resources());
+        pairs
+            .filter(|((_, estimated), (_, found))| estimated != found)
+            .map(|((_, estimated), (_, found))| (estimated as f64 / found as f64 - 1.0).abs())
+            .fold(0.0, f64::max)
+    }
+}
+
+impl fmt::Display for Fabric {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let resources = self.resources();
+        let words = resources.map(|(name, count)| format!("{count} {name}"));
+        f.write_str(&words.join(", "))
+    }
+}
+
+impl Add for Fabric {
+    type Output = Fabric;
+    fn add(self, other: Fabric) -> Fabric {
+        Fabric {
+            luts: self.luts + other.luts,
+            flip_flops: self.flip_flops + other.flip_flops,
+            dsps: self.dsps + other.dsps,
+            memory_kbit: self.memory_kbit + other.memory_kbit,
+        }
+    }
+}
+
+impl Mul<u64> for Fabric {
+    type Output = Fabric;
+    fn mul(self, count: u64) -> Fabric {
+        Fabric {
+            luts: self.luts * count,
+            flip_flops: self.flip_flops * count,
+            dsps: self.dsps * count,
+            memory_kbit: self.memory_kbit * count,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

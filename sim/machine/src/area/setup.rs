@@ -1,0 +1,256 @@
+//! Area of the setup unit in `sim/rtl`: straight lines through its synthesis.
+//!
+//! The unit is a base and a number of equal cores, each with multipliers of its own; all cores together take a round of slots for as many splats as
+//! there are cores. So an interval between two splats is a number of cores. Below eight cycles there is no such circuit: its ends take a
+//! record in eight, and so many cores with registers and shifters of their own would be the wrong circuit for it.
+
+use super::{Calibration, Fabric, Family};
+use crate::config::Config;
+use splatline::format::Widths;
+use std::fmt::Write;
+
+/// The counts, as `rtl -- setup area` writes them.
+pub const CSV: &str = include_str!("setup.csv");
+
+const HEADING: &str =
+    "design,position,mantissa,round,family,cores,luts,flip_flops,dsps,memory_kbit";
+
+/// Cycles between two splats at best.
+pub const LEAST_INTERVAL: u32 = 8;
+
+/// Cores that a unit has at most.
+pub const MOST_CORES: u32 = 32;
+
+/// Numbers of cores that the lines go through.
+pub const FITTED_CORES: [u32; 2] = [1, 4];
+
+/// One circuit and its counts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SetupUnit {
+    /// Name of the design.
+    pub design: String,
+    /// Bits of the difference to the eye: above 30 it has two parts, and the round is longer.
+    pub position: u8,
+    /// Bits of a mantissa.
+    pub mantissa: u8,
+    /// Slots of a splat.
+    pub round: u32,
+    /// For which devices.
+    pub family: Family,
+    /// Cores.
+    pub cores: u32,
+    /// The counts.
+    pub fabric: Fabric,
+}
+
+impl SetupUnit {
+    /// Do the lines go through it?
+    pub fn fitted(&self) -> bool {
+        FITTED_CORES.contains(&self.cores)
+            && ["lean18", "standard24"].contains(&self.design.as_str())
+    }
+}
+
+/// The table's text.
+pub fn to_csv(units: &[SetupUnit]) -> String {
+    let mut text = format!("{HEADING}\n");
+    for unit in units {
+        let Fabric {
+            luts,
+            flip_flops,
+            dsps,
+            memory_kbit,
+        } = unit.fabric;
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{},{},{},{},{},{luts},{flip_flops},{dsps},{memory_kbit}",
+            unit.design,
+            unit.position,
+            unit.mantissa,
+            unit.round,
+            unit.family.name(),
+            unit.cores
+        );
+    }
+    text
+}
+
+/// The lines of a table; nothing if one of them is none.
+pub fn parse(text: &str) -> Option<Vec<SetupUnit>> {
+    let lines = text.strip_prefix(HEADING)?.lines();
+    lines
+        .filter(|line| !line.is_empty())
+        .map(parse_line)
+        .collect()
+}
+
+fn parse_line(line: &str) -> Option<SetupUnit> {
+    let [
+        design,
+        position,
+        mantissa,
+        round,
+        family,
+        cores,
+        counts @ ..,
+    ] = line
+        .split(',')
+        .collect::<Vec<_>>()
+        .try_into()
+        .ok()
+        .map(|all: [&str; 10]| all)?;
+    let [luts, flip_flops, dsps, memory_kbit] = counts.map(|count| count.parse().ok());
+    Some(SetupUnit {
+        design: design.to_owned(),
+        position: position.parse().ok()?,
+        mantissa: mantissa.parse().ok()?,
+        round: round.parse().ok()?,
+        family: Family::named(family)?,
+        cores: cores.parse().ok()?,
+        fabric: Fabric {
+            luts: luts?,
+            flip_flops: flip_flops?,
+            dsps: dsps?,
+            memory_kbit: memory_kbit?,
+        },
+    })
+}
+
+/// Everything that was synthesised.
+///
+/// # Panics
+/// If the table is not what [`to_csv`] writes; a test reads it.
+pub fn synthesised() -> Vec<SetupUnit> {
+    parse(CSV).expect("setup.csv is a table of synthesised setup units")
+}
+
+/// Cores that take a splat in `interval` cycles.
+pub fn cores(round: u32, interval: u32) -> u32 {
+    round.div_ceil(interval.max(LEAST_INTERVAL))
+}
+
+/// The setup units of a machine as the circuit that takes a splat as often: one with more cores. Nothing where there is no such circuit: below its least
+/// interval, beyond its most cores, for a family for which none was synthesised, or where prices are the user's own.
+pub(super) fn of_machine(
+    widths: &Widths,
+    config: &Config,
+    calibration: &Calibration,
+) -> Option<Fabric> {
+    let units = synthesised();
+    let round = round(&units, widths)?;
+    let cores = (round * config.setup_units).div_ceil(config.setup_interval);
+    let rare = config.setup_interval >= LEAST_INTERVAL * config.setup_units;
+    let built = rare && cores <= MOST_CORES && calibration.is_own();
+    built.then(|| estimate(&units, calibration.family, widths.mantissa, cores))?
+}
+
+/// Slots of a splat for a design: longer where positions have two parts.
+pub fn round(units: &[SetupUnit], widths: &Widths) -> Option<u32> {
+    let two_parts = widths.position > 30;
+    let same = |unit: &&SetupUnit| (unit.position > 30) == two_parts;
+    units.iter().find(same).map(|unit| unit.round)
+}
+
+/// A unit with so many cores for a family, by the lines; nothing where none was synthesised.
+pub fn estimate(units: &[SetupUnit], family: Family, mantissa: u8, cores: u32) -> Option<Fabric> {
+    let of = |resource: fn(&Fabric) -> u64| {
+        let at = |design: &str, cores: u32| {
+            let same = |unit: &&SetupUnit| {
+                unit.family == family && unit.design == design && unit.cores == cores
+            };
+            let unit = units.iter().find(same)?;
+            Some((f64::from(unit.mantissa), resource(&unit.fabric) as f64))
+        };
+        let [few, many] = FITTED_CORES;
+        let ends = |design: &str| {
+            let ((bits, a), (_, b)) = (at(design, few)?, at(design, many)?);
+            let core = (b - a) / f64::from(many - few);
+            Some((bits, core, a - core * f64::from(few)))
+        };
+        let (low, high) = (ends("lean18")?, ends("standard24")?);
+        let along = (f64::from(mantissa) - low.0) / (high.0 - low.0);
+        let core = low.1 + along * (high.1 - low.1);
+        let base = low.2 + along * (high.2 - low.2);
+        Some((base + core * f64::from(cores)).round() as u64)
+    };
+    Some(Fabric {
+        luts: of(|fabric| fabric.luts)?,
+        flip_flops: of(|fabric| fabric.flip_flops)?,
+        dsps: of(|fabric| fabric.dsps)?,
+        memory_kbit: of(|fabric| fabric.memory_kbit)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use splatline::format::{Lean18, Standard24};
+
+    #[test]
+    fn the_table_is_whole_and_of_todays_widths() {
+        let units = synthesised();
+        assert_eq!(to_csv(&units), CSV);
+        for (name, widths) in [
+            ("lean18", Lean18::WIDTHS),
+            ("standard24", Standard24::WIDTHS),
+        ] {
+            for cores in FITTED_CORES {
+                let same = |unit: &&SetupUnit| unit.design == name && unit.cores == cores;
+                let unit = units.iter().find(same).unwrap();
+                assert_eq!(
+                    (unit.position, unit.mantissa, Some(unit.round)),
+                    (widths.position, widths.mantissa, round(&units, &widths)),
+                    "{name}: synthesise it anew"
+                );
+            }
+        }
+        assert_eq!(parse("design,widths\n"), None);
+    }
+
+    /// A unit of a core, nine of which take a splat each in a round, is a unit of nine; what has no circuit is counted.
+    #[test]
+    fn a_machines_setup_is_the_circuit_where_there_is_one() {
+        let units = synthesised();
+        let prices = Family::Ecp5.calibration();
+        let machine = Config::machine(4);
+        let widths = Lean18::WIDTHS;
+        let nine = estimate(&units, Family::Ecp5, widths.mantissa, 9);
+        assert_eq!(of_machine(&widths, &machine, &prices), nine);
+        let fast = Config {
+            setup_units: 1,
+            setup_interval: 7,
+            ..machine
+        };
+        let eight = Config {
+            setup_interval: 8,
+            ..fast
+        };
+        let around = |config: &Config, prices: &Calibration| {
+            crate::area::estimate(&widths, splatline::format::Traversal::Spans, config, prices)
+                .around
+        };
+        assert_eq!(of_machine(&widths, &fast, &prices), None);
+        assert!(of_machine(&widths, &eight, &prices).is_some());
+        assert_eq!(
+            of_machine(&widths, &machine, &Family::Xilinx7.calibration()),
+            None
+        );
+        let queues = around(&machine, &prices).luts - nine.map_or(0, |nine| nine.luts);
+        assert_eq!(
+            around(&eight, &prices).luts - queues,
+            estimate(&units, Family::Ecp5, widths.mantissa, 23).map_or(0, |unit| unit.luts)
+        );
+    }
+
+    #[test]
+    fn estimates_are_within_a_twentieth_of_synthesis() {
+        let units = synthesised();
+        assert!(units.iter().any(|unit| !unit.fitted()), "nothing is unseen");
+        for unit in &units {
+            let estimate = estimate(&units, unit.family, unit.mantissa, unit.cores).unwrap();
+            let error = estimate.worst_error(&unit.fabric);
+            assert!(error < 0.05, "{unit:?}: {estimate}, {error}");
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! What Yosys made of the primitive: the counts that the estimate is calibrated on and held against.
+//!
+//! `synthesised.csv` is written by `rtl -- area` of `sim/rtl/cosim`, with the widths that were synthesised. Two designs with one and four lanes are
+//! fitted; two lanes and a design between the two have not been seen by the fit.
+
+use super::calibration::{Calibration, Family};
+use super::{Fabric, raster_unit};
+use crate::config::Config;
+use crate::design::DesignChoice;
+use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
+use std::fmt::Write;
+
+/// The table, as it lies beside this file.
+pub const CSV: &str = include_str!("synthesised.csv");
+
+const HEADING: &str = "design,widths,family,part,luts,flip_flops,dsps,memory_kbit";
+
+/// What was synthesised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SynthesisedPart {
+    /// The splat setup alone, of a packet in so many cycles.
+    Setup(u32),
+    /// The row generator alone.
+    Rows,
+    /// The primitive with so many lanes.
+    Lanes(u32),
+}
+
+/// A design whose circuits are synthesised.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Subject {
+    /// Its name.
+    pub name: &'static str,
+    /// Its widths.
+    pub widths: Widths,
+}
+
+/// One circuit and its counts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Synthesised {
+    /// Name of the design.
+    pub design: String,
+    /// Its widths when it was synthesised.
+    pub widths: Widths,
+    /// For which devices.
+    pub family: Family,
+    /// What of it.
+    pub part: SynthesisedPart,
+    /// The counts.
+    pub fabric: Fabric,
+}
+
+/// What `splatline fit random:300 --max-error 0.00001 --size 64x64` proposes.
+const FITTED: &str = include_str!("fitted.toml");
+
+/// Name of the design that `splatline fit` proposed.
+pub const OF_FIT: &str = "of fit";
+
+/// The designs, and two between them that the lines have not seen, one of them from `splatline fit`.
+///
+/// # Panics
+/// If `fitted.toml` is not a design; a test reads it.
+pub fn subjects() -> [Subject; 4] {
+    let between = Widths {
+        mantissa: 24,
+        subpixel: 20,
+        table: 10,
+        interpolation: 14,
+        weight: 24,
+        alpha: 24,
+        colour: 18,
+        accumulator: 24,
+        ..Standard24::WIDTHS
+    };
+    let proposed = DesignChoice::from_toml("fitted.toml", FITTED).expect("fitted.toml is a design");
+    let subject = |name, widths| Subject { name, widths };
+    [
+        subject("lean18", Lean18::WIDTHS),
+        subject("standard24", Standard24::WIDTHS),
+        subject("24-bit mantissa", between),
+        subject(OF_FIT, proposed.widths),
+    ]
+}
+
+/// Everything that was synthesised.
+///
+/// # Panics
+/// If the table is not what [`to_csv`] writes; a test reads it.
+pub fn synthesised() -> Vec<Synthesised> {
+    parse(CSV).expect("synthesised.csv is a table of synthesised circuits")
+}
+
+/// The lines of a table; nothing if one of them is none.
+pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
+    let lines = text.strip_prefix(HEADING)?.lines();
+    lines
+        .filter(|line| !line.is_empty())
+        .map(parse_line)
+        .collect()
+}
+
+fn parse_line(line: &str) -> Option<Synthesised> {
+    let [
+        design,
+        widths,
+        family,
+        part,
+        luts,
+        flip_flops,
+        dsps,
+        memory_kbit,
+    ] = line.split(',').collect::<Vec<_>>().try_into().ok()?;
+    let numbers: Vec<u8> = widths
+        .split(' ')
+        .map(|width| width.parse().ok())
+        .collect::<Option<_>>()?;
+    let part = match part.split_once(' ') {
+        Some(("setup", interval)) => SynthesisedPart::Setup(interval.parse().ok()?),
+        _ if part == "rows" => SynthesisedPart::Rows,
+        _ => SynthesisedPart::Lanes(part.parse().ok()?),
+    };
+    Some(Synthesised {
+        design: design.to_owned(),
+        widths: widths_of(numbers.try_into().ok()?),
+        family: Family::named(family)?,
+        part,
+        fabric: Fabric {
+            luts: luts.parse().ok()?,
+            flip_flops: flip_flops.parse().ok()?,
+            dsps: dsps.parse().ok()?,
+            memory_kbit: memory_kbit.parse().ok()?,
+        },
+    })
+}
+
+/// The circuit begins at the packet: how positions became footprints is nothing to it.
+fn widths_of(numbers: [u8; 12]) -> Widths {
+    let mut all = [Standard24::WIDTHS.position; 13];
+    all[1..].copy_from_slice(&numbers);
+    Widths::from_numbers(all, Rounding::Nearest)
+}
+
+/// The table's text.
+pub fn to_csv(lines: &[Synthesised]) -> String {
+    let mut text = format!("{HEADING}\n");
+    for line in lines {
+        let widths: Vec<String> = line
+            .widths
+            .numbers()
+            .iter()
+            .skip(1)
+            .map(ToString::to_string)
+            .collect();
+        let part = match line.part {
+            SynthesisedPart::Setup(interval) => format!("setup {interval}"),
+            SynthesisedPart::Rows => "rows".to_owned(),
+            SynthesisedPart::Lanes(lanes) => lanes.to_string(),
+        };
+        let Fabric {
+            luts,
+            flip_flops,
+            dsps,
+            memory_kbit,
+        } = line.fabric;
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{},{},{},{part},{luts},{flip_flops},{dsps},{memory_kbit}",
+            line.design,
+            widths.join(" "),
+            line.family.name()
+        );
+    }
+    text
+}
+
+impl Synthesised {
+    /// Do the calibration's lines go through it?
+    pub fn fitted(&self) -> bool {
+        let named = subjects()
+            .iter()
+            .take(2)
+            .any(|subject| subject.name == self.design);
+        named && self.part != SynthesisedPart::Lanes(2)
+    }
+
+    /// The estimate of the same circuit, if it is a whole one.
+    pub fn estimate(&self, calibration: &Calibration) -> Option<Fabric> {
+        let SynthesisedPart::Lanes(lanes) = self.part else {
+            return None;
+        };
+        let config = Config::primitive(lanes);
+        Some(raster_unit(
+            &self.widths,
+            Traversal::Spans,
+            &config,
+            calibration,
+        ))
+    }
+}
+
+/// By how much a family's own estimate misses synthesis at worst, of LUT, FF, DSP and memory; as parts of 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AreaErrors {
+    /// Circuits that the lines go through.
+    pub fitted: f64,
+    /// Circuits that the fit has not seen; none if none was synthesised.
+    pub unseen: Option<f64>,
+}
+
+/// Holds a family's estimate against its synthesis.
+pub fn errors(family: Family) -> AreaErrors {
+    let calibration = family.calibration();
+    let (mut fitted, mut unseen) = (0.0, None);
+    for line in synthesised().iter().filter(|line| line.family == family) {
+        let Some(estimate) = line.estimate(&calibration) else {
+            continue;
+        };
+        let worst = estimate.worst_error(&line.fabric);
+        if line.fitted() {
+            fitted = f64::max(fitted, worst);
+        } else {
+            unseen = Some(f64::max(unseen.unwrap_or(0.0), worst));
+        }
+    }
+    AreaErrors { fitted, unseen }
+}
+
+/// What a reader of an estimate must know: for which devices it is, and how well it met synthesis.
+pub fn statement(calibration: &Calibration) -> String {
+    let name = calibration.family.name();
+    if !calibration.is_own() {
+        return format!(
+            "area by prices of your own, begun from those of {name}; not held against any synthesis"
+        );
+    }
+    let AreaErrors { fitted, unseen } = errors(calibration.family);
+    let unseen = unseen.map_or(String::new(), |unseen| {
+        format!(
+            " and {:.1} % of circuits that the calibration has not seen",
+            100.0 * unseen
+        )
+    });
+    format!(
+        "area for {name}: the raster unit of sim/rtl (layout rows, one row a cycle) is estimated within {:.1} % of its synthesis{unseen} (LUT, FF, DSP, memory; \
+         docs/area.md); other layouts, geometry setup and queues around it are counted, not synthesised{}",
+        100.0 * fitted,
+        match calibration.family {
+            Family::Ecp5 =>
+                ", but for geometry setup of a splat in eight cycles or more (docs/setup-unit.md)",
+            _ => "",
+        }
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::primitive::SETUP_INTERVAL;
+
+    #[test]
+    fn the_table_is_whole_and_of_todays_widths() {
+        let lines = synthesised();
+        assert_eq!(to_csv(&lines), CSV);
+        for line in &lines {
+            let subject = subjects()
+                .into_iter()
+                .find(|subject| subject.name == line.design)
+                .unwrap();
+            // The circuit knows no positions.
+            let position = line.widths.position;
+            let widths = Widths {
+                position,
+                ..subject.widths
+            };
+            assert_eq!(widths, line.widths, "{}: synthesise it anew", line.design);
+        }
+        for family in Family::ALL {
+            for design in ["lean18", "standard24"] {
+                for part in [
+                    SynthesisedPart::Setup(1),
+                    SynthesisedPart::Setup(SETUP_INTERVAL),
+                    SynthesisedPart::Rows,
+                    SynthesisedPart::Lanes(1),
+                    SynthesisedPart::Lanes(4),
+                ] {
+                    assert!(lines.iter().any(|line| line.design == design
+                        && line.family == family
+                        && line.part == part));
+                }
+            }
+        }
+        assert_eq!(parse("design,widths\n"), None);
+    }
+
+    #[test]
+    fn estimates_are_within_a_tenth_of_synthesis() {
+        for family in Family::ALL {
+            let AreaErrors { fitted, unseen } = errors(family);
+            assert!(
+                fitted < 0.1 && unseen.is_none_or(|unseen| unseen < 0.1),
+                "{family:?}: {fitted}, {unseen:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn prices_of_ones_own_are_said_to_be_so() {
+        let own = Calibration::from_toml("c.toml", "family = \"ecp5\"\nluts_per_dsp = 100.0\n");
+        assert!(statement(&own.unwrap()).contains("not held against"));
+        assert!(statement(&Family::Ecp5.calibration()).contains("ECP5"));
+    }
+}

@@ -1,0 +1,402 @@
+//! What one action takes: picojoules by kind and width, from a TOML that names node and source of every entry.
+//!
+//! The literature gives two or three widths of each kind. What lies between them is a power of the width, the one that goes through both
+//! neighbours: adders grow about linearly, multipliers with the product of their operands, memories with the root of their capacity, and
+//! the figures that ship have just these slopes.
+
+use serde::{Deserialize, Serialize};
+use toml::Spanned;
+
+/// The table that ships: 45 nm figures.
+pub const SHIPPED: &str = include_str!("45nm.toml");
+
+/// Largest energy of an entry, pJ: no action of a chip takes a microjoule, and sums stay whole numbers.
+const MOST_PJ: f64 = 1e6;
+/// Largest factor for another node.
+const MOST_SCALE: f64 = 100.0;
+/// Attojoules of a picojoule.
+const ATTO: f64 = 1e6;
+
+/// Energies by kind and width.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct EnergyTable {
+    /// Process and voltage.
+    pub node: String,
+    scale: f64,
+    adder: PriceCurve,
+    multiplier: PriceCurve,
+    float_adder: PriceCurve,
+    float_multiplier: PriceCurve,
+    memory: PriceCurve,
+    dram_bit: f64,
+    shipped: bool,
+}
+
+/// Picojoules over a width, by increasing width; at least one point.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct PriceCurve {
+    points: Vec<[f64; 2]>,
+    /// Slope in logarithms where there is one point only.
+    alone: f64,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EnergyFile {
+    node: String,
+    scale: Option<Spanned<f64>>,
+    adder: Vec<EnergyEntry>,
+    multiplier: Vec<EnergyEntry>,
+    memory: Vec<MemoryEntry>,
+    float_adder: Vec<EnergyEntry>,
+    float_multiplier: Vec<EnergyEntry>,
+    dram: EnergyEntry,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct EnergyEntry {
+    bits: Spanned<i64>,
+    pj: Spanned<f64>,
+    source: Spanned<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MemoryEntry {
+    bytes: Spanned<i64>,
+    bits: Spanned<i64>,
+    pj: Spanned<f64>,
+    source: Spanned<String>,
+}
+
+impl Default for EnergyTable {
+    fn default() -> Self {
+        let table = EnergyTable::from_toml("45nm.toml", SHIPPED);
+        table.expect("the table that ships is one, which a test says")
+    }
+}
+
+impl EnergyTable {
+    /// Reads a table; `file` is its name for messages, which name line, key and what is allowed.
+    pub fn from_toml(file: &str, text: &str) -> Result<EnergyTable, String> {
+        let parsed: EnergyFile =
+            toml::from_str(text).map_err(|error| format!("{file}: {error}"))?;
+        let check = EnergyCheck { file, text };
+        let scale = match &parsed.scale {
+            None => 1.0,
+            Some(scale) => check.positive("scale", scale, MOST_SCALE)?,
+        };
+        let widths = |kind, entries: &[EnergyEntry], alone| {
+            let point = |entry: &EnergyEntry| {
+                check.source(kind, &entry.source)?;
+                let bits = check.whole(&format!("{kind}.bits"), &entry.bits, 1, 4096)?;
+                let pj = check.positive(&format!("{kind}.pj"), &entry.pj, MOST_PJ)?;
+                Ok(([bits, pj], entry.bits.span().start))
+            };
+            check.curve(kind, entries.iter().map(point), alone)
+        };
+        let memory = |entry: &MemoryEntry| {
+            check.source("memory", &entry.source)?;
+            let bytes = check.whole("memory.bytes", &entry.bytes, 1, 1 << 40)?;
+            let bits = check.whole("memory.bits", &entry.bits, 1, 4096)?;
+            let pj = check.positive("memory.pj", &entry.pj, MOST_PJ)?;
+            Ok(([bytes, pj / bits], entry.bytes.span().start))
+        };
+        check.source("dram", &parsed.dram.source)?;
+        let dram_bits = check.whole("dram.bits", &parsed.dram.bits, 1, 4096)?;
+        let dram_pj = check.positive("dram.pj", &parsed.dram.pj, MOST_PJ)?;
+        let squared = |curve: PriceCurve| PriceCurve {
+            points: curve
+                .points
+                .iter()
+                .map(|[bits, pj]| [bits * bits, *pj])
+                .collect(),
+            ..curve
+        };
+        Ok(EnergyTable {
+            node: parsed.node,
+            scale,
+            adder: widths("adder", &parsed.adder, 1.0)?,
+            multiplier: squared(widths("multiplier", &parsed.multiplier, 1.0)?),
+            float_adder: widths("float_adder", &parsed.float_adder, 1.0)?,
+            float_multiplier: squared(widths("float_multiplier", &parsed.float_multiplier, 1.0)?),
+            memory: check.curve("memory", parsed.memory.iter().map(memory), 0.5)?,
+            dram_bit: dram_pj / dram_bits,
+            shipped: text == SHIPPED,
+        })
+    }
+
+    /// Attojoules of an addition, subtraction or comparison of integers.
+    pub fn adder(&self, bits: u64) -> u64 {
+        whole(self.scale * self.adder.at(bits as f64))
+    }
+
+    /// Of a product of integers.
+    pub fn multiplier(&self, [a, b]: [u64; 2]) -> u64 {
+        whole(self.scale * self.multiplier.at((a * b) as f64))
+    }
+
+    /// Of a floating-point addition or comparison.
+    pub fn float_adder(&self, bits: u64) -> u64 {
+        whole(self.scale * self.float_adder.at(bits as f64))
+    }
+
+    /// Of a floating-point product.
+    pub fn float_multiplier(&self, bits: u64) -> u64 {
+        whole(self.scale * self.float_multiplier.at((bits * bits) as f64))
+    }
+
+    /// Of reading or writing a word of a memory of so many bytes.
+    pub fn memory(&self, bytes: u64, bits: u64) -> u64 {
+        whole(self.scale * self.memory.at(bytes as f64) * bits as f64)
+    }
+
+    /// Of a byte over the memory interface.
+    pub fn dram_byte(&self) -> u64 {
+        whole(self.dram_bit * 8.0)
+    }
+
+    /// What a reader of an estimate must know.
+    pub fn statement(&self) -> String {
+        let source = if self.shipped {
+            "figures of the literature"
+        } else {
+            "a table of your own"
+        };
+        format!(
+            "estimate by {source} for {}: actions counted times energy each; without clock tree, pipeline registers, control, wires, leakage, and what a DRAM \
+             takes when idle (docs/energy-and-memory.md)",
+            self.node
+        )
+    }
+}
+
+/// Attojoules as a whole number, so that sums are exact in any order.
+fn whole(pj: f64) -> u64 {
+    (pj * ATTO).round() as u64
+}
+
+impl PriceCurve {
+    /// The value at a width: on the power that goes through the two points around it, or nearest to it.
+    fn at(&self, x: f64) -> f64 {
+        let x = x.max(1.0);
+        let after = self.points.partition_point(|[at, _]| *at < x);
+        let high = after
+            .clamp(1, self.points.len().max(2) - 1)
+            .min(self.points.len() - 1);
+        let [x0, y0] = self.points[high.saturating_sub(1)];
+        let [x1, y1] = self.points[high];
+        let slope = if x1 > x0 {
+            (y1 / y0).ln() / (x1 / x0).ln()
+        } else {
+            self.alone
+        };
+        y0 * (x / x0).powf(slope)
+    }
+}
+
+/// Checks values and names file and line of those that are refused.
+struct EnergyCheck<'a> {
+    file: &'a str,
+    text: &'a str,
+}
+
+impl EnergyCheck<'_> {
+    fn line(&self, at: usize) -> usize {
+        let before = self.text.get(..at).unwrap_or(self.text);
+        before.matches('\n').count() + 1
+    }
+
+    fn refused<T>(&self, at: usize, what: &str, allowed: &str) -> Result<T, String> {
+        Err(format!(
+            "{}:{}: {what}: {allowed}",
+            self.file,
+            self.line(at)
+        ))
+    }
+
+    fn positive(&self, key: &str, value: &Spanned<f64>, most: f64) -> Result<f64, String> {
+        let number = *value.as_ref();
+        if number.is_finite() && number > 0.0 && number <= most {
+            return Ok(number);
+        }
+        let allowed = format!("allowed are numbers above 0 up to {most}");
+        self.refused(value.span().start, &format!("{key} = {number}"), &allowed)
+    }
+
+    fn whole(&self, key: &str, value: &Spanned<i64>, low: i64, high: i64) -> Result<f64, String> {
+        let number = *value.as_ref();
+        if (low..=high).contains(&number) {
+            return Ok(number as f64);
+        }
+        let allowed = format!("allowed are {low} to {high}");
+        self.refused(value.span().start, &format!("{key} = {number}"), &allowed)
+    }
+
+    fn source(&self, kind: &str, source: &Spanned<String>) -> Result<(), String> {
+        if !source.as_ref().trim().is_empty() {
+            return Ok(());
+        }
+        let allowed = "name the paper or the data sheet that the energy is from";
+        self.refused(
+            source.span().start,
+            &format!("{kind}.source is empty"),
+            allowed,
+        )
+    }
+
+    fn curve(
+        &self,
+        kind: &str,
+        points: impl Iterator<Item = Result<([f64; 2], usize), String>>,
+        alone: f64,
+    ) -> Result<PriceCurve, String> {
+        let mut curve = PriceCurve {
+            points: Vec::new(),
+            alone,
+        };
+        for point in points {
+            let (point, at) = point?;
+            if curve.points.last().is_some_and(|last| last[0] >= point[0]) {
+                let what = format!("{kind}: {} is not above the entry before", point[0]);
+                return self.refused(at, &what, "entries of a kind come by increasing width");
+            }
+            curve.points.push(point);
+        }
+        if curve.points.is_empty() {
+            return Err(format!(
+                "{}: {kind} has no entry: at least one is needed",
+                self.file
+            ));
+        }
+        Ok(curve)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_that_ships_gives_its_entries_and_follows_them_between() {
+        let table = EnergyTable::default();
+        assert_eq!([table.adder(8), table.adder(32)], [30_000, 100_000]);
+        assert_eq!(
+            [table.multiplier([8, 8]), table.multiplier([32, 32])],
+            [200_000, 3_100_000]
+        );
+        assert_eq!(table.memory(8192, 64), 10_000_000);
+        assert_eq!(table.memory(1 << 20, 32), 50_000_000);
+        assert_eq!(table.dram_byte(), 243_750_000);
+        // Sixteen times the area of a product, 15.5 times its energy; a quarter of a memory, half the energy.
+        let ratio = table.multiplier([16, 16]) as f64 / table.multiplier([8, 8]) as f64;
+        assert!((ratio - 15.5f64.sqrt()).abs() < 1e-3, "{ratio}");
+        assert_eq!(table.memory(2048, 64), 5_000_000);
+        assert_eq!(table.multiplier([4, 16]), table.multiplier([8, 8]));
+    }
+
+    /// Every number of the file, one after the other: outside its range it is refused by line, key and what is allowed; every entry has a source.
+    #[test]
+    fn every_number_has_a_range_and_every_entry_a_source() {
+        let (mut numbers, mut sources, mut entries) = (0, 0, 0);
+        for (index, line) in SHIPPED.lines().enumerate() {
+            entries += usize::from(line.starts_with('[') && !line.starts_with("[["));
+            entries += usize::from(line.starts_with("[["));
+            let Some((key, value)) = line.split_once(" = ").filter(|_| !line.starts_with('#'))
+            else {
+                continue;
+            };
+            let refused = |wrong: &str| {
+                let changed = SHIPPED.lines().enumerate().map(|(other, text)| {
+                    if other == index {
+                        format!("{key} = {wrong}\n")
+                    } else {
+                        format!("{text}\n")
+                    }
+                });
+                EnergyTable::from_toml("mine.toml", &changed.collect::<String>()).unwrap_err()
+            };
+            let wrong: &[&str] = match key {
+                "source" => &["\"\"", "\" \""],
+                "bits" | "bytes" => &["0", "-1", "2000000000000"],
+                "node" => continue,
+                _ => &["0", "-1", "nan", "inf", "1e9"],
+            };
+            for wrong in wrong {
+                let printed = refused(wrong);
+                let place = format!("mine.toml:{}: ", index + 1);
+                assert!(
+                    printed.starts_with(&place) && printed.contains(key),
+                    "{printed}"
+                );
+                assert!(
+                    printed.contains("allowed") || printed.contains("name the paper"),
+                    "{printed}"
+                );
+            }
+            numbers += usize::from(value.parse::<f64>().is_ok());
+            sources += usize::from(key == "source");
+        }
+        assert!(
+            numbers > 20 && sources == entries,
+            "{numbers} {sources} {entries}"
+        );
+    }
+
+    #[test]
+    fn wider_is_never_cheaper() {
+        let table = EnergyTable::default();
+        for bits in 1..128 {
+            assert!(table.adder(bits) < table.adder(bits + 1));
+            assert!(table.multiplier([bits, 18]) < table.multiplier([bits + 1, 18]));
+            assert!(table.memory(64 * bits, 8) < table.memory(64 * bits + 64, 8));
+        }
+    }
+
+    #[test]
+    fn a_scale_is_of_the_chip_and_not_of_its_dram() {
+        let text = SHIPPED.replace("scale = 1.0", "scale = 0.5");
+        let half = EnergyTable::from_toml("h.toml", &text).unwrap();
+        assert_eq!(half.adder(32), 50_000);
+        assert_eq!(half.dram_byte(), EnergyTable::default().dram_byte());
+        assert!(half.statement().contains("table of your own"));
+    }
+
+    /// Whatever is wrong, the message names file, line and key.
+    #[test]
+    fn what_no_chip_takes_is_refused_by_name_and_line() {
+        let refused = |from: &str, to: &str| {
+            assert!(SHIPPED.contains(from));
+            EnergyTable::from_toml("mine.toml", &SHIPPED.replacen(from, to, 1)).unwrap_err()
+        };
+        for wrong in ["nan", "-0.1", "inf", "0", "1e9"] {
+            let message = refused("pj = 0.03", &format!("pj = {wrong}"));
+            assert!(
+                message.starts_with("mine.toml:14: adder.pj = "),
+                "{message}"
+            );
+            assert!(message.contains("above 0 up to 1000000"), "{message}");
+        }
+        let message = refused("bits = 8\npj = 0.2", "bits = 0\npj = 0.2");
+        assert!(
+            message.contains("mine.toml:23: multiplier.bits = 0: allowed are 1 to 4096"),
+            "{message}"
+        );
+        let message = refused("scale = 1.0", "scale = nan");
+        assert!(message.contains("mine.toml:10: scale = NaN"), "{message}");
+        let message = refused("bytes = 32768", "bytes = 8192");
+        assert!(message.contains("memory: 8192 is not above"), "{message}");
+        let message = refused("source = \"Horowitz 2014, figure 1.1.9\"", "source = \" \"");
+        assert!(
+            message.contains("mine.toml:15: adder.source is empty"),
+            "{message}"
+        );
+        assert!(refused("[dram]", "[drum]").contains("drum"));
+        assert!(
+            EnergyTable::from_toml("e.toml", "node = \"x\"\n")
+                .unwrap_err()
+                .contains("e.toml")
+        );
+    }
+}

@@ -1,0 +1,434 @@
+//! The clock of the splat primitive in `sim/rtl`, handshake by handshake: in which cycle each packet, row and run moves on.
+//!
+//! ```text
+//! packet -> setup, 24 stages -> queue -> rows, 32 stages -> queue -> queue of each lane -> lane, one pixel a cycle
+//! ```
+//!
+//! Stages of setup take turns at some units, so that packets are taken in every [`SETUP_INTERVAL`]th cycle since the reset alone. A splat fills one slot of the row pipeline for each row of its box in the tile, or one if there is none. Pipelines never stand still: a packet is
+//! only taken, and a row only issued, if the queue behind the pipeline has a place for it. Queues are registered: a place is free in the
+//! cycle after its entry left. The queue of splats rests for a cycle after each. A lane holds a run back while a pixel of it would come to a place less than [`INTERVAL`] cycles after an earlier one
+//! did. With t(s) the cycle in which packet s is taken, b(s) the one in which its rows are begun, q(i) the one in which
+//! slot i is issued, e(i) the one in which it leaves for its lane, m(i) the one in which its run comes to the front of that lane's queue and p(i)
+//! the one in which it is popped, packets never running out, this is
+//!
+//! ```text
+//! t(s) = max(t(s-1) + 1, b(s - SPLATS) + 1), put off to a multiple of the interval
+//! b(s) = max(t(s) + 27, b(s-1) + 2, q(last slot of s-1))
+//! q(i) = max(q(i-1) + 1, b(s) + 1, e(i - SLOTS) + 1)
+//! e(i) = max(q(i) + 35, e(i-1) + 1, m(j) + 1)           j: the run `queue` places before in the same lane, if slot i has a run
+//! m(i) = max(e(i) + 1, p(k))                            k: the run before in the same lane
+//! p(i) = max(m(i) + 2, p(k) + length(k), p(h) + INTERVAL + column(i) - column(h))    h: runs before that meet it in a pixel
+//! ```
+//!
+//! It is the machine's raster unit where `overlap = "primitive"`, and the co-simulation compares it with the circuit cycle by cycle.
+
+use splatline::footprint::Footprint;
+use splatline::format::Design;
+use splatline::raster::{BLOCK, EllipseSpans, Spans, Window};
+
+/// Runs that a lane's queue holds; `QUEUE` of splat_primitive.sv.
+pub const QUEUE: u32 = 8;
+
+/// Columns and rows of the tile buffer. The columns are those between two seeds, so that a row is one run.
+pub const TILE: [u16; 2] = [BLOCK, 32];
+
+/// Cycles between two visits of a pixel by its lane, at least; `INTERVAL` of lane.sv.
+pub const INTERVAL: u64 = 7;
+
+/// From a run's coming to the front of its lane's queue until it may be popped: meanwhile its pixels are compared with those in flight.
+const FRONT: u64 = 2;
+
+/// Splats between packet and rows; `PLACES` of splat_setup.sv.
+const SPLATS: usize = 32;
+
+/// Cycles between two packets, at least; `SETUP_INTERVAL` of splat_primitive.sv. The circuit is built with 1 as well, if a machine says so (`splat_cycles`).
+pub const SETUP_INTERVAL: u32 = 4;
+
+/// Cycles between two splats that leave their queue, at least; `RESTS` of fifo.sv.
+const BEGINS: u64 = 2;
+
+/// Slots between issue and the lanes' queues; `PLACES` of row_generator.sv.
+const SLOTS: usize = 64;
+
+/// Cycles in which an entry passes through fifo.sv.
+const FIFO_STAGES: u64 = 3;
+
+/// From a packet's handshake until its rows may begin: the stages of splat_setup.sv and its queue.
+const SETUP: u64 = 24 + FIFO_STAGES;
+
+/// From a slot's issue until it may leave: the stages of row_generator.sv and its queue.
+const ROW: u64 = 32 + FIFO_STAGES;
+
+/// Cycles from a packet's handshake until its first row reaches the queues, if nothing is in its way.
+pub const LATENCY: u64 = SETUP + 1 + ROW;
+
+/// Cycles of the last entries of a queue: when a place is free again.
+#[derive(Clone, Debug)]
+struct Ring<const PLACES: usize> {
+    cycles: [u64; PLACES],
+    count: usize,
+}
+
+impl<const PLACES: usize> Ring<PLACES> {
+    const NEW: Self = Ring {
+        cycles: [0; PLACES],
+        count: 0,
+    };
+
+    /// The first cycle in which the next entry finds a place.
+    #[inline(always)]
+    fn free(&self) -> u64 {
+        // No entry leaves in cycle 0.
+        let oldest = self.cycles[self.count % PLACES];
+        if oldest == 0 { 0 } else { oldest + 1 }
+    }
+
+    /// The next entry leaves in this cycle.
+    #[inline(always)]
+    fn leave(&mut self, cycle: u64) {
+        self.cycles[self.count % PLACES] = cycle;
+        self.count += 1;
+    }
+}
+
+/// When setup takes packets: in cycles that are `phase` and a multiple of `interval`.
+#[derive(Clone, Copy, Debug)]
+struct Turns {
+    interval: u64,
+    phase: u64,
+    /// The first cycle in which the next packet may be taken.
+    next: u64,
+}
+
+impl Turns {
+    const fn new(interval: u32, phase: u64) -> Turns {
+        let interval = if interval > 1 { interval as u64 } else { 1 };
+        let phase = phase % interval;
+        Turns {
+            interval,
+            phase,
+            next: phase,
+        }
+    }
+
+    /// The cycle in which a packet is taken that could be from `earliest` on.
+    #[inline(always)]
+    fn take(&mut self, earliest: u64) -> u64 {
+        let waited = earliest.max(self.next) - self.phase;
+        let taken = self.phase + waited.next_multiple_of(self.interval);
+        self.next = taken + 1;
+        taken
+    }
+}
+
+/// A run that a slot may have: the lane that owns its row, and its pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LaneRun {
+    /// Lane: the row modulo the number of lanes.
+    pub lane: usize,
+    /// Row and first column, counted from anywhere.
+    pub row: u16,
+    /// See `row`.
+    pub column: u16,
+    /// Pixels, at least one.
+    pub length: u16,
+}
+
+/// Cycles of a packet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PacketStamp {
+    /// Its handshake.
+    pub taken: u64,
+    /// The row generator takes the splat over from setup.
+    pub begun: u64,
+}
+
+/// Cycles of a slot of the row pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SlotStamp {
+    /// It reaches the pipeline's end.
+    pub ready: u64,
+    /// It leaves the pipeline.
+    pub left: u64,
+    /// Its run, if it has one, is popped from the lane's queue; its pixels follow in the cycles after this one.
+    pub popped: Option<u64>,
+    /// Cycles of the wait before that for which pixels in flight held it back.
+    pub held: u64,
+}
+
+/// The primitive's clock: feed it packets and their slots in order.
+#[derive(Clone, Debug)]
+pub struct PrimitiveClock {
+    turns: Turns,
+    /// First cycles in which the next splat may be begun, the next slot issued and the next slot leave.
+    begun: u64,
+    issued: u64,
+    left: u64,
+    splats: Ring<SPLATS>,
+    slots: Ring<SLOTS>,
+    lanes: Vec<LaneClock>,
+    idle_at: u64,
+}
+
+/// A lane's queue and its last runs.
+#[derive(Clone, Debug)]
+struct LaneClock {
+    /// Cycles in which the last runs came to the queue's front, a ring of the queue's size.
+    moves: Vec<u64>,
+    /// The oldest of them.
+    place: usize,
+    flights: Flights,
+}
+
+/// The last runs of a lane, whose pixels may be in flight.
+#[derive(Clone, Debug)]
+struct Flights {
+    /// When the last run was popped, and first cycle in which the next one may be.
+    popped: u64,
+    free: u64,
+    /// Latest first: each run takes a cycle at least, so that one before these has settled.
+    last: [SplatInFlight; INTERVAL as usize - 1],
+}
+
+#[derive(Clone, Copy, Debug)]
+struct SplatInFlight {
+    row: u16,
+    first: u16,
+    end: u16,
+    popped: u64,
+}
+
+impl Flights {
+    const NEW: Self = Flights {
+        popped: 0,
+        free: 0,
+        last: [SplatInFlight {
+            row: 0,
+            first: 0,
+            end: 0,
+            popped: 0,
+        }; INTERVAL as usize - 1],
+    };
+
+    /// Pops a run in the first possible cycle from `earliest` on; gives that, and for how long it was held back.
+    #[inline(always)]
+    fn pop(&mut self, earliest: u64, row: u16, column: u16, length: u16) -> (u64, u64) {
+        let offered = self.free.max(earliest);
+        let end = column + length;
+        let mut popped = offered;
+        for flight in &self.last {
+            let meets = flight.row == row && flight.first < end && column < flight.end;
+            let until = flight.popped + INTERVAL + u64::from(column);
+            let until = until.saturating_sub(flight.first.into());
+            popped = if meets { popped.max(until) } else { popped };
+        }
+        self.last.rotate_right(1);
+        self.last[0] = SplatInFlight {
+            row,
+            first: column,
+            end,
+            popped,
+        };
+        self.popped = popped;
+        self.free = popped + u64::from(length);
+        (popped, popped - offered)
+    }
+}
+
+impl PrimitiveClock {
+    /// A unit with so many lanes and queues of so many runs, at least one each, idle from cycle 0 on, as the circuit is usually built.
+    pub fn new(lanes: usize, queue: u32) -> Self {
+        Self::with_interval(lanes, queue, SETUP_INTERVAL, 0)
+    }
+
+    /// The same with another number of cycles between two packets, and some cycle in which one may be taken.
+    pub fn with_interval(lanes: usize, queue: u32, interval: u32, phase: u64) -> Self {
+        let lane = LaneClock {
+            moves: vec![0; queue.max(1) as usize],
+            place: 0,
+            flights: Flights::NEW,
+        };
+        PrimitiveClock {
+            turns: Turns::new(interval, phase),
+            begun: 0,
+            issued: 0,
+            left: 0,
+            splats: Ring::NEW,
+            slots: Ring::NEW,
+            lanes: vec![lane; lanes.max(1)],
+            idle_at: 0,
+        }
+    }
+
+    /// A packet that is offered from this cycle on. Its slots, at least one, must follow by [`PrimitiveClock::slot`].
+    pub fn packet(&mut self, offered: u64) -> PacketStamp {
+        let taken = self.turns.take(offered.max(self.splats.free()));
+        let begun = self.begun.max(taken + SETUP);
+        self.splats.leave(begun);
+        self.begun = begun + BEGINS;
+        self.issued = self.issued.max(begun + 1);
+        PacketStamp { taken, begun }
+    }
+
+    /// The next row of the packet's box in the tile, with the run that it has.
+    #[inline]
+    pub fn slot(&mut self, run: Option<LaneRun>) -> SlotStamp {
+        let issued = self.issued.max(self.slots.free());
+        self.issued = issued + 1;
+        self.begun = self.begun.max(issued);
+        let ready = self.left.max(issued + ROW);
+        let Some(run) = run else {
+            return self.leave(ready, ready, ready, None, 0);
+        };
+        let lane = &mut self.lanes[run.lane];
+        // Before the queue has been full once this place holds 0, and no slot is ready in cycle 0.
+        let left = ready.max(lane.moves[lane.place] + 1);
+        let moved = lane.flights.popped.max(left + 1);
+        lane.moves[lane.place] = moved;
+        lane.place += 1;
+        if lane.place == lane.moves.len() {
+            lane.place = 0;
+        }
+        let flights = &mut lane.flights;
+        let (popped, held) = flights.pop(moved + FRONT, run.row, run.column, run.length);
+        let free = flights.free;
+        self.leave(ready, left, free, Some(popped), held)
+    }
+
+    #[inline(always)]
+    fn leave(
+        &mut self,
+        ready: u64,
+        left: u64,
+        last: u64,
+        popped: Option<u64>,
+        held: u64,
+    ) -> SlotStamp {
+        self.slots.leave(left);
+        self.left = left + 1;
+        self.idle_at = self.idle_at.max(last + 2);
+        SlotStamp {
+            ready,
+            left,
+            popped,
+            held,
+        }
+    }
+
+    /// The first cycle in which the unit says that nothing is in it any more, of what has been fed.
+    pub fn idle_at(&self) -> u64 {
+        self.idle_at
+    }
+}
+
+/// The slots that a footprint fills in a window: what [`PrimitiveClock::slot`] takes, row by row. `lanes` must be a power of two. In a window
+/// wider than a seed's block (the circuit takes none) every further seed of a row is a further slot.
+#[inline]
+pub fn for_each_slot<D: Design>(
+    design: D,
+    footprint: &Footprint,
+    window: &Window,
+    lanes: usize,
+    mut slot: impl FnMut(Option<LaneRun>),
+) {
+    let bounds = Window::of(footprint);
+    let visible = bounds.intersect(window);
+    if visible.is_empty() {
+        return slot(None);
+    }
+    let mut rows = EllipseSpans::new(design, footprint, window);
+    let mut row = visible.first[1];
+    while let Some(run) = rows.next_span() {
+        (row..run.y).for_each(|_| slot(None));
+        row = run.y + 1;
+        slot(Some(LaneRun {
+            lane: usize::from(run.y) & (lanes - 1),
+            row: run.y,
+            column: run.x,
+            length: run.length,
+        }));
+    }
+    (row..visible.end[1]).for_each(|_| slot(None));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A run of a row, from the first column on.
+    fn run(lanes: usize, row: u16, length: u16) -> Option<LaneRun> {
+        Some(LaneRun {
+            lane: usize::from(row) % lanes,
+            row,
+            column: 0,
+            length,
+        })
+    }
+
+    /// One splat with these rows, offered in cycle 0.
+    fn alone(lanes: usize, queue: u32, rows: impl IntoIterator<Item = Option<LaneRun>>) -> u64 {
+        let mut clock = PrimitiveClock::new(lanes, queue);
+        clock.packet(0);
+        rows.into_iter().for_each(|row| {
+            clock.slot(row);
+        });
+        clock.idle_at()
+    }
+
+    /// Slots leave in cycles 63, 64, 65; the first run is popped in 66 and keeps its lane until 71, the second until 73.
+    #[test]
+    fn three_rows_of_which_one_is_empty() {
+        assert_eq!(LATENCY, 63);
+        assert_eq!(alone(1, QUEUE, [run(1, 0, 5), None, run(1, 2, 2)]), 75);
+    }
+
+    /// Rows of one lane each: no waiting, so that the last of four runs of 5 ends five cycles after it is popped in 69.
+    #[test]
+    fn four_lanes_take_four_rows_at_once() {
+        assert_eq!(
+            alone(4, QUEUE, (0..4).map(|row| run(4, row, 5))),
+            69 + 5 + 2
+        );
+    }
+
+    /// One run waits for the lane at the queue's front, one behind it; the next one leaves in the cycle after these have moved up.
+    #[test]
+    fn a_full_queue_stops_the_rows() {
+        let mut clock = PrimitiveClock::new(1, 1);
+        clock.packet(0);
+        let left = [0, 1, 2, 3].map(|row| clock.slot(run(1, row, 10)).left);
+        assert_eq!(left, [63, 65, 67, 77]);
+        assert_eq!(clock.slot(None).left, 78);
+        assert_eq!(clock.idle_at(), 66 + 40 + 2);
+    }
+
+    #[test]
+    fn a_splat_without_rows_takes_a_slot() {
+        assert_eq!(alone(4, QUEUE, [None]), LATENCY + 2);
+    }
+
+    /// A pixel comes again seven cycles after the last time; what does not meet goes on at once.
+    #[test]
+    fn runs_that_meet_keep_their_distance() {
+        let mut clock = PrimitiveClock::new(1, QUEUE);
+        clock.packet(0);
+        let mut popped = |row, column, length| {
+            let lane = 0;
+            let slot = clock.slot(Some(LaneRun {
+                lane,
+                row,
+                column,
+                length,
+            }));
+            (slot.popped, slot.held)
+        };
+        assert_eq!(popped(0, 4, 2), (Some(66), 0));
+        // Column 5 was visited a cycle after column 4.
+        assert_eq!(popped(0, 5, 2), (Some(74), 6));
+        // Column 5 comes a cycle after column 4, too.
+        assert_eq!(popped(0, 4, 2), (Some(80), 4));
+        assert_eq!(popped(1, 4, 2), (Some(82), 0));
+        assert_eq!(popped(0, 6, 2), (Some(84), 0));
+        assert_eq!(popped(0, 0, 2), (Some(86), 0));
+    }
+}
