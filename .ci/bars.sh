@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# How long a stranger waits, and for how much: a fresh clone's time to the first picture and through all tests, the binary's size, the lines
-# of each crate. Prints a table beside the bars and fails where one is missed. Sources of dependencies are fetched before the clock starts.
+# How long a stranger waits, and for how much: a fresh clone's time to the first picture and through all tests, the binary's size, the package.
+# Prints a table beside the bars and fails where one is missed (.ci/weight.py does so for lines and words). Sources of dependencies are fetched
+# before the clock starts.
 #
 #   .ci/bars.sh [FOLDER]     clones into FOLDER (default: a new one below the system's temporary folder) and removes it
 set -euo pipefail
@@ -29,11 +30,8 @@ size=$(($(stat -c %s target/release/splatline) / 100000))
 package=$(cargo package --locked --no-verify --quiet -p splatline >/dev/null 2>&1; stat -c %s target/package/splatline-*.crate)
 printf 'On %s processors, load %s.\n\n' "$(nproc)" "$(cut -d' ' -f1 /proc/loadavg)"
 printf '| %-44s | %8s | %8s | %-6s |\n|---|--:|--:|---|\n' what found bar ""
-row "fresh clone to report (cargo run), seconds" "$report" 120
-row "all tests with their compiling, seconds" "$tests" 300
+row "fresh clone to report (cargo run), seconds" "$report" 100
+row "all tests with their compiling, seconds" "$tests" 200
 row "binary, tenths of a megabyte" "$size" 150
 row "package of the core, bytes" "$package" 300000
-lines=$(cargo run --locked --quiet -p splatline-lab -- lines)
-row "lines of sim/src without tests" "$(awk -F'|' '/[*]all[*]/ { gsub(/[* ]/, "", $3); print $3 }' <<<"$lines")" 28000
-printf '\n%s\n' "$lines"
 exit $missed

@@ -6,7 +6,7 @@
 //! radial index, no table lookup and no multiplication but the opacity's own.
 //!
 //! The centre moves by at most half a phase: 2^-(n+1) pixels. Its error falls by two with every bit of n and its memory
-//! grows by four (docs/kernels.md has the measurement).
+//! grows by four (docs/systems.md has the measurement).
 
 use super::{EllipseSpans, Spans, Window};
 use crate::footprint::Footprint;

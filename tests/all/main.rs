@@ -1,4 +1,4 @@
-//! The kernel's tests, one program: each module is a check of docs/checks.md.
+//! The kernel's tests, one program: each module is a check of docs/CONTRIBUTING.md.
 
 mod arbitrary;
 mod checks;

@@ -5,28 +5,14 @@ use crate::design::Firmware16;
 use crate::order::{Full, Order};
 use crate::phase::{phase_draw, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, RULES, SCENE, SPLATS, STRIP, STRIP_PIXELS, view};
+use crate::table::{INTERVALS, PACKED};
 use heapless::Vec;
 use splatline::blend::Pixel;
 use splatline::draw::Painter32;
 use splatline::footprint::Footprint;
-use splatline::kernel::{PackedTable, gaussian};
 use splatline::raster::Window;
 use splatline::setup::setup_for_spans;
 use splatline::target::Target;
-
-/// Intervals of the footprint table.
-pub const INTERVALS: usize = 1 << Firmware16::WIDTHS.table;
-
-/// The footprint table, made by the compiler.
-pub static ENTRIES: [u32; INTERVALS + 1] = gaussian(&Firmware16::WIDTHS, RULES.table_range);
-
-/// The same packed for the pixel loop.
-pub static PACKED: PackedTable<INTERVALS> = {
-    match PackedTable::new(&ENTRIES, &Firmware16::WIDTHS, RULES.table_range) {
-        Ok(table) => table,
-        Err(_) => panic!("the widths have no packed table"),
-    }
-};
 
 /// Memory of a picture: all that drawing needs beside the stack.
 #[derive(Debug)]

@@ -4,10 +4,10 @@
 //! the kernel's own algorithm (spans, forward differencing, table), so that what the algorithm and what the arithmetic gains are told
 //! apart. Accumulators are f32; pixels finish as in the kernel.
 
-use crate::fixed_picture::{ENTRIES, INTERVALS};
 use crate::order::{Full, Order};
 use crate::phase::{phase_draw, phase_draw_again, phase_rest, phase_setup};
 use crate::scene::{COLUMNS, ROWS, SCENE, SPLATS, STRIP, STRIP_PIXELS, bits_of};
+use crate::table::{ENTRIES, INTERVALS};
 use libm::{ceilf, expf, floorf, logf, sqrtf};
 
 const FOCAL: f32 = 60.0;

@@ -1,8 +1,9 @@
 //! A strip by the kernel's general painter with widths in fields and 64-bit lanes: what the image's own must equal. Host only.
 
 use crate::design::Firmware16;
-use crate::fixed_picture::{ENTRIES, FixedMemory};
+use crate::fixed_picture::FixedMemory;
 use crate::scene::{COLUMNS, RULES, STRIP, STRIP_PIXELS};
+use crate::table::ENTRIES;
 use splatline::blend::Pixel;
 use splatline::draw::{Coverage, Painter};
 use splatline::format::{RuntimeWidths, Traversal};

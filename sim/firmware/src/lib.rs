@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `design` | a design of one's own: widths for which the pixel path needs no 64-bit product |
 //! | `scene` | the splats and the camera, constants in flash |
+//! | `table` | the footprint table, made by the compiler |
 //! | `order` | depth order of the splats |
 //! | `fixed_picture` | the kernel: setup, depth order, strips |
 //! | `float_picture` | the same drawing in `f32`, twice: as it is usually written, and by the kernel's own algorithm |
@@ -29,6 +30,7 @@ pub mod order;
 #[cfg(armv6m)]
 pub mod pixel_loop;
 pub mod scene;
+pub mod table;
 
 /// What the instructions are counted for. The counter in `counter/` knows these functions by name.
 ///

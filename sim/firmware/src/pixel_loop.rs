@@ -23,8 +23,8 @@
 //! The loop draws two pixels in turn; a run of an odd length begins with the second.
 
 use crate::design::Firmware16;
-use crate::fixed_picture::{INTERVALS, PACKED};
 use crate::scene::RULES;
+use crate::table::{INTERVALS, PACKED};
 use core::arch::naked_asm;
 use core::mem::{offset_of, size_of};
 use splatline::blend::{Blend, BlendConstants, FINISHED, Pixel};

@@ -4,6 +4,7 @@ use super::drawing_args::DrawingOptions;
 use super::info;
 use super::machine_args;
 use super::page;
+use super::search_args;
 use super::shell;
 use super::values::{DesignName, ENGINES, one_of};
 use super::verification_args;
@@ -90,21 +91,27 @@ pub enum Command {
     /// Kind, count, bounds, directions and ranges of a scene, and what was dropped.
     #[command(after_help = info::EXAMPLES)]
     Info(info::InfoOptions),
-    /// Cycles of a scene on a machine.
-    #[command(after_help = machine_args::MODEL_EXAMPLES)]
-    Model(machine_args::ModelOptions),
+    /// Simulate a scene on a machine: cycles, memory traffic, energy and area.
+    #[command(alias = "model", after_help = machine_args::MODEL_EXAMPLES)]
+    Simulate(machine_args::ModelOptions),
     /// Sweep designs and machines; Pareto front of error, cycles, area and energy.
-    #[command(after_help = machine_args::EXPLORE_EXAMPLES)]
-    Explore(machine_args::ExploreOptions),
+    #[command(after_help = search_args::SWEEP_EXAMPLES)]
+    Sweep(search_args::SweepOptions),
+    /// Find the cheapest design and machine that hold limits on speed, error, area, memory and energy.
+    #[command(after_help = search_args::OPTIMIZE_EXAMPLES)]
+    Optimize(search_args::OptimizeOptions),
+    /// Sweep or optimize, by the name that both had before.
+    #[command(hide = true, after_help = search_args::EXPLORE_EXAMPLES)]
+    Explore(search_args::ExploreOptions),
     /// Put the shards of a sweep together.
-    #[command(after_help = machine_args::MERGE_EXAMPLES)]
-    Merge(machine_args::MergeOptions),
+    #[command(after_help = search_args::MERGE_EXAMPLES)]
+    Merge(search_args::MergeOptions),
     /// Find the smallest design within an error budget.
-    #[command(after_help = machine_args::FIT_EXAMPLES)]
-    Fit(machine_args::FitOptions),
+    #[command(after_help = search_args::FIT_EXAMPLES)]
+    Fit(search_args::FitOptions),
     /// Report which units, ranges, widths and FIFO depths a scene exercises.
-    #[command(after_help = machine_args::NEEDS_EXAMPLES)]
-    Needs(machine_args::NeedsOptions),
+    #[command(alias = "needs", after_help = search_args::PROFILE_EXAMPLES)]
+    Profile(search_args::ProfileOptions),
     /// Write the raster phase cycle by cycle for a trace viewer.
     #[command(after_help = machine_args::TRACE_EXAMPLES)]
     Trace(machine_args::TraceOptions),

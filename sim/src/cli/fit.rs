@@ -1,9 +1,9 @@
 //! `splatline fit`: the smallest design within an error budget.
 
-use super::machine_args::FitOptions;
 use super::output::{self, write};
 use super::resolve::{COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
+use super::search_args::FitOptions;
 use crate::design::DesignChoice;
 use crate::explore::fit::{Fit, Fitness, Metric, Task, design_toml, fit};
 use crate::plan::{DesignVariant, Engine};

@@ -5,12 +5,10 @@
 //! missing, malformed or contradictory). Errors go to stderr, results to stdout or to the named files.
 
 mod args;
-mod ask;
 mod chunks;
 mod compare;
 mod demo;
 mod drawing_args;
-mod explore;
 mod fit;
 mod footprints;
 mod frames;
@@ -18,16 +16,19 @@ mod info;
 mod kept;
 mod machine_args;
 mod model;
-mod needs;
+mod optimize;
 mod output;
 mod page;
+mod profile;
 mod render;
 mod resolve;
 mod say;
+mod search_args;
 mod shell;
 mod stability;
 mod verification_args;
 mod summary;
+mod sweep;
 #[cfg(test)]
 mod tests;
 mod trace;
@@ -41,6 +42,7 @@ pub use say::{Failure, finish, print_result};
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 use say::printed;
+use search_args::{ExploreOptions, OptimizeOptions, SweepOptions};
 use std::process::ExitCode;
 
 /// Parses the command line, runs the command and turns failures into messages and exit codes.
@@ -66,11 +68,44 @@ fn dispatch(command: Option<Command>) -> Result<(), Failure> {
         Some(Command::Man(options)) => shell::man(&options, Cli::command()),
         Some(Command::Vectors { action }) => vectors::run(&action),
         Some(Command::Stability(options)) => stability::run(&options),
-        Some(Command::Model(options)) => model::run(&options),
-        Some(Command::Explore(options)) => explore::run(&options),
-        Some(Command::Merge(options)) => explore::merge(&options),
+        Some(Command::Simulate(options)) => model::run(&options),
+        Some(Command::Sweep(options)) => sweep::run(&options),
+        Some(Command::Optimize(options)) => optimize::run(&options),
+        Some(Command::Explore(options)) => explored(options),
+        Some(Command::Merge(options)) => sweep::merge(&options),
         Some(Command::Fit(options)) => fit::run(&options),
-        Some(Command::Needs(options)) => needs::run(&options),
+        Some(Command::Profile(options)) => profile::run(&options),
         Some(Command::Trace(options)) => trace::run(&options),
+    }
+}
+
+/// The earlier name of two commands: a limit asks for the cheapest point, and without one the whole space is swept.
+fn explored(options: ExploreOptions) -> Result<(), Failure> {
+    let ExploreOptions {
+        search,
+        space,
+        limits,
+        shard,
+        no_error,
+        output,
+    } = options;
+    match (space, output) {
+        (Some(space), Some(output)) if !optimize::has_limits(&limits) => sweep::run(&SweepOptions {
+            search,
+            space,
+            shard,
+            no_error,
+            output,
+        }),
+        _ if shard.count > 1 || no_error => Err(Failure::Usage(
+            "--shard and --no-error are for sweeps; with a limit the space is searched in one piece, and without a limit on the error none is drawn"
+                .to_owned(),
+        )),
+        (space, output) => optimize::run(&OptimizeOptions {
+            search,
+            space,
+            limits,
+            output,
+        }),
     }
 }

@@ -13,7 +13,7 @@ use crate::stability::{StabilityExtent, StabilityLine, measure, steps, table};
 const HEADING: &str = "# Stability on hard cases\n\nThis page is for whoever wants to know whether fixed point holds where scenes are hard: far from the \
 origin, needle-shaped, nearly transparent, in deep stacks. It says how far each design is from the truth, stage by\nstage, beside \
 the usual formulas in single precision (`f32`). [The error analysis](error-analysis.md) derives the bounds.\n\nPrinted by `cargo \
-run --release -- stability --markdown docs/stability.md`; do not edit.\n\n";
+run --release -- stability --markdown docs/results/stability.md`; do not edit.\n\n";
 
 const CASES: &str = "## Sixteen splats a case, stage by stage\n\nThe truth is exact rational arithmetic, and `f32` is the usual formulas in single \
 precision. The last column names the stages in which an engine is worse than `f32`, compared without any \

@@ -57,7 +57,7 @@ pub struct VectorsExportOptions {
 pub const STABILITY_EXAMPLES: &str = "\
 Examples:
   splatline stability
-  splatline stability --markdown docs/stability.md
+  splatline stability --markdown docs/results/stability.md
   splatline stability --quick --json stability.json";
 
 #[derive(Debug, Args)]

@@ -68,7 +68,7 @@ impl Facts {
                 camera: &self.camera,
                 rules: &self.rules,
                 compositing: self.compositing,
-                hybrid: None,
+                method: &crate::plan::SplatMethod::Composited,
             },
             design: DesignChoice::from_toml("d.toml", &self.design).unwrap(),
             traversal: self.traversal,

@@ -180,7 +180,7 @@ fn axis(
             return Err(source.wrong(section, key, problem));
         };
         if field.key == "sort_every" {
-            let problem = "no point of a space keeps an order: `model` with a --camera-path and --set sort_every=N does";
+            let problem = "no point of a space keeps an order: `simulate` with a --camera-path and --set sort_every=N does";
             return Err(source.wrong(section, key, problem));
         }
         if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {

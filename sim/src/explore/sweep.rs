@@ -435,7 +435,7 @@ mod tests {
                 camera: &camera,
                 rules: &scene.natural_rules,
                 compositing: Compositing::FrontToBack,
-                hybrid: None,
+                method: &crate::plan::SplatMethod::Composited,
             },
             design: DesignChoice::named("standard24").unwrap(),
             traversal: None,

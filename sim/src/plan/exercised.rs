@@ -200,7 +200,8 @@ mod tests {
             flatten: None,
             depth_image: None,
         };
-        let surface = |style, contents| numbers(&Technique::Surface(style), contents, false);
+        let surface =
+            |style, contents: &Contents| numbers(&Technique::Surface(style), contents, false);
         assert_eq!(surface(Style::opaque(1.0), &Contents::default()), [2, 4, 9]);
         assert_eq!(
             surface(Style::layered(1.0, 4), &textured),

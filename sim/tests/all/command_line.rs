@@ -86,10 +86,10 @@ fn bad_input_is_exit_code_1_and_names_the_file() {
 }
 
 /// Every command that prints, with little work: what cannot be printed must not look printed.
-const PRINTING: [&[&str]; 18] = [
+const PRINTING: [&[&str]; 19] = [
     &["--help"],
     &["--version"],
-    &["model", "--help"],
+    &["simulate", "--help"],
     &["render", "random:9", "--size", "8x8", "-o", "OUT/a.png"],
     &["render", "random:9", "--size", "8x8", "-o", "-"],
     &["info", "random:9"],
@@ -105,11 +105,12 @@ const PRINTING: [&[&str]; 18] = [
         "OUT/compare",
     ],
     &["footprints", "random:9", "--size", "8x8", "-o", "OUT/f.csv"],
-    &["model", "random:9", "--size", "8x8"],
-    &["needs", "random:9", "--size", "8x8"],
+    &["simulate", "random:9", "--size", "8x8"],
+    &["profile", "random:9", "--size", "8x8"],
     &["fit", "random:9", "--size", "8x8", "--max-error", "0.5"],
+    &["optimize", "random:9", "--size", "8x8", "--fps", "1"],
     &[
-        "explore",
+        "sweep",
         "random:9",
         "--size",
         "8x8",
@@ -280,7 +281,7 @@ fn what_does_not_fit_into_memory_is_refused() {
         "layout=rows",
     ];
     let set = machine.iter().flat_map(|word| ["--set", word]);
-    let model: Vec<&str> = ["model", "random:9"].into_iter().chain(set).collect();
+    let model: Vec<&str> = ["simulate", "random:9"].into_iter().chain(set).collect();
     refused(
         2,
         &model,
@@ -333,10 +334,10 @@ fn pipes_and_devices_are_no_settings() {
             &["render", "random:9", "-o", "OUT.png", "--camera"][..],
             &["render", "demo", "-o", "OUT.png", "--transfer"],
             &["render", "random:9", "-o", "OUT.png", "--design"],
-            &["model", "random:9", "--machine"],
-            &["model", "random:9", "--calibration"],
-            &["model", "--footprints"],
-            &["explore", "random:9", "-o", "OUT.d", "--space"],
+            &["simulate", "random:9", "--machine"],
+            &["simulate", "random:9", "--calibration"],
+            &["simulate", "--footprints"],
+            &["sweep", "random:9", "-o", "OUT.d", "--space"],
             &["render", "--as", "surface", "-o", "OUT.png"],
             &["render", "-o", "OUT.png"],
         ] {

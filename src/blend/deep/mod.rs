@@ -12,7 +12,7 @@
 //! Optical depth turns "over" into an addition (\[EWA\] eq. 4: the exponent is an integral) and makes it independent of the
 //! order; base 2 instead of e is a constant factor and lets the exponential's integer part be a shift.
 //! Its tables are in [`octaves`](mod@octaves). Rounding is to nearest, truncation, or dithered by a [`noise`] without state.
-//! docs/deep-alpha.md derives how the error grows with the number of layers and which width follows.
+//! docs/systems.md derives how the error grows with the number of layers and which width follows.
 //!
 //! Opacity and transmittance under rounding to nearest hold the same number up to ties; under truncation the first errs
 //! towards transparent, the second towards opaque. The kernel's own [`Blend`](super::Blend) subtracts a rounded share

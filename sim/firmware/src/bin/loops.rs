@@ -12,8 +12,8 @@ mod image {
     use splatline::footprint::Footprint;
     use splatline::kernel::PackedTable;
     use splatline_firmware::design::Firmware16;
-    use splatline_firmware::fixed_picture::{INTERVALS, PACKED};
     use splatline_firmware::scene::RULES;
+    use splatline_firmware::table::{INTERVALS, PACKED};
     use splatline_firmware::{board, pixel_loop};
 
     const RUNS: u32 = 3000;

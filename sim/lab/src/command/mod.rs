@@ -15,8 +15,6 @@ pub fn run() -> ExitCode {
     finish(match Lab::parse().command {
         LabCommand::Gallery(options) => gallery::run(&options),
         LabCommand::Results(options) => results::run(&options),
-        LabCommand::DrawOnce(options) => results::host::draw_once(&options),
-        LabCommand::DrawScaled(options) => results::scale::draw_scaled(&options),
         LabCommand::Lines(options) => compared(&options.before)
             .map_err(Failure::from)
             .and_then(|table| print_result(&table)),

@@ -1,7 +1,6 @@
 //! The lab's command line.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use splatline_sim::fast::lanes::VectorLevel;
 use std::path::PathBuf;
 
 /// Measures and prints splatline's own documentation.
@@ -20,12 +19,6 @@ pub enum LabCommand {
     /// Measure every figure that the documentation states and write its pages.
     #[command(after_help = RESULTS_EXAMPLES)]
     Results(ResultsOptions),
-    /// Draw a random scene and print its covered pixels, for a counter of instructions
-    #[command(hide = true)]
-    DrawOnce(DrawOnceOptions),
-    /// Draw random splats and print what it took (for results --only scale)
-    #[command(hide = true)]
-    DrawScaled(DrawScaledOptions),
     /// Print how long the host crates are, by folder and without tests, beside an earlier commit.
     #[command(after_help = LINES_EXAMPLES)]
     Lines(LinesOptions),
@@ -46,8 +39,7 @@ pub struct LinesOptions {
 pub const RESULTS_EXAMPLES: &str = "\
 Examples:
   splatline-lab results -o docs/results
-  splatline-lab results --only golden -o /tmp/results
-  splatline-lab results --only host --vectors avx2 -o /tmp/results";
+  splatline-lab results --only golden -o /tmp/results";
 pub const GALLERY_EXAMPLES: &str = "\
 Examples:
   splatline-lab gallery all -o docs/gallery
@@ -133,47 +125,9 @@ pub struct ResultsOptions {
     /// Only the pages named.
     #[arg(long, value_enum, value_name = "PAGE")]
     pub only: Vec<ResultsPage>,
-    /// Vectors of the page about the host: avx2, avx512 or portable [default: avx2 and avx512, where the processor has them]
-    #[arg(long, value_name = "LEVEL", value_parser = <VectorLevel as std::str::FromStr>::from_str)]
-    pub vectors: Vec<VectorLevel>,
     /// Print the pages again and compare them with those in the folder, timings left out, instead of writing there
     #[arg(long)]
     pub check: bool,
-}
-
-impl ResultsPage {
-    /// Does the page hold timings only?
-    pub fn is_timing(self) -> bool {
-        matches!(
-            self,
-            ResultsPage::Host | ResultsPage::Speed | ResultsPage::Scale | ResultsPage::Drawing
-        )
-    }
-}
-
-/// What is drawn under a counter of instructions.
-#[derive(Debug, Args)]
-pub struct DrawOnceOptions {
-    /// Random splats
-    pub splats: usize,
-    /// The design's name
-    pub design: String,
-}
-
-/// What is drawn in a process of its own, for the page about scale.
-#[derive(Debug, Args)]
-pub struct DrawScaledOptions {
-    /// Random splats
-    pub splats: usize,
-    /// Columns of the picture
-    pub width: usize,
-    /// Its rows
-    pub height: usize,
-    /// Threads
-    pub threads: usize,
-    /// Vectors
-    #[arg(value_parser = <VectorLevel as std::str::FromStr>::from_str)]
-    pub vectors: VectorLevel,
 }
 
 /// Pages of results.
@@ -191,16 +145,6 @@ pub enum ResultsPage {
     Packet,
     /// Cycles: throughput, designs.
     Hardware,
-    /// Cycles and area of lane layouts.
-    Layouts,
-    /// How fast the kernel draws on the host, against single-precision rasterizers.
-    Host,
-    /// How the cost of drawing grows with splats and pixels.
-    Scale,
-    /// What drawing each of the papers' systems takes.
-    Drawing,
-    /// How fast comparing, sweeping and simulating are.
-    Speed,
     /// Every system of the papers: where it is, and its error in its exhibits.
     Systems,
     /// Error against width, stage by stage, with 16-bit floats beside.

@@ -2,7 +2,7 @@
 //!
 //! A stack of equal layers is composited by the kernel's channel and by the reference; the error is that of the
 //! transmittance. Dithered stacks are drawn at several pixels, and mean and root mean square are over these. What the
-//! sweep is to confirm is [`rule_width`], derived in docs/deep-alpha.md.
+//! sweep is to confirm is [`rule_width`], derived in docs/systems.md.
 
 use rayon::prelude::*;
 use splatline::blend::deep::{Channel, ChannelRounding, ONE, Representation, WIDTH_RANGE, noise};
@@ -149,7 +149,7 @@ pub fn measured_width(
 }
 
 /// Bits of a word that keeps the error of T at or below `error`, for stacks with min(layers, 1 / opacity) at most `depth`
-/// (docs/deep-alpha.md). For dithered rounding the error is the root mean square.
+/// (docs/systems.md). For dithered rounding the error is the root mean square.
 pub fn rule_width(
     representation: Representation,
     rounding: ChannelRounding,

@@ -243,11 +243,11 @@ pub fn statement(calibration: &Calibration) -> String {
     });
     format!(
         "area for {name}: the raster unit of sim/rtl (layout rows, one row a cycle) is estimated within {:.1} % of its synthesis{unseen} (LUT, FF, DSP, memory; \
-         docs/area.md); other layouts, geometry setup and queues around it are counted, not synthesised{}",
+         docs/hardware.md); other layouts, geometry setup and queues around it are counted, not synthesised{}",
         100.0 * fitted,
         match calibration.family {
             Family::Ecp5 =>
-                ", but for geometry setup of a splat in eight cycles or more (docs/setup-unit.md)",
+                ", but for geometry setup of a splat in eight cycles or more (docs/hardware.md)",
             _ => "",
         }
     )

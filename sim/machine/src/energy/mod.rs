@@ -2,7 +2,7 @@
 //!
 //! Energies are whole attojoules from the single action on, so that what units take is the sum of their actions, and what the
 //! picture takes the sum of its units, exactly and in any order. It is an estimate: the table's figures are the literature's for a
-//! single operation, and clock tree, pipeline registers, control, wires and leakage are not in it. See `docs/energy-and-memory.md`.
+//! single operation, and clock tree, pipeline registers, control, wires and leakage are not in it. See `docs/hardware-model.md`.
 
 mod accelergy;
 pub(crate) mod actions;

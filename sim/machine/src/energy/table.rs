@@ -166,7 +166,7 @@ impl EnergyTable {
         };
         format!(
             "estimate by {source} for {}: actions counted times energy each; without clock tree, pipeline registers, control, wires, leakage, and what a DRAM \
-             takes when idle (docs/energy-and-memory.md)",
+             takes when idle (docs/hardware-model.md)",
             self.node
         )
     }

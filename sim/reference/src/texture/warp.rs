@@ -15,7 +15,7 @@ use crate::rules::{Antialias, Rules};
 use crate::scene::{Scene, Skipped, SortOrder, Splat, Weight};
 use crate::vector::{self, Vector};
 
-/// Peak opacity of a sample: its surface is opaque. Lower values leave the surface transparent (docs/texture.md).
+/// Peak opacity of a sample: its surface is opaque. Lower values leave the surface transparent (docs/systems.md).
 pub const OPACITY: f64 = 1.0;
 
 /// Samples of one surface lie within so many spacings of depth in a pixel.

@@ -138,7 +138,7 @@ pub fn clocks(lines: &[PlacedLine]) -> String {
         let mut speeds: Vec<f64> = seeds.iter().map(|line| line.mhz).collect();
         speeds.sort_by(f64::total_cmp);
         text += &format!(
-            "{design},{lanes},ecp5,ECP5 LFE5U-85F grade 6,{:.1},median of {} seeds,docs/area.md\n",
+            "{design},{lanes},ecp5,ECP5 LFE5U-85F grade 6,{:.1},median of {} seeds,docs/hardware.md\n",
             speeds[middle(speeds.len())],
             speeds.len()
         );
@@ -204,7 +204,8 @@ mod tests {
     fn the_models_clock_is_the_median() {
         let speeds = [(1, 90.25), (2, 100.0), (3, 80.0), (4, 99.0), (5, 81.0)];
         let lines = speeds.map(|(seed, mhz)| line(seed, 5, mhz));
-        let printed = "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/area.md";
+        let printed =
+            "lean18,1,ecp5,ECP5 LFE5U-85F grade 6,90.2,median of 5 seeds,docs/hardware.md";
         assert_eq!(clocks(&lines).lines().nth(1), Some(printed));
         assert_eq!(clocks(&lines[..4]).lines().count(), 1);
     }

@@ -14,7 +14,7 @@ pub fn refuse_kept_order(machine: &Config) -> Result<(), Failure> {
     match machine.sort_every {
         1 => Ok(()),
         every => Err(Failure::Usage(format!(
-            "sort_every = {every}: allowed is 1 here: `model` with a --camera-path keeps the order of the picture before, and nothing else does"
+            "sort_every = {every}: allowed is 1 here: `simulate` with a --camera-path keeps the order of the picture before, and nothing else does"
         ))),
     }
 }

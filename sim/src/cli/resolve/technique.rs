@@ -60,6 +60,10 @@ impl PlanRequest<'_> {
             refuse("--depth-image-from", &for_styles(self.view))?;
         } else {
             refuse("--as surface", &self.for_splats())?;
+            if self.engine == Engine::Exact {
+                let message = "--engine exact has no meaning with --as surface: use fixed or float";
+                return Err(Failure::Usage(message.to_owned()));
+            }
         }
         refuse_height_field_options(path, options)?;
         let depth_image = options.depth_image_from.as_deref().map(source_camera);
@@ -210,7 +214,6 @@ impl PlanRequest<'_> {
             (view.kernel != Kernel::Gaussian, "--kernel"),
             (stamped, "--traversal stamp"),
             (method, "--points, --sheets, --deep-alpha or --spheres"),
-            (self.engine == Engine::Exact, "--engine exact"),
         ]
     }
 }

@@ -43,7 +43,7 @@ impl Subjects {
             camera,
             rules: &self.scene.natural_rules,
             compositing: Compositing::FrontToBack,
-            hybrid: None,
+            method: &crate::plan::SplatMethod::Composited,
         }
     }
 

@@ -1,14 +1,14 @@
-//! Vectors of 32-bit words: the few operations that the pixel path needs, for whatever the processor has. Those of 64-bit words are in
-//! [`Wide`] and [`fused::Fused`], those of a cell of sixteen short words in [`narrow::Narrow`].
+//! Vectors for whatever the processor has. Setup computes on 64-bit words ([`Wide`]) and double-precision numbers ([`Doubles`]), pixels on
+//! [`words::PixelWords`], [`fused::Fused`] and, for cells of sixteen short words, [`narrow::Narrow`].
 //!
-//! | implementation | words | chosen |
+//! | implementation | 64-bit words | chosen |
 //! |---|--:|---|
 //! | [`Portable`] | 8 | everywhere else; arrays that the compiler turns into NEON on aarch64 |
-//! | [`avx2::Avx2`] | 8 | x86-64 that reports AVX2 |
-//! | [`avx512::Avx512`] | 16 | x86-64 that reports AVX-512 F, BW, DQ, VL, CD and IFMA |
+//! | [`avx2::Avx2`] | 4 | x86-64 that reports AVX2 |
+//! | [`avx512::Avx512`] | 8 | x86-64 that reports AVX-512 F, BW, DQ, VL, CD and IFMA |
 //!
 //! A value of an x86 type is the proof that the processor has its instructions, because only detection makes one; that is what makes the
-//! methods safe to call. [`dispatch`] runs a [`VectorTask`] on the widest of them, compiled for it. Every method is one or two instructions;
+//! methods safe to call. [`dispatch_vectors`] runs a [`VectorTask`] on the widest of them, compiled for it. Every method is one or two instructions;
 //! the portable implementation is their definition, and tests compare the others with it word for word.
 
 /// An intrinsic on registers, never one that touches memory. SAFETY of every use: `self` proves that the processor has the instruction.
@@ -26,113 +26,20 @@ pub mod avx2;
 pub mod avx512;
 mod doubles;
 pub mod factors;
-mod floats;
 pub mod fused;
 pub mod narrow;
-mod portable;
 pub mod sums;
 mod wide;
 pub mod words;
 
 pub use doubles::Doubles;
-pub use floats::Floats;
-pub use portable::Portable;
 pub use wide::Wide;
 
 use std::str::FromStr;
 
-/// How a product is brought back to 32 bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ProductShift {
-    /// Bits dropped at the low end, 1 to 63.
-    pub shift: u32,
-    /// Added before the shift: half of `2^shift`, or 0 to truncate.
-    pub half: u64,
-    /// Do product and half fit 32 bits?
-    pub narrow: bool,
-}
-
-/// Operations on vectors of [`Lanes::WIDTH`] words. Arithmetic wraps.
-pub trait Lanes: Doubles {
-    /// Words of a vector.
-    const WIDTH: usize;
-    /// A vector.
-    type Words: Copy;
-    /// One truth value per word.
-    type Mask: Copy;
-    /// Counters of truth values.
-    type Count: Copy;
-
-    /// The same word everywhere.
-    fn splat(self, value: u32) -> Self::Words;
-    /// 0, 1, 2, ...
-    fn iota(self) -> Self::Words;
-    /// The first words of `from`, which must have [`Lanes::WIDTH`] of them; zeros if it has not.
-    fn load(self, from: &[u32]) -> Self::Words;
-    /// Stores into the first words of `to`; nothing if it has fewer than [`Lanes::WIDTH`].
-    fn store(self, to: &mut [u32], value: Self::Words);
-    /// a + b.
-    fn add(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// a - b.
-    fn sub(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// Low half of a b.
-    fn mul(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// a << by, by < 32.
-    fn shl(self, a: Self::Words, by: u32) -> Self::Words;
-    /// a >> by, by < 32.
-    fn shr(self, a: Self::Words, by: u32) -> Self::Words;
-    /// a >> by as signed words, by < 32.
-    fn sar(self, a: Self::Words, by: u32) -> Self::Words;
-    /// a & b.
-    fn and(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// a | b.
-    fn or(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// The larger signed word.
-    fn max_signed(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// The smaller unsigned word.
-    fn min_unsigned(self, a: Self::Words, b: Self::Words) -> Self::Words;
-    /// `(a b + half) >> shift` in 64 bits, low word: the product of the pixel path.
-    fn product(self, a: Self::Words, b: Self::Words, drop: ProductShift) -> Self::Words;
-    /// The same, 0 where the product, which must be below 2^63, or 2^31 if it is narrow, is less than `least`.
-    fn product_from(
-        self,
-        a: Self::Words,
-        b: Self::Words,
-        drop: ProductShift,
-        least: u64,
-    ) -> Self::Words;
-    /// The product with signed words; the shift is at most 32.
-    fn signed_product(self, a: Self::Words, b: Self::Words, drop: ProductShift) -> Self::Words;
-    /// `table[index]` where the mask holds, the table's last entry for an unsigned index beyond it; 0 elsewhere, and of an empty table.
-    fn gather(self, table: &[u32], index: Self::Words, mask: Self::Mask) -> Self::Words;
-
-    /// a > b as signed words.
-    fn greater(self, a: Self::Words, b: Self::Words) -> Self::Mask;
-    /// The first `count` words.
-    fn first(self, count: usize) -> Self::Mask;
-    /// Both.
-    fn both(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// a and not b.
-    fn except(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    /// Words whose most significant bit is set.
-    fn negative(self, a: Self::Words) -> Self::Mask;
-    /// Is it nowhere true?
-    fn is_none(self, a: Self::Mask) -> bool;
-    /// a where the mask does not hold, 0 where it does.
-    fn clear(self, a: Self::Words, mask: Self::Mask) -> Self::Words;
-    /// `b` where the mask holds, else `a`.
-    fn select(self, a: Self::Words, b: Self::Words, mask: Self::Mask) -> Self::Words;
-
-    /// No truth value counted yet.
-    fn no_count(self) -> Self::Count;
-    /// Counts the true ones; at most 2^31 per word.
-    fn count(self, count: Self::Count, mask: Self::Mask) -> Self::Count;
-    /// Number of true ones counted.
-    fn total(self, count: Self::Count) -> u64;
-
-    /// Runs a task compiled for this processor.
-    fn run<T: VectorTask>(self, task: T) -> T::Output;
-}
+/// Vectors as arrays: the definition of the operations, and what processors without an implementation of their own use.
+#[derive(Clone, Copy, Debug)]
+pub struct Portable;
 
 /// Work that is generic over the vectors. Implement `run` and all that it calls with `#[inline(always)]`, or it is not compiled for
 /// the instructions it needs.
@@ -140,7 +47,7 @@ pub trait VectorTask {
     /// The result.
     type Output;
     /// The work.
-    fn run<L: Floats>(self, lanes: L) -> Self::Output;
+    fn run<L: Doubles>(self, lanes: L) -> Self::Output;
 }
 
 /// Which vectors to use.
@@ -148,7 +55,7 @@ pub trait VectorTask {
 pub enum VectorLevel {
     /// The best that the processor has.
     Best,
-    /// At most 8 words: AVX2 or portable.
+    /// At most 256 bits: AVX2 or portable.
     Avx2,
     /// Portable arrays.
     Portable,
@@ -191,17 +98,8 @@ impl FromStr for VectorLevel {
     }
 }
 
-/// Runs the task on the vectors chosen.
-#[inline]
-pub fn dispatch<T: VectorTask>(choice: VectorLevel, task: T) -> T::Output {
-    match dispatch_vectors(choice, task) {
-        Ok(output) => output,
-        Err(task) => Portable.run(task),
-    }
-}
-
-/// The same, but for processors without these vectors, which get the task back: on arrays some work is slower than the kernel's. Arrays count as
-/// vectors where the compiler knows the processor's own.
+/// Runs the task on the vectors chosen. Processors without these vectors get the task back: on arrays some work is slower than the kernel's.
+/// Arrays count as vectors where the compiler knows the processor's own.
 #[inline]
 pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T::Output, T> {
     #[cfg(target_arch = "x86_64")]
@@ -221,7 +119,7 @@ pub fn dispatch_vectors<T: VectorTask>(choice: VectorLevel, task: T) -> Result<T
     #[cfg(not(target_arch = "x86_64"))]
     match choice {
         VectorLevel::Portable => Err(task),
-        _ => Ok(Portable.run(task)),
+        _ => Ok(task.run(Portable)),
     }
 }
 
@@ -252,7 +150,7 @@ pub fn prefetch<T>(place: &T) {
     let _ = place;
 }
 
-/// Name of the vectors that [`dispatch`] uses.
+/// Name of the vectors that [`dispatch_vectors`] uses.
 pub fn name(choice: VectorLevel) -> &'static str {
     #[cfg(target_arch = "x86_64")]
     {

@@ -7,123 +7,6 @@ use super::*;
 use proptest::prelude::*;
 use splatline::format::{Deep32, Lean18};
 
-/// Results of all operations on one set of operands, in a fixed order.
-struct All {
-    a: [u32; 16],
-    b: [u32; 16],
-    shift: u32,
-    half: u64,
-    count: usize,
-    table: Vec<u32>,
-}
-
-impl VectorTask for &All {
-    type Output = Vec<Vec<u32>>;
-
-    /// Sixteen words in steps of the vector's width.
-    #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) -> Self::Output {
-        let mut results = vec![Vec::new(); 28];
-        for start in (0..16).step_by(L::WIDTH) {
-            let (a, b) = (lanes.load(&self.a[start..]), lanes.load(&self.b[start..]));
-            let mask = lanes.greater(a, b);
-            let first = lanes.first(self.count.saturating_sub(start));
-            let by = self.shift % 32;
-            let drop = |narrow| ProductShift {
-                shift: if narrow { by } else { self.shift },
-                half: if narrow {
-                    self.half & 0xffff
-                } else {
-                    self.half
-                },
-                narrow,
-            };
-            let truth = |mask| lanes.clear(lanes.splat(1), mask);
-            let words = [
-                lanes.splat(self.a[3]),
-                lanes.add(lanes.iota(), lanes.splat(start as u32)),
-                lanes.add(a, b),
-                lanes.sub(a, b),
-                lanes.mul(a, b),
-                lanes.shl(a, by),
-                lanes.shr(a, by),
-                lanes.sar(a, by),
-                lanes.and(a, b),
-                lanes.or(a, b),
-                lanes.max_signed(a, b),
-                lanes.min_unsigned(a, b),
-                lanes.product(a, b, drop(false)),
-                lanes.product(lanes.shr(a, 17), lanes.shr(b, 17), drop(true)),
-                lanes.product_from(
-                    lanes.shr(a, 1),
-                    lanes.shr(b, 1),
-                    drop(false),
-                    u64::from(self.a[0] >> 1) * u64::from(self.b[0] >> 1),
-                ),
-                lanes.product_from(
-                    lanes.shr(a, 17),
-                    lanes.shr(b, 17),
-                    drop(true),
-                    u64::from(self.a[0] >> 17) * u64::from(self.b[0] >> 17),
-                ),
-                lanes.signed_product(
-                    a,
-                    b,
-                    ProductShift {
-                        shift: by + 1,
-                        ..drop(false)
-                    },
-                ),
-                lanes.signed_product(lanes.sar(a, 17), lanes.sar(b, 17), drop(true)),
-                lanes.gather(&self.table, lanes.shr(a, by), mask),
-                truth(mask),
-                truth(first),
-                truth(lanes.both(mask, first)),
-                truth(lanes.except(mask, first)),
-                truth(lanes.negative(a)),
-                lanes.clear(a, mask),
-                lanes.select(a, b, mask),
-            ];
-            for (result, value) in results.iter_mut().zip(words) {
-                let mut stored = vec![0; L::WIDTH];
-                lanes.store(&mut stored, value);
-                result.extend(stored);
-            }
-            let count = lanes.count(lanes.count(lanes.no_count(), mask), first);
-            results[26].push(lanes.total(count) as u32);
-            results[27].push(lanes.is_none(mask).into());
-        }
-        let total = results[26].iter().sum();
-        let none = results[27].iter().product();
-        results[26] = vec![total];
-        results[27] = vec![none];
-        results
-    }
-}
-
-/// Entries of a table where an index is greater than another word.
-struct Gathered {
-    index: [u32; 16],
-    other: [u32; 16],
-    table: Vec<u32>,
-}
-
-impl VectorTask for &Gathered {
-    type Output = Vec<u32>;
-
-    #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) -> Vec<u32> {
-        let mut gathered = vec![0; 16];
-        for start in (0..16).step_by(L::WIDTH) {
-            let index = lanes.load(&self.index[start..]);
-            let mask = lanes.greater(index, lanes.load(&self.other[start..]));
-            let entries = lanes.gather(&self.table, index, mask);
-            lanes.store(&mut gathered[start..], entries);
-        }
-        gathered
-    }
-}
-
 /// Results of all operations on 64-bit words and fused products, in a fixed order.
 struct AllFused {
     a: [u64; 8],
@@ -212,7 +95,7 @@ impl VectorTask for &WholeProducts {
     type Output = [i64; 4];
 
     #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) -> [i64; 4] {
+    fn run<L: Doubles>(self, lanes: L) -> [i64; 4] {
         let product = lanes.wide_mul_whole(lanes.wide_load(&self.a), lanes.wide_load(&self.b));
         let mut stored = [0; 8];
         lanes.wide_store(&mut stored, product);
@@ -291,9 +174,11 @@ proptest! {
     #[test]
     fn whole_products_are_the_portable_ones(a: [i64; 8], b: [i64; 8]) {
         let products = WholeProducts { a, b };
-        let expected = dispatch(VectorLevel::Portable, &products);
-        prop_assert_eq!(dispatch(VectorLevel::Avx2, &products), expected);
-        prop_assert_eq!(dispatch(VectorLevel::Best, &products), expected);
+        let expected = products.run(Portable);
+        for choice in [VectorLevel::Avx2, VectorLevel::Best] {
+            let found = dispatch_vectors(choice, &products).unwrap_or(expected);
+            prop_assert_eq!(found, expected);
+        }
     }
 
     #[test]
@@ -312,32 +197,5 @@ proptest! {
         for lanes in FusedLanes::all() {
             prop_assert_eq!(&lanes.run(&all), &expected, "{:?}", lanes);
         }
-    }
-
-    /// Within the table, beyond it, in an empty one and where the mask does not hold, against the contract itself.
-    #[test]
-    fn gathers_keep_their_contract(index: [u32; 16], shift in 0u32..32, other: [u32; 16], table in prop::collection::vec(any::<u32>(), 0..40)) {
-        let index = index.map(|index| index >> shift);
-        let expected: Vec<u32> = (0..16)
-            .map(|k| match (table.last(), (index[k] as i32) > other[k] as i32) {
-                (Some(last), true) => *table.get(index[k] as usize).unwrap_or(last),
-                _ => 0,
-            })
-            .collect();
-        let gathered = Gathered { index, other, table: table.clone() };
-        for choice in [VectorLevel::Portable, VectorLevel::Avx2, VectorLevel::Best] {
-            prop_assert_eq!(dispatch(choice, &gathered), &expected[..]);
-        }
-    }
-
-    #[test]
-    fn every_operation_is_the_portable_one(
-        a: [u32; 16], b: [u32; 16], equal: bool, shift in 1u32..64, half: u64, count in 0usize..20, table in prop::collection::vec(any::<u32>(), 0..40),
-    ) {
-        let b = if equal { a } else { b };
-        let all = All { a, b, shift, half: half >> 2, count, table };
-        let expected = dispatch(VectorLevel::Portable, &all);
-        prop_assert_eq!(&dispatch(VectorLevel::Avx2, &all), &expected);
-        prop_assert_eq!(&dispatch(VectorLevel::Best, &all), &expected);
     }
 }

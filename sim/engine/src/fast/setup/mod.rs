@@ -17,7 +17,7 @@ mod surface;
 
 pub use surface::SurfaceOutcome;
 
-use super::lanes::{Floats, Lanes, VectorLevel, VectorTask, dispatch_vectors};
+use super::lanes::{Doubles, VectorLevel, VectorTask, dispatch_vectors};
 use number::{Arithmetic, Number};
 use real::{Real, Reals};
 use splatline::footprint::{Conic, Footprint, Ldl};
@@ -47,7 +47,7 @@ pub trait Batched: Sized {
     fn parts(&self) -> SplatFields;
 
     /// By vectors.
-    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &SplatLanes<L>) -> Self::Lists;
+    fn set_up_together<L: Doubles>(stages: &Stages<L>, words: &SplatLanes<L>) -> Self::Lists;
 
     /// Is the `k`th of its vector in doubt, so that the kernel sets it up?
     fn is_in_doubt(lists: &Self::Lists, k: usize) -> bool;
@@ -126,7 +126,7 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
     type Output = ();
 
     #[inline(always)]
-    fn run<L: Floats>(self, lanes: L) {
+    fn run<L: Doubles>(self, lanes: L) {
         let widths = self.design.widths();
         let math = Arithmetic { lanes };
         let doubt = Cell::new(math.splat(0));
@@ -184,7 +184,7 @@ impl Batched for VolumeSplat {
     }
 
     #[inline(always)]
-    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &SplatLanes<L>) -> Lists {
+    fn set_up_together<L: Doubles>(stages: &Stages<L>, words: &SplatLanes<L>) -> Lists {
         Lists::new(stages.math.lanes, &stages.setup(words))
     }
 
@@ -213,7 +213,7 @@ fn weight(number: SoftFloat) -> f64 {
 
 /// Splats to words.
 #[inline(always)]
-fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = SplatFields>) -> SplatLanes<L> {
+fn read<L: Doubles>(lanes: L, splats: impl Iterator<Item = SplatFields>) -> SplatLanes<L> {
     let mut lists = [[0; 8]; 19];
     for (k, splat) in splats.take(L::WIDE).enumerate() {
         let [a, b, c] = splat.axes;
@@ -264,7 +264,7 @@ fn read<L: Lanes>(lanes: L, splats: impl Iterator<Item = SplatFields>) -> SplatL
 
 /// A word's splats.
 #[inline(always)]
-fn list<L: Lanes>(lanes: L, word: L::Word) -> [i64; 8] {
+fn list<L: Doubles>(lanes: L, word: L::Word) -> [i64; 8] {
     let mut list = [0; 8];
     lanes.wide_store(&mut list, word);
     list
@@ -272,7 +272,7 @@ fn list<L: Lanes>(lanes: L, word: L::Word) -> [i64; 8] {
 
 /// Mantissas and exponents of a number's splats.
 #[inline(always)]
-fn lists<L: Lanes>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
+fn lists<L: Doubles>(lanes: L, number: Number<L>) -> [[i64; 8]; 2] {
     [list(lanes, number.mantissa), list(lanes, number.exponent)]
 }
 
@@ -294,7 +294,7 @@ pub struct Lists {
 
 impl Lists {
     #[inline(always)]
-    fn new<L: Lanes>(lanes: L, footprints: &Footprints<L>) -> Self {
+    fn new<L: Doubles>(lanes: L, footprints: &Footprints<L>) -> Self {
         let Footprints {
             centre: [u, v],
             first: [left, top],

@@ -5,8 +5,8 @@
 
 use super::real::Real;
 use super::stages::{Footprints, ProjectedWords, SplatLanes, Stages, Variance, power};
-use super::{Batched, Floats, Lists, SplatFields, list};
-use crate::fast::lanes::{Doubles, Lanes, Wide};
+use super::{Batched, Lists, SplatFields, list};
+use crate::fast::lanes::{Doubles, Wide};
 use splatline::footprint::surface::{
     Attributes, DEPTH_FRACTION, Plane, SurfaceFootprint, attribute_fraction,
 };
@@ -41,7 +41,7 @@ impl Batched for SurfaceSplat {
     }
 
     #[inline(always)]
-    fn set_up_together<L: Floats>(stages: &Stages<L>, words: &SplatLanes<L>) -> SurfaceLists {
+    fn set_up_together<L: Doubles>(stages: &Stages<L>, words: &SplatLanes<L>) -> SurfaceLists {
         SurfaceLists::new(stages.math.lanes, &stages.surface(words))
     }
 
@@ -273,7 +273,7 @@ pub struct SurfaceLists {
 
 impl SurfaceLists {
     #[inline(always)]
-    fn new<L: Lanes>(lanes: L, words: &SurfaceWords<L>) -> Self {
+    fn new<L: Doubles>(lanes: L, words: &SurfaceWords<L>) -> Self {
         let ([a, b, c], [x, y, z]) = (words.origin, words.normal);
         SurfaceLists {
             footprints: Lists::new(lanes, &words.footprints),

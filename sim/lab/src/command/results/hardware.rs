@@ -1,15 +1,14 @@
-//! The pages about the machine: throughput and designs, lane layouts.
+//! The pages about the machine: throughput and designs.
 //!
 //! Scenes that lie in the data folder are measured; a scene that is missing is named in the tables as not measured.
 
-use super::{designs, layouts, throughput};
+use super::{designs, throughput};
 use anyhow::Result;
 use splatline_sim::camera::Camera;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
 use splatline_sim::progress::ProgressMeter;
 use splatline_sim::rules::Rules;
-use splatline_sim::scene::points::SurfaceScene;
 use splatline_sim::scene::points::{self, spheres};
 use splatline_sim::scene::{self, LoadOptions, Scene};
 use std::path::Path;
@@ -100,11 +99,6 @@ pub fn run(data: &Path, output: &Path) -> Result<(), Failure> {
     designs::write_all(subjects, output)
 }
 
-/// Writes the tables of lane layouts into `output`.
-pub fn run_layouts(data: &Path, output: &Path) -> Result<(), Failure> {
-    layouts::write_all(&subjects(data)?.0, output)
-}
-
 /// The scenes at hand, and the names of those that are not.
 pub fn subjects(data: &Path) -> Result<(Vec<HardwareScene>, Vec<&'static str>)> {
     let mut subjects = vec![demo()?];
@@ -127,27 +121,6 @@ fn demo() -> Result<HardwareScene> {
         camera,
         rules,
     })
-}
-
-/// The first of the captured scenes.
-pub fn guitar(data: &Path) -> Result<Option<HardwareScene>> {
-    subject(data, &PLACES[0])
-}
-
-/// The scanned lion as round splats.
-pub fn lion(data: &Path) -> Result<Option<HardwareScene>> {
-    subject(data, &PLACES[3])
-}
-
-/// The scanned lion as points of a surface, and its camera.
-pub fn surface_points(data: &Path) -> Result<Option<(SurfaceScene, Camera)>> {
-    let [.., place] = &PLACES;
-    let path = data.join(place.file);
-    if !path.exists() {
-        return Ok(None);
-    }
-    let camera = Camera::look_at(place.eye, place.target, place.up, place.fov, SIZE, SIZE)?;
-    Ok(Some((points::load(&path)?, camera)))
 }
 
 /// A captured scene, unless its file is missing.

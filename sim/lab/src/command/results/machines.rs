@@ -45,7 +45,7 @@ pub fn page(subjects: &[HardwareScene]) -> Result<(String, Vec<(String, String)>
         text += &flow(&workload, &design)?;
         text += &memories(&workload)?;
         if subject.name == PLOTTED {
-            text += "\nWhere the cycles of `primitive-4` go, which `splatline model -o` writes for any machine and scene:\n\n";
+            text += "\nWhere the cycles of `primitive-4` go, which `splatline simulate -o` writes for any machine and scene:\n\n";
             for plot in cycles(&workload) {
                 let file = format!("machines-{PLOTTED}-{}.svg", plot.file);
                 writeln!(text, "![{}]({file})\n", plot.title)?;

@@ -1,13 +1,8 @@
 //! `splatline-lab results`: the pages of docs/results, measured afresh.
 
 mod designs;
-mod drawing;
 mod hardware;
-pub mod host;
-mod layouts;
 mod machines;
-pub mod scale;
-mod speed;
 mod throughput;
 
 use super::options::{ResultsOptions, ResultsPage};
@@ -20,7 +15,6 @@ use splatline_lab::results::{
 use splatline_sim::cli::create_folder;
 use splatline_sim::cli::write;
 use splatline_sim::cli::{Failure, print_result};
-use splatline_sim::fast::lanes::VectorLevel;
 use splatline_sim::progress::ProgressMeter;
 use std::path::Path;
 
@@ -48,7 +42,6 @@ fn check(options: &ResultsOptions) -> Result<(), Failure> {
     let again = options.output.with_file_name("results-printed-again");
     let pages = ResultsPage::value_variants()
         .iter()
-        .filter(|page| !page.is_timing())
         .filter(|page| options.only.is_empty() || options.only.contains(page));
     for page in pages {
         run(&ResultsOptions {
@@ -56,7 +49,6 @@ fn check(options: &ResultsOptions) -> Result<(), Failure> {
             output: again.clone(),
             only: vec![*page],
             check: false,
-            vectors: Vec::new(),
         })?;
     }
     let found = compare_folders(&options.output, &again);
@@ -99,36 +91,10 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<ResultP
         ResultsPage::Packet => Ok(Some(packet::page())),
         ResultsPage::Formats => Ok(Some(formats::page(&options.data)?)),
         ResultsPage::Golden => Ok(Some(golden::page(&options.data.join("golden"))?)),
-        ResultsPage::Systems => Ok(Some(systems::page(&options.data)?)),
+        ResultsPage::Systems => Ok(Some(systems::page()?)),
         ResultsPage::Hardware => {
             hardware::run(&options.data, &options.output)?;
             Ok(None)
-        }
-        ResultsPage::Layouts => {
-            hardware::run_layouts(&options.data, &options.output)?;
-            Ok(None)
-        }
-        ResultsPage::Host => {
-            let text = host::run(&options.data, &options.vectors)?;
-            Ok(Some(ResultPage {
-                file: "fast.md",
-                text,
-            }))
-        }
-        ResultsPage::Scale => {
-            let (text, plot) = scale::run(first_level(options))?;
-            write(&options.output.join("scale.svg"), plot.as_bytes())?;
-            Ok(Some(ResultPage {
-                file: "scale.md",
-                text,
-            }))
-        }
-        ResultsPage::Drawing => {
-            let text = drawing::run(&options.data, first_level(options))?;
-            Ok(Some(ResultPage {
-                file: "drawing.md",
-                text,
-            }))
         }
         ResultsPage::Widths => {
             let views = views::load_all(&options.data, widths::SIZE)?;
@@ -144,21 +110,7 @@ fn measure(page: ResultsPage, options: &ResultsOptions) -> Result<Option<ResultP
                 text,
             }))
         }
-        ResultsPage::Speed => {
-            let text = speed::run(&|| hardware::guitar(&options.data))?;
-            Ok(Some(ResultPage {
-                file: "speed.md",
-                text,
-            }))
-        }
     }
-}
-
-/// The first level asked for, or what most people's processors have.
-fn first_level(options: &ResultsOptions) -> VectorLevel {
-    let usual = || VectorLevel::levels().first().map(|level| level.1);
-    let asked = options.vectors.first().copied();
-    asked.or_else(usual).unwrap_or(VectorLevel::Portable)
 }
 
 fn measure_accuracy(options: &ResultsOptions) -> Result<ResultPage, Failure> {

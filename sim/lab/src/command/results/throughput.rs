@@ -136,7 +136,7 @@ pub fn workload(subject: &HardwareScene, traversal: Traversal) -> Workload {
 pub fn text(tables: &[ThroughputTable], missing: &[&str]) -> String {
     let mut text = format!(
         "# Throughput of the raster unit\n\nPrinted by `{COMMAND}`. Pictures of 512 x 512, tiles of 16 x 16, design standard24; a machine is the \
-         default one (`splatline model` with `-o` writes it out) with the changes that its name says.\n\n\
+         default one (`splatline simulate` with `-o` writes it out) with the changes that its name says.\n\n\
          *Covered* is covered pixels (r < c) that lanes visited, per cycle of the raster phase, lane and raster unit; *live* counts only those \
          that had not finished. Both count memory stalls, hazards and drains. Mcycles are all three phases. *Host* is million simulated \
          cycles per second of wall-clock time, lane grouping included; it is noisy.\n"

@@ -59,7 +59,7 @@ fn stacks_exhibit(stacks: &[Stack]) -> Exhibit {
         "Stacks of up to 100,000 equal layers of opacity 2^-16 to 1/2, through words of 8 to 32 bits. The error is that of the \
          transmittance, the largest after any number of layers (dithered: root mean square over 16 pixels). All points: \
          [deep-alpha.csv](deep-alpha.csv).\n\n![error against width and layers](deep-alpha.svg)\n\n\
-         Smallest width whose error stays at or below {BAR}, measured / by the rule of docs/deep-alpha.md:\n\n{}",
+         Smallest width whose error stays at or below {BAR}, measured / by the rule of docs/systems.md:\n\n{}",
         table_of_widths(stacks)
     );
     let mut exhibit = exhibit("alpha", EQUATION, caption);
@@ -270,7 +270,7 @@ fn drawn(
         }
     }
     exhibit.caption = format!(
-        "{what} At most {layers} layers over one pixel; \"rule\" is the width that docs/deep-alpha.md asks for so many layers and \
+        "{what} At most {layers} layers over one pixel; \"rule\" is the width that docs/systems.md asks for so many layers and \
          an error of {BAR}. Fixed against float:\n\n{table}"
     );
     for rounding in ROUNDINGS {

@@ -16,7 +16,7 @@ use crate::vector::{self, Vector};
 use std::path::Path;
 
 /// Standard deviation of a basis function in grid spacings. The truncated functions then overlap without gaps (they reach
-/// 1.06 spacings) and their sum hardly varies over a square grid (docs/texture.md).
+/// 1.06 spacings) and their sum hardly varies over a square grid (docs/systems.md).
 pub const DEVIATION: f64 = 0.75;
 
 /// Distance of neighbouring heights, in units of height, where nobody gives one.

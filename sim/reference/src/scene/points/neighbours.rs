@@ -5,7 +5,7 @@ use kd_tree::KdIndexTree;
 use rayon::prelude::*;
 
 /// Neighbours that a basis function reaches with its standard deviation. The farthest of them counts, not their mean: where the density of a
-/// scan jumps, the mean follows the dense side and leaves holes on the sparse one (docs/surface-splats.md).
+/// scan jumps, the mean follows the dense side and leaves holes on the sparse one (docs/systems.md).
 const RADIUS_NEIGHBOURS: usize = 6;
 /// Neighbours that a plane is laid through.
 const PLANE_NEIGHBOURS: usize = 12;

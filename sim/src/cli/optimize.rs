@@ -1,11 +1,11 @@
-//! `splatline explore` with limits: the cheapest design and machine that hold them.
+//! `splatline optimize`: the cheapest design and machine that hold them.
 
-use super::machine_args::{ExploreOptions, LimitOptions};
 use super::output::{self, create_folder, read_settings, write};
 use super::resolve::{
     COMPARED, HELD_PIXEL_BYTES, PlanRequest, calibration, energy_table, part, room_for_picture,
 };
 use super::say::{Failure, print_result, warn};
+use super::search_args::{LimitOptions, OptimizeOptions};
 use crate::explore::ask::limits::{Limit, Quantity};
 use crate::explore::ask::{Answer, Question, ask, limits_of_part, tightest, usual_space};
 use crate::explore::space::Space;
@@ -22,7 +22,7 @@ use std::time::Instant;
 const FILES: [&str; 3] = ["answer.json", "design.toml", "machine.toml"];
 
 /// Is a limit among the options?
-pub fn is_asked(options: &LimitOptions) -> bool {
+pub fn has_limits(options: &LimitOptions) -> bool {
     !own_limits(options).is_empty()
 }
 
@@ -52,30 +52,22 @@ fn own_limits(options: &LimitOptions) -> Vec<Limit> {
     given.into_iter().filter_map(limit).collect()
 }
 
-pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
-    if options.shard.count > 1 || options.no_error {
-        let message = "--shard and --no-error are for sweeps; with a limit the space is searched in one piece, and without a limit on the error none is drawn";
+pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
+    if !has_limits(&options.limits) {
+        let message = "there is no limit: give one or more of --fps, --max-error, --psnr, --lut, --dsp, --bram, --bandwidth and --max-energy";
         return Err(Failure::Usage(message.to_owned()));
     }
+    let search = &options.search;
     if let Some(folder) = &options.output {
-        let mut inputs = options.view.inputs();
-        inputs.extend(options.more.others.clone());
-        inputs.extend(options.work.inputs());
-        inputs.extend(options.area.inputs());
-        let files = [
-            &options.energy.energy,
-            &options.space,
-            &options.machine.machine,
-            &options.path.camera_path,
-        ];
-        inputs.extend(output::files(files.map(Option::as_ref)));
+        let mut inputs = search.inputs();
+        inputs.extend(options.space.clone());
         output::check_folder(folder, &FILES, &inputs)?;
         create_folder(folder)?;
     }
     let started = Instant::now();
     let limits = limits(options)?;
-    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let asked = PlanRequest::work(&search.view, &search.work).on(&search.machine);
+    let frames = asked.frames(&search.path, &search.more)?;
     let errors = limits.iter().any(|limit| limit.quantity.is_error());
     let mut splats = Vec::with_capacity(frames.len());
     let mut references = Vec::new();
@@ -94,16 +86,16 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
         references.push(prepared.draw_reference(Engine::Float, &|_, _| ())?.picture);
     }
     let plan = &frames[0].prepared.plan;
-    let recorded = options.view.from.is_some().then_some(plan.entry.traversal);
+    let recorded = search.view.from.is_some().then_some(plan.entry.traversal);
     let question = Question {
         frames: splats,
         references,
         design: plan.entry.design.clone(),
-        traversal: options.work.traversal.map(Traversal::from).or(recorded),
+        traversal: search.work.traversal.map(Traversal::from).or(recorded),
         machine: plan.machine,
-        calibration: calibration(&options.area)?,
+        calibration: calibration(&search.area)?,
         limits,
-        energy: energy_table(&options.energy)?,
+        energy: energy_table(&search.energy)?,
     };
     let space = match &options.space {
         Some(file) => {
@@ -143,10 +135,10 @@ pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
 }
 
 /// The options' limits and the part's.
-fn limits(options: &ExploreOptions) -> Result<Vec<Limit>, Failure> {
+fn limits(options: &OptimizeOptions) -> Result<Vec<Limit>, Failure> {
     let own = own_limits(&options.limits);
-    let named = options.area.part.clone().unwrap_or_default();
-    let of_part = part(&options.area)?.map(|part| limits_of_part(&named, &part));
+    let named = options.search.area.part.clone().unwrap_or_default();
+    let of_part = part(&options.search.area)?.map(|part| limits_of_part(&named, &part));
     let mut of_part = of_part.unwrap_or_default();
     // Who names a bandwidth has another memory on the board.
     if options.limits.bandwidth.is_some() {

@@ -1,10 +1,10 @@
-//! `splatline needs`: which units, layers, ranges, widths and FIFO depths a scene exercises.
+//! `splatline profile`: which units, layers, ranges, widths and FIFO depths a scene exercises.
 
 use super::fit;
-use super::machine_args::NeedsOptions;
 use super::output::{self, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
+use super::search_args::ProfileOptions;
 use crate::explore::fit::Metric;
 use crate::explore::needs::{Needs, SLACK, needs};
 use crate::fixed;
@@ -14,7 +14,7 @@ use crate::systems::SystemVerdict;
 use serde_json::{Map, json};
 use std::fmt::Write;
 
-pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
+pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
     if let Some(path) = &options.json {
         let mut inputs = options.view.inputs();
         inputs.extend(options.work.inputs());
@@ -40,7 +40,7 @@ pub fn run(options: &NeedsOptions) -> Result<(), Failure> {
 }
 
 /// What one frame needs, which is also said.
-fn one(frame: &NamedFrame, options: &NeedsOptions) -> Result<serde_json::Value, Failure> {
+fn one(frame: &NamedFrame, options: &ProfileOptions) -> Result<serde_json::Value, Failure> {
     let prepared = &frame.prepared;
     warn(&prepared.setup_warnings()?);
     let (name, systems) = (frame.name.as_str(), prepared.systems());

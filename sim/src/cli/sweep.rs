@@ -1,13 +1,12 @@
-//! `splatline explore` and `splatline merge`: sweeps, in one piece or in shards.
+//! `splatline sweep` and `splatline merge`: sweeps, in one piece or in shards.
 
-use super::ask;
-use super::machine_args::{ExploreOptions, MergeOptions};
 use super::output::{create_folder, read_settings, write};
 use super::resolve::{
     COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
     room_for_picture,
 };
 use super::say::{Failure, print_result, warn};
+use super::search_args::{MergeOptions, SearchOptions, SweepOptions};
 use crate::explore::folder::{self, Appender};
 use crate::explore::front::{candidates, front, front_table};
 use crate::explore::identity::{Identity, SettingsText};
@@ -24,22 +23,14 @@ use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-pub fn run(options: &ExploreOptions) -> Result<(), Failure> {
-    match (&options.space, &options.output) {
-        (Some(space), Some(output)) if !ask::is_asked(&options.limits) => {
-            sweep_space(options, space, output)
-        }
-        _ => ask::run(options),
-    }
-}
-
 /// Every point of the space.
-fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(), Failure> {
+pub fn run(options: &SweepOptions) -> Result<(), Failure> {
+    let (search, file, output) = (&options.search, &options.space, &options.output);
     create_folder(output)?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
-    let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
-    let frames = asked.frames(&options.path, &options.more)?;
+    let asked = PlanRequest::work(&search.view, &search.work).on(&search.machine);
+    let frames = asked.frames(&search.path, &search.more)?;
     let mut references = Vec::with_capacity(frames.len());
     for NamedFrame { prepared, .. } in &frames {
         warn(&prepared.setup_warnings()?);
@@ -61,19 +52,19 @@ fn sweep_space(options: &ExploreOptions, file: &Path, output: &Path) -> Result<(
     let (splats, reference) = seen.remove(0);
     let prepared = &frames[0].prepared;
     let entry = &prepared.plan.entry;
-    let recorded = options.view.from.is_some().then_some(entry.traversal);
+    let recorded = search.view.from.is_some().then_some(entry.traversal);
     let subject = SweepSubject {
         splats,
         design: entry.design.clone(),
         // What nobody asked for, each design of the space decides.
-        traversal: options.work.traversal.map(Traversal::from).or(recorded),
+        traversal: search.work.traversal.map(Traversal::from).or(recorded),
         machine: prepared.plan.machine,
-        calibration: calibration(&options.area)?,
-        energy: energy_table(&options.energy)?,
+        calibration: calibration(&search.area)?,
+        energy: energy_table(&search.energy)?,
         reference,
         more,
     };
-    let identity = Identity::new(&subject, &text, &settings(options, &space)?)?;
+    let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
     folder::claim(output, &identity)?;
     let path = output.join(table_name(options.shard));
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;
@@ -196,7 +187,7 @@ fn table_name(shard: Shard) -> String {
 }
 
 /// The texts of all settings files that take part: whatever they say, another text is another sweep.
-fn settings(options: &ExploreOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
+fn settings(options: &SearchOptions, space: &Space) -> Result<Vec<SettingsText>, Failure> {
     let design = Some(PathBuf::from(&options.work.design.0));
     let machine = options.machine.machine.clone();
     let files = [

@@ -1,0 +1,244 @@
+//! Options of the commands that search designs and machines: sweep, optimize, merge, fit, profile, and explore, by which sweep and optimize were
+//! called before.
+
+use super::drawing_args::WorkOptions;
+use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
+use super::output;
+use super::values::{METRICS, one_of, positive, shard};
+use super::view_args::{MoreScenes, PathOptions, ViewOptions};
+use crate::explore::fit::Metric;
+use crate::explore::sweep::Shard;
+use clap::Args;
+use std::path::PathBuf;
+
+/// What is drawn and simulated, by what a search starts from.
+#[derive(Debug, Args)]
+pub struct SearchOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub more: MoreScenes,
+    #[command(flatten)]
+    pub path: PathOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+    #[command(flatten)]
+    pub area: AreaOptions,
+    #[command(flatten)]
+    pub energy: EnergyOptions,
+}
+
+impl SearchOptions {
+    /// The files that are read.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let mut inputs = self.view.inputs();
+        inputs.extend(self.more.others.clone());
+        inputs.extend(self.work.inputs());
+        inputs.extend(self.area.inputs());
+        let files = [
+            &self.energy.energy,
+            &self.machine.machine,
+            &self.path.camera_path,
+        ];
+        inputs.extend(output::files(files.map(Option::as_ref)));
+        inputs
+    }
+}
+
+pub const SWEEP_EXAMPLES: &str = "\
+Examples:
+  splatline sweep guitar.ply --space space.toml -o out
+  splatline sweep guitar.ply --space space.toml --shard 3/8 -o out        one of eight machines
+  splatline merge out -o out                                              puts the shards together
+
+A space:
+  sample = \"grid\"                  # or \"latin\" with count = 200 and seed = 1
+  [design]
+  base = [\"lean18\", \"standard24\"]
+  mantissa = { from = 14, to = 24, step = 2 }
+  [machine]
+  lanes = [1, 2, 4]
+  layout = [\"run\", \"rows\"]
+
+An interrupted sweep goes on where it stopped. Writes points.csv (or points-3-of-8.csv), and when all points are there front.csv and front.html.
+`explore --space` is the earlier name of this command.";
+
+#[derive(Debug, Args)]
+pub struct SweepOptions {
+    #[command(flatten)]
+    pub search: SearchOptions,
+    /// Fields and their values (TOML)
+    #[arg(long, value_name = "s.toml")]
+    pub space: PathBuf,
+    /// Run part i of n only
+    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
+    pub shard: Shard,
+    /// Leave the float reference out: cycles and area only
+    #[arg(long)]
+    pub no_error: bool,
+    /// Folder for the results
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
+    pub output: PathBuf,
+}
+
+pub const OPTIMIZE_EXAMPLES: &str = "\
+Examples:
+  splatline optimize guitar.ply --size 1920x1080 --fps 60 --part xc7a100t --max-error 0.004
+      the cheapest design and machine that hold all of it, the next three, and what binds
+  splatline optimize guitar.ply playbot.ply --fps 60 --lut 63000 --dsp 240 --psnr 50 --set clock_mhz=100 -o out
+  splatline optimize guitar.ply --space space.toml --max-error 0.004 -o out      over fields and values of your own, as `sweep` takes them
+
+`explore` with a limit is the earlier name of this command.";
+
+#[derive(Debug, Args)]
+pub struct OptimizeOptions {
+    #[command(flatten)]
+    pub search: SearchOptions,
+    /// Fields and their values (TOML) [default: every width and the usual machines]
+    #[arg(long, value_name = "s.toml")]
+    pub space: Option<PathBuf>,
+    #[command(flatten)]
+    pub limits: LimitOptions,
+    /// Folder for answer.json, and design.toml and machine.toml of the answer
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+}
+
+pub const EXPLORE_EXAMPLES: &str = "\
+Examples:
+  splatline explore guitar.ply --space space.toml -o out      now `splatline sweep`
+  splatline explore guitar.ply --fps 60 --part xc7a100t       now `splatline optimize`";
+
+/// `sweep` without a limit, `optimize` with one.
+#[derive(Debug, Args)]
+pub struct ExploreOptions {
+    #[command(flatten)]
+    pub search: SearchOptions,
+    /// Fields and their values (TOML) [with a limit: every width and the usual machines]
+    #[arg(long, value_name = "s.toml", required_unless_present = "limits")]
+    pub space: Option<PathBuf>,
+    #[command(flatten)]
+    pub limits: LimitOptions,
+    /// Run part i of n only
+    #[arg(long, value_name = "i/n", value_parser = shard, default_value = "1/1")]
+    pub shard: Shard,
+    /// Leave the float reference out: cycles and area only
+    #[arg(long)]
+    pub no_error: bool,
+    /// Folder for the results; with a limit: answer.json, design.toml and machine.toml of the answer
+    #[arg(
+        short,
+        long,
+        value_name = "dir",
+        help_heading = "Output",
+        required_unless_present = "limits"
+    )]
+    pub output: Option<PathBuf>,
+}
+
+/// What the answer must hold.
+#[derive(Debug, Default, Args)]
+#[group(id = "limits", multiple = true)]
+#[command(next_help_heading = "Limits (at least one; --part adds what it holds)")]
+pub struct LimitOptions {
+    /// Frames a second at least, of the slowest frame
+    #[arg(long, value_name = "N", value_parser = positive)]
+    pub fps: Option<f64>,
+    /// Largest error of a colour at most, units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub max_error: Option<f64>,
+    /// PSNR of the colours at least
+    #[arg(long, value_name = "dB", value_parser = positive)]
+    pub psnr: Option<f64>,
+    /// Look-up tables at most
+    #[arg(long, value_name = "N")]
+    pub lut: Option<u32>,
+    /// Multipliers at most
+    #[arg(long, value_name = "N")]
+    pub dsp: Option<u32>,
+    /// Kilobits of block memory at most
+    #[arg(long, value_name = "kbit")]
+    pub bram: Option<u32>,
+    /// What the memory moves, both directions together: the machine's channels are no wider
+    #[arg(long, value_name = "MB/s", value_parser = positive)]
+    pub bandwidth: Option<f64>,
+    /// Energy of the most expensive frame at most; an estimate by --energy's table
+    #[arg(long, value_name = "mJ", value_parser = positive)]
+    pub max_energy: Option<f64>,
+}
+
+pub const MERGE_EXAMPLES: &str = "\
+Examples:
+  splatline merge out -o out
+  splatline merge node1 node2 node3 -o all";
+
+#[derive(Debug, Args)]
+pub struct MergeOptions {
+    /// Folders with points.csv or points-i-of-n.csv of one sweep
+    #[arg(value_name = "DIR", required = true)]
+    pub folders: Vec<PathBuf>,
+    /// Merge although points are missing
+    #[arg(long)]
+    pub partial: bool,
+    /// Folder for points.csv, front.csv and front.html
+    #[arg(short, long, value_name = "dir", help_heading = "Output")]
+    pub output: PathBuf,
+}
+
+pub const FIT_EXAMPLES: &str = "\
+Examples:
+  splatline fit guitar.ply --max-error 0.004          largest error of any pixel, 1/255
+  splatline fit guitar.ply --max-error 1e-3 --metric rms -o fitted.toml
+  splatline fit guitar.ply playbot.ply --max-error 0.004      one design for both
+  splatline simulate guitar.ply --design fitted.toml             the design that was found, in any command";
+
+#[derive(Debug, Args)]
+pub struct FitOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub more: MoreScenes,
+    #[command(flatten)]
+    pub path: PathOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    /// Error that the design may have, colours, in units of 1.0
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub max_error: f64,
+    /// Which error
+    #[arg(long, value_parser = one_of(METRICS), default_value = "largest")]
+    pub metric: Metric,
+    /// Design file to write
+    #[arg(short, long, value_name = "file.toml", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+}
+
+pub const PROFILE_EXAMPLES: &str = "\
+Examples:
+  splatline profile guitar.ply
+  splatline profile guitar.ply --max-error 0.004 --json profile.json
+  splatline profile guitar.ply playbot.ply --json profile.json
+
+`needs` is the earlier name of this command.";
+
+#[derive(Debug, Args)]
+pub struct ProfileOptions {
+    #[command(flatten)]
+    pub view: ViewOptions,
+    #[command(flatten)]
+    pub more: MoreScenes,
+    #[command(flatten)]
+    pub path: PathOptions,
+    #[command(flatten)]
+    pub work: WorkOptions,
+    #[command(flatten)]
+    pub machine: MachineOptions,
+    /// Also find the smallest widths within this error (as `splatline fit` does)
+    #[arg(long, value_name = "E", value_parser = positive)]
+    pub max_error: Option<f64>,
+    /// Also write the answer as JSON
+    #[arg(long, value_name = "n.json")]
+    pub json: Option<PathBuf>,
+}
