@@ -36,10 +36,11 @@ pub struct Widths {
     /// Magnitude bits of a splat's difference to the eye, and of the rotation by which it gets to camera space (8 to 60; above 30
     /// both have two parts). Splats in fixed point do without ([`Translation`](crate::view::Translation)).
     pub position: u8,
-    /// Magnitude bits of the mantissas that lead from camera space to a footprint's centre, and fraction bits of
+    /// Magnitude bits of the mantissas that lead from camera space to a footprint's centre, and of centres in fixed point fraction bits of
     /// the rotation's entries (8 to 31; the rotation has at most 30).
     pub view: u8,
-    /// Magnitude bits of every normalised mantissa of setup and of the row seeds (8 to 31).
+    /// Magnitude bits of every normalised mantissa of setup and of the row seeds (8 to 31). Sums keep [`GUARD`](crate::math::GUARD) bits more until
+    /// they are rounded; axes and the rotation that turns them have [`axis_bits`](crate::setup::axis_bits).
     pub mantissa: u8,
     /// Fraction bits of a footprint's centre, in pixels (2 to 24).
     pub subpixel: u8,

@@ -123,7 +123,7 @@ impl<P> View<P> {
 }
 
 /// Fraction bits of W's entries.
-const ENTRY: u32 = 30;
+pub const ENTRY: u32 = 30;
 
 /// A difference has its leading bit at most here, so that a sum of two fits a word with a bit to spare.
 const TOP: i32 = 60;

@@ -3,11 +3,11 @@
 //   registers | factors | table | magnitudes | product (2) | term | length | largest | unit (4) | distance | shift (2) | rounding | sum (2) |
 //   length | shift | rounding | carry, write
 //
-// It is `sum_of_products` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is written as such sums: a multiplication has one
+// It is `sum_of_products`, `sum_below` and `SoftFloat::from_wide` of src/math/soft_float.rs, and all else in setup is written as such sums: a multiplication has one
 // term, a fixed-point number a unit that is given, a table's interpolation two terms. Results are mantissas of 31 bits of which the last `drop`
 // are 0, or 64 bits as they are. So one aligner and one normaliser do for the whole of setup, and several cores side by side, which obey the same slots, for any speed.
 //
-// The unit of a sum is known once its last term's length is; until then its terms wait three cycles, so that up to four can be aligned to the largest.
+// The unit of a sum is known once the exponent of its last term is; until then its terms wait three cycles, so that up to four can be aligned to the largest.
 module setup_core (
     input logic clk,
     // Slots by stage: slots[i] was issued i cycles ago. Registers' addresses come with the first and the last.
@@ -73,6 +73,9 @@ module setup_core (
     beat1 <= records[{side, slot0.a[3:1]}];
   end
   assign item1 = slot1.a[0] ? beat1[87:44] : beat1[43:0];
+  // Axes are rounded down to the bits that they need.
+  logic [31:0] kept1;
+  assign kept1 = slot1.a >= 6 && slot1.a <= 14 ? 32'hffffffff << splatline_setup_pkg::AXIS_DROP : 32'hffffffff;
 
   logic signed [63:0] a2, a3;
   logic signed [51:0] b2, b3;
@@ -89,7 +92,7 @@ module setup_core (
   end
   assign {out_a, out_a_exponent, out_b, out_b_exponent} = {a2, a_exponent2, b2, b_exponent2};
   always_ff @(posedge clk) begin
-    {a_exponent2, a2} <= slot1.a_input ? {{6{item1[43]}}, item1[43:32], {32{item1[31]}}, item1[31:0]} : slot1.a_constant ? constant1 : register_a1;
+    {a_exponent2, a2} <= slot1.a_input ? {{6{item1[43]}}, item1[43:32], {32{item1[31]}}, item1[31:0] & kept1} : slot1.a_constant ? constant1 : register_a1;
     {b_exponent2, b2} <= slot1.b_constant ? {constant1[81:64], constant1[51:0]} : register_b1;
     {a3, a_exponent3, b3, b_exponent3} <= {a2, a_exponent2, b2, b_exponent2};
     entry3 <= splatline_tables::setup_entry(index2);
@@ -167,7 +170,8 @@ module setup_core (
   logic signed [17:0] top8, largest8, largest9, based8, based9, unit9, unit10, unit11, unit12, unit13;
   logic signed [17:0] step8, step9;
   assign step8 = {{11{slot8.step[6]}}, slot8.step};
-  assign top8 = length8 == 0 ? -18'sd98304 : exponent8 + $signed({11'd0, length8});
+  // The end of the term's format: of a mantissa's 31 bits, or of two.
+  assign top8 = length8 == 0 ? -18'sd98304 : exponent8 + (slot8.plain ? 18'sd31 : 18'sd62);
   assign largest8 = slot8.first || top8 > largest9 ? top8 : largest9;
   // The unit is the largest term's but for a step, taken off in the next cycle, or what its first term says.
   assign unit9 = slot9.base != 0 ? based9 : largest9 - step9;

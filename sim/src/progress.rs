@@ -2,6 +2,7 @@
 //!
 //! Progress goes to stderr, so that results on stdout stay clean.
 
+use crate::cli::printable;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::Duration;
@@ -44,7 +45,7 @@ impl ProgressMeter {
 
     /// Says what is being done now.
     pub fn doing(&self, what: impl Into<String>) {
-        let what = what.into();
+        let what = printable(&what.into());
         #[cfg(test)]
         heard::note(what.clone());
         self.0.set_message(what);

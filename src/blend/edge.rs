@@ -26,10 +26,10 @@ impl EdgeFilter {
     /// q' = min(1, q / tau) in UQ1.30 from the weight sum q in UQ7.fraction. Relative error below 2^-28.
     #[inline(always)]
     pub fn coverage(&self, weight: u32, fraction: u8) -> u32 {
-        let quotient = Product {
-            value: i64::from(weight.min(i32::MAX as u32)) * i64::from(self.inverse.mantissa),
-            exponent: self.inverse.exponent.saturating_sub(fraction.into()),
-        };
+        let quotient = Product::new(
+            i64::from(weight.min(i32::MAX as u32)) * i64::from(self.inverse.mantissa),
+            self.inverse.exponent.saturating_sub(fraction.into()),
+        );
         quotient.to_fixed(30).clamp(0, 1 << 30) as u32
     }
 }

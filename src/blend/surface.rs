@@ -156,10 +156,7 @@ impl WeightedSum {
         };
         let divide = |value: i64, fraction: u32| {
             let one = 1i64 << fraction;
-            let quotient = Product {
-                value: value * i64::from(inverse.mantissa),
-                exponent: inverse.exponent,
-            };
+            let quotient = Product::new(value * i64::from(inverse.mantissa), inverse.exponent);
             quotient.to_fixed(fraction).clamp(-one, one)
         };
         let unit = |value: u32| divide(value.min(i32::MAX as u32).into(), self.accumulator) as u32;

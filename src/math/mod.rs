@@ -12,5 +12,5 @@ pub use extended::Extended;
 pub use ln::{LN_2, LOGARITHMS, REST, fraction, ln};
 pub use reciprocal::{RECIPROCALS, reciprocal};
 pub use shift::{shift_left, shift_round, shift_signed, shift_unsigned};
-pub use soft_float::{Product, SoftFloat, sum_of_products};
+pub use soft_float::{GUARD, Product, SoftFloat, sum_below, sum_of_products};
 pub use sqrt::{ROOTS, root_seed, square_root};

@@ -2,7 +2,12 @@
 //!
 //! Setup works in block floating point: mantissas of [`mantissa`](crate::format::Widths::mantissa) bits, exponents that are
 //! aligned once per sum. Nothing is lost by range, so the relative error of every product is at most
-//! `2^-mantissa`, whatever the scene's scale. A sum of products is aligned in 64 bits and rounded once.
+//! `2^-mantissa`, whatever the scene's scale.
+//!
+//! A sum of products needs no more bits than its result has, and a few to guard them: each product is cut to a window of
+//! `mantissa + GUARD` bits, aligned to the largest, and only the sum is rounded. Where the window lies follows from exponents and the formats'
+//! lengths alone, so that no leading zeros are counted before the sum. A cut rounds down, because a floor of a floor is one floor: it may be
+//! done before or after the alignment, and costs nothing in hardware.
 //!
 //! On 32-bit processors normalisation is a function of its own and not inlined, for the sake of code size (docs/firmware.md).
 
@@ -20,13 +25,18 @@ pub struct SoftFloat {
     pub exponent: i32,
 }
 
-/// An exact product of two mantissas, not yet normalised: `value * 2^exponent`.
+/// Bits that a sum keeps below those of its result. Of terms that do not cancel they leave `2^-8` of a last bit each.
+pub const GUARD: u32 = 8;
+
+/// A term of a sum, not yet normalised: `value * 2^exponent`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Product {
-    /// At most 62 bits of magnitude.
+    /// At most `length` bits of magnitude.
     pub value: i64,
     /// Power of two.
     pub exponent: i32,
+    /// Bits that its format has: for two mantissas theirs together. At most 63.
+    pub length: u32,
 }
 
 /// Exponent given to zero: below every other, and far from the ends of `i32`.
@@ -63,13 +73,36 @@ impl SoftFloat {
         }
     }
 
-    /// Exact product.
+    /// Exact product of mantissas of any length.
     #[inline(always)]
     pub const fn times(self, other: SoftFloat) -> Product {
+        self.times_within(other, self.length() + other.length())
+    }
+
+    /// Exact product of mantissas that are known to have `length` bits together, or to be 0.
+    #[inline(always)]
+    pub const fn times_within(self, other: SoftFloat, length: u32) -> Product {
         Product {
             value: product(self.mantissa, other.mantissa),
             exponent: self.exponent.saturating_add(other.exponent),
+            length,
         }
+    }
+
+    /// The number itself as a term, its mantissa known to have `length` bits or to be 0.
+    #[inline(always)]
+    pub const fn term_within(self, length: u32) -> Product {
+        Product {
+            value: self.mantissa as i64,
+            exponent: self.exponent,
+            length,
+        }
+    }
+
+    /// Bits of the mantissa's magnitude.
+    #[inline(always)]
+    pub const fn length(self) -> u32 {
+        32 - leading_zeros(self.mantissa.unsigned_abs())
     }
 
     /// Product rounded to `bits`.
@@ -102,12 +135,30 @@ impl SoftFloat {
     /// Position of the leading bit: `2^leading <= |self| < 2^(leading + 1)`; very negative for 0.
     #[inline(always)]
     pub const fn leading(self) -> i32 {
-        let length = 32 - leading_zeros(self.mantissa.unsigned_abs()) as i32;
-        self.exponent.saturating_add(length - 1)
+        self.exponent.saturating_add(self.length() as i32 - 1)
     }
 }
 
 impl Product {
+    /// A term of any value, its length counted.
+    #[inline(always)]
+    pub const fn new(value: i64, exponent: i32) -> Product {
+        Product {
+            value,
+            exponent,
+            length: 64 - leading_zeros_wide(value.unsigned_abs()),
+        }
+    }
+
+    /// With the other sign.
+    #[inline(always)]
+    pub const fn negated(self) -> Product {
+        Product {
+            value: self.value.wrapping_neg(),
+            ..self
+        }
+    }
+
     /// Rounded to `bits`.
     #[inline]
     pub const fn normalise(self, bits: u32) -> SoftFloat {
@@ -123,46 +174,74 @@ impl Product {
                 .saturating_sub(fraction as i32),
         )
     }
+
+    /// Cut to the first `window` bits of its format.
+    #[inline(always)]
+    const fn cut(self, window: u32) -> Cut {
+        let drop = self.length as i32 - window as i32;
+        Cut {
+            value: shift_down(self.value, drop),
+            top: self.exponent.saturating_add(self.length as i32),
+        }
+    }
 }
 
-/// Sum of up to four products, aligned to 61 bits below the largest leading bit and rounded once to `bits`.
+/// A term in a window: `value * 2^(top - window)`.
+#[derive(Clone, Copy)]
+struct Cut {
+    value: i64,
+    top: i32,
+}
+
+/// `value * 2^-shift` rounded down; to the left what leaves the word is lost. `|shift|` at most 63, more counts as 63.
+#[inline(always)]
+const fn shift_down(value: i64, shift: i32) -> i64 {
+    if shift < 0 {
+        value.wrapping_shl(shift.unsigned_abs())
+    } else if shift > 63 {
+        value >> 63
+    } else {
+        value >> shift
+    }
+}
+
+/// Sum of up to four terms, cut to `bits + GUARD` bits below the largest format's end and rounded once to `bits`, halves up.
 ///
-/// Alignment error: at most half of `2^-60` of the largest term for each term.
+/// The window ends at the largest `exponent + length` of all terms that are not 0 in it. Every cut takes less than `2^-(bits + GUARD)` of that;
+/// of two normalised mantissas the first bit may be 0, so that is less than `2^-(bits + GUARD - 2)` of the largest term.
 #[inline]
 pub fn sum_of_products<const N: usize>(terms: [Product; N], bits: u32) -> SoftFloat {
     const { assert!(N <= 4) };
-    sum(&terms, bits)
+    let window = bits + GUARD;
+    sum(&terms.map(|term| term.cut(window)), bits)
+}
+
+/// The same in a window that ends at `2^top`, below which all terms lie, rounded once to `bits`.
+#[inline]
+pub fn sum_below<const N: usize>(terms: [Product; N], top: i32, bits: u32) -> SoftFloat {
+    let unit = top.saturating_sub((bits + GUARD) as i32);
+    let mut sum = 0i64;
+    for term in terms {
+        sum = sum.wrapping_add(shift_down(term.value, unit.saturating_sub(term.exponent)));
+    }
+    SoftFloat::from_wide(sum, unit, bits)
 }
 
 /// One function for any number of terms: a copy per number would be a tenth of a small image.
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-fn sum(terms: &[Product], bits: u32) -> SoftFloat {
-    let mut leading = i32::MIN;
+fn sum(terms: &[Cut], bits: u32) -> SoftFloat {
+    let mut top = i32::MIN;
     for term in terms {
-        if term.value != 0 {
-            let length = 64 - leading_zeros_wide(term.value.unsigned_abs()) as i32;
-            leading = leading.max(term.exponent.saturating_add(length));
+        if term.value != 0 && term.top > top {
+            top = term.top;
         }
     }
-    if leading == i32::MIN {
-        return SoftFloat::ZERO;
-    }
-    let unit = leading.saturating_sub(60);
     let mut sum = 0i64;
     for term in terms {
-        if term.value != 0 {
-            let shift = unit.saturating_sub(term.exponent);
-            // To the left nothing leaves the word, by the choice of the unit, unless the exponent is at its end.
-            let aligned = if shift < 0 && leading < i32::MAX {
-                shifted_up(term.value as u64, shift.unsigned_abs()) as i64
-            } else {
-                shift_signed(term.value, shift)
-            };
-            sum = sum.wrapping_add(aligned);
-        }
+        sum = sum.wrapping_add(shift_down(term.value, top.saturating_sub(term.top)));
     }
-    SoftFloat::from_wide(sum, unit, bits)
+    SoftFloat::from_wide(sum, top.saturating_sub((bits + GUARD) as i32), bits)
 }
 
 #[cfg(test)]
@@ -188,11 +267,17 @@ mod tests {
 
         #[test]
         fn sums_are_rounded_once(parts: [(i32, i32, i8); 4], bits in 8u32..=31) {
-            let terms = parts.map(|(a, b, e)| Product { value: (a >> 1) as i64 * (b >> 1) as i64, exponent: e as i32 / 8 });
-            let exact: f64 = terms.iter().map(|t| t.value as f64 * (t.exponent as f64).exp2()).sum();
-            let largest = terms.iter().map(|t| (t.value as f64 * (t.exponent as f64).exp2()).abs()).fold(0.0, f64::max);
+            let terms = parts.map(|(a, b, e)| {
+                let [a, b] = [a, b].map(|mantissa| SoftFloat { mantissa: mantissa >> 1, exponent: e as i32 / 16 });
+                a.times(b)
+            });
+            let number = |t: &Product| t.value as f64 * (t.exponent as f64).exp2();
+            let exact: f64 = terms.iter().map(number).sum();
+            let largest = terms.iter().map(number).fold(0.0, |most: f64, term| most.max(term.abs()));
             let error = (value(sum_of_products(terms, bits)) - exact).abs();
-            prop_assert!(error <= exact.abs() * (-(bits as f64)).exp2() * 1.0001 + largest * 1e-15, "{error} {exact}");
+            // Of four terms each loses less than a unit, and the largest has its leading bit at the window's first or second bit.
+            let cuts = 4.0 * 4.0 * largest * (-f64::from(bits + GUARD)).exp2();
+            prop_assert!(error <= (exact.abs() + cuts) * (-f64::from(bits)).exp2() * 1.0001 + cuts, "{error} {exact}");
         }
 
         /// The oracle rounds in 128 bits.
@@ -223,16 +308,20 @@ mod tests {
             prop_assert_eq!(SoftFloat { mantissa, exponent }.to_fixed(fraction), expected);
         }
 
-        /// The oracle aligns with shifts that saturate.
+        /// The oracle cuts and adds in 128 bits.
         #[test]
-        fn alignment_needs_no_saturation(parts: [(i64, i8, u8); 4], last in prop_oneof![Just(0), Just(i32::MAX - 127)]) {
-            let terms = parts.map(|(value, e, drop)| Product { value: value >> (2 + drop % 62), exponent: last + e as i32 });
-            let length = |t: &Product| t.exponent.saturating_add(64 - t.value.unsigned_abs().leading_zeros() as i32);
-            let Some(leading) = terms.iter().filter(|t| t.value != 0).map(length).max() else { return Ok(()) };
-            let unit = leading.saturating_sub(60);
-            let aligned = terms.iter().filter(|t| t.value != 0).map(|t| shift_signed(t.value, unit.saturating_sub(t.exponent)));
-            let sum = aligned.fold(0, i64::wrapping_add);
-            prop_assert_eq!(sum_of_products(terms, 20), SoftFloat::from_wide(sum, unit, 20));
+        fn terms_are_cut_to_the_window(parts: [(i64, i8, u8); 4], last in prop_oneof![Just(0), Just(i32::MAX - 200)], bits in 8u32..=31) {
+            let terms = parts.map(|(value, e, drop)| Product::new(value >> (2 + drop % 62), last + e as i32));
+            let top = |t: &Product| t.exponent.saturating_add(t.length as i32);
+            let Some(top) = terms.iter().filter(|t| t.value != 0).map(top).max() else { return Ok(()) };
+            let unit = top.saturating_sub(bits as i32 + GUARD as i32);
+            let aligned = terms.iter().map(|t| match unit.saturating_sub(t.exponent) {
+                shift @ ..0 => i128::from(t.value) << shift.unsigned_abs().min(63),
+                shift => i128::from(t.value) >> shift.min(127),
+            });
+            let sum: i128 = aligned.sum();
+            prop_assert_eq!(sum_of_products(terms, bits), SoftFloat::from_wide(sum as i64, unit, bits));
+            prop_assert_eq!(sum_below(terms, top, bits), SoftFloat::from_wide(sum as i64, unit, bits));
         }
 
         #[test]
@@ -240,8 +329,8 @@ mod tests {
             let number = SoftFloat { mantissa, exponent };
             let _ = (number.to_fixed(fraction), number.leading(), number.multiply(number, bits));
             let _ = SoftFloat::from_wide(wide, exponent, bits);
-            let product = Product { value: wide, exponent };
-            let _ = (product.to_fixed(fraction), sum_of_products([product; 4], bits));
+            let product = Product { value: wide, exponent, length: fraction };
+            let _ = (product.to_fixed(fraction), sum_of_products([product; 4], bits), sum_below([product; 4], mantissa, bits));
         }
     }
 

@@ -5,7 +5,7 @@
 //! (its spans are made conservative by far more); setup adds `s' = (s + x/s)/2`, which leaves `e^2/2 = 2^-35`.
 
 use super::reciprocal::reciprocal;
-use super::soft_float::{Product, SoftFloat, sum_of_products};
+use super::soft_float::{SoftFloat, sum_below};
 use super::words::{leading_zeros_wide, shifted_up};
 
 const FIRST: usize = 64;
@@ -64,13 +64,12 @@ pub fn square_root(value: SoftFloat, bits: u32) -> SoftFloat {
     let Some(inverse) = reciprocal(seed, 31) else {
         return SoftFloat::ZERO;
     };
-    let halved = Product {
-        value: seed.mantissa as i64,
-        exponent: seed.exponent.saturating_sub(1),
-    };
-    let mut quotient = value.times(inverse);
-    quotient.exponent = quotient.exponent.saturating_sub(1);
-    sum_of_products([halved, quotient], bits)
+    // Seed and quotient are the same but for 2^-16, so that the seed's exponent says where the window lies.
+    let terms = [
+        seed.scaled_by(-1).term_within(31),
+        value.times(inverse.scaled_by(-1)),
+    ];
+    sum_below(terms, seed.exponent.saturating_add(31), bits)
 }
 
 #[cfg(test)]

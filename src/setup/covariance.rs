@@ -10,7 +10,7 @@
 
 use super::jacobian::ScreenAxis;
 use crate::format::Widths;
-use crate::math::{Product, SoftFloat, sum_of_products};
+use crate::math::{SoftFloat, sum_of_products};
 
 /// V' + V^h in square pixels and its determinant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,27 +30,21 @@ pub struct Covariance2d {
 /// Each result is rounded once to the design's mantissa, the determinant's minors and the trace once more.
 pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3]) -> Covariance2d {
     let bits = u32::from(widths.mantissa);
-    let h = Product {
-        value: low_pass.mantissa.into(),
-        exponent: low_pass.exponent,
-    };
+    let h = low_pass.term_within(low_pass.length());
+    let times = |a: SoftFloat, b: SoftFloat| a.times_within(b, 2 * bits);
     let [a, b, c] = columns;
-    let xx = sum_of_products([a.x.times(a.x), b.x.times(b.x), c.x.times(c.x), h], bits);
-    let yy_sharp = sum_of_products([a.y.times(a.y), b.y.times(b.y), c.y.times(c.y)], bits);
-    let xy = sum_of_products([a.x.times(a.y), b.x.times(b.y), c.x.times(c.y)], bits);
-    let plain = |value: SoftFloat| Product {
-        value: value.mantissa.into(),
-        exponent: value.exponent,
-    };
-    let yy = sum_of_products([plain(yy_sharp), h], bits);
-    let trace = sum_of_products([plain(xx), plain(yy_sharp)], bits);
+    let xx = sum_of_products([times(a.x, a.x), times(b.x, b.x), times(c.x, c.x), h], bits);
+    let yy_sharp = sum_of_products([times(a.y, a.y), times(b.y, b.y), times(c.y, c.y)], bits);
+    let xy = sum_of_products([times(a.x, a.y), times(b.x, b.y), times(c.x, c.y)], bits);
+    let yy = sum_of_products([yy_sharp.term_within(bits), h], bits);
+    let trace = sum_of_products([xx, yy_sharp].map(|v| v.term_within(bits)), bits);
     let [ab, ac, bc] = [minor(a, b, bits), minor(a, c, bits), minor(b, c, bits)];
     let determinant = sum_of_products(
         [
-            ab.times(ab),
-            ac.times(ac),
-            bc.times(bc),
-            low_pass.times(trace),
+            times(ab, ab),
+            times(ac, ac),
+            times(bc, bc),
+            low_pass.times_within(trace, low_pass.length() + bits),
         ],
         bits,
     );
@@ -64,10 +58,6 @@ pub fn covariance(widths: &Widths, low_pass: SoftFloat, columns: &[ScreenAxis; 3
 
 /// The 2x2 minor m_j x m_k.
 pub(super) fn minor(j: &ScreenAxis, k: &ScreenAxis, bits: u32) -> SoftFloat {
-    let crossed = j.y.times(k.x);
-    let crossed = Product {
-        value: crossed.value.wrapping_neg(),
-        exponent: crossed.exponent,
-    };
-    sum_of_products([j.x.times(k.y), crossed], bits)
+    let crossed = j.y.times_within(k.x, 2 * bits).negated();
+    sum_of_products([j.x.times_within(k.y, 2 * bits), crossed], bits)
 }

@@ -23,7 +23,7 @@ mod surface;
 
 pub use colour::colour;
 pub use covariance::{Covariance2d, covariance};
-pub use jacobian::{ScreenAxis, project_axes};
+pub use jacobian::{ScreenAxis, axis_bits, project_axes};
 pub use opacity::{centre_opacity, cutoff, opacity_fixed};
 pub use point::{PointFilter, is_minified, setup_point};
 pub use project::{Projected, project};

@@ -31,11 +31,8 @@ pub fn centre_opacity(
     }
     let bits = u32::from(widths.mantissa);
     let [x, y] = projected.ratio;
-    let one = Product {
-        value: 1,
-        exponent: 0,
-    };
-    let slant = sum_of_products([one, x.times(x), y.times(y)], bits);
+    let square = |ratio: SoftFloat| ratio.times_within(ratio, 2 * bits);
+    let slant = sum_of_products([Product::new(1, 0), square(x), square(y)], bits);
     let Some(inverse) = reciprocal(covariance.determinant, bits) else {
         return SoftFloat::ZERO;
     };

@@ -29,7 +29,7 @@ use super::{Cull, bounding_box, colour, conic, cutoff, ldl, opacity_fixed, proje
 use crate::footprint::{Footprint, depth};
 use crate::format::{Design, Widths};
 use crate::kernel::covering_cutoff;
-use crate::math::{Product, SoftFloat, reciprocal, sum_of_products};
+use crate::math::{SoftFloat, reciprocal, sum_of_products};
 use crate::rules::Rules;
 use crate::splat::SphereSplat;
 use crate::view::{Pose, Projection, View};
@@ -183,12 +183,12 @@ impl Cone {
         let angle = splat.deviation.multiply(depth, bits);
         let spread = angle.multiply(angle, bits);
         let limit = spread.multiply(SoftFloat::from_wide(end.into(), -28, 31), bits); // e
-        let rest = sum_of_products([ONE.times(ONE), negated(limit.times(ONE))], bits); // g
+        let rest = sum_of_products([ONE.times(ONE), limit.times(ONE).negated()], bits); // g
         if rest.mantissa <= 0 {
             return None;
         }
         let inverse_slant = reciprocal(slant, bits)?;
-        let cosine = sum_of_products([ONE.times(ONE), negated(limit.times(inverse_slant))], bits);
+        let cosine = sum_of_products([ONE.times(ONE), limit.times(inverse_slant).negated()], bits);
         let cutoff = SoftFloat::from_wide(end.into(), -28, bits)
             .multiply(reciprocal(cosine, bits)?, bits)
             .to_fixed(28)
@@ -267,7 +267,7 @@ impl Cone {
     /// The ellipse's centre in Q27.subpixel: the projected centre moved outwards by (u, v) f (1/g - 1).
     fn centre<P>(&self, widths: &Widths, view: &View<P>, projected: &Projected) -> [i64; 2] {
         let bits = u32::from(widths.view);
-        let push = sum_of_products([self.inverse.times(ONE), negated(ONE.times(ONE))], bits);
+        let push = sum_of_products([self.inverse.times(ONE), ONE.times(ONE).negated()], bits);
         let mut centre = projected.centre;
         for (axis, value) in centre.iter_mut().enumerate() {
             let shift = view.focal[axis]
@@ -282,10 +282,3 @@ impl Cone {
 
 /// Centres stay within the packet's 52 bits.
 const LIMIT: i64 = 1 << 50;
-
-fn negated(product: Product) -> Product {
-    Product {
-        value: product.value.wrapping_neg(),
-        exponent: product.exponent,
-    }
-}

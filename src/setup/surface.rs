@@ -151,21 +151,14 @@ pub fn depth_gradient(
     };
     [
         component(
-            [m2.y.times(z1), negative(m1.y.times(z2))],
+            [m2.y.times(z1), m1.y.times(z2).negated()],
             [m1.x.times(z1), m2.x.times(z2)],
         ),
         component(
-            [m1.x.times(z2), negative(m2.x.times(z1))],
+            [m1.x.times(z2), m2.x.times(z1).negated()],
             [m1.y.times(z1), m2.y.times(z2)],
         ),
     ]
-}
-
-fn negative(product: Product) -> Product {
-    Product {
-        value: product.value.wrapping_neg(),
-        exponent: product.exponent,
-    }
 }
 
 /// The plane's integers: depth at the box's first sample point and its steps, each rounded once to 2^-32 scene units.
@@ -176,10 +169,7 @@ fn plane(
     gradient: [SoftFloat; 2],
 ) -> Plane {
     let subpixel = u32::from(widths.subpixel);
-    let depth = Product {
-        value: projected.depth.value,
-        exponent: projected.depth.exponent,
-    };
+    let depth = Product::new(projected.depth.value, projected.depth.exponent);
     let mut origin = depth.to_fixed(DEPTH_FRACTION);
     for axis in 0..2 {
         let sample = (2 * i64::from(first[axis]) + 1) << (subpixel - 1);
@@ -236,11 +226,8 @@ fn facing_normal(
     let normal = rotate_axis(widths, rotation, normal);
     let [ratio_x, ratio_y] = projected.ratio;
     let [x, y, z] = normal;
-    let depth = Product {
-        value: z.mantissa.into(),
-        exponent: z.exponent,
-    };
     let bits = widths.mantissa.into();
+    let depth = z.term_within(bits);
     let away = sum_of_products([x.times(ratio_x), y.times(ratio_y), depth], bits).mantissa > 0;
     let bits = attribute_fraction(widths);
     let limit = 1i64 << bits;

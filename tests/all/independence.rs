@@ -6,7 +6,7 @@
 
 use crate::arbitrary::Source;
 use fixed::types::I2F30;
-use num_bigint::{BigInt, Sign};
+use num_bigint::{BigInt, BigUint, Sign};
 use proptest::prelude::*;
 use splatline::blend::{Blend, Pixel};
 use splatline::format::{Classic8, Design, Rounding, RuntimeWidths, Widths};
@@ -387,14 +387,15 @@ proptest! {
     #[test]
     fn sums_of_products(bytes in proptest::collection::vec(any::<u8>(), 120), bits in 8u32..=31) {
         let mut source = Source::new(&bytes);
-        let terms = [(); 4].map(|()| Product { value: source.i64() >> 2, exponent: i32::from(source.byte() as i8) });
+        let terms = [(); 4].map(|()| Product::new(source.i64() >> 2, i32::from(source.byte() as i8)));
         let exact: BigInt = terms.iter().map(|t| big(t.value) << (t.exponent + 200) as u32).sum();
         let largest = terms.iter().map(|t| (big(t.value) << (t.exponent + 200) as u32).magnitude().clone()).max();
         let got = math::sum_of_products(terms, bits);
         let got = if got.mantissa == 0 { BigInt::from(0) } else { BigInt::from(got.mantissa) << (got.exponent + 300) as u32 };
         let error: BigInt = got - (&exact << 100u32);
-        // Half a unit of the result, and half of 2^-59 of the largest term for each term.
-        let bound = ((exact.magnitude() << 100u32) >> bits) + ((largest.unwrap_or_default() << 100u32) >> 57u32);
+        // Half a unit of the result, and for each of four terms a unit of the window, which begins at the largest term's leading bit.
+        let cuts: BigUint = (largest.unwrap_or_default() << 100u32) >> (bits + math::GUARD - 3);
+        let bound = (((exact.magnitude() << 100u32) + &cuts) >> bits) + cuts;
         prop_assert!(*error.magnitude() <= bound);
     }
 }

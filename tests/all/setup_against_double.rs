@@ -52,8 +52,10 @@ impl InputBounds {
                     0.0
                 };
                 let terms = (6.0 * u + 2.0 * w + 2.0 * near) * (across + slant * z);
-                // The rotation of axes has entries of `view` bits: an error of the axis' length, however little of it lies across.
-                let turned = unit(widths.view.min(30)) * (1.0 + slant) * length(&axis);
+                // Axis, rotation and their products are cut to 6 bits more than the mantissa, the rotation at 30 bits: an error of the axis' length,
+                // however little of it lies across.
+                let turned = 6.0 * unit(widths.mantissa + 6) + unit(30);
+                let turned = turned * (1.0 + slant) * length(&axis);
                 double(view.focal[i]) / depth * (terms + turned)
             })
         });

@@ -1,11 +1,15 @@
-//! What measures and prints splatline's own documentation. Nobody needs it to use the simulator, so it is a crate of its own, outside the
-//! workspace's default members: `cargo run --release -p splatline-lab -- results` and `... gallery all` print `docs/results` and `docs/gallery`.
+//! What prints splatline's documentation: `cargo run --release -p splatline-lab -- results` and `... gallery` print `docs/results` and
+//! `docs/gallery`. Nobody needs it to use the simulator, so it is a crate of its own, outside the workspace's default members.
 //!
-//! [`results`] computes the pages of figures, [`gallery`] draws an exhibit of every system, [`study`] answers single questions for the
-//! decision pages, [`plot`] draws curves for them, and [`rasterizer`] is the single-precision rasterizer that speed is compared with.
+//! ```text
+//! views (scenes and cameras) -> what the commands run -> pages (tables as Markdown and CSV) -> docs/results
+//! ```
+//!
+//! [`bars`] has what must be reached, [`rasterizer`] what speed is compared with, [`gallery`] every system's plans as pictures.
 
+pub mod bars;
 pub mod gallery;
-pub mod plot;
+pub mod pages;
 pub mod rasterizer;
-pub mod results;
-pub mod study;
+pub mod table;
+pub mod views;

@@ -1,20 +1,24 @@
-//! The machine's configuration: defaults, the table of fields with their ranges, and the commented TOML form.
+//! The machine's configuration: its settings, what they may be, named machines, and what follows from several settings.
 //!
-//! Every field is one line of [`FIELDS`]. Parsing, range checks, the resolved file beside the results and the sweep of
-//! any field by its name all follow from that table.
+//! ```text
+//! settings.toml -> settings: unit, range, default, meaning -> file: reading, checks one by one, printing -> check: settings together
+//! ```
 
-mod fields;
-mod parse;
-mod sorter;
+mod check;
+mod file;
+mod settings;
 
 use super::memory::parts::{DramPart, PARTS};
 use super::primitive;
+use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
 
-pub use fields::{ConfigField, FIELDS, Range, field};
-pub use parse::{ConfigError, from_file, from_toml, known, line_of, to_toml};
+pub use file::{ConfigError, from_file, from_toml, known, line_of, to_toml};
+pub use settings::{Allowed, SETTINGS, Setting, setting};
 
 /// How the lanes lie on the screen; see `docs/hardware-model.md`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LaneLayout {
     /// Adjacent pixels, groups begin where the run begins.
     Run,
@@ -27,7 +31,8 @@ pub enum LaneLayout {
 }
 
 /// How work is shared out among the stages of a raster unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Overlap {
     /// Splat setup, row generator and lanes take turns: one unit.
     Serial,
@@ -38,7 +43,8 @@ pub enum Overlap {
 }
 
 /// Who draws which tile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Assignment {
     /// Tile i goes to unit i mod N.
     Static,
@@ -47,7 +53,8 @@ pub enum Assignment {
 }
 
 /// What happens to pixels that have finished.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Termination {
     /// They are visited; the blend is suppressed.
     Discard,
@@ -56,7 +63,8 @@ pub enum Termination {
 }
 
 /// Which tiles a footprint is listed in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Binning {
     /// Those that its bounding box meets.
     Box,
@@ -65,7 +73,8 @@ pub enum Binning {
 }
 
 /// How splats are brought into the order of their depths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Sorter {
     /// So many passes over the entries of all lists, whatever they do.
     Passes,
@@ -76,7 +85,8 @@ pub enum Sorter {
 }
 
 /// The order in which tiles are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum TileWalk {
     /// Row by row, each from the left.
     Raster,
@@ -88,177 +98,100 @@ pub enum TileWalk {
     Hilbert,
 }
 
-/// A machine. Times are in clock cycles, sizes in bytes where the name says so and in entries otherwise.
+/// A machine: a value for each of [`SETTINGS`], which say what it means, its unit, its range and its default:
+///
+/// ```toml
+#[doc = include_str!("config/settings.toml")]
+/// ```
 ///
 /// As data it is the table of its file, so that a report's machine reads like one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(into = "toml::Table", try_from = "toml::Table")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
+#[allow(missing_docs)]
 pub struct Config {
-    /// Tile columns: 8, 16, 32 or 64.
     pub tile_width: u16,
-    /// Tile rows, 1 to 64.
     pub tile_height: u16,
-    /// Bytes of one splat in the scene memory.
     pub splat_bytes: u32,
-    /// Bytes of a footprint packet; 0 takes the design's own packet.
     pub packet_bytes: u32,
-    /// Bytes of one entry of a tile's list.
     pub list_bytes: u32,
-    /// Bytes of one pixel in the frame memory.
     pub pixel_bytes: u32,
-    /// Bytes read per cycle, shared by all units of a phase.
     pub read_bandwidth: u32,
-    /// Bytes written per cycle, shared by all units of a phase.
     pub write_bandwidth: u32,
-    /// Cycles from a read request to its first byte.
     pub latency: u32,
-    /// Setup units.
     pub setup_units: u32,
-    /// Cycles between two splats into one setup unit.
     pub setup_interval: u32,
-    /// Cycles from a splat to its footprint.
     pub setup_latency: u32,
-    /// Splats between fetch and setup.
     pub setup_fifo: u32,
-    /// Tile binning: cycles per visible splat.
     pub bin_cycles: u32,
-    /// Tile binning: cycles per tile examined.
     pub bin_tile_cycles: u32,
-    /// Footprints between setup and binning.
     pub bin_fifo: u32,
-    /// Which tiles a footprint is listed in.
     pub binning: Binning,
-    /// Depth sort: what sorts.
     pub sorter: Sorter,
-    /// Radix: bits of a digit.
     pub sort_digit: u32,
-    /// Merge: splats that the chip sorts at once.
     pub sort_run: u32,
-    /// Merge: runs merged at once.
     pub sort_ways: u32,
-    /// Depth sort: passes over all list entries.
     pub sort_passes: u32,
-    /// Depth sort: cycles per entry and pass.
     pub sort_cycles: u32,
-    /// Pictures of a camera path from one full sort to the next; in between tile lists keep their order.
     pub sort_every: u32,
-    /// Raster units.
     pub raster_units: u32,
-    /// Who draws which tile.
     pub assignment: Assignment,
-    /// Whether the stages of a raster unit overlap.
     pub overlap: Overlap,
-    /// Cycles per splat-tile pair in splat setup.
     pub splat_cycles: u32,
-    /// Cycles per step of the row generator.
     pub row_cycles: u32,
-    /// Rows that a step of the row generator makes.
     pub rows_at_once: u32,
-    /// Packets between fetch and splat setup; bounds the reads in flight.
     pub packet_fifo: u32,
-    /// Splats between splat setup and row generator.
     pub splat_fifo: u32,
-    /// Runs between row generator and lanes (per lane with the layout `rows`).
     pub row_fifo: u32,
-    /// Pixel lanes per raster unit, a power of two.
     pub lanes: u32,
-    /// How the lanes lie on the screen.
     pub layout: LaneLayout,
-    /// What happens to pixels that have finished.
     pub pixel_termination: Termination,
-    /// Pairs between two checks whether the tile has finished; 0 for never.
     pub tile_termination: u32,
-    /// Cycles from a lane to its footprint weight.
     pub table_latency: u32,
-    /// Look-ups per cycle; 0 for one per lane.
     pub table_ports: u32,
-    /// Cycles from reading a pixel to its new value being readable.
     pub blend_latency: u32,
-    /// Cycles between two groups into the blend.
     pub blend_interval: u32,
-    /// Tile buffers per raster unit: with two, one is written back while the other is drawn into.
     pub tile_buffers: u32,
-    /// Pixels that a tile buffer reads and writes per cycle; 0 for one per lane.
     pub buffer_banks: u32,
-    /// Cycles to begin a tile's write-back.
     pub write_back_cycles: u32,
-    /// Cycles to clear a tile buffer before it is drawn into; 0 where that happens during the write-back.
     pub clear_cycles: u32,
-    /// Packets that a raster unit keeps, so that a splat over several tiles is read less often; 0: none.
     pub packet_cache: u32,
-    /// The order in which tiles are drawn.
     pub tile_order: TileWalk,
-    /// Clock in megahertz; 0 takes that of the nearest circuit that was placed, except for a memory part, which needs one.
     pub clock_mhz: u32,
-    /// Pictures in work at the same time: with two, one is set up and sorted while another is drawn; with three, each phase has one.
     pub overlap_frames: u32,
-    /// What the memory is: 0 for two channels of a fixed bandwidth, else a part behind one port, counted from 1 in [`PARTS`].
+    #[serde(with = "part_by_name")]
     pub memory_part: u32,
-    /// Writes that the port to a part holds back.
     pub write_queue: u32,
-    /// Bytes of harmonics read for a splat that is seen.
     pub harmonics_bytes: u32,
-    /// Bytes of an entry while it is sorted; 0 for those of a list.
     pub sort_bytes: u32,
 }
 
 impl Default for Config {
     fn default() -> Self {
-        Config {
-            tile_width: 16,
-            tile_height: 16,
-            splat_bytes: 32,
-            packet_bytes: 0,
-            list_bytes: 4,
-            pixel_bytes: 4,
-            read_bandwidth: 64,
-            write_bandwidth: 32,
-            latency: 60,
-            setup_units: 1,
-            setup_interval: 1,
-            setup_latency: 40,
-            setup_fifo: 64,
-            bin_cycles: 1,
-            bin_tile_cycles: 1,
-            bin_fifo: 8,
-            binning: Binning::Box,
-            sorter: Sorter::Passes,
-            sort_digit: 8,
-            sort_run: 1024,
-            sort_ways: 16,
-            sort_passes: 1,
-            sort_cycles: 1,
-            sort_every: 1,
-            raster_units: 1,
-            assignment: Assignment::Dynamic,
-            overlap: Overlap::Pipelined,
-            splat_cycles: 1,
-            row_cycles: 1,
-            rows_at_once: 2,
-            packet_fifo: 64,
-            splat_fifo: 2,
-            row_fifo: 16,
-            lanes: 1,
-            layout: LaneLayout::Run,
-            pixel_termination: Termination::Discard,
-            tile_termination: 1,
-            table_latency: 3,
-            table_ports: 0,
-            blend_latency: 4,
-            blend_interval: 1,
-            tile_buffers: 2,
-            buffer_banks: 0,
-            write_back_cycles: 4,
-            clear_cycles: 0,
-            packet_cache: 0,
-            tile_order: TileWalk::Raster,
-            clock_mhz: 0,
-            overlap_frames: 1,
-            memory_part: 0,
-            write_queue: 32,
-            harmonics_bytes: 0,
-            sort_bytes: 0,
+        static DEFAULT: LazyLock<Config> = LazyLock::new(settings::defaults);
+        *DEFAULT
+    }
+}
+
+/// A memory part by its name; the two channels of a fixed bandwidth are called `channels`.
+mod part_by_name {
+    use super::PARTS;
+    use serde::{Deserialize, Deserializer, Serializer, de::Error};
+
+    pub fn serialize<S: Serializer>(part: &u32, to: S) -> Result<S::Ok, S::Error> {
+        let part = (*part as usize)
+            .checked_sub(1)
+            .and_then(|index| PARTS.get(index));
+        to.serialize_str(part.map_or("channels", |part| part.name))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+        let name = String::deserialize(from)?;
+        if name == "channels" {
+            return Ok(0);
         }
+        let index = PARTS.iter().position(|part| part.name == name);
+        let index = index.ok_or_else(|| D::Error::custom("no such memory part"))?;
+        Ok(index as u32 + 1)
     }
 }
 

@@ -2,54 +2,70 @@
 //!
 //! The bytes go to a temporary file beside the target, are flushed to the disk and renamed over it, because a
 //! rename within one folder is atomic. Devices and pipes (`/dev/stdout`) are written directly: renaming over
-//! them would replace them by a plain file.
+//! them would replace them by a plain file. A file that was read on this thread is what the bytes come from: it is refused.
 
-use std::fs::{self, File, OpenOptions};
+use crate::input;
+use std::fs::{self, OpenOptions, Permissions};
 use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::path::Path;
 
-/// Tells apart the temporary files that one process writes at the same time.
-static SERIAL: AtomicU64 = AtomicU64::new(0);
-
-/// Writes `bytes` to `path`, replacing what was there only once everything is on the disk.
+/// Writes `bytes` to `path`, replacing what was there only once everything is on the disk; what was there keeps its permissions.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    refuse_input(path)?;
     // A symbolic link keeps pointing to its file: the file is replaced, not the link.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    if fs::metadata(&target).is_ok_and(|metadata| !metadata.is_file()) {
+    let existing = fs::metadata(&target).ok();
+    if existing.as_ref().is_some_and(|found| !found.is_file()) {
         return OpenOptions::new()
             .write(true)
             .open(&target)?
             .write_all(bytes);
     }
-    let temporary = temporary_beside(&target)?;
-    let written = write_and_flush(&temporary, bytes).and_then(|()| fs::rename(&temporary, &target));
-    if written.is_err() {
-        // The first error is the one to report, whether or not the temporary file can be removed.
-        let _ = fs::remove_file(&temporary);
-    }
-    written
-}
-
-fn temporary_beside(target: &Path) -> io::Result<PathBuf> {
     let name = target.file_name().ok_or_else(|| {
         let message = format!("'{}' does not name a file", target.display());
         io::Error::new(io::ErrorKind::InvalidInput, message)
     })?;
-    let mut hidden = std::ffi::OsString::from(".");
-    hidden.push(name);
-    hidden.push(format!(
-        ".{}.{}.tmp",
-        std::process::id(),
-        SERIAL.fetch_add(1, Ordering::Relaxed)
-    ));
-    Ok(target.with_file_name(hidden))
+    let mut builder = tempfile::Builder::new();
+    let prefix = format!(".{}.", name.to_string_lossy());
+    builder.prefix(&prefix).suffix(".tmp");
+    if let Some(usual) = usual_permissions() {
+        builder.permissions(usual);
+    }
+    let folder = target.parent().filter(|folder| *folder != Path::new(""));
+    let mut file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+    file.write_all(bytes)?;
+    if let Some(existing) = existing {
+        file.as_file().set_permissions(existing.permissions())?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(&target)?;
+    Ok(())
 }
 
-fn write_and_flush(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create_new(path)?;
-    file.write_all(bytes)?;
-    file.sync_all()
+/// Fails if this file was read on this thread, under whatever name.
+pub fn refuse_input(path: &Path) -> io::Result<()> {
+    match input::read_as(path) {
+        None => Ok(()),
+        Some(name) => Err(io::Error::new(
+            io::ErrorKind::AlreadyExists,
+            format!(
+                "it is read as '{}' and would be destroyed; name another output",
+                name.display()
+            ),
+        )),
+    }
+}
+
+/// Those of a new file, from which the system takes what the user's mask forbids; temporary files would be their owner's alone.
+#[cfg(unix)]
+fn usual_permissions() -> Option<Permissions> {
+    use std::os::unix::fs::PermissionsExt;
+    Some(Permissions::from_mode(0o666))
+}
+
+#[cfg(not(unix))]
+fn usual_permissions() -> Option<Permissions> {
+    None
 }
 
 #[cfg(test)]
@@ -103,6 +119,37 @@ mod tests {
                 assert!(whole.contains(&seen), "{} bytes", seen.len());
             }
         });
+    }
+
+    #[test]
+    fn what_was_read_is_not_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene.ply");
+        fs::write(&path, b"scene").unwrap();
+        input::text(&path, 9).unwrap();
+        let message = write(&path, b"x").unwrap_err().to_string();
+        assert!(message.contains("would be destroyed"), "{message}");
+        assert_eq!(fs::read(&path).unwrap(), b"scene");
+        input::forget();
+        write(&path, b"x").unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_permissions_and_a_new_one_has_the_usual_ones() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let mode = |name: &str| fs::metadata(path(name)).unwrap().permissions().mode() & 0o777;
+        for private in [0o600, 0o640, 0o664] {
+            fs::write(path("kept"), b"old").unwrap();
+            fs::set_permissions(path("kept"), Permissions::from_mode(private)).unwrap();
+            write(&path("kept"), b"new").unwrap();
+            assert_eq!(mode("kept"), private);
+        }
+        fs::write(path("usual"), b"").unwrap();
+        write(&path("new"), b"").unwrap();
+        assert_eq!(mode("new"), mode("usual"));
     }
 
     #[cfg(unix)]

@@ -2,10 +2,38 @@
 //!
 //! A pipe may never end and `/dev/zero` never does; a file of gigabytes under a name that promises a page of settings is a mistake
 //! of the caller's. Both are refused with the number and the limit, before anything is read.
+//!
+//! What a command has read is remembered, so that none of its outputs replaces it: a scene may consist of many files, which only its
+//! reader knows. Every reader reads on its command's thread, so each thread has a list of its own.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+thread_local! {
+    static READ: RefCell<BTreeSet<PathBuf>> = const { RefCell::new(BTreeSet::new()) };
+}
+
+/// Remembers that this file was read.
+pub fn note(path: &Path) {
+    READ.with_borrow_mut(|read| read.insert(path.to_owned()));
+}
+
+/// The name by which this file was read on this thread: its own, another spelling of it, or that of a link to it.
+pub fn read_as(path: &Path) -> Option<PathBuf> {
+    if !path.is_file() {
+        return None;
+    }
+    let same = |read: &&PathBuf| same_file::is_same_file(read, path).unwrap_or(false);
+    READ.with_borrow(|all| all.iter().find(same).cloned())
+}
+
+/// Forgets what was read on this thread: another command begins.
+pub fn forget() {
+    READ.with_borrow_mut(BTreeSet::clear);
+}
 
 /// Most bytes of a file that people write: a camera, a machine, a space, a design, prices, a transfer function.
 pub const SETTINGS: u64 = 1 << 20;
@@ -15,6 +43,11 @@ pub const TABLE: u64 = 1 << 30;
 /// The text of a regular file of at most `most` bytes.
 pub fn text(path: &Path, most: u64) -> io::Result<String> {
     in_utf8(bytes(path, most)?)
+}
+
+/// The same of a file that the program wrote and goes on with, which it may replace.
+pub fn own_text(path: &Path, most: u64) -> io::Result<String> {
+    in_utf8(unnoted(path, most)?)
 }
 
 /// The text of a stream that its caller promises will end, of at most `most` bytes.
@@ -36,6 +69,12 @@ pub fn text_of(stream: impl Read, most: u64) -> io::Result<String> {
 
 /// The bytes of a regular file of at most `most` bytes.
 pub fn bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let bytes = unnoted(path, most)?;
+    note(path);
+    Ok(bytes)
+}
+
+fn unnoted(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let refuse = |kind, message: String| Err(io::Error::new(kind, message));
     // Before it is opened: opening a pipe waits for its writer.
     let metadata = fs::metadata(path)?;

@@ -75,6 +75,16 @@ pub enum Depth {
     Sixteen,
 }
 
+impl Depth {
+    /// Steps of a channel from 0 to 1.
+    pub fn steps(self) -> f64 {
+        match self {
+            Depth::Eight => 255.0,
+            Depth::Sixteen => 65535.0,
+        }
+    }
+}
+
 /// Why a picture could not be read or written; the message names the file.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {

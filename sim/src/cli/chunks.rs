@@ -1,6 +1,7 @@
 //! `splatline render --chunks`: a picture of a scene that is larger than memory.
 
 use super::args::RenderOptions;
+use super::output::Outputs;
 use super::render::write_picture;
 use super::resolve::{Chunked, DRAWN, PlanRequest, room_for_picture, scene_of};
 use super::say::{Failure, print_result, warn};
@@ -13,10 +14,11 @@ use crate::threads;
 use std::time::Instant;
 
 /// Draws the picture with so many footprints at a time in memory.
-pub fn render(options: &RenderOptions, size: usize) -> Result<(), Failure> {
+pub fn render(options: &RenderOptions, outputs: &Outputs, size: usize) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let file = GaussianFile::open(scene_of(&options.view)?)?;
     let asked = PlanRequest::drawing(&options.view, drawing).in_chunks(&file)?;
+    outputs.spare_inputs()?;
     room_for_picture(&asked.camera, DRAWN)?;
     let footprints = (size as u64).min(file.count());
     let what = format!("a chunk of {footprints} footprints");

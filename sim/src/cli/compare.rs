@@ -2,7 +2,7 @@
 
 use super::args::CompareOptions;
 use super::frames;
-use super::output::{self, create_folder, write};
+use super::output::{Outputs, write};
 use super::resolve::{COMPARED, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_comparison};
@@ -11,23 +11,15 @@ use crate::plan::{Engine, Plan, all_entries, compare_all};
 
 pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let own = [
-        drawing.work.inputs(),
-        options.machine.machine.clone(),
-        options.path.camera_path.clone(),
-    ];
-    let own = output::files(own.iter().map(Option::as_ref));
-    let inputs = [options.view.inputs(), own].concat();
-    output::check_folder(&options.output, &FILES, &inputs)?;
-    if let Some(json) = &drawing.json {
-        output::check(json, &["json"], &inputs)?;
-    }
-    create_folder(&options.output)?;
+    let outputs = Outputs::default()
+        .folder(&options.output, &FILES)?
+        .json(drawing.json.as_ref())?;
     if options.path.camera_path.is_some() {
-        return frames::compare(options);
+        return frames::compare(options, outputs);
     }
     let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let mut prepared = asked.prepare()?;
+    outputs.spare_inputs()?;
     prepared.plan = against_reference(prepared.plan)?;
     room_for_picture(&prepared.plan.camera, COMPARED)?;
     let others = if options.only || !prepared.has_traversals() {
@@ -46,7 +38,12 @@ pub fn run(options: &CompareOptions) -> Result<(), Failure> {
     }
     warn(&report.warnings);
     print_error(&if_layers_were_merged(comparison.merged));
-    print_error(&if_nothing_is_seen(&comparison.fixed, report));
+    print_error(&if_nothing_is_seen(
+        &comparison.fixed,
+        report,
+        Some(drawing.depth.steps()),
+        drawing.backdrop(),
+    ));
     print_result(&of_comparison(report, &options.output))
 }
 

@@ -1,6 +1,5 @@
 //! How a scene is drawn: the options that every command that draws has, and those of the commands that write pictures.
 
-use super::output;
 use super::values::{
     COMPOSITINGS, Colour, DesignName, ELLIPSES, ENGINES, INDICES, POINTS, REPRESENTATIONS,
     ROUNDINGS, SHEETS, TraversalChoice, at_least_one, colour, depth, one_of, positive,
@@ -133,12 +132,5 @@ impl DrawingOptions {
             vectors: self.vectors,
             ..Effort::new(self.threads, self.repeat)
         }
-    }
-}
-
-impl WorkOptions {
-    /// The files that are read.
-    pub fn inputs(&self) -> Option<PathBuf> {
-        output::design_file(&self.design)
     }
 }

@@ -1,6 +1,6 @@
 //! `splatline fit`: the smallest design within an error budget.
 
-use super::output::{self, write};
+use super::output::{Outputs, write};
 use super::resolve::{COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::search_args::FitOptions;
@@ -13,15 +13,13 @@ use splatline::format::WIDTH_RANGES;
 use std::fmt::Write;
 
 pub fn run(options: &FitOptions) -> Result<(), Failure> {
+    let mut outputs = Outputs::default();
     if let Some(path) = &options.output {
-        let mut inputs = options.view.inputs();
-        inputs.extend(options.more.others.clone());
-        inputs.extend(options.path.camera_path.clone());
-        inputs.extend(options.work.inputs());
-        output::check(path, &["toml"], &inputs)?;
+        outputs = outputs.file(path, &["toml"])?;
     }
     let asked = PlanRequest::work(&options.view, &options.work);
     let frames = asked.frames(&options.path, &options.more)?;
+    outputs.spare_inputs()?;
     for frame in &frames {
         warn(&frame.prepared.setup_warnings()?);
     }

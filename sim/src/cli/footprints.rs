@@ -4,7 +4,7 @@
 //! be joined by number. Numbers are written with as many digits as it takes to read back the same double.
 
 use super::args::FootprintsOptions;
-use super::output::{self, write};
+use super::output::{Outputs, write};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::plan::{Engine, FootprintLine};
@@ -13,9 +13,7 @@ use std::fmt::Write;
 const HEADING: &str = "index,u,v,depth,conic_a,conic_b,conic_c,x0,y0,x1,y1,cutoff\n";
 
 pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
-    let mut inputs = options.view.inputs();
-    inputs.extend(output::design_file(&options.design));
-    output::check(&options.output, &["csv"], &inputs)?;
+    let outputs = Outputs::default().file(&options.output, &["csv"])?;
     let no_exact = || {
         let message =
             "--engine exact integrates along rays and has no footprints; use fixed or float";
@@ -25,6 +23,7 @@ pub fn run(options: &FootprintsOptions) -> Result<(), Failure> {
         return Err(no_exact());
     }
     let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
+    outputs.spare_inputs()?;
     if options.view.from.is_none() {
         prepared.plan.engine = options.engine;
     }

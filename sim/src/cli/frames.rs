@@ -2,8 +2,8 @@
 
 use super::args::{CompareOptions, RenderOptions};
 use super::compare::against_reference;
-use super::output::{self, create_folder, write};
-use super::render::{check_room, inputs, write_picture};
+use super::output::{self, Outputs, create_folder, write};
+use super::render::{check_room, write_picture};
 use super::resolve::{COMPARED, NamedFrame, PlanRequest, room_for_picture};
 use super::say::{Failure, print_result, warn};
 use super::view_args::MoreScenes;
@@ -29,10 +29,11 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let frames = PlanRequest::drawing(&options.view, drawing)
         .frames(&options.path, &MoreScenes::default())?;
-    let inputs = inputs(options);
+    let mut outputs = Outputs::default().json(drawing.json.as_ref())?;
     for number in 1..=frames.len() {
-        output::check(&numbered(&options.output, number), &EXTENSIONS, &inputs)?;
+        outputs = outputs.file(&numbered(&options.output, number), &EXTENSIONS)?;
     }
+    outputs.spare_inputs()?;
     let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let (mut rows, mut seconds) = (Vec::new(), Vec::new());
     for (number, frame) in (1..).zip(&frames) {
@@ -66,10 +67,13 @@ pub fn render(options: &RenderOptions) -> Result<(), Failure> {
 }
 
 /// Every frame's pictures and report in a folder of its own.
-pub fn compare(options: &CompareOptions) -> Result<(), Failure> {
+pub fn compare(options: &CompareOptions, outputs: Outputs) -> Result<(), Failure> {
     let drawing = &options.drawing;
     let asked = PlanRequest::drawing(&options.view, drawing).on(&options.machine);
     let frames = asked.frames(&options.path, &MoreScenes::default())?;
+    outputs
+        .folder(&options.output, &["frames.json", "frames.html"])?
+        .spare_inputs()?;
     let (progress, mut warnings) = (ProgressMeter::new(frames.len()), BTreeSet::new());
     let mut rows = Vec::with_capacity(frames.len());
     for (number, NamedFrame { name, prepared }) in (1..).zip(frames) {

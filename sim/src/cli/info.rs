@@ -1,6 +1,6 @@
 //! `splatline info`: what is in a scene, before anything is drawn.
 
-use super::output;
+use super::output::{self, Outputs};
 use super::say::{Failure, print_result};
 use crate::framing::{Ball, FramingInput, direction};
 use crate::metrics::median;
@@ -72,15 +72,9 @@ struct ShownRange {
 }
 
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
-    let inputs = [
-        output::files([options.transfer.as_ref()]),
-        vec![options.scene.clone()],
-    ]
-    .concat();
-    if let Some(path) = &options.json {
-        output::check(path, &["json"], &inputs)?;
-    }
+    let outputs = Outputs::default().json(options.json.as_ref())?;
     let loaded = recognise(&options.scene, options.transfer.clone())?;
+    outputs.spare_inputs()?;
     let info = match &loaded.scene {
         AnyScene::Splats(scene) => Info::of_scene(scene, loaded.notes),
         AnyScene::Surface {
@@ -217,13 +211,20 @@ impl Info {
         if let Some([least, greatest]) = &self.bounds {
             let _ = writeln!(text, "bounds     {} to {}", place(least), place(greatest));
         }
-        let _ = writeln!(
-            text,
-            "framed     ball of radius {:.6} around {}, {} strays outside",
-            self.ball.radius,
-            place(&self.ball.centre),
-            self.ball.strays
-        );
+        let _ = if self.ball.radius.is_finite() {
+            writeln!(
+                text,
+                "framed     ball of radius {:.6} around {}, {} strays outside",
+                self.ball.radius,
+                place(&self.ball.centre),
+                self.ball.strays
+            )
+        } else {
+            writeln!(
+                text,
+                "framed     no ball: coordinates are too large or too far apart to place a camera"
+            )
+        };
         let _ = writeln!(
             text,
             "up         {}, seen from {}",

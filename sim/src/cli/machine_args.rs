@@ -54,14 +54,6 @@ pub struct AreaOptions {
     pub parts: Option<PathBuf>,
 }
 
-impl AreaOptions {
-    /// The files that are read.
-    pub fn inputs(&self) -> Vec<PathBuf> {
-        let given = [&self.calibration, &self.parts];
-        given.into_iter().flatten().cloned().collect()
-    }
-}
-
 /// What energy is counted in.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Energy")]

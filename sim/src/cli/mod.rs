@@ -37,7 +37,7 @@ mod vectors;
 mod view_args;
 
 pub use output::{create_folder, write};
-pub use say::{Failure, finish, print_result};
+pub use say::{Failure, finish, print_result, printable};
 
 use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
@@ -57,6 +57,7 @@ pub fn run() -> ExitCode {
 }
 
 fn dispatch(command: Option<Command>) -> Result<(), Failure> {
+    crate::input::forget();
     match command {
         None => demo::run(),
         Some(Command::Render(options)) => render::run(&options),

@@ -2,7 +2,7 @@
 
 use super::kept::{self, OrderReuse, ReusedOrderFrame};
 use super::machine_args::{AreaOptions, ModelOptions};
-use super::output::{self, create_folder, write};
+use super::output::{self, Outputs, write};
 use super::resolve::{
     NamedFrame, PlanRequest, calibration, energy_table, machine, part, refuse_kept_order,
 };
@@ -38,39 +38,31 @@ struct Modelled {
     machine: Config,
 }
 
+/// What a folder of results may hold.
+const FILES: [&str; 5] = [
+    "timing.json",
+    "timing.html",
+    "machine.toml",
+    "action_counts.yaml",
+    "machines.json",
+];
+
 /// Frames that are told one by one; of more than these only the summary is.
 const FEW_FRAMES: usize = 8;
 
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
+    let mut outputs = Outputs::default();
     if let Some(folder) = &options.output {
-        let files = [
-            &options.machine.machine,
-            &options.footprints,
-            &options.path.camera_path,
-        ];
-        let mut inputs = output::files(files.map(Option::as_ref));
-        inputs.extend(options.view.inputs());
-        inputs.extend(options.more.others.clone());
-        inputs.extend(options.area.inputs());
-        output::check_folder(
-            folder,
-            &[
-                "timing.json",
-                "timing.html",
-                "machine.toml",
-                "action_counts.yaml",
-                "machines.json",
-            ],
-            &inputs,
-        )?;
-        create_folder(folder)?;
+        outputs = outputs.folder(folder, &FILES)?;
     }
     if options.machines {
-        return others_beside_ours(options);
+        return others_beside_ours(options, &outputs);
     }
     let priced = Priced::new(&options.area)?;
     if let Some(table) = &options.footprints {
-        return one(&from_table(table, options)?, &priced, options);
+        let modelled = from_table(table, options)?;
+        outputs.spare_inputs()?;
+        return one(&modelled, &priced, options);
     }
     if options.view.scene.is_none() && options.view.from.is_none() {
         let message = "name a scene, a report with --from, or a table with --footprints";
@@ -80,6 +72,7 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
         .on(&options.machine)
         .keeping_order();
     let mut frames = asked.frames(&options.path, &options.more)?;
+    outputs.spare_inputs()?;
     if options.path.camera_path.is_none() {
         refuse_kept_order(&frames[0].prepared.plan.machine)?;
     }
@@ -90,10 +83,11 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
 }
 
 /// All machines of the presets on the scene's splats.
-fn others_beside_ours(options: &ModelOptions) -> Result<(), Failure> {
+fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), Failure> {
     let prepared = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .prepare()?;
+    outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let splats = prepared.splats()?;
     let outcomes = others::run_all(&splats.without_points(), &energy_table(&options.energy)?)?;

@@ -1,6 +1,6 @@
 //! `splatline optimize`: the cheapest design and machine that hold them.
 
-use super::output::{self, create_folder, read_settings, write};
+use super::output::{Outputs, read_settings, write};
 use super::resolve::{
     COMPARED, HELD_PIXEL_BYTES, PlanRequest, calibration, energy_table, part, room_for_picture,
 };
@@ -58,11 +58,9 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         return Err(Failure::Usage(message.to_owned()));
     }
     let search = &options.search;
+    let mut outputs = Outputs::default();
     if let Some(folder) = &options.output {
-        let mut inputs = search.inputs();
-        inputs.extend(options.space.clone());
-        output::check_folder(folder, &FILES, &inputs)?;
-        create_folder(folder)?;
+        outputs = outputs.folder(folder, &FILES)?;
     }
     let started = Instant::now();
     let limits = limits(options)?;
@@ -104,6 +102,7 @@ pub fn run(options: &OptimizeOptions) -> Result<(), Failure> {
         }
         None => usual_space(&question.design, &question.machine, errors)?,
     };
+    outputs.spare_inputs()?;
     let progress = ProgressMeter::spinner("searching");
     let answer = ask(&question, &space, &|what| progress.doing(what))?;
     drop(progress);

@@ -1,11 +1,10 @@
 //! Where results go: checked before the work, so that no run of an hour ends in a refused name, and no file that was read is
-//! overwritten.
+//! overwritten. `atomic::write`, through which every file goes, refuses the latter once more.
 //!
 //! `-` is stdout. What would have been said there goes to stderr then, so that a pipe holds the result alone.
 
 use super::say::{Failure, divert, printed};
-use super::values::DesignName;
-use crate::input;
+use crate::{atomic, input};
 use anyhow::{Context, anyhow};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -18,55 +17,53 @@ pub fn is_stream(path: &Path) -> bool {
     path == Path::new(STREAM)
 }
 
-/// Fails unless `output` can be written as a file of one of these formats without destroying one of the `inputs`.
-pub fn check(output: &Path, extensions: &[&str], inputs: &[PathBuf]) -> Result<(), Failure> {
-    if is_stream(output) {
-        divert();
-        return Ok(());
+/// The files that a command is going to write.
+#[derive(Default)]
+pub struct Outputs(Vec<PathBuf>);
+
+impl Outputs {
+    /// With a file of one of these formats, or stdout.
+    pub fn file(mut self, path: &Path, extensions: &[&str]) -> Result<Outputs, Failure> {
+        if self.0.iter().any(|other| other == path) {
+            let shown = path.display();
+            let message = format!("two results cannot both be written to '{shown}'");
+            return Err(Failure::Usage(message));
+        }
+        self.0.push(path.to_owned());
+        if is_stream(path) {
+            divert();
+            return Ok(self);
+        }
+        check_folder_of(path)?;
+        check_extension(path, extensions)?;
+        Ok(self)
     }
-    check_input(output, inputs)?;
-    check_folder_of(output)?;
-    check_extension(output, extensions)
-}
 
-/// Fails if one of these files in `folder` is one of the `inputs`.
-pub fn check_folder(folder: &Path, files: &[&str], inputs: &[PathBuf]) -> Result<(), Failure> {
-    files
-        .iter()
-        .try_for_each(|file| check_input(&folder.join(file), inputs))
-}
-
-fn check_input(output: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
-    match inputs.iter().find(|input| is_same(input, output)) {
-        Some(input) => Err(Failure::Usage(format!(
-            "cannot write '{}': it is read as '{}' and would be destroyed; name another output",
-            output.display(),
-            input.display()
-        ))),
-        None => Ok(()),
+    /// With a JSON file, if one is asked for.
+    pub fn json(self, path: Option<&PathBuf>) -> Result<Outputs, Failure> {
+        match path {
+            Some(path) => self.file(path, &["json"]),
+            None => Ok(self),
+        }
     }
-}
 
-/// The same regular file, also by another name.
-fn is_same(a: &Path, b: &Path) -> bool {
-    let regular = |path: &Path| std::fs::metadata(path).is_ok_and(|found| found.is_file());
-    regular(a) && regular(b) && (same_place(a, b) || same_inode(a, b))
-}
+    /// With these files of a folder, which is made if need be.
+    pub fn folder(mut self, folder: &Path, files: &[&str]) -> Result<Outputs, Failure> {
+        create_folder(folder)?;
+        self.0.extend(files.iter().map(|file| folder.join(file)));
+        Ok(self)
+    }
 
-fn same_place(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
-}
-
-#[cfg(unix)]
-fn same_inode(a: &Path, b: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let id = |path: &Path| std::fs::metadata(path).map(|found| (found.dev(), found.ino()));
-    matches!((id(a), id(b)), (Ok(a), Ok(b)) if a == b)
-}
-
-#[cfg(not(unix))]
-fn same_inode(_: &Path, _: &Path) -> bool {
-    false
+    /// Fails if a file that the command has read would be replaced. Asked when everything is read, before the work.
+    pub fn spare_inputs(&self) -> Result<(), Failure> {
+        let outputs = self.0.iter().filter(|path| !is_stream(path));
+        for output in outputs {
+            atomic::refuse_input(output).map_err(|refused| {
+                Failure::Usage(format!("cannot write '{}': {refused}", output.display()))
+            })?;
+        }
+        Ok(())
+    }
 }
 
 fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
@@ -92,7 +89,7 @@ fn check_extension(output: &Path, extensions: &[&str]) -> Result<(), Failure> {
 }
 
 /// Fails before the work and not after it if the output's folder does not exist.
-pub fn check_folder_of(file: &Path) -> Result<(), Failure> {
+fn check_folder_of(file: &Path) -> Result<(), Failure> {
     if file.is_dir() {
         return Err(anyhow!(
             "cannot write '{}': it is a folder; name a file in it",
@@ -114,8 +111,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if is_stream(path) {
         return printed(std::io::stdout().write_all(bytes));
     }
-    crate::atomic::write(path, bytes)
-        .with_context(|| format!("cannot write '{}'", path.display()))?;
+    atomic::write(path, bytes).with_context(|| format!("cannot write '{}'", path.display()))?;
     Ok(())
 }
 
@@ -142,19 +138,6 @@ pub fn create_folder(folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The files among these that are given.
-pub fn files<'a>(given: impl IntoIterator<Item = Option<&'a PathBuf>>) -> Vec<PathBuf> {
-    given.into_iter().flatten().cloned().collect()
-}
-
-/// A design's file, if it is one and no name.
-pub fn design_file(design: &DesignName) -> Option<PathBuf> {
-    design
-        .0
-        .ends_with(".toml")
-        .then(|| PathBuf::from(&design.0))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -172,7 +155,7 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         std::fs::write(path("x.ply"), "scene").unwrap();
         std::fs::create_dir(path("sub")).unwrap();
-        let inputs = [path("x.ply")];
+        input::text(&path("x.ply"), input::TABLE).unwrap();
         let mut names = vec![path("x.ply"), path("sub/../x.ply")];
         #[cfg(unix)]
         {
@@ -180,27 +163,34 @@ mod tests {
             std::fs::hard_link(path("x.ply"), path("hard.png")).unwrap();
             names.extend([path("soft.png"), path("hard.png")]);
         }
+        let spared = |outputs: Outputs| outputs.spare_inputs();
         for name in names {
-            let message = refused(check(&name, &["png", "ply"], &inputs));
+            let outputs = Outputs::default().file(&name, &["png", "ply"]).unwrap();
+            let message = refused(spared(outputs));
             assert!(message.contains("would be destroyed"), "{message}");
         }
-        assert!(check(&path("y.png"), &["png"], &inputs).is_ok());
-        assert!(refused(check_folder(folder.path(), &["x.ply"], &inputs)).contains("x.ply"));
+        let other = Outputs::default().file(&path("y.png"), &["png"]).unwrap();
+        assert!(spared(other).is_ok());
+        let member = Outputs::default()
+            .folder(folder.path(), &["x.ply"])
+            .unwrap();
+        assert!(refused(spared(member)).contains("x.ply"));
     }
 
     #[test]
     fn only_what_is_written_may_be_named() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
+        let named = |path: &Path| Outputs::default().file(path, &["png", "npy"]).map(|_| ());
         for name in ["a.jpg", "a.ppm", "a", "a.png.txt"] {
-            let message = refused(check(&path(name), &["png", "npy"], &[]));
+            let message = refused(named(&path(name)));
             assert!(
                 message.contains("end the name in .png or .npy"),
                 "{message}"
             );
         }
-        assert!(check(&path("a.PNG"), &["png"], &[]).is_ok());
+        assert!(named(&path("a.PNG")).is_ok());
         #[cfg(unix)]
-        assert!(check(Path::new("/dev/null"), &["png"], &[]).is_ok());
+        assert!(named(Path::new("/dev/null")).is_ok());
     }
 }

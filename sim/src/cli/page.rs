@@ -1,6 +1,6 @@
 //! `splatline page`: the live page of a scene.
 
-use super::output;
+use super::output::{self, Outputs};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use super::values::{DesignName, TraversalChoice, VectorValue};
@@ -47,9 +47,7 @@ pub struct PageOptions {
 }
 
 pub fn run(options: &PageOptions) -> Result<(), Failure> {
-    let mut inputs = options.view.inputs();
-    inputs.extend(output::design_file(&options.design));
-    output::check(&options.output, &["html", "htm"], &inputs)?;
+    let outputs = Outputs::default().file(&options.output, &["html", "htm"])?;
     if options.traversal == Some(TraversalChoice::Stamp) {
         let message = "the live page walks box or spans; stamps are drawn by `splatline render`";
         return Err(Failure::Usage(message.to_owned()));
@@ -59,6 +57,7 @@ pub fn run(options: &PageOptions) -> Result<(), Failure> {
         check_size(size.width, size.height)?;
     }
     let mut prepared = PlanRequest::by_design(&options.view, &options.design).prepare()?;
+    outputs.spare_inputs()?;
     if let Some(traversal) = options.traversal {
         prepared.plan.entry.traversal = Traversal::from(traversal);
     }

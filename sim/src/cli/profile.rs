@@ -1,7 +1,7 @@
 //! `splatline profile`: which units, layers, ranges, widths and FIFO depths a scene exercises.
 
 use super::fit;
-use super::output::{self, write};
+use super::output::{Outputs, write};
 use super::resolve::{NamedFrame, PlanRequest};
 use super::say::{Failure, print_result, warn};
 use super::search_args::ProfileOptions;
@@ -15,16 +15,10 @@ use serde_json::{Map, json};
 use std::fmt::Write;
 
 pub fn run(options: &ProfileOptions) -> Result<(), Failure> {
-    if let Some(path) = &options.json {
-        let mut inputs = options.view.inputs();
-        inputs.extend(options.work.inputs());
-        inputs.extend(options.more.others.clone());
-        inputs.extend(options.path.camera_path.clone());
-        inputs.extend(options.machine.machine.clone());
-        output::check(path, &["json"], &inputs)?;
-    }
+    let outputs = Outputs::default().json(options.json.as_ref())?;
     let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let frames = asked.frames(&options.path, &options.more)?;
+    outputs.spare_inputs()?;
     let mut answers = Vec::with_capacity(frames.len());
     for frame in frames {
         answers.push(one(&frame, options)?);
@@ -96,7 +90,14 @@ fn examined(prepared: &Prepared) -> Result<Needs, Failure> {
     let workload = prepared.workload()?;
     progress.doing("trying the depths of every FIFO");
     let peak_bits = plan.entry.design.widths.peak;
-    Ok(needs(&workload, &footprints, peak_bits, &plan.machine))
+    let alpha_max = splats.rules.alpha_max;
+    Ok(needs(
+        &workload,
+        &footprints,
+        peak_bits,
+        alpha_max,
+        &plan.machine,
+    ))
 }
 
 fn systems_text(systems: &[SystemVerdict]) -> String {

@@ -3,24 +3,21 @@
 use super::args::RenderOptions;
 use super::chunks;
 use super::frames;
-use super::output::{self, write};
+use super::output::{Outputs, write};
 use super::resolve::{COMPARED, DRAWN, PlanRequest, room_for_picture};
 use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
-use crate::picture::{EXTENSIONS, Picture, PictureFormat};
+use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::measure::draw_alone;
 use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let drawing = &options.drawing;
-    let inputs = inputs(options);
-    output::check(&options.output, &EXTENSIONS, &inputs)?;
-    if let Some(json) = &drawing.json {
-        output::check(json, &["json"], &inputs)?;
-        refuse_one_name(&options.output, json)?;
-    }
+    let outputs = Outputs::default()
+        .file(&options.output, &EXTENSIONS)?
+        .json(drawing.json.as_ref())?;
     if drawing.engine != Engine::Fixed && drawing.work.traversal.is_some() {
         let engine = drawing.engine.name();
         return Err(Failure::Usage(format!(
@@ -28,12 +25,13 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         )));
     }
     if let Some(size) = options.chunks {
-        return chunks::render(options, size as usize);
+        return chunks::render(options, &outputs, size as usize);
     }
     if options.path.camera_path.is_some() {
         return frames::render(options);
     }
     let prepared = PlanRequest::drawing(&options.view, drawing).prepare()?;
+    outputs.spare_inputs()?;
     check_room(&prepared)?;
     let progress = ProgressMeter::new(1);
     progress.doing(format!("drawing {}", prepared.scene.name()));
@@ -46,18 +44,21 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     drop(progress);
     warn(&report.warnings);
     print_error(&if_layers_were_merged(measured.drawing.merged));
-    print_error(&if_nothing_is_seen(picture, &report));
+    print_error(&if_nothing_is_seen(
+        picture,
+        &report,
+        steps(&options.output, drawing.depth),
+        drawing.backdrop(),
+    ));
     print_result(&of_drawing(&report))
 }
 
-/// The files that are read.
-pub fn inputs(options: &RenderOptions) -> Vec<PathBuf> {
-    let own = [
-        options.drawing.work.inputs(),
-        options.path.camera_path.clone(),
-    ];
-    let own = output::files(own.iter().map(Option::as_ref));
-    [options.view.inputs(), own].concat()
+/// Steps of a channel in the file; none if it holds numbers.
+fn steps(path: &Path, depth: Depth) -> Option<f64> {
+    match PictureFormat::of(path) {
+        Some(PictureFormat::Npy | PictureFormat::Exr) => None,
+        _ => Some(depth.steps()),
+    }
 }
 
 /// Writes a picture in the format that its name says.
@@ -80,15 +81,4 @@ pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
         _ => DRAWN,
     };
     room_for_picture(&prepared.plan.camera, bytes)
-}
-
-fn refuse_one_name(picture: &Path, json: &Path) -> Result<(), Failure> {
-    if picture == json {
-        Err(Failure::Usage(format!(
-            "picture and report cannot both be written to '{}'",
-            json.display()
-        )))
-    } else {
-        Ok(())
-    }
 }

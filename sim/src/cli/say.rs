@@ -27,10 +27,11 @@ pub fn finish(outcome: Result<(), Failure>) -> ExitCode {
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(Failure::Input(error)) => {
-            print_error(&format!("error: {}\n", explain(&error)));
+            print_error(&format!("error: {}\n", shortened(&explain(&error))));
             ExitCode::from(1)
         }
         Err(Failure::Usage(message)) => {
+            let message = shortened(&message);
             print_error(&format!(
                 "error: {message}\n\nFor more information, try '--help'.\n"
             ));
@@ -55,6 +56,33 @@ pub fn explain(error: &anyhow::Error) -> String {
         })
 }
 
+/// Longest line of an error in characters, and most lines: some quote a line of the file, which may be all of it.
+const LONGEST: usize = 2000;
+const MOST_LINES: usize = 40;
+
+fn shortened(text: &str) -> String {
+    let lines = text.lines().take(MOST_LINES).map(|line| {
+        let mut short: String = line.chars().take(LONGEST).collect();
+        if short.len() < line.len() {
+            short += " ...";
+        }
+        short
+    });
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Without the codes that move a terminal's cursor or colour its text: names come from files of strangers.
+pub fn printable(text: &str) -> String {
+    let shown = |c: char| {
+        if c.is_control() && !matches!(c, '\n' | '\t') {
+            '\u{fffd}'
+        } else {
+            c
+        }
+    };
+    text.chars().map(shown).collect()
+}
+
 /// From now on stdout is for a file alone.
 pub fn divert() {
     DIVERTED.store(true, Ordering::Relaxed);
@@ -66,7 +94,7 @@ pub fn print_result(text: &str) -> Result<(), Failure> {
         print_error(text);
         return Ok(());
     }
-    printed(std::io::stdout().write_all(text.as_bytes()))
+    printed(std::io::stdout().write_all(printable(text).as_bytes()))
 }
 
 /// What became of a result: a reader that has gone away (`splatline ... | head`) is no error, a full disk is one.
@@ -89,5 +117,30 @@ pub fn warn(lines: &[String]) {
 
 /// Prints to stderr; if even that fails, nobody is left to tell.
 pub fn print_error(text: &str) {
-    let _ = std::io::stderr().write_all(text.as_bytes());
+    let _ = std::io::stderr().write_all(printable(text).as_bytes());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_gets_text_and_no_codes() {
+        assert_eq!(printable("a\tb\n"), "a\tb\n");
+        let hostile = "\u{1b}[2J\u{1b}]0;owned\u{7}\r\u{9b}31m";
+        assert!(!printable(hostile).contains(|c: char| c.is_control()));
+    }
+
+    #[test]
+    fn an_error_is_no_copy_of_the_file() {
+        let nested = format!("line 1\n{}\n{}", "[".repeat(100_000), " ^\n".repeat(1000));
+        let short = shortened(&nested);
+        assert!(
+            short.len() < 3000 && short.starts_with("line 1\n[["),
+            "{}",
+            short.len()
+        );
+        assert!(short.lines().nth(1).unwrap().ends_with("[ ..."));
+        assert_eq!(shortened("as it is"), "as it is");
+    }
 }

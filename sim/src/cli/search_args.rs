@@ -3,7 +3,6 @@
 
 use super::drawing_args::WorkOptions;
 use super::machine_args::{AreaOptions, EnergyOptions, MachineOptions};
-use super::output;
 use super::values::{METRICS, one_of, positive, shard};
 use super::view_args::{MoreScenes, PathOptions, ViewOptions};
 use crate::explore::fit::Metric;
@@ -28,23 +27,6 @@ pub struct SearchOptions {
     pub area: AreaOptions,
     #[command(flatten)]
     pub energy: EnergyOptions,
-}
-
-impl SearchOptions {
-    /// The files that are read.
-    pub fn inputs(&self) -> Vec<PathBuf> {
-        let mut inputs = self.view.inputs();
-        inputs.extend(self.more.others.clone());
-        inputs.extend(self.work.inputs());
-        inputs.extend(self.area.inputs());
-        let files = [
-            &self.energy.energy,
-            &self.machine.machine,
-            &self.path.camera_path,
-        ];
-        inputs.extend(output::files(files.map(Option::as_ref)));
-        inputs
-    }
 }
 
 pub const SWEEP_EXAMPLES: &str = "\

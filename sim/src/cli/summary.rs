@@ -1,27 +1,49 @@
 //! What a drawing and a comparison tell on a terminal.
 
-use crate::picture::Picture;
+use crate::picture::{Backdrop, Picture};
 use crate::report::facts::ReasonCounts;
 use crate::report::formats::formats_text;
-use crate::report::table::{decibels, scientific, signed, throughput_text};
+use crate::report::table::{psnr_text, scientific, signed, throughput_text};
 use crate::report::{ChannelFacts, Report};
 use std::path::Path;
 
-/// Why a picture is empty, for the standard error: an empty picture and exit code 0 look like success. Nothing if it is not.
-pub fn if_nothing_is_seen(picture: &Picture, report: &Report) -> String {
+/// Why a picture shows nothing, for the standard error: an empty picture and exit code 0 look like success. Nothing if it shows something.
+///
+/// `steps` are those of a channel in the file, none if it holds numbers, and `backdrop` is what the file has behind the picture.
+pub fn if_nothing_is_seen(
+    picture: &Picture,
+    report: &Report,
+    steps: Option<f64>,
+    backdrop: Backdrop,
+) -> String {
     let scene = &report.scene;
-    let clear = |pixel: &[f64; 4]| *pixel == [0.0; 4];
-    if !picture.pixels.iter().all(clear) {
-        return String::new();
+    let largest = |of: fn(&[f64; 4]) -> f64| picture.pixels.iter().map(of).fold(0.0, f64::max);
+    let colour = largest(|[r, g, b, _]| r.max(*g).max(*b));
+    let largest_of_all = largest(|[.., a]| *a).max(colour);
+    if largest_of_all > 0.0 {
+        // On black only light is seen, on anything else what is covered as well.
+        let seen = if backdrop == Backdrop::default() {
+            colour
+        } else {
+            largest_of_all
+        };
+        return match steps {
+            Some(steps) if seen * steps < 0.5 => format!(
+                "{}: the picture shows nothing: its largest value, {seen:.1e}, rounds to 0 of {steps} steps; give --depth 16, or write .npy or .exr\n",
+                scene.name
+            ),
+            _ => String::new(),
+        };
     }
     let all = scene.splats;
-    let culled = scene.culled.values().sum::<u64>();
-    let why = match culled {
+    let culled: u64 = scene.culled.values().sum();
+    let why = match all.saturating_sub(culled) {
         _ if all == 0 => "the scene has no splats".to_owned(),
-        0 => "all splats are transparent or smaller than a pixel".to_owned(),
+        0 => format!("all {all} splats are culled{}", reasons(&scene.culled)),
+        rest if rest == all => "all splats are transparent or smaller than a pixel".to_owned(),
         _ => format!(
-            "of {all} splats{}; the rest is transparent or smaller than a pixel",
-            reasons("are culled", &scene.culled)
+            "of {all} splats {culled} are culled{}; the rest is transparent or smaller than a pixel",
+            reasons(&scene.culled)
         ),
     };
     format!("{}: the picture is empty: {why}\n", scene.name)
@@ -47,8 +69,8 @@ pub fn of_drawing(report: &Report) -> String {
         "{}: {} splats{}{}{clamped}\n{}\n",
         scene.name,
         scene.splats,
-        reasons("skipped", &scene.skipped),
-        reasons("culled", &scene.culled),
+        left_out("skipped", &scene.skipped),
+        left_out("culled", &scene.culled),
         times(report),
     )
 }
@@ -84,19 +106,23 @@ fn times(report: &Report) -> String {
 }
 
 /// `, 7 culled (near 3, outside 4)`; nothing where nothing was left out.
-fn reasons(what: &str, counts: &ReasonCounts) -> String {
-    let named: Vec<String> = counts
-        .iter()
-        .filter(|(_, count)| **count > 0)
+fn left_out(what: &str, counts: &ReasonCounts) -> String {
+    match counts
+        .values()
+        .fold(0u64, |sum, count| sum.saturating_add(*count))
+    {
+        0 => String::new(),
+        total => format!(", {total} {what}{}", reasons(counts)),
+    }
+}
+
+/// ` (near 3, outside 4)`.
+fn reasons(counts: &ReasonCounts) -> String {
+    let named = counts.iter().filter(|(_, count)| **count > 0);
+    let named: Vec<String> = named
         .map(|(reason, count)| format!("{reason} {count}"))
         .collect();
-    if named.is_empty() {
-        return String::new();
-    }
-    let total = counts
-        .values()
-        .fold(0u64, |sum, count| sum.saturating_add(*count));
-    format!(", {total} {what} ({})", named.join(", "))
+    format!(" ({})", named.join(", "))
 }
 
 /// The chosen design's errors.
@@ -104,13 +130,13 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
     let line = |name: &str, error: &ChannelFacts| {
         let covered = &error.covered;
         format!(
-            "{name:<6} PSNR {} dB, max error {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {} dB, bias {}, SSIM {:.6}\n",
-            decibels(error.psnr_db),
+            "{name:<6} PSNR {}, max error {}, bias {}, SSIM {:.6}; over the {} covered pixels PSNR {}, bias {}, SSIM {:.6}\n",
+            psnr_text(error.psnr_db),
             scientific(error.max_abs),
             signed(error.bias),
             error.ssim,
             covered.pixels,
-            decibels(covered.psnr_db),
+            psnr_text(covered.psnr_db),
             signed(covered.bias),
             covered.ssim,
         )
@@ -130,4 +156,72 @@ pub fn of_comparison(report: &Report, folder: &Path) -> String {
         formats_text(report),
         folder.join("report.html").display(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::Prepared;
+
+    /// A report of a drawing of three splats, with so many of them culled.
+    fn report(culled: u64) -> Report {
+        let scene = crate::scene::synthetic::random_gaussians(3, 1, 1.0);
+        let camera = crate::scene::synthetic::camera(2, 1);
+        let rules = scene.natural_rules;
+        let design = crate::design::DesignChoice::named("lean18").unwrap();
+        let prepared = Prepared::of_splats(scene, camera, rules, design);
+        let effort = crate::plan::Effort::new(Some(1), 1);
+        let progress = crate::progress::ProgressMeter::new(1);
+        let (_, mut report) =
+            crate::plan::measure::draw_alone(&prepared, &effort, &progress).unwrap();
+        report.scene.culled = [("near".to_owned(), culled)].into_iter().collect();
+        report
+    }
+
+    fn told(pixel: [f64; 4], culled: u64, steps: Option<f64>, backdrop: Backdrop) -> String {
+        let picture = Picture {
+            width: 2,
+            height: 1,
+            pixels: vec![[0.0; 4], pixel],
+        };
+        if_nothing_is_seen(&picture, &report(culled), steps, backdrop)
+    }
+
+    #[test]
+    fn an_empty_picture_says_why_and_no_more() {
+        let empty = |culled| told([0.0; 4], culled, Some(255.0), Backdrop::default());
+        assert!(
+            empty(3).ends_with(": all 3 splats are culled (near 3)\n"),
+            "{}",
+            empty(3)
+        );
+        assert!(empty(2).contains("of 3 splats 2 are culled (near 2); the rest is transparent"));
+        assert!(empty(0).contains("all splats are transparent"));
+    }
+
+    #[test]
+    fn a_picture_that_rounds_to_black_is_told() {
+        let faint = [0.0019, 0.0, 0.0, 0.4];
+        let black = Backdrop::default();
+        assert!(told(faint, 0, Some(255.0), black).contains("rounds to 0 of 255 steps"));
+        assert_eq!(told(faint, 0, Some(65535.0), black), "");
+        assert_eq!(told(faint, 0, None, black), "");
+        assert_eq!(told([0.002, 0.0, 0.0, 0.4], 0, Some(255.0), black), "");
+        // On white it darkens what is behind it.
+        assert_eq!(told(faint, 0, Some(255.0), Backdrop::Colour([1.0; 3])), "");
+        let fainter = [0.0, 0.0, 0.0, 0.0019];
+        assert!(told(fainter, 0, Some(255.0), Backdrop::Transparent).contains("shows nothing"));
+    }
+
+    #[test]
+    fn equal_pictures_have_no_decibels() {
+        let mut report = report(0);
+        let errors = crate::metrics::compare(&Picture::new(2, 1), &Picture::new(2, 1)).unwrap();
+        report.error = Some((&errors).into());
+        let text = of_comparison(&report, Path::new("."));
+        assert!(
+            text.contains("PSNR identical,") && !text.contains("identical dB"),
+            "{text}"
+        );
+    }
 }

@@ -1,6 +1,6 @@
 //! `splatline sweep` and `splatline merge`: sweeps, in one piece or in shards.
 
-use super::output::{create_folder, read_settings, write};
+use super::output::{Outputs, create_folder, read_settings, write};
 use super::resolve::{
     COMPARED, HELD_PIXEL_BYTES, NamedFrame, PlanRequest, calibration, energy_table,
     room_for_picture,
@@ -23,10 +23,15 @@ use splatline::format::Traversal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// What a folder holds beside the tables of points.
+const FILES: [&str; 3] = ["sweep.json", "front.csv", "front.html"];
+
 /// Every point of the space.
 pub fn run(options: &SweepOptions) -> Result<(), Failure> {
     let (search, file, output) = (&options.search, &options.space, &options.output);
-    create_folder(output)?;
+    let outputs = Outputs::default()
+        .folder(output, &FILES)?
+        .folder(output, &[&table_name(options.shard)])?;
     let text = read_settings(file)?;
     let space = Space::from_toml(&file.display().to_string(), &text)?;
     let asked = PlanRequest::work(&search.view, &search.work).on(&search.machine);
@@ -65,6 +70,7 @@ pub fn run(options: &SweepOptions) -> Result<(), Failure> {
         more,
     };
     let identity = Identity::new(&subject, &text, &settings(search, &space)?)?;
+    outputs.spare_inputs()?;
     folder::claim(output, &identity)?;
     let path = output.join(table_name(options.shard));
     let (out, done) = Appender::resume(&path, &heading(&space), &identity)?;

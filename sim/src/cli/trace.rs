@@ -1,7 +1,7 @@
 //! `splatline trace`: the raster phase of some splats for a trace viewer.
 
 use super::machine_args::{TraceFormat, TraceOptions};
-use super::output::{self, write};
+use super::output::{Outputs, write};
 use super::resolve::PlanRequest;
 use super::say::{Failure, print_result, warn};
 use crate::machine::Config;
@@ -25,10 +25,7 @@ fn extensions(format: TraceFormat) -> &'static [&'static str] {
 }
 
 pub fn run(options: &TraceOptions) -> Result<(), Failure> {
-    let mut inputs = options.view.inputs();
-    inputs.extend(output::design_file(&options.work.design));
-    inputs.extend(options.machine.machine.clone());
-    output::check(&options.output, extensions(options.format), &inputs)?;
+    let outputs = Outputs::default().file(&options.output, extensions(options.format))?;
     let last = options
         .last
         .unwrap_or(options.first.saturating_add(USUAL_COUNT - 1));
@@ -40,6 +37,7 @@ pub fn run(options: &TraceOptions) -> Result<(), Failure> {
     }
     let asked = PlanRequest::work(&options.view, &options.work).on(&options.machine);
     let prepared = asked.prepare()?;
+    outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
     let (workload, config) = (prepared.workload()?, &prepared.plan.machine);
     let work = LaneWork::new(&workload, LaneShape::from(config));

@@ -1,6 +1,5 @@
 //! What is looked at and from where: the options that every command about a scene has.
 
-use super::output;
 use super::values::{
     AntialiasChoice, Backfaces, KERNELS, OrbitChoice, PictureSize, SceneKind, VectorValue,
     field_of_view, layers, one_of, positive,
@@ -100,21 +99,6 @@ pub struct ViewOptions {
     pub surface: SurfaceArgs,
 }
 
-impl ViewOptions {
-    /// The files that are read.
-    pub fn inputs(&self) -> Vec<PathBuf> {
-        let given = [
-            &self.scene,
-            &self.from,
-            &self.camera,
-            &self.transfer,
-            &self.surface.texture,
-            &self.surface.depth_image_from,
-        ];
-        output::files(given.map(Option::as_ref))
-    }
-}
-
 /// Many views in one command.
 #[derive(Debug, Default, Args)]
 pub struct PathOptions {
@@ -159,12 +143,13 @@ pub struct SurfaceArgs {
     #[arg(long, value_name = "D", value_parser = positive, requires = "kind")]
     pub spacing: Option<f64>,
     /// Draws the points as volume kernels whose axis along the normal is divided by S
-    #[arg(long, value_name = "S", value_parser = positive, requires = "kind")]
+    #[arg(long, value_name = "S", help_heading = "Techniques", value_parser = positive, requires = "kind")]
     pub flatten: Option<f64>,
     /// Draws the pixels of a depth image that this camera takes of the surface, warped to the view
     #[arg(
         long,
         value_name = "camera.json",
+        help_heading = "Techniques",
         requires = "kind",
         conflicts_with = "flatten"
     )]

@@ -51,8 +51,8 @@ pub fn claim(folder: &Path, identity: &Identity) -> Result<()> {
 pub fn identity(folder: &Path) -> Result<Identity> {
     let path = folder.join(IDENTITY);
     let shown = path.display();
-    let text =
-        input::text(&path, input::SETTINGS).with_context(|| format!("cannot read '{shown}'"))?;
+    let text = input::own_text(&path, input::SETTINGS)
+        .with_context(|| format!("cannot read '{shown}'"))?;
     Identity::parse(&text).with_context(|| shown.to_string())
 }
 
@@ -94,7 +94,8 @@ pub fn tables(folder: &Path) -> Result<Vec<PathBuf>> {
 /// Reads a table and checks it against its sweep.
 pub fn table(path: &Path, identity: &Identity) -> Result<ResultTable> {
     let shown = path.display();
-    let text = input::text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
+    let text =
+        input::own_text(path, input::TABLE).with_context(|| format!("cannot read '{shown}'"))?;
     checked(&text, identity).map_err(|problem| anyhow!("{shown}: {problem}"))
 }
 

@@ -4,7 +4,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::design::DesignChoice;
 use crate::machine::area::{Calibration, Family};
-use crate::machine::config::{Config, FIELDS, Range};
+use crate::machine::config::{Config, SETTINGS};
 use crate::machine::energy::{EnergyTable, SHIPPED};
 use crate::picture::Picture;
 use crate::plan::Splats;
@@ -185,15 +185,11 @@ fn change_design(facts: &mut Facts, which: usize) -> &'static str {
 }
 
 fn change_machine(machine: &mut Config, which: usize) -> &'static str {
-    let field = &FIELDS[which % FIELDS.len()];
-    let values: Vec<u32> = match field.range {
-        Range::Number(low, high) => vec![low, high],
-        Range::OneOf(list) => list.to_vec(),
-        Range::Choice(names) => (0..names.len() as u32).collect(),
-    };
-    let known = (field.get)(machine);
-    let other = values.into_iter().find(|value| *value != known).unwrap();
-    (field.set)(machine, other);
+    let setting = &SETTINGS[which % SETTINGS.len()];
+    let known = setting.value(machine);
+    let mut values = setting.limits().into_iter();
+    let other = values.find(|value| *value != known).unwrap();
+    machine.set("test", &setting.key, &other).unwrap();
     "machine, line"
 }
 
@@ -286,7 +282,7 @@ proptest! {
 #[test]
 fn every_field_counts() {
     for kind in 0..KINDS {
-        for which in 0..FIELDS.len() {
+        for which in 0..SETTINGS.len() {
             check(kind, which, 3).unwrap();
         }
     }

@@ -3,7 +3,7 @@
 //! Depths are found by a run with FIFOs so deep that none is ever full, and then by halving each one, with the others deep, for as
 //! long as the picture takes at most [`SLACK`] more cycles.
 
-use crate::machine::config::{Config, field};
+use crate::machine::config::Config;
 use crate::machine::lanes::{LaneShape, LaneWork};
 use crate::machine::simulate;
 use crate::machine::workload::Workload;
@@ -54,11 +54,13 @@ pub struct Needs {
     pub empty_pairs_part: f64,
 }
 
-/// Examines a workload and the footprints that it came from. `peak_bits` are the fraction bits of a peak.
+/// Examines a workload and the footprints that it came from. `peak_bits` are the fraction bits of a peak,
+/// `alpha_max` is what the rules clamp a pixel's opacity to.
 pub fn needs(
     workload: &Workload,
     footprints: &[Footprint],
     peak_bits: u8,
+    alpha_max: f64,
     machine: &Config,
 ) -> Needs {
     let totals = workload.totals();
@@ -109,12 +111,12 @@ pub fn needs(
         finished_part: part(finished, totals.covered as usize),
         empty_pairs_part: part(empty, workload.pairs.len()),
     };
-    needs.judge_units(workload);
+    needs.judge_units(workload, alpha_max);
     needs
 }
 
 impl Needs {
-    fn judge_units(&mut self, workload: &Workload) {
+    fn judge_units(&mut self, workload: &Workload, alpha_max: f64) {
         let finished_tiles = workload
             .tiles
             .iter()
@@ -157,12 +159,12 @@ impl Needs {
                 per_cent(self.empty_pairs_part)
             ),
         );
-        let opaque = self.peaks.is_some_and(|[high, _]| high > 1.0);
+        let opaque = self.peaks.is_some_and(|[high, _]| high > alpha_max);
         judge(
             "opacity_clamp",
             opaque,
             format!(
-                "largest peak {:.4}",
+                "largest peak {:.4}, opacities end at {alpha_max}",
                 self.peaks.map_or(0.0, |[high, _]| high)
             ),
         );
@@ -183,9 +185,8 @@ type Depths = (
 fn depths(workload: &Workload, work: &LaneWork, machine: &Config) -> Depths {
     let mut deep = *machine;
     let set = |config: &mut Config, name: &str, depth: u32| {
-        if let Some(field) = field(name) {
-            (field.set)(config, depth);
-        }
+        let set = config.set("profile", name, &toml::Value::from(depth));
+        set.expect("every depth tried is one that a FIFO can have");
     };
     FIFOS.iter().for_each(|name| set(&mut deep, name, DEEP));
     let best = simulate(workload, work, &deep);

@@ -14,7 +14,7 @@
 //! layout = ["run", "rows"]
 //! ```
 
-use crate::machine::config::{field, known, line_of};
+use crate::machine::config::{known, line_of, setting};
 use splatline::format::WIDTH_RANGES;
 use thiserror::Error;
 use toml::Value;
@@ -175,22 +175,22 @@ fn axis(
         check_design(key, &values).map_err(|problem| source.wrong(section, key, problem))?;
         SpacePart::Design
     } else {
-        let Some(field) = field(key) else {
+        let Some(setting) = setting(key) else {
             let problem = format!("no such field of a machine: {}", known(""));
             return Err(source.wrong(section, key, problem));
         };
-        if field.key == "sort_every" {
+        if setting.key == "sort_every" {
             let problem = "no point of a space keeps an order: `simulate` with a --camera-path and --set sort_every=N does";
             return Err(source.wrong(section, key, problem));
         }
-        if let Some(value) = values.iter().find(|value| field.accept(value).is_none()) {
+        if let Some(value) = values.iter().find(|value| !setting.accepts(value)) {
             return Err(source.wrong(
                 section,
                 key,
-                format!("{value} is not allowed: {}", field.allowed()),
+                format!("{value} is not allowed: {}", setting.allowed()),
             ));
         }
-        match field.key {
+        match setting.key.as_str() {
             "tile_width" | "tile_height" => SpacePart::Tile,
             "lanes" | "layout" | "pixel_termination" | "binning" => SpacePart::Lanes,
             _ => SpacePart::Machine,

@@ -39,6 +39,8 @@ pub enum CameraPath {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct KeyFrames {
+    #[serde(skip)]
+    file: String,
     frames: usize,
     key: Vec<CameraKey>,
 }
@@ -79,7 +81,10 @@ pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
     for pose in cameras::load(file, size)? {
         notes.extend(pose.notes);
         let camera = match size {
-            Some([width, height]) => pose.camera.resized(width, height)?,
+            Some([width, height]) => {
+                let resized = pose.camera.resized(width, height);
+                resized.with_context(|| format!("camera path '{shown}', {}", pose.name))?
+            }
             None => pose.camera,
         };
         named.push((pose.name, camera));
@@ -95,7 +100,7 @@ pub fn load(file: &Path, size: Option<[usize; 2]>) -> Result<LoadedPath> {
 
 /// Key frames from the text of their file.
 fn keys(file: &str, text: &str) -> Result<KeyFrames> {
-    let keys: KeyFrames =
+    let mut keys: KeyFrames =
         toml::from_str(text).with_context(|| format!("{file}: not a camera path"))?;
     if !(1..=MOST_FRAMES).contains(&keys.frames) {
         let line = line_of(text, "", "frames");
@@ -104,6 +109,7 @@ fn keys(file: &str, text: &str) -> Result<KeyFrames> {
             keys.frames
         );
     }
+    file.clone_into(&mut keys.file);
     if keys.key.is_empty() {
         bail!("{file}: no [[key]]: a path needs one or more");
     }
@@ -119,7 +125,8 @@ impl CameraPath {
                 .map(|frame| {
                     let name = format!("frame {}", frame + 1);
                     let camera = keys.camera(frame, up, size);
-                    Ok((name.clone(), camera.with_context(|| name)?))
+                    let place = || format!("camera path '{}', {name}", keys.file);
+                    Ok((name.clone(), camera.with_context(place)?))
                 })
                 .collect(),
         }
@@ -209,10 +216,10 @@ mod tests {
         assert!(printed("frames = 2\nkey = []\n").contains("needs one or more"));
         let path =
             CameraPath::Keys(keys("p.toml", &TEXT.replace("fov = 40.0", "fov = 400.0")).unwrap());
-        let printed = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
+        let told = format!("{:#}", path.cameras([0.0, 1.0, 0.0], [8, 8]).unwrap_err());
         assert!(
-            printed.contains("frame 1") && printed.contains("fov"),
-            "{printed}"
+            told.contains("'p.toml', frame 1") && told.contains("fov"),
+            "{told}"
         );
     }
 }

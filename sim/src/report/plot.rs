@@ -138,10 +138,10 @@ fn places(rows: &[ReportRow], across: Across, frame: Rectangle) -> String {
     let place = |(index, row): (usize, &ReportRow)| {
         let (x, y) = axes.point(row);
         format!(
-            "<circle class=\"place\" data-row=\"{index}\" fill=\"none\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"11\"><title>{} by {}: {} dB, {:.1} ms</title></circle>\n",
+            "<circle class=\"place\" data-row=\"{index}\" fill=\"none\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"11\"><title>{} by {}: {}, {:.1} ms</title></circle>\n",
             row.design.replace('&', "&amp;").replace('<', "&lt;"),
             row.traversal,
-            table::decibels(row.error.psnr_db),
+            table::psnr_text(row.error.psnr_db),
             row.host.total_s * 1e3
         )
     };

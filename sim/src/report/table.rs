@@ -115,6 +115,14 @@ pub fn decibels(psnr_db: Option<f64>) -> String {
     }
 }
 
+/// `57.31 dB`, or `identical`.
+pub fn psnr_text(psnr_db: Option<f64>) -> String {
+    match psnr_db {
+        Some(psnr) => format!("{psnr:.2} dB"),
+        None => "identical".to_owned(),
+    }
+}
+
 /// `3.1e-3`; plain `0` for zero.
 pub fn scientific(value: f64) -> String {
     if value == 0.0 {

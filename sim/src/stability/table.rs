@@ -23,45 +23,33 @@ pub const STAGES: [StageColumn; 8] = [
     ("picture", |e| e.picture),
 ];
 
-/// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
-pub fn markdown(lines: &[StabilityLine]) -> String {
+/// All lines as CSV; the last column names the stages in which a design is worse than `f32`, without any tolerance.
+pub fn csv(lines: &[StabilityLine]) -> String {
     let mut text = String::from(
-        "| case | engine | centre px | depth rel | peak rel | variance rel | determinant rel | form rel | r abs | picture | bias | PSNR dB | decisions | wrong culls | worse than f32 in |\n\
-         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|---|\n",
+        "case,engine,centre px,depth rel,peak rel,variance rel,determinant rel,form rel,r abs,picture,bias,PSNR dB,decided otherwise,on a threshold,\
+         wrong culls,worse than f32 in\n",
     );
     let mut single = StageErrors::default();
     for line in lines {
         let e = &line.errors;
-        let verdict = if line.engine == "f32" {
+        let mut worse = String::new();
+        if line.engine == "f32" {
             single = line.errors;
-            String::new()
         } else {
-            worse_stages(e, &single)
-        };
+            worse = worse_stages(e, &single);
+        }
         let psnr = e
             .psnr_db
-            .map_or_else(|| "exact".to_owned(), |db| format!("{db:.1}"));
+            .map_or("exact".to_owned(), |db| format!("{db:.1}"));
+        let stages = STAGES.map(|(_, of)| format!("{:.1e}", of(e))).join(",");
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "| {} | {} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:.1e} | {:+.1e} | {psnr} | {}/{} | {} | {verdict} |",
-            line.case,
-            line.engine,
-            e.centre,
-            e.depth,
-            e.peak,
-            e.variance,
-            e.determinant,
-            e.form,
-            e.radial,
-            e.picture,
-            e.bias,
-            e.decided_wrongly,
-            e.edges,
-            e.culled_wrongly
+            "\"{}\",{},{stages},{:.1e},{psnr},{},{},{},{worse}",
+            line.case, line.engine, e.bias, e.decided_wrongly, e.edges, e.culled_wrongly
         );
     }
-    text + "\n" + &summary(lines)
+    text
 }
 
 /// The stages in which `fixed` has the larger error; `-` if there is none.
@@ -74,7 +62,7 @@ fn worse_stages(fixed: &StageErrors, single: &StageErrors) -> String {
     if names.is_empty() {
         "-".to_owned()
     } else {
-        names.join(", ")
+        names.join("; ")
     }
 }
 

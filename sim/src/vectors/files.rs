@@ -70,6 +70,11 @@ pub fn export(folder: &Path, subject: &VectorSubject) -> Result<Manifest, Vector
     room_for(subject)?;
     let stages = compute(subject);
     let manifest = Manifest::new(subject, &stages);
+    // Before any is written: the scene may be one of them.
+    for record in &manifest.stages {
+        let file = folder.join(&record.file);
+        atomic::refuse_input(&file).map_err(|source| VectorError::File { file, source })?;
+    }
     for (stage, record) in stages.iter().zip(&manifest.stages) {
         write(&folder.join(&record.file), &stage.to_text())?;
     }

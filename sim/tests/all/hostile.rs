@@ -5,7 +5,7 @@
 
 mod mutations;
 mod readers;
-mod seeds;
+pub mod seeds;
 
 use seeds::few_vectors;
 use splatline_sim::camera::Camera;

@@ -7,6 +7,7 @@ mod fast;
 mod golden;
 mod hostile;
 mod machine_commands;
+mod outputs;
 mod stability;
 mod texture;
 mod vectors;

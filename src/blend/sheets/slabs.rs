@@ -130,6 +130,7 @@ pub fn depth_spread<P>(view: &View<P>, axes: &[Axis; 3]) -> SoftFloat {
             value: i64::from(view.rotation[2][i].to_bits())
                 * i64::from(axis.mantissa[i].max(-i32::MAX)),
             exponent: axis.exponent.clamp(-512, 511) - 30,
+            length: 61,
         });
         sum_of_products(terms, 31)
     });

@@ -23,6 +23,7 @@ pub fn arithmetic(source: &mut Source) {
     let terms = [(); 4].map(|()| Product {
         value: source.i64(),
         exponent: source.i32(),
+        length: u32::from(source.byte()) % 64,
     });
     let results = [
         math::sum_of_products(terms, bits),

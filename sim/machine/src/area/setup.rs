@@ -9,7 +9,7 @@ use crate::config::Config;
 use splatline::format::Widths;
 use std::fmt::Write;
 
-/// The counts, as `rtl -- setup area` writes them.
+/// The counts, as `rtl -- area setup` prints them.
 pub const CSV: &str = include_str!("setup.csv");
 
 const HEADING: &str =

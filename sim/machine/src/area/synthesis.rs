@@ -1,6 +1,6 @@
 //! What Yosys made of the primitive: the counts that the estimate is calibrated on and held against.
 //!
-//! `synthesised.csv` is written by `rtl -- area` of `sim/rtl/cosim`, with the widths that were synthesised. Two designs with one and four lanes are
+//! `synthesised.csv` is printed by `rtl -- area primitive` of `sim/rtl/cosim`, with the widths that were synthesised. Two designs with one and four lanes are
 //! fitted; two lanes and a design between the two have not been seen by the fit.
 
 use super::calibration::{Calibration, Family};

@@ -119,14 +119,16 @@ fn row(words: &str, name: &str, design: &DesignChoice, workload: &Workload) -> S
         timing.bytes.all(),
         energy.attojoules,
         checksum(&timing),
-        checksum(&energy),
+        checksum(&energy.units),
         checksum(&Histograms::new(&work, &config, workload.splats.len())),
         checksum_of_events(&events),
         checksum_of_requests(&requests),
     );
     for family in Family::ALL {
         let area = area::estimate(widths, traversal, &config, &family.calibration());
-        let pace = Throughput::new(&timing, &config, Clock::of(&config, widths, family));
+        let mut pace = Throughput::new(&timing, &config, Clock::of(&config, widths, family));
+        // Which page a clock is from is no figure.
+        pace.clock.of.clear();
         let resources = [area.raster, area.around].map(|fabric| fabric.resources());
         let luts = resources.map(|[(_, luts), ..]| luts);
         let area = serde_json::json!([area.raster, area.around, area.weight]);
@@ -186,7 +188,7 @@ fn table() -> String {
             outcome.timing.bytes.all(),
             outcome.energy.attojoules,
             checksum(&outcome.timing),
-            checksum(&outcome.energy),
+            checksum(&outcome.energy.units),
             outcome.products
         );
     }

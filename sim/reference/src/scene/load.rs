@@ -86,6 +86,7 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     if !fs::metadata(path)?.is_file() {
         return Err(Problem::NotAFile);
     }
+    input::note(path);
     Ok(fs::read(path)?)
 }
 

@@ -1,297 +1,333 @@
-//! The bench: drives tiles through the verilated primitive, with or without back-pressure, and counts cycles.
+//! The bench of units that take and give words by valid and ready: random back-pressure at all ends, resets in between, every answer compared.
+//!
+//! What a unit is given are items (a splat, a tile). An item has offers in several lanes, each taken in order and at its own pace, and a number of answers that
+//! must come before the next item's. After a reset the bench begins anew with the first item whose answers have not all come.
 
-use crate::model::{Inputs, Missing, Model, Outputs, Packet, RESET_CYCLES, ReadOut};
-use crate::package::table;
-use crate::roots::Roots;
-use crate::stamps::Stamps;
-use crate::workload::BenchTile;
-use splatline::blend::{Blend, FINISHED, Pixel};
-use splatline::footprint::Footprint;
-use splatline::footprint::packet::Layout;
-use splatline::format::Widths;
-use splatline::rules::Rules;
-use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use crate::findings::Findings;
+use crate::random::split_mix;
+use crate::simulation::{Port, Simulation};
+use anyhow::{Result, ensure};
 
-/// Cycles within which a handshake must answer; beyond it the circuit hangs.
-const PATIENCE: u32 = 1 << 22;
+/// Cycles for which a new circuit is reset.
+pub const RESET_CYCLES: u64 = 4;
 
-/// Pauses at the interfaces: in how many of 256 cycles each of them is held back.
+/// Cycles in which answers are taken and none comes, nor anything is taken that is offered, after which the circuit hangs.
+const PATIENCE: u64 = 1 << 18;
+
+/// Cycles behind the last answer in which no other may come.
+const QUIET: usize = 400;
+
+/// Ports of words that go in or out.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    valid: Port,
+    ready: Port,
+    data: Vec<Port>,
+}
+
+impl Channel {
+    /// The channel with ports `NAME_valid`, `NAME_ready` and these for its words.
+    pub fn new(circuit: &Simulation, name: &str, data: &[&str]) -> Result<Channel> {
+        let data = data.iter().map(|name| circuit.port(name));
+        Ok(Channel {
+            valid: circuit.port(&format!("{name}_valid"))?,
+            ready: circuit.port(&format!("{name}_ready"))?,
+            data: data.collect::<Result<_>>()?,
+        })
+    }
+
+    fn moves(&self, circuit: &Simulation) -> bool {
+        circuit.is(self.valid) && circuit.is(self.ready)
+    }
+}
+
+/// A unit's channels.
+pub struct Channels {
+    /// Where words are offered.
+    pub sources: Vec<Channel>,
+    /// Where answers come.
+    pub sink: Channel,
+    /// An input that lets the unit's inside move, if it has one.
+    pub enable: Option<Port>,
+}
+
+/// Words offered at one of the sources, for each of its ports.
+#[derive(Clone, Debug)]
+pub struct Offer {
+    /// The source.
+    pub source: usize,
+    /// The words.
+    pub data: Vec<Vec<u32>>,
+}
+
+/// Offers that belong together, in lanes, and how many answers they have.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// The offers of each lane.
+    pub lanes: Vec<Vec<Offer>>,
+    /// Answers.
+    pub answers: usize,
+}
+
+/// Back-pressure, in 256ths of the cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pauses {
-    /// No packet is offered.
-    pub packets: u8,
-    /// The lanes must wait.
-    pub lanes: u8,
-    /// No pixel of the read-out is taken.
-    pub pixels: u8,
+pub struct Pressure {
+    /// The next offer of a lane is held back.
+    pub offers: [u8; 2],
+    /// No answer is taken.
+    pub answers: u8,
+    /// The unit's inside may not move.
+    pub inside: u8,
+    /// Of blocks of so many cycles, half take no answer at all; 0 for none.
+    pub stalls: u64,
+    /// One reset in so many cycles, at random; 0 for none.
+    pub resets: u64,
+    /// What was offered is taken back in some cycles, and offered again.
+    pub retracts: bool,
 }
 
-/// What a tile gave.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BenchOutcome {
-    /// The window's pixels, row by row, in the kernel's words.
-    pub pixels: Vec<Pixel>,
-    /// In which cycle everything happened.
-    pub stamps: Stamps,
-    /// The row unit's roots.
-    pub roots: Roots,
-    /// A rule of the interfaces that the circuit broke, in words.
-    pub broken: Option<String>,
+/// What compares the answers.
+pub trait Checker {
+    /// The difference of the next answer from what is expected, in words.
+    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String>;
+
+    /// Looks at the circuit in every cycle, before its edge; gives a rule that it broke, in words.
+    fn observe(&mut self, _circuit: &Simulation, _cycle: u64) -> Option<String> {
+        None
+    }
 }
 
-/// A circuit with its rules and footprint table loaded.
+/// A circuit with its channels.
 pub struct Bench {
-    model: Model,
-    layout: Layout,
-    idle: Inputs,
+    /// The circuit.
+    pub circuit: Simulation,
+    reset: Port,
+    /// Cycles since reset.
+    pub cycles: u64,
     random: u64,
-    stamps: Stamps,
-    roots: Roots,
-    /// Were the lanes allowed to move in the cycle before?
-    enabled: bool,
-    broken: Option<String>,
-    /// Cycles between two packets for which the circuit is built.
-    pub setup_interval: u32,
 }
 
 impl Bench {
-    /// The primitive of a named design, ready for tiles under `rules`.
-    pub fn new(
-        design: &str,
-        widths: &Widths,
-        lanes: usize,
-        rules: &Rules,
-        seed: u32,
-    ) -> Result<Bench, Missing> {
-        let model = Model::new(design, lanes, seed)?;
-        Ok(Self::around(model, widths, rules, seed))
-    }
-
-    /// The same around a circuit that exists already.
-    pub fn around(model: Model, widths: &Widths, rules: &Rules, seed: u32) -> Bench {
+    /// The circuit after reset.
+    pub fn new(circuit: Simulation, seed: u64) -> Result<Bench> {
         let mut bench = Bench {
-            model,
-            layout: Layout::new(widths),
-            idle: rule_inputs(widths, rules),
-            random: u64::from(seed) + 1,
-            stamps: Stamps::default(),
-            roots: Roots::default(),
-            enabled: true,
-            broken: None,
-            setup_interval: SETUP_INTERVAL,
+            reset: circuit.port("rst")?,
+            circuit,
+            cycles: 0,
+            random: seed,
         };
-        for (index, entry) in table(widths, rules).iter().enumerate() {
-            let inputs = Inputs {
-                table_valid: 1,
-                table_index: index as u32,
-                table_low: entry.low,
-                table_step: entry.step,
-                ..bench.idle
-            };
-            bench.model.tick(&inputs);
+        bench.circuit.set(bench.reset, 1);
+        for _ in 0..RESET_CYCLES {
+            bench.cycle();
         }
-        bench
+        bench.circuit.set(bench.reset, 0);
+        Ok(bench)
     }
 
-    /// Cycles simulated so far.
-    pub fn cycles(&self) -> u64 {
-        self.model.cycles()
+    /// One cycle with the inputs as they are.
+    pub fn cycle(&mut self) {
+        self.circuit.settle();
+        self.circuit.edge();
+        self.cycles += 1;
     }
 
-    /// Of these, those since the reset with which the circuit began.
-    pub fn cycles_since_reset(&self) -> u64 {
-        self.model.cycles() - RESET_CYCLES
-    }
-
-    /// Inputs that offer a tile.
-    pub(crate) fn tile_offer(&self, tile: &BenchTile) -> Inputs {
-        let [first_column, first_row] = tile.window.first;
-        let [end_column, end_row] = tile.window.end;
-        Inputs {
-            tile_valid: 1,
-            first_column,
-            first_row,
-            end_column,
-            end_row,
-            ..self.idle
+    /// Drives ports by name.
+    pub fn set(&mut self, values: &[(&str, u64)]) -> Result<()> {
+        for (name, value) in values {
+            let port = self.circuit.port(name)?;
+            self.circuit.set(port, *value);
         }
-    }
-
-    /// Inputs that offer a packet.
-    pub(crate) fn packet_offer(&self, footprint: &Footprint) -> Inputs {
-        Inputs {
-            packet_valid: 1,
-            packet: self.layout.encode(footprint),
-            ..self.idle
-        }
-    }
-
-    /// Inputs that end a tile.
-    pub(crate) fn finish_offer(&self) -> Inputs {
-        Inputs {
-            finish_valid: 1,
-            ..self.idle
-        }
-    }
-
-    /// Inputs that take the read-out's pixel, or let it wait.
-    pub(crate) fn pixel_offer(&self, ready: bool) -> Inputs {
-        Inputs {
-            pixel_ready: ready.into(),
-            ..self.idle
-        }
-    }
-
-    /// Draws a tile. The error says which handshake the circuit did not answer.
-    pub fn draw(
-        &mut self,
-        tile: &BenchTile,
-        footprints: &[Footprint],
-        pauses: Pauses,
-    ) -> Result<BenchOutcome, String> {
-        let offer = self.tile_offer(tile);
-        self.wait("tile_ready", pauses, &offer, |out| out.tile_ready == 1)?;
-        self.stamps = Stamps {
-            setup_interval: self.setup_interval,
-            ..Stamps::default()
-        };
-        self.roots = Roots::default();
-        self.packets(tile, footprints, pauses)?;
-        let stamps = std::mem::take(&mut self.stamps);
-        let roots = std::mem::take(&mut self.roots);
-        let finish = self.finish_offer();
-        self.wait("finish_ready", pauses, &finish, |out| out.finish_ready == 1)?;
-        let count = tile.size().iter().product();
-        let mut pixels = Vec::with_capacity(count);
-        while pixels.len() < count {
-            let ready = !self.chance(pauses.pixels);
-            let take = self.pixel_offer(ready);
-            let out = self.wait("pixel_valid", Pauses::default(), &take, |out| {
-                out.pixel_valid == 1
-            })?;
-            if ready {
-                pixels.push(pixel(&out));
-            }
-        }
-        Ok(BenchOutcome {
-            pixels,
-            stamps,
-            roots,
-            broken: self.broken.take(),
-        })
-    }
-
-    /// A tile's packets, as [`Bench::draw_at_once`] takes them.
-    pub fn encoded(&self, tile: &BenchTile, footprints: &[Footprint]) -> Vec<Packet> {
-        let footprint = |index: &u32| &footprints[*index as usize];
-        let encode = |index| self.layout.encode(footprint(index));
-        tile.list.iter().map(encode).collect()
-    }
-
-    /// Draws a tile as fast as the simulation goes, without looking into the circuit: fills in the window's pixels and gives the cycles from
-    /// the first packet's handshake to the last packet's last pixel.
-    pub fn draw_at_once(
-        &mut self,
-        tile: &BenchTile,
-        packets: &[Packet],
-        pixels: &mut [ReadOut],
-    ) -> Result<u64, String> {
-        let offer = self.tile_offer(tile);
-        let drawn = self.model.draw(&offer, packets, pixels);
-        drawn
-            .map(|drawn| drawn.raster_cycles)
-            .ok_or_else(|| "the circuit hangs".to_owned())
-    }
-
-    fn packets(
-        &mut self,
-        tile: &BenchTile,
-        footprints: &[Footprint],
-        pauses: Pauses,
-    ) -> Result<(), String> {
-        for index in &tile.list {
-            while self.chance(pauses.packets) {
-                let idle = self.idle;
-                self.tick(&idle, pauses);
-            }
-            let offer = self.packet_offer(&footprints[*index as usize]);
-            self.stamps.offered.push(self.model.cycles());
-            self.wait("packet_ready", pauses, &offer, |out| out.packet_ready == 1)?;
-            self.stamps.taken.push(self.model.cycles() - 1);
-        }
-        let idle = self.idle;
-        self.wait("raster_idle", pauses, &idle, |out| out.raster_idle == 1)?;
-        self.stamps.idle_at = self.model.cycles() - 1;
         Ok(())
     }
 
-    /// Repeats the inputs until the circuit answers.
-    fn wait(
+    /// True in `share` of 256 cases.
+    fn chance(&mut self, share: u8) -> bool {
+        share > 0 && split_mix(&mut self.random) >> 56 < u64::from(share)
+    }
+
+    /// Gives the items to the circuit and compares what comes until the first difference.
+    pub fn run(
         &mut self,
-        what: &str,
-        pauses: Pauses,
-        inputs: &Inputs,
-        answered: impl Fn(&Outputs) -> bool,
-    ) -> Result<Outputs, String> {
-        for _ in 0..PATIENCE {
-            let out = self.tick(inputs, pauses);
-            if answered(&out) {
-                return Ok(out);
+        channels: &Channels,
+        items: &[Item],
+        pressure: &Pressure,
+        checker: &mut impl Checker,
+    ) -> Result<Findings> {
+        let mut findings = Findings::default();
+        let mut feeder = Feeder::new(items);
+        let (start, mut idle) = (self.cycles, 0);
+        while !feeder.is_done() {
+            let resets =
+                pressure.resets > 0 && split_mix(&mut self.random).is_multiple_of(pressure.resets);
+            self.circuit.set(self.reset, resets.into());
+            self.drive(channels, &mut feeder, pressure);
+            let mut difference = checker.observe(&self.circuit, self.cycles);
+            idle += u64::from(self.circuit.is(channels.sink.ready));
+            if resets {
+                findings.count("resets", 1);
+                findings.compared -= feeder.restart();
+            } else {
+                for lane in &mut feeder.lanes {
+                    let offered = lane.offered.filter(|_| lane.valid);
+                    if offered.is_some_and(|source| channels.sources[source].moves(&self.circuit)) {
+                        lane.taken();
+                        idle = 0;
+                    }
+                }
+                if channels.sink.moves(&self.circuit) {
+                    let ports = channels.sink.data.iter();
+                    let answer: Vec<_> = ports.map(|port| self.circuit.words(*port)).collect();
+                    let other = checker.check(findings.compared as usize, &answer);
+                    difference = difference.or(other);
+                    findings.compared += 1;
+                    feeder.answered();
+                    idle = 0;
+                }
+            }
+            self.circuit.edge();
+            self.cycles += 1;
+            ensure!(
+                idle < PATIENCE,
+                "the circuit hangs after {} answers",
+                findings.compared
+            );
+            if difference.is_some() {
+                findings.first_difference = difference;
+                return Ok(findings);
             }
         }
-        Err(format!("the circuit hangs: no {what} in {PATIENCE} cycles"))
+        findings.cycles = self.cycles - start;
+        self.expect_quiet(channels)?;
+        Ok(findings)
     }
 
-    fn tick(&mut self, inputs: &Inputs, pauses: Pauses) -> Outputs {
-        let lanes_enable = !self.chance(pauses.lanes);
-        self.step(&Inputs {
-            lanes_enable: lanes_enable.into(),
-            ..*inputs
-        })
-    }
-
-    /// One cycle; notes the handshakes inside the circuit.
-    pub(crate) fn step(&mut self, inputs: &Inputs) -> Outputs {
-        let now = self.model.cycles();
-        let out = self.model.tick(inputs);
-        self.stamps.note(now, &out);
-        self.roots.note(&out);
-        if !self.enabled && out.lanes_popped != 0 {
-            let broken = format!("a lane took a run in cycle {now}, while lanes were held");
-            self.broken.get_or_insert(broken);
+    /// Offers what is to be offered in this cycle, and lets the outputs follow. What is not offered is noise.
+    fn drive(&mut self, channels: &Channels, feeder: &mut Feeder, pressure: &Pressure) {
+        for source in &channels.sources {
+            self.circuit.set(source.valid, 0);
         }
-        self.enabled = inputs.lanes_enable == 1;
-        out
+        for (number, lane) in feeder.lanes.iter_mut().enumerate() {
+            let share = pressure.offers[number.min(1)];
+            let stays = lane.valid && !pressure.retracts;
+            let next = lane.next(feeder.items);
+            lane.valid = next.is_some() && (stays || !self.chance(share));
+            let Some(offer) = next else { continue };
+            let source = &channels.sources[offer.source];
+            for (port, words) in source.data.iter().zip(&offer.data) {
+                if lane.valid {
+                    self.circuit.set_words(*port, words);
+                } else {
+                    let noise = words.iter().map(|_| split_mix(&mut self.random) as u32);
+                    let noise: Vec<u32> = noise.collect();
+                    self.circuit.set_words(*port, &noise);
+                }
+            }
+            self.circuit.set(source.valid, lane.valid.into());
+        }
+        let mut block = self.cycles.checked_div(pressure.stalls).unwrap_or(0);
+        let stalls = pressure.stalls > 0 && split_mix(&mut block) & 1 == 1;
+        let ready = !self.chance(pressure.answers) && !stalls;
+        self.circuit.set(channels.sink.ready, ready.into());
+        if let Some(enable) = channels.enable {
+            let moves = !self.chance(pressure.inside);
+            self.circuit.set(enable, moves.into());
+        }
+        self.circuit.settle();
     }
 
-    /// True in `share` of 256 cases (SplitMix64).
-    fn chance(&mut self, share: u8) -> bool {
-        if share == 0 {
-            return false;
+    fn expect_quiet(&mut self, channels: &Channels) -> Result<()> {
+        self.circuit.set(self.reset, 0);
+        for source in &channels.sources {
+            self.circuit.set(source.valid, 0);
         }
-        (crate::workload::split_mix(&mut self.random) >> 56) < u64::from(share)
+        self.circuit.set(channels.sink.ready, 1);
+        for _ in 0..QUIET {
+            self.cycle();
+            ensure!(!self.circuit.is(channels.sink.valid), "an answer too many");
+        }
+        Ok(())
     }
 }
 
-/// The rules at the design's widths, by the kernel's own constants.
-fn rule_inputs(widths: &Widths, rules: &Rules) -> Inputs {
-    let constants = Blend::new(widths, rules).constants();
-    Inputs {
-        alpha_max: constants.alpha_max,
-        least: constants.opacity_min,
-        minimum_transmittance: constants.minimum_transmittance,
-        omit_finishing: constants.omit_finishing.into(),
-        wide_table: (rules.table_range == 4).into(),
-        lanes_enable: 1,
-        ..Inputs::default()
+/// Where the bench is in its items.
+struct Feeder<'a> {
+    items: &'a [Item],
+    lanes: Vec<Lane>,
+    /// The item whose answers come, and how many of them have.
+    done: usize,
+    answers: usize,
+}
+
+struct Lane {
+    number: usize,
+    /// The next offer: of which item, and which of its.
+    item: usize,
+    offer: usize,
+    /// Where it is offered, and whether it is in this cycle.
+    offered: Option<usize>,
+    valid: bool,
+}
+
+impl Lane {
+    fn next<'a>(&mut self, items: &'a [Item]) -> Option<&'a Offer> {
+        let offers = |item: &'a Item| &item.lanes[self.number];
+        while offers(items.get(self.item)?).len() <= self.offer {
+            (self.item, self.offer) = (self.item + 1, 0);
+        }
+        let offer = &offers(&items[self.item])[self.offer];
+        self.offered = Some(offer.source);
+        Some(offer)
+    }
+
+    fn taken(&mut self) {
+        self.offer += 1;
+        self.valid = false;
     }
 }
 
-/// The pixel that the read-out offers.
-pub(crate) fn pixel(out: &Outputs) -> Pixel {
-    let flag = if out.finished == 1 { FINISHED } else { 0 };
-    Pixel {
-        colour: [out.red, out.green, out.blue],
-        transmittance: out.transmittance | flag,
+impl<'a> Feeder<'a> {
+    fn new(items: &'a [Item]) -> Feeder<'a> {
+        let count = items.first().map_or(0, |item| item.lanes.len());
+        let lane = |number| Lane {
+            number,
+            item: 0,
+            offer: 0,
+            offered: None,
+            valid: false,
+        };
+        let mut feeder = Feeder {
+            items,
+            lanes: (0..count).map(lane).collect(),
+            done: 0,
+            answers: 0,
+        };
+        feeder.skip_silent();
+        feeder
+    }
+
+    fn is_done(&self) -> bool {
+        self.done == self.items.len()
+    }
+
+    fn answered(&mut self) {
+        self.answers += 1;
+        self.skip_silent();
+    }
+
+    /// Goes on behind items all of whose answers have come.
+    fn skip_silent(&mut self) {
+        while let Some(item) = self.items.get(self.done)
+            && item.answers <= self.answers
+        {
+            (self.done, self.answers) = (self.done + 1, 0);
+        }
+    }
+
+    /// Begins anew with the item whose answers were coming; gives how many of them had come.
+    fn restart(&mut self) -> u64 {
+        for lane in &mut self.lanes {
+            (lane.item, lane.offer, lane.valid) = (self.done, 0, false);
+        }
+        std::mem::take(&mut self.answers) as u64
     }
 }

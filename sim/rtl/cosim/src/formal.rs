@@ -2,19 +2,21 @@
 //!
 //! Safety is proven by induction: it holds for some cycles from reset on, and if it holds for a few cycles, then for the next. Liveness of several units
 //! together is not inductive without a full account of their states; it is shown for every run of so many cycles from reset on. Each property is also seen
-//! to fail where a unit has a mistake, since a property that cannot fail says nothing.
+//! to fail where a unit has a mistake (`mutations.tsv`), since a property that cannot fail says nothing.
 
-use crate::mutants::{Mutant, mutant, run};
+use crate::mutation::{Mutation, mutations};
+use crate::tools::{printed, rtl, yosys};
 use anyhow::{Context, Result, ensure};
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A module, the parameters that it is proven for (all of them are small, and the argument does not depend on them), and mistakes in it.
+/// A module, and the parameters that it is proven for: all of them are small, and the argument does not depend on them.
 #[derive(Clone, Copy, Debug)]
-pub struct Proof {
+struct Proof {
+    /// Its name among the judges of `mutations.tsv`.
+    name: &'static str,
     /// The module.
-    pub unit: &'static str,
+    unit: &'static str,
     /// The units that it is made of; those whose properties lie beside them stand alone.
     files: &'static [&'static str],
     parameters: &'static str,
@@ -22,69 +24,68 @@ pub struct Proof {
     cycles: &'static str,
     /// Cycles that induction goes by, if it does.
     induction: Option<&'static str>,
-    /// Mistakes that have to be noticed.
-    pub mistakes: &'static [Mutant],
 }
 
 /// What is proven.
-pub const PROOFS: [Proof; 9] = [
+const PROOFS: [Proof; 9] = [
     Proof {
+        name: "proof of fifo",
         unit: "fifo",
         files: &["fifo.sv"],
         parameters: "-set BITS 4 -set PLACES 4",
         cycles: "7",
         induction: Some("2"),
-        mistakes: &QUEUE_MISTAKES,
     },
     Proof {
+        name: "proof of fifo at rest",
         unit: "fifo",
         files: &["fifo.sv"],
         parameters: "-set BITS 4 -set PLACES 4 -set RESTS 1",
         cycles: "7",
         induction: Some("2"),
-        mistakes: &RESTING_MISTAKES,
     },
     Proof {
+        name: "proof of run_queue",
         unit: "run_queue",
         files: &["run_queue.sv"],
         parameters: "-set DEPTH 2",
         cycles: "6",
         induction: Some("2"),
-        mistakes: &RUN_QUEUE_MISTAKES,
     },
     Proof {
+        name: "proof of visible_box",
         unit: "visible_box",
         files: &["visible_box.sv"],
         parameters: "",
         cycles: "3",
         induction: Some("4"),
-        mistakes: &BOX_MISTAKES,
     },
     Proof {
+        name: "proof of row_counter",
         unit: "row_counter",
         files: &["row_counter.sv"],
         parameters: "",
         cycles: "6",
         induction: Some("2"),
-        mistakes: &ROW_MISTAKES,
     },
     Proof {
+        name: "proof of row_window",
         unit: "row_window",
         files: &["row_window.sv"],
         parameters: "",
         cycles: "6",
         induction: Some("6"),
-        mistakes: &WINDOW_MISTAKES,
     },
     Proof {
+        name: "proof of lane",
         unit: "lane",
         files: &["lane.sv"],
         parameters: "",
         cycles: "10",
         induction: Some("7"),
-        mistakes: &LANE_MISTAKES,
     },
     Proof {
+        name: "proof of splat_primitive",
         unit: "splat_primitive",
         files: &[
             "delay.sv",
@@ -95,300 +96,18 @@ pub const PROOFS: [Proof; 9] = [
         parameters: "-set LANES 2",
         cycles: "22",
         induction: Some("2"),
-        mistakes: &END_MISTAKES,
     },
     Proof {
+        name: "proof of chain",
         unit: "chain",
         files: &["fifo.sv", "run_queue.sv", "lane.sv", "formal/chain.sv"],
         parameters: "",
         cycles: "40",
         induction: None,
-        mistakes: &LIVENESS_MISTAKES,
     },
 ];
 
-const QUEUE_MISTAKES: [Mutant; 5] = [
-    mutant(
-        "a place too many",
-        "fifo.sv",
-        "free <= leaves || !(claimed == PLACES[INDEX:0] || (claim && claimed == (INDEX + 1)'(PLACES - 1)))",
-        "free <= 1'b1",
-    ),
-    mutant(
-        "places come back too early",
-        "fifo.sv",
-        "assign leaves = out_valid && out_ready",
-        "assign leaves = out_valid",
-    ),
-    mutant(
-        "an entry that waits is overwritten",
-        "fifo.sv",
-        "assign word_moves = !word_valid || out_moves",
-        "assign word_moves = 1'b1",
-    ),
-    mutant(
-        "an entry is read twice",
-        "fifo.sv",
-        "if (head != tail) head <= head + 1'b1",
-        "if (head != tail && out_moves) head <= head + 1'b1",
-    ),
-    mutant(
-        "an entry is lost",
-        "fifo.sv",
-        "if (in_valid) tail",
-        "if (in_valid && !out_valid) tail",
-    ),
-];
-
-const RESTING_MISTAKES: [Mutant; 2] = [
-    mutant(
-        "an entry comes twice",
-        "fifo.sv",
-        "else if (out_ready) out_valid <= 0",
-        "else if (out_ready) out_valid <= 1",
-    ),
-    mutant(
-        "an entry is overwritten while the queue rests",
-        "fifo.sv",
-        "assign word_moves = !word_valid || out_moves",
-        "assign word_moves = !word_valid || out_moves || out_ready",
-    ),
-];
-
-const RUN_QUEUE_MISTAKES: [Mutant; 4] = [
-    mutant(
-        "taken when full",
-        "run_queue.sv",
-        "assign put = in_valid && !full",
-        "assign put = in_valid",
-    ),
-    mutant(
-        "a run that waits is overwritten",
-        "run_queue.sv",
-        "some && (!out_valid || out_ready)",
-        "some",
-    ),
-    mutant(
-        "the last run stays",
-        "run_queue.sv",
-        "moves || (out_valid && !out_ready)",
-        "moves || out_valid",
-    ),
-    mutant(
-        "a run comes twice",
-        "run_queue.sv",
-        "if (moves) head <= head + 1'b1",
-        "if (moves && put) head <= head + 1'b1",
-    ),
-];
-
-/// Rows and columns outside the window.
-const BOX_MISTAKES: [Mutant; 5] = [
-    mutant(
-        "rows above the window",
-        "visible_box.sv",
-        "first_row22 > window.first_row ? first_row22 : window.first_row",
-        "first_row22",
-    ),
-    mutant(
-        "rows below the window",
-        "visible_box.sv",
-        "end_row22 < window.end_row ? end_row22 : window.end_row",
-        "end_row22",
-    ),
-    mutant(
-        "a row too many",
-        "visible_box.sv",
-        "end_row23 - row23 :",
-        "end_row23 - row23 + 16'd1 :",
-    ),
-    mutant(
-        "rows of boxes beside the window",
-        "visible_box.sv",
-        "first_column23 < end_column23 && row23",
-        "row23",
-    ),
-    mutant(
-        "rows of boxes that end before they begin",
-        "visible_box.sv",
-        "&& row23 < end_row23",
-        "",
-    ),
-];
-
-/// Rows beyond a splat's last, missing ones, and some that come twice.
-const ROW_MISTAKES: [Mutant; 5] = [
-    mutant(
-        "a row beyond the last",
-        "row_counter.sv",
-        "last <= left == 16'd2",
-        "last <= left == 16'd1",
-    ),
-    mutant(
-        "the last row is left out",
-        "row_counter.sv",
-        "last <= left == 16'd2",
-        "last <= left <= 16'd3",
-    ),
-    mutant(
-        "a splat without rows has all of them",
-        "row_counter.sv",
-        "last <= rows <= 16'd1",
-        "last <= rows == 16'd1",
-    ),
-    mutant(
-        "rows without a place",
-        "row_counter.sv",
-        "end else if (issue) begin",
-        "end else begin",
-    ),
-    mutant(
-        "the next splat comes before the last row",
-        "row_counter.sv",
-        "!busy || (issue && last)",
-        "!busy || issue",
-    ),
-];
-
-/// Pixels outside the window's columns, and runs without pixels.
-const WINDOW_MISTAKES: [Mutant; 4] = [
-    mutant(
-        "the window's end is not cut off",
-        "row_window.sv",
-        "end18 <= high17 < end_column17 ? high17 : end_column17",
-        "end18 <= high17",
-    ),
-    mutant(
-        "the window's beginning is not cut off",
-        "row_window.sv",
-        "head20 <= head19[4:0];\n    count20 <= length19[COLUMN_BITS:0] - head19[COLUMN_BITS:0];\n    column20 <= x19 + head19[COLUMN_BITS-1:0]",
-        "head20 <= head19[4:0];\n    count20 <= length19[COLUMN_BITS:0];\n    column20 <= x19",
-    ),
-    mutant(
-        "what is cut off counts",
-        "row_window.sv",
-        "count20 <= length19[COLUMN_BITS:0] - head19[COLUMN_BITS:0]",
-        "count20 <= length19[COLUMN_BITS:0]",
-    ),
-    mutant(
-        "rows without a pixel hold one",
-        "row_window.sv",
-        "assign fits19 = head19 < length19",
-        "assign fits19 = head19 <= length19",
-    ),
-];
-
-/// Pixels outside the run, and pixels that come again too early.
-const LANE_MISTAKES: [Mutant; 4] = [
-    mutant(
-        "a pixel beyond the run",
-        "lane.sv",
-        "(1) : at.count == (COLUMN_BITS + 1)'(2)",
-        "(1) : at.count == (COLUMN_BITS + 1)'(1)",
-    ),
-    mutant(
-        "a run of one pixel has two",
-        "lane.sv",
-        "!apart || run.count == (COLUMN_BITS + 1)'(1)",
-        "!apart || run.count == 0",
-    ),
-    mutant(
-        "a pixel comes again a cycle too early",
-        "lane.sv",
-        "d < INTERVAL - 1 - i",
-        "d < INTERVAL - 2 - i",
-    ),
-    mutant(
-        "the pixel that leaves next is forgotten",
-        "lane.sv",
-        "{left_valid, active, active && !final_pixel}",
-        "{left_valid, active, 1'b0}",
-    ),
-];
-
-/// Ends of tiles that come too early, and packets between two.
-const END_MISTAKES: [Mutant; 9] = [
-    mutant(
-        "a tile ends while a packet comes",
-        PRIMITIVE,
-        "idle && !packet_valid && !reading",
-        "idle && !reading",
-    ),
-    mutant(
-        "packets are taken between tiles",
-        PRIMITIVE,
-        "packet_ready = decode_ready && state == DRAW",
-        "packet_ready = decode_ready",
-    ),
-    mutant(
-        "packets are drawn between tiles",
-        PRIMITIVE,
-        ".packet_valid(packet_valid && state == DRAW)",
-        ".packet_valid(packet_valid)",
-    ),
-    mutant(
-        "a packet just taken is forgotten",
-        PRIMITIVE,
-        "!packet_taken && &pixels_idle",
-        "&pixels_idle",
-    ),
-    mutant(
-        "pixels that are being blended are forgotten",
-        PRIMITIVE,
-        "!packet_taken && &pixels_idle",
-        "!packet_taken",
-    ),
-    mutant(
-        "runs that wait are forgotten",
-        PRIMITIVE,
-        "assign lane_idle[l] = empty && lane_quiet",
-        "assign lane_idle[l] = lane_quiet",
-    ),
-    mutant(
-        "rows are forgotten",
-        PRIMITIVE,
-        "setup_idle && rows_idle &&",
-        "setup_idle &&",
-    ),
-    mutant(
-        "a pixel between lane and blending is forgotten",
-        PRIMITIVE,
-        "!inside2 && !inside3 &&",
-        "!inside2 &&",
-    ),
-    mutant(
-        "the side that is drawn is read out",
-        PRIMITIVE,
-        "finishes ? ~scanned : scanned",
-        "scanned",
-    ),
-];
-
-const PRIMITIVE: &str = "splat_primitive.sv";
-
-/// What would make runs wait for ever.
-const LIVENESS_MISTAKES: [Mutant; 3] = [
-    mutant(
-        "places do not come back",
-        "fifo.sv",
-        "assign leaves = out_valid && out_ready",
-        "assign leaves = 1'b0",
-    ),
-    mutant(
-        "the last run never comes to the front",
-        "run_queue.sv",
-        "assign moves = some &&",
-        "assign moves = count > 1 &&",
-    ),
-    mutant(
-        "places are never left",
-        "lane.sv",
-        "left_valid <= been_valid[LEFT:1]",
-        "left_valid <= left_valid | been_valid[LEFT:1]",
-    ),
-];
-
-/// Proves everything and every mistake's counterexample; prints a table.
+/// Proves everything and every mutation's counterexample; prints a table.
 pub fn report() -> Result<()> {
     println!(
         "| unit | with | from reset on, cycles | holds | by induction |\n|---|---|---|---|---|"
@@ -404,18 +123,14 @@ pub fn report() -> Result<()> {
             base && step != Some(false),
             "{unit} does not keep its promises"
         );
-        for mistake in proof.mistakes {
-            let (base, _) = verdict(proof, Some(mistake))?;
-            let name = mistake.name;
+        for mutation in mutations(proof.name)? {
+            let (base, _) = verdict(proof, Some(&mutation))?;
+            let name = &mutation.name;
             println!("| {unit} | {name} | {cycles} | {base} | |");
             ensure!(!base, "{unit}: '{name}' is not noticed");
         }
     }
     Ok(())
-}
-
-fn rtl() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
 /// The package that a unit is proven with. The whole primitive has tiles of 2 x 4 pixels, which are cleared within the cycles that are looked at.
@@ -435,22 +150,22 @@ fn package_text(unit: &str) -> Result<String> {
     Ok(small)
 }
 
-/// A unit's text, with the mistake if it is in this one.
-fn source(file: &str, mistake: Option<&Mutant>) -> Result<String> {
+/// A unit's text, with the mutation if it is in this one.
+fn source(file: &str, mutation: Option<&Mutation>) -> Result<String> {
     let text = fs::read_to_string(rtl().join(file))?;
-    let Some(mistake) = mistake.filter(|mistake| mistake.file == file) else {
-        return Ok(text);
-    };
-    mistake.applied(&text)
+    match mutation.filter(|mutation| mutation.file == file) {
+        Some(mutation) => mutation.applied(&text),
+        None => Ok(text),
+    }
 }
 
 /// Do the properties hold for some cycles from reset on, and does induction close?
-fn verdict(proof: &Proof, mistake: Option<&Mutant>) -> Result<(bool, Option<bool>)> {
+fn verdict(proof: &Proof, mutation: Option<&Mutation>) -> Result<(bool, Option<bool>)> {
     let folder = tempfile::tempdir()?;
     let mut paths = Vec::new();
     for (number, file) in proof.files.iter().enumerate() {
         let path = folder.path().join(format!("{number}.sv"));
-        fs::write(&path, source(file, mistake)?)?;
+        fs::write(&path, source(file, mutation)?)?;
         paths.push(path.display().to_string());
     }
     let Some(induction) = proof.induction else {
@@ -473,18 +188,16 @@ fn verdict(proof: &Proof, mistake: Option<&Mutant>) -> Result<(bool, Option<bool
         paths.join(" "),
         problem.display()
     );
-    run(Command::new("yosys")
-        .args(["-q", "-p", &script])
-        .current_dir(rtl()))?;
+    yosys(&script)?;
     let holds = |options: &[&str]| -> Result<bool> {
         let mut solver = Command::new("yosys-smtbmc");
         solver.args(["-s", "z3"]).args(options).arg(&problem);
-        let said = said(&mut solver)?;
+        let words = printed(&mut solver)?;
         ensure!(
-            said.contains("Status: "),
-            "yosys-smtbmc came to no verdict:\n{said}"
+            words.contains("Status: "),
+            "yosys-smtbmc came to no verdict:\n{words}"
         );
-        Ok(said.contains("Status: PASSED"))
+        Ok(words.contains("Status: PASSED"))
     };
     let base = holds(&["-t", proof.cycles])?;
     // A mistake has shown: induction would say nothing more.
@@ -503,27 +216,17 @@ fn within(proof: &Proof, paths: &[String]) -> Result<bool> {
          sat -tempinduct-baseonly -maxsteps {cycles} -prove-asserts -set-assumes {unit}",
         units.join(" ")
     );
-    let said = said(
+    let words = printed(
         Command::new("yosys")
             .args(["-p", &script])
             .current_dir(rtl()),
     )?;
-    let fails = said.contains("model found for base case");
+    let fails = words.contains("model found for base case");
     ensure!(
-        fails || said.contains(&format!("proved base case for {cycles} steps")),
-        "Yosys came to no verdict:\n{said}"
+        fails || words.contains(&format!("proved base case for {cycles} steps")),
+        "Yosys came to no verdict:\n{words}"
     );
     Ok(!fails)
-}
-
-/// What a program prints, whatever its exit code.
-fn said(program: &mut Command) -> Result<String> {
-    let name = program.get_program().to_string_lossy().into_owned();
-    let output = program
-        .output()
-        .with_context(|| format!("cannot run {name}: are Yosys and z3 installed?"))?;
-    Ok(String::from_utf8_lossy(&output.stdout).into_owned()
-        + &String::from_utf8_lossy(&output.stderr))
 }
 
 #[cfg(test)]
@@ -531,12 +234,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn mistakes_are_made_in_the_units_that_there_are() {
+    fn mutations_are_made_in_the_units_that_there_are() {
         for proof in &PROOFS {
-            for mistake in proof.mistakes {
-                assert!(proof.files.contains(&mistake.file), "{}", mistake.name);
-                let text = source(mistake.file, Some(mistake)).unwrap();
-                assert!(text.contains(mistake.to), "{}", mistake.name);
+            for mutation in mutations(proof.name).unwrap() {
+                let file = mutation.file.as_str();
+                assert!(proof.files.contains(&file), "{}", mutation.name);
+                let text = source(file, Some(&mutation)).unwrap();
+                assert!(text.contains(&mutation.to), "{}", mutation.name);
             }
         }
     }

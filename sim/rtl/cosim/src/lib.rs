@@ -1,38 +1,35 @@
-//! Co-simulation of the SystemVerilog splat primitive (`sim/rtl`) with the kernel that defines it.
+//! Co-simulation of the SystemVerilog circuits (`sim/rtl`) with the kernel and the machine's model, which define them.
 //!
-//! [`package`] writes the circuit's parameters from the kernel's, [`tables`] its tables; [`workload`] makes tiles of footprints; [`model`] is the
-//! verilated circuit and the only place with foreign code; [`mod@bench`] drives a tile through it; [`golden`] draws the same tile by the
-//! kernel; [`stamps`] holds the cycles of its handshakes against the machine's clock (`splatline_sim::machine::primitive`), and [`picture`] those of
-//! whole pictures under a memory's limits; [`check`] puts all of them side by side, and [`suite`] does so for all circuits.
-//! [`verilate`] and [`circuit`] build other circuits than those that are linked in, [`mutants`] shows that mistakes are noticed, [`switch`] puts many of them into one circuit, [`formal`] proves the queues, [`units`] checks what no packet reaches, [`area`] what the circuit costs, [`bitstream`] packs it for a device.
+//! ```text
+//! package, tables, setup::text, harmonics::text: parameters, tables and programs, from the kernel's
+//!   -> circuit: a unit of a design, verilated into a library (mutation: with small mistakes in it)
+//!   -> simulation: its ports and its clock, the only place with foreign code
+//!   -> bench, memory: what drives it; rules: what it is told first
+//!   -> unit: what all comparisons have in common, from which reports and judgements follow
+//!   -> primitive, setup, harmonics, order, machine: loads and golden words of each
+//! ```
+//! [`judges`] says which comparison judges which mutations, [`formal`] proves what units promise; [`area`] counts what circuits cost, [`placement`] how fast they are on a device.
 
 pub mod area;
 pub mod bench;
-pub mod bitstream;
-pub mod check;
 pub mod circuit;
-pub mod clocked;
-pub mod fmax;
+pub mod findings;
 pub mod formal;
-pub mod golden;
-#[cfg(all(test, has_rtl))]
-mod handshakes;
 pub mod harmonics;
+pub mod judges;
 pub mod machine;
-pub mod model;
-pub mod mutants;
+pub mod memory;
+pub mod mutation;
 pub mod order;
 pub mod package;
-pub mod picture;
-pub mod placed;
+pub mod placement;
+pub mod primitive;
+pub mod random;
 pub mod registers;
-pub mod roots;
+pub mod rules;
+pub mod scenes;
 pub mod setup;
-pub mod stamps;
-pub mod suite;
-pub mod switch;
+pub mod simulation;
 pub mod tables;
-pub mod units;
-pub mod verilate;
-mod verilator;
-pub mod workload;
+pub mod tools;
+pub mod unit;

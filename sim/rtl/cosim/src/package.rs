@@ -9,7 +9,7 @@ use splatline::format::{Rounding, Widths};
 use splatline::kernel::{entries, fill_gaussian};
 use splatline::raster::{BLOCK, GUARD};
 use splatline::rules::Rules;
-use splatline_sim::machine::primitive::TILE;
+pub use splatline_sim::machine::primitive::TILE;
 use std::fmt::Write;
 
 /// Base-2 logarithms of a tile's columns and rows. The columns must be at most a seed block's, so that a row is one run.
@@ -222,12 +222,6 @@ fn footprint(text: &mut String, layout: &Layout) {
         let _ = writeln!(text, "    logic {sign}[{}:0] {name};{format}", width - 1);
     }
     text.push_str("  } footprint_t;\n\n");
-}
-
-/// Where a design's package is kept.
-pub fn path(design: &str) -> std::path::PathBuf {
-    let rtl = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    rtl.join(design).join("splatline_pkg.sv")
 }
 
 #[cfg(test)]

@@ -369,7 +369,7 @@ fn binary(value: &Value) -> Option<i64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::area;
+    use crate::tools;
     use serde_json::json;
     use std::fs;
     use std::process::Command;
@@ -476,7 +476,7 @@ mod tests {
                 path(&format!("{module}.v"))
             )
         };
-        area::yosys(&format!(
+        tools::yosys(&format!(
             "read_verilog -sv delay.sv multiply.sv formal/ecp5_registers.sv; synth_ecp5 -abc9 -top {top} -json {}; {}",
             path("before.json"),
             written("registers_outside")
@@ -487,7 +487,7 @@ mod tests {
         let moved = move_in(&mut netlist, top).unwrap();
         assert_eq!((moved.products, moved.factors, moved.words), (2, 2, 1));
         fs::write(path("after.json"), netlist.to_string()).unwrap();
-        area::yosys(&format!(
+        tools::yosys(&format!(
             "read_json {}; {}",
             path("after.json"),
             written("registers_inside")
@@ -504,7 +504,7 @@ mod tests {
             .map(|folder| folder.join("../share/yosys/ecp5"))
             .find(|folder| folder.join("cells_sim.v").exists())
             .expect("Yosys' models of the ECP5's cells");
-        let bench = area::rtl().join("formal/ecp5_registers.sv");
+        let bench = tools::rtl().join("formal/ecp5_registers.sv");
         let compiled = Command::new("iverilog")
             .args(["-g2012", "-DSIMULATED", "-s", "registers_bench", "-o"])
             .args([

@@ -19,7 +19,7 @@ pub use evaluate::{Choice, Question, Reached};
 use super::space::{Space, SpaceAxis, SpaceError, SpacePart};
 use crate::design::{DesignChoice, ResolvedDesign};
 use crate::explore::fit::Fitness;
-use crate::machine::config::{Config, field};
+use crate::machine::config::{Config, setting};
 use crate::machine::summary::Spread;
 use anyhow::{Context, Result};
 use descent::{Score, compare};
@@ -119,12 +119,7 @@ pub fn usual_space(
 /// What a design or a machine has on an axis.
 fn value_of(axis: &SpaceAxis, design: &DesignChoice, machine: &Config) -> Option<Value> {
     if axis.part != SpacePart::Design {
-        let found = field(&axis.key)?;
-        let shown = found.show(machine);
-        return Some(match shown.parse() {
-            Ok(number) => Value::Integer(number),
-            Err(_) => Value::String(shown),
-        });
+        return Some(setting(&axis.key)?.value(machine));
     }
     let widths = WIDTH_RANGES.iter().zip(design.widths.numbers());
     let bits = widths.into_iter().find(|((name, ..), _)| *name == axis.key);

@@ -1,7 +1,7 @@
 //! An answer for people.
 
 use super::{Answer, Found, Standing};
-use crate::machine::config::{Config, FIELDS};
+use crate::machine::config::{Config, SETTINGS};
 use std::fmt::Write;
 
 impl Answer {
@@ -51,7 +51,7 @@ impl Answer {
             } = standing;
             let without = match cost_without {
                 Some(without) if self.holds && *without < cost => {
-                    format!("{without:.0} ({:+.1} %)", 100.0 * (without / cost - 1.0))
+                    format!("{without:.0} ({})", per_cent(without / cost - 1.0))
                 }
                 Some(_) if self.holds => "as cheap: does not bind".to_owned(),
                 Some(without) => format!("{without:.0}"),
@@ -59,11 +59,11 @@ impl Answer {
             };
             let _ = writeln!(
                 text,
-                "  {:<22} {:>12} {:>12} {:>7.1} %  {:<16} {without}",
+                "  {:<22} {:>12} {:>12} {:>9}  {:<16} {without}",
                 limit.quantity.name(),
                 limit.quantity.show(limit.bound),
                 limit.quantity.show(*value),
-                100.0 * slack,
+                per_cent(*slack),
                 limit.of,
             );
         }
@@ -84,21 +84,31 @@ impl Answer {
                 .to_owned();
         };
         let mut text = format!(
-            "the first limit to fail is {} ({}): with all others held it is missed by {:.1} %\n",
+            "the first limit to fail is {} ({}): with all others held it is missed by {}\n",
             first.limit.quantity.name(),
             first.limit.of,
-            100.0 * missed
+            per_cent(*missed)
         );
         for (standing, missed) in others {
             let _ = writeln!(
                 text,
-                "  {} ({}) in its place: missed by {:.1} %",
+                "  {} ({}) in its place: missed by {}",
                 standing.limit.quantity.name(),
                 standing.limit.of,
-                100.0 * missed
+                per_cent(*missed)
             );
         }
         text
+    }
+}
+
+/// A part in per cent; of a bound of nearly nothing, or of identical pictures' infinite PSNR, only that it is large.
+fn per_cent(part: f64) -> String {
+    match 100.0 * part {
+        share if share.is_nan() => "unknown".to_owned(),
+        share if share.abs() <= 9999.0 => format!("{share:.1} %"),
+        share if share < 0.0 => "< -9999 %".to_owned(),
+        _ => "> 9999 %".to_owned(),
     }
 }
 
@@ -114,11 +124,10 @@ fn point(found: &Found, usual: &Config) -> String {
         .iter()
         .map(|(name, bits)| format!("{name} {bits}"))
         .collect();
-    let differs = FIELDS
+    let fields: Vec<String> = SETTINGS
         .iter()
-        .filter(|field| (field.get)(machine) != (field.get)(usual));
-    let fields: Vec<String> = differs
-        .map(|field| format!("{} {}", field.key, field.show(machine)))
+        .filter(|setting| setting.value(machine) != setting.value(usual))
+        .map(|setting| format!("{} {}", setting.key, setting.show(machine)))
         .collect();
     let [geometry, sort, raster] = reached.phases;
     let all = reached.area.raster + reached.area.around;
@@ -157,4 +166,18 @@ fn point(found: &Found, usual: &Config) -> String {
             fields.join(", ")
         },
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::per_cent;
+
+    #[test]
+    fn no_share_is_infinite() {
+        let shown = [0.125, -0.5, f64::INFINITY, f64::NEG_INFINITY, f64::NAN].map(per_cent);
+        assert_eq!(
+            shown,
+            ["12.5 %", "-50.0 %", "> 9999 %", "< -9999 %", "unknown"]
+        );
+    }
 }

@@ -3,28 +3,20 @@
 use super::{SINGLE, SINGLE_NEAR, SceneLine};
 use std::fmt::Write;
 
-/// A Markdown table of all lines, which is legible as plain text too, and the verdicts.
-pub fn markdown(lines: &[SceneLine]) -> String {
+/// All lines as CSV.
+pub fn csv(lines: &[SceneLine]) -> String {
     let mut text = String::from(
-        "| scene | engine | PSNR dB | where nothing flips | largest | bias | conic rel | added | removed | of pairs | stopped early | late | clamped | culled | lost |\n\
-         |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+        "scene,engine,PSNR dB,where nothing flips,largest,bias,conic rel,added,removed,of pairs,stopped early,late,clamped,culled,lost\n",
     );
     for line in lines {
-        let shown = |db: f64| {
-            if db.is_finite() {
-                format!("{db:.1}")
-            } else {
-                "exact".to_owned()
-            }
-        };
-        let psnr = shown(decibels(line.psnr_db));
         let settled = settled(line).map_or_else(|| "-".to_owned(), shown);
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "| {} | {} | {psnr} | {settled} | {:.1e} | {:+.1e} | {:.1e} | {} | {} | {} | {} | {} | {} | {} | {} |",
+            "\"{}\",\"{}\",{},{settled},{:.1e},{:+.1e},{:.1e},{},{},{},{},{},{},{},{}",
             line.class,
             line.engine,
+            shown(decibels(line.psnr_db)),
             line.max_abs,
             line.bias,
             line.conic,
@@ -38,29 +30,51 @@ pub fn markdown(lines: &[SceneLine]) -> String {
             line.lost
         );
     }
-    text + "\n" + &verdicts(lines)
+    text
 }
 
-/// How far `standard24` and `deep32` are from the bars, class by class.
-pub fn verdicts(lines: &[SceneLine]) -> String {
-    let mut text = String::new();
+fn shown(db: f64) -> String {
+    if db.is_finite() {
+        format!("{db:.1}")
+    } else {
+        "exact".to_owned()
+    }
+}
+
+/// A line for each class: single precision and the designs, each with PSNR, largest error and bias, and the bars of `standard24` and `deep32`.
+pub fn markdown(lines: &[SceneLine]) -> String {
+    const ENGINES: [&str; 4] = [SINGLE, "lean18", "standard24", "deep32"];
+    let mut text = String::from(
+        "| scene | f32 | lean18 | standard24 | deep32 | bar of standard24 | deep32 where nothing flips, of 120 dB |\n|---|---|---|---|---|---|---|\n",
+    );
     for class in classes(lines) {
-        let Some(verdict) = verdict(lines, class) else {
-            continue;
-        };
-        let meets = |ok: bool| if ok { "meets" } else { "FALLS SHORT of" };
-        let _ = writeln!(
-            text,
-            "- {class}: standard24 {:.1} dB {} {:.1} dB; deep32 {:.1} dB where nothing flips {} {DEEP_BAR} dB; clamped {}",
-            verdict.standard,
-            meets(verdict.standard >= verdict.bar),
-            verdict.bar,
-            verdict.deep,
-            meets(verdict.deep >= DEEP_BAR),
-            verdict.clamped,
-        );
+        let _ = write!(text, "| {class}");
+        for engine in ENGINES {
+            let line = lines
+                .iter()
+                .find(|line| line.class == class && line.engine == engine);
+            let cell = line.map_or("-".to_owned(), |line| {
+                let psnr = shown(decibels(line.psnr_db));
+                format!("{psnr}, {:.1e}, {:+.1e}", line.max_abs, line.bias)
+            });
+            let _ = write!(text, " | {cell}");
+        }
+        let bars = verdict(lines, class).map_or("- | -".to_owned(), |verdict| {
+            let standard = meets(verdict.standard >= verdict.bar);
+            let deep = meets(verdict.deep >= DEEP_BAR);
+            format!(
+                "{:.1} dB {standard} | {} {deep}",
+                verdict.bar,
+                shown(verdict.deep)
+            )
+        });
+        let _ = writeln!(text, " | {bars} |");
     }
     text
+}
+
+fn meets(ok: bool) -> &'static str {
+    if ok { "met" } else { "MISSED" }
 }
 
 /// What `standard24` must reach wherever it is more than [`BEHIND`] below single precision.

@@ -24,7 +24,7 @@ use splatline::footprint::{Conic, Footprint, Ldl};
 use splatline::format::{Design, RuntimeWidths, Widths};
 use splatline::math::SoftFloat;
 use splatline::rules::{Cutoff, Rules};
-use splatline::setup::{Cull, colour, setup};
+use splatline::setup::{Cull, axis_bits, colour, setup};
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View, round_entry};
 use stages::{Footprints, SplatLanes, Stages};
@@ -138,10 +138,12 @@ impl<S: Batched> VectorTask for SetupBatch<'_, S> {
             math,
             reals,
             widths,
-            rotation: self
-                .view
-                .rotation
-                .map(|row| row.map(|entry| round_entry(entry, widths.view.into()))),
+            rotation: self.view.rotation.map(|row| {
+                row.map(|entry| {
+                    let entry = round_entry(entry, axis_bits(&widths));
+                    reals.constant(entry as f64)
+                })
+            }),
             view: self.view,
             rules: self.rules,
         };

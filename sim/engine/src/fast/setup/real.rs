@@ -5,16 +5,17 @@
 //!
 //! - *Products.* p = fl(a b) has 53 of at most 62 bits, and fma(a, b, -p) is exactly what it lost. Only the sign of that matters: numbers
 //!   rounded down to 53 bits lie on the same side of every half of fewer bits as the exact ones ([`Reals::rounded`]).
-//! - *Sums* of two numbers the same way, by the exact error of an addition. Sums of products are known within `2^-49` of their terms'
-//!   magnitudes, which covers the roundings here and those of the kernel's alignment, at `2^-60`: if both ends of this interval round to the
-//!   same number, that is the kernel's. Otherwise the splat is *in doubt*, and the kernel sets it up: some one in ten thousand.
+//! - *Sums.* A window's unit is a power of two that follows from the factors' exponent fields, and a cut is a floor of the product in that unit:
+//!   a whole number of at most 39 bits, as the sum of four is. Where factors have more bits together than a double, fma(a, b, -floor) is negative exactly if
+//!   the rounding of the product carried it over a whole number.
 //! - *Tables* (reciprocal, root, logarithm) are the kernel's, on its integers, which are the bits of the doubles.
 //!
 //! Exponents of doubles end where the kernel's do not: splats far from unit size are left to the kernel, or put in doubt.
 
 use super::number::{Arithmetic, Number, Word};
+use super::stages;
 use crate::fast::lanes::{Doubles, Wide};
-use splatline::math::{RECIPROCALS, ROOTS, SoftFloat};
+use splatline::math::{GUARD, RECIPROCALS, ROOTS, SoftFloat};
 use std::cell::Cell;
 
 /// A double per splat.
@@ -27,14 +28,29 @@ const SHORT: f64 = (1u64 << 51) as f64;
 /// 2^52 + 2^51: what lies around it has its units in the last place.
 const MAGIC: f64 = 1.5 * (1u64 << 52) as f64;
 
-/// A sum of products is known within this share of its terms' magnitudes.
-const SUM_ERROR: f64 = 1.0 / (1u64 << 49) as f64;
+/// Bits of a double's fraction and the one before it.
+const DOUBLE: u32 = 53;
+
+/// A number far below all others that still has an inverse: the window of a sum of zeros.
+const NOTHING: f64 = f64::from_bits((1023 - 960) << 52);
 
 /// The bits of a double above those of its fraction.
 const EXPONENT: i64 = 52;
 
+/// Where a double's exponent is.
+const EXPONENT_FIELD: i64 = 0x7ff << EXPONENT;
+
 /// 1.0's exponent field.
 const BIAS: i64 = 1023;
+
+/// A term of a sum: a product, or a number alone.
+#[derive(Clone, Copy)]
+pub struct Term<W: Wide> {
+    a: Word<W>,
+    b: Option<Word<W>>,
+    /// May the factors have more bits together than a double?
+    long: bool,
+}
 
 /// Arithmetic on [`Real`]s.
 #[derive(Clone, Copy)]
@@ -111,23 +127,36 @@ impl<W: Doubles> Reals<'_, W> {
         Real(math.and(sum, -2 * half))
     }
 
-    /// The ends of an interval round to the nearest, whatever the direction of halves.
-    #[inline(always)]
-    fn nearest(self, value: Word<W>, bits: u32) -> Word<W> {
-        let half = 1i64 << (EXPONENT - i64::from(bits));
-        self.words.and(self.words.plus(value, half), -2 * half)
-    }
-
     /// `Product::normalise` of an exact number.
     #[inline(always)]
     pub fn narrow(self, a: Real<W>, bits: u32) -> Real<W> {
         self.rounded(a.0, self.words.splat(0), bits)
     }
 
-    /// A product as a term of a sum.
+    /// A product, rounded to a double.
     #[inline(always)]
     pub fn times(self, a: Real<W>, b: Real<W>) -> Real<W> {
         Real(self.words.lanes.double_mul(a.0, b.0))
+    }
+
+    /// A product as a term of a sum, of factors with so many bits together.
+    #[inline(always)]
+    pub fn product(self, a: Real<W>, b: Real<W>, length: u32) -> Term<W> {
+        Term {
+            a: a.0,
+            b: Some(b.0),
+            long: length > DOUBLE,
+        }
+    }
+
+    /// A number as a term of a sum.
+    #[inline(always)]
+    pub fn term(self, a: Real<W>) -> Term<W> {
+        Term {
+            a: a.0,
+            b: None,
+            long: false,
+        }
     }
 
     /// A product with a power of two.
@@ -145,47 +174,100 @@ impl<W: Doubles> Reals<'_, W> {
         self.rounded(product, error, bits)
     }
 
+    /// The power of two below a number's magnitude; 0 of 0.
+    #[inline(always)]
+    fn leading(self, a: Word<W>) -> Word<W> {
+        self.words.and(a, EXPONENT_FIELD)
+    }
+
+    /// The end of a term's format.
+    #[inline(always)]
+    fn end(self, term: Term<W>) -> Word<W> {
+        let lanes = self.words.lanes;
+        let leading = self.leading(term.a);
+        match term.b {
+            Some(b) => {
+                let both = lanes.double_mul(leading, self.leading(b));
+                lanes.double_mul(both, self.constant(4.0))
+            }
+            None => lanes.double_add(leading, leading),
+        }
+    }
+
+    /// A term in units of 1/inverse, a power of two, rounded down.
+    #[inline(always)]
+    fn cut(self, term: Term<W>, inverse: Word<W>) -> Word<W> {
+        let lanes = self.words.lanes;
+        let a = lanes.double_mul(term.a, inverse);
+        let Some(b) = term.b else {
+            return lanes.double_floor(a);
+        };
+        let floor = lanes.double_floor(lanes.double_mul(a, b));
+        if !term.long {
+            return floor;
+        }
+        let above = lanes.double_mul_sub(a, b, floor);
+        let carried = lanes.double_greater(self.words.splat(0), above);
+        let one = self
+            .words
+            .select(self.words.splat(0), self.constant(1.0), carried);
+        lanes.double_sub(floor, one)
+    }
+
+    /// `sum_of_products`, in units of a power of two that comes with it.
+    #[inline(always)]
+    fn window<const N: usize>(self, terms: [Term<W>; N], bits: u32) -> (Word<W>, Word<W>) {
+        let lanes = self.words.lanes;
+        let mut top = self.constant(NOTHING);
+        for term in terms {
+            top = lanes.double_max(top, self.end(term));
+        }
+        let unit = lanes.double_mul(top, self.constant(1.0 / stages::power(bits + GUARD)));
+        (self.cuts(terms, unit), unit)
+    }
+
+    /// The sum of terms cut to a unit.
+    #[inline(always)]
+    fn cuts<const N: usize>(self, terms: [Term<W>; N], unit: Word<W>) -> Word<W> {
+        let (math, lanes) = (self.words, self.words.lanes);
+        // A power of two has an empty fraction, so that this is its inverse.
+        let inverse = math.sub(math.splat(2 * BIAS << EXPONENT), unit);
+        let mut sum = math.splat(0);
+        for term in terms {
+            sum = lanes.double_add(sum, self.cut(term, inverse));
+        }
+        sum
+    }
+
     /// `sum_of_products`.
     #[inline(always)]
-    pub fn sum<const N: usize>(self, terms: [Real<W>; N], bits: u32) -> Real<W> {
-        let [low, high] = self.sum_between(terms);
-        let [low, high] = [self.nearest(low, bits), self.nearest(high, bits)];
-        self.doubt_where(self.words.lanes.wide_xor(low, high));
-        Real(low)
+    pub fn sum<const N: usize>(self, terms: [Term<W>; N], bits: u32) -> Real<W> {
+        let (sum, unit) = self.window(terms, bits);
+        self.times(self.narrow(Real(sum), bits), Real(unit))
     }
 
-    /// Not 0 where `sum_of_products` is positive.
+    /// Where `sum_of_products` is positive.
     #[inline(always)]
-    pub fn sum_is_positive<const N: usize>(self, terms: [Real<W>; N]) -> W::Truth {
-        let math = self.words;
-        let [low, high] = self.sum_between(terms);
-        self.doubt_where(self.sign(math.lanes.wide_xor(low, high)));
-        math.lanes.double_greater(low, math.splat(0))
+    pub fn sum_is_positive<const N: usize>(self, terms: [Term<W>; N], bits: u32) -> W::Truth {
+        let (sum, _) = self.window(terms, bits);
+        self.words.lanes.double_greater(sum, self.words.splat(0))
     }
 
-    /// What a sum lies between; 0 of zeros.
+    /// Products of whole numbers, each rounded down after multiplication with a power of two, and summed: a whole number.
     #[inline(always)]
-    fn sum_between<const N: usize>(self, terms: [Real<W>; N]) -> [Word<W>; 2] {
-        let lanes = self.words.lanes;
+    pub fn whole_products<const N: usize>(
+        self,
+        factors: [[Word<W>; 2]; N],
+        scale: f64,
+        length: u32,
+    ) -> Word<W> {
+        let scale = self.constant(scale);
         let mut sum = self.words.splat(0);
-        let mut magnitude = sum;
-        for term in terms {
-            sum = lanes.double_add(sum, term.0);
-            magnitude = lanes.double_add(magnitude, self.magnitude(term).0);
+        for [a, b] in factors {
+            let term = self.product(Real(a), Real(b), length);
+            sum = self.words.lanes.double_add(sum, self.cut(term, scale));
         }
-        let error = lanes.double_mul(magnitude, self.constant(SUM_ERROR));
-        [lanes.double_sub(sum, error), lanes.double_add(sum, error)]
-    }
-
-    /// `sum_of_products` of two numbers that are not negative and not products.
-    #[inline(always)]
-    pub fn sum_of_two(self, a: Real<W>, b: Real<W>, bits: u32) -> Real<W> {
-        let lanes = self.words.lanes;
-        let sum = lanes.double_add(a.0, b.0);
-        let of_b = lanes.double_sub(sum, a.0);
-        let of_a = lanes.double_sub(sum, of_b);
-        let error = lanes.double_add(lanes.double_sub(a.0, of_a), lanes.double_sub(b.0, of_b));
-        self.rounded(sum, error, bits)
+        sum
     }
 
     /// 2^exponent.
@@ -356,8 +438,14 @@ impl<W: Doubles> Reals<'_, W> {
             self.narrow(seed, bits)
         } else {
             let inverse = self.reciprocal(seed, 31);
-            let quotient = self.times(value, inverse);
-            self.sum([self.scaled(seed, 0.5), self.scaled(quotient, 0.5)], bits)
+            // `sum_below` the seed's end, of halves.
+            let terms = [self.term(seed), self.product(value, inverse, bits + 31)];
+            let unit = lanes.double_mul(
+                self.leading(seed.0),
+                self.constant(4.0 / stages::power(bits + GUARD)),
+            );
+            let twice = self.narrow(Real(self.cuts(terms, unit)), bits);
+            self.scaled(self.times(twice, Real(unit)), 0.5)
         };
         let positive = lanes.double_greater(value.0, math.splat(0));
         Real(math.select(math.splat(0), result.0, positive))

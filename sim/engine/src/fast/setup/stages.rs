@@ -5,12 +5,12 @@
 
 use super::number::{Arithmetic, Number, Word};
 use super::position::CameraPoints;
-use super::real::{Real, Reals};
+use super::real::{Real, Reals, Term};
 use crate::fast::lanes::{Doubles, Wide};
 use splatline::format::Widths;
-use splatline::math::{SoftFloat, ln};
+use splatline::math::{GUARD, SoftFloat, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
-use splatline::setup::Cull;
+use splatline::setup::{Cull, axis_bits};
 use splatline::view::View;
 
 /// Splats, one per word.
@@ -55,8 +55,8 @@ pub struct Stages<'a, W: Wide> {
     pub math: Arithmetic<W>,
     pub reals: Reals<'a, W>,
     pub widths: Widths,
-    /// W, entries rounded as the kernel rounds them.
-    pub rotation: [[i64; 3]; 3],
+    /// W, whole numbers of 30 bits, rounded as the kernel rounds them.
+    pub rotation: [[Word<W>; 3]; 3],
     pub view: &'a View,
     pub rules: &'a Rules,
 }
@@ -127,17 +127,6 @@ impl<W: Doubles> Stages<'_, W> {
     #[inline(always)]
     pub fn bits(&self) -> u32 {
         self.widths.mantissa.into()
-    }
-
-    /// W times a vector of integers.
-    #[inline(always)]
-    fn rotate(&self, row: usize, vector: &[Word<W>; 3]) -> Word<W> {
-        let math = self.math;
-        let mut sum = math.splat(0);
-        for (entry, part) in self.rotation[row].iter().zip(vector) {
-            sum = math.add(sum, math.mul(math.splat(*entry), *part));
-        }
-        sum
     }
 
     #[inline(always)]
@@ -225,10 +214,7 @@ impl<W: Doubles> Stages<'_, W> {
         k: usize,
         projected: &ProjectedWords<W>,
     ) -> ([Real<W>; 2], Real<W>) {
-        let unit = self.axis_unit(splats, k);
-        let x = self.turned(splats, k, 0, unit);
-        let y = self.turned(splats, k, 1, unit);
-        let z = self.turned(splats, k, 2, unit);
+        let [x, y, z] = self.turned(splats, k);
         let column = [
             self.shear(projected, 0, x, z),
             self.shear(projected, 1, y, z),
@@ -236,17 +222,41 @@ impl<W: Doubles> Stages<'_, W> {
         (column, z)
     }
 
-    /// Unit of axis `k` times W.
+    /// `rotate_axis`.
     #[inline(always)]
-    pub fn axis_unit(&self, splats: &SplatLanes<W>, k: usize) -> Real<W> {
-        self.reals.power(self.math.plus(splats.exponents[k], -30))
+    pub fn turned(&self, splats: &SplatLanes<W>, k: usize) -> [Real<W>; 3] {
+        let (math, reals) = (self.math, self.reals);
+        let window = self.bits() + GUARD;
+        let unit = math.plus(splats.exponents[k], 31 - i64::from(window));
+        let unit = reals.power(unit);
+        let mut axis = splats.axes[k];
+        for part in &mut axis {
+            let kept = math.and(*part, -1 << (31 - axis_bits(&self.widths)));
+            *part = reals.short(kept).0;
+        }
+        [
+            self.turned_row(0, &axis, unit),
+            self.turned_row(1, &axis, unit),
+            self.turned_row(2, &axis, unit),
+        ]
     }
 
-    /// One row of W a.
+    /// One row of W times a vector of whole numbers.
     #[inline(always)]
-    pub fn turned(&self, splats: &SplatLanes<W>, k: usize, row: usize, unit: Real<W>) -> Real<W> {
-        let mantissa = self.rotate(row, &splats.axes[k]);
-        self.reals.wide(mantissa, unit, self.bits())
+    fn turned_row(&self, row: usize, [x, y, z]: &[Word<W>; 3], unit: Real<W>) -> Real<W> {
+        let (reals, bits) = (self.reals, self.bits());
+        let kept = axis_bits(&self.widths);
+        let [wx, wy, wz] = self.rotation[row];
+        let factors = [[*x, wx], [*y, wy], [*z, wz]];
+        let scale = 1.0 / power(61 - bits - GUARD);
+        let sum = reals.whole_products(factors, scale, kept + kept.min(30));
+        reals.times(reals.narrow(Real(sum), bits), unit)
+    }
+
+    /// A product of two mantissas of the design as a term of a sum.
+    #[inline(always)]
+    pub fn product(&self, a: Real<W>, b: Real<W>) -> Term<W> {
+        self.reals.product(a, b, 2 * self.bits())
     }
 
     /// A component seen along the viewing ray, times the gain.
@@ -259,8 +269,9 @@ impl<W: Doubles> Stages<'_, W> {
         z: Real<W>,
     ) -> Real<W> {
         let (reals, bits) = (self.reals, self.bits());
-        let along = reals.opposite(reals.times(projected.ratio[axis], z));
-        reals.multiply(reals.sum([across, along], bits), projected.gain[axis], bits)
+        let along = self.product(reals.opposite(projected.ratio[axis]), z);
+        let sheared = reals.sum([reals.term(across), along], bits);
+        reals.multiply(sheared, projected.gain[axis], bits)
     }
 
     /// `distance::enlarge` of columns, and `distance::dim` of a weight.
@@ -297,38 +308,32 @@ impl<W: Doubles> Stages<'_, W> {
         let (reals, bits) = (self.reals, self.bits());
         let h = reals.number(self.rules.low_pass);
         let [a, b, c] = columns;
-        let xx = reals.sum(
-            [
-                reals.times(a[0], a[0]),
-                reals.times(b[0], b[0]),
-                reals.times(c[0], c[0]),
-                h,
-            ],
-            bits,
-        );
-        let yy_sharp = reals.sum(
-            [
-                reals.times(a[1], a[1]),
-                reals.times(b[1], b[1]),
-                reals.times(c[1], c[1]),
-            ],
-            bits,
-        );
-        let xy = reals.sum(
-            [
-                reals.times(a[0], a[1]),
-                reals.times(b[0], b[1]),
-                reals.times(c[0], c[1]),
-            ],
-            bits,
-        );
-        let yy = reals.sum_of_two(yy_sharp, h, bits);
-        let trace = reals.sum_of_two(xx, yy_sharp, bits);
+        let square = [
+            self.product(a[0], a[0]),
+            self.product(b[0], b[0]),
+            self.product(c[0], c[0]),
+            reals.term(h),
+        ];
+        let xx = reals.sum(square, bits);
+        let square = [
+            self.product(a[1], a[1]),
+            self.product(b[1], b[1]),
+            self.product(c[1], c[1]),
+        ];
+        let yy_sharp = reals.sum(square, bits);
+        let mixed = [
+            self.product(a[0], a[1]),
+            self.product(b[0], b[1]),
+            self.product(c[0], c[1]),
+        ];
+        let xy = reals.sum(mixed, bits);
+        let yy = reals.sum([reals.term(yy_sharp), reals.term(h)], bits);
+        let trace = reals.sum([reals.term(xx), reals.term(yy_sharp)], bits);
         let terms = [
             self.minor_squared(a, b),
             self.minor_squared(a, c),
             self.minor_squared(b, c),
-            reals.times(h, trace),
+            reals.product(h, trace, 31 + bits),
         ];
         let determinant = reals.sum(terms, bits);
         self.doubt_unless_large([xx, yy, determinant]);
@@ -343,16 +348,16 @@ impl<W: Doubles> Stages<'_, W> {
     /// A 2x2 minor.
     #[inline(always)]
     pub fn minor(&self, j: &[Real<W>; 2], k: &[Real<W>; 2]) -> Real<W> {
-        let reals = self.reals;
-        let crossed = reals.opposite(reals.times(j[1], k[0]));
-        reals.sum([reals.times(j[0], k[1]), crossed], self.bits())
+        let (reals, bits) = (self.reals, self.bits());
+        let crossed = self.product(reals.opposite(j[1]), k[0]);
+        reals.sum([self.product(j[0], k[1]), crossed], bits)
     }
 
     /// The square of a 2x2 minor.
     #[inline(always)]
-    fn minor_squared(&self, j: &[Real<W>; 2], k: &[Real<W>; 2]) -> Real<W> {
+    fn minor_squared(&self, j: &[Real<W>; 2], k: &[Real<W>; 2]) -> Term<W> {
         let minor = self.minor(j, k);
-        self.reals.times(minor, minor)
+        self.product(minor, minor)
     }
 
     /// The factors of the LDL form, in the order of `Ldl`. A variance of 0 is in doubt, so that no reciprocal lacks.
@@ -434,7 +439,8 @@ impl<W: Doubles> Stages<'_, W> {
             // A variance without an inverse is in doubt.
             let [x, y] = projected.ratio;
             let one = Real(reals.constant(1.0));
-            let slant = reals.sum([one, reals.times(x, x), reals.times(y, y)], bits);
+            let slant = [reals.term(one), self.product(x, x), self.product(y, y)];
+            let slant = reals.sum(slant, bits);
             let density = reals.square_root(reals.multiply(slant, inverse, bits), bits);
             let area = reals.multiply(projected.gain[0], projected.gain[1], bits);
             peak = reals.multiply(weight, area, bits);

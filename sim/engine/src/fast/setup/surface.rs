@@ -141,12 +141,19 @@ impl<W: Doubles> Stages<'_, W> {
     fn flat_variance(&self, a: &[Real<W>; 2], b: &[Real<W>; 2], area: Real<W>) -> Variance<W> {
         let (reals, bits) = (self.reals, self.bits());
         let h = reals.number(self.rules.low_pass);
-        let xx = reals.sum([reals.times(a[0], a[0]), reals.times(b[0], b[0]), h], bits);
-        let yy_sharp = reals.sum([reals.times(a[1], a[1]), reals.times(b[1], b[1])], bits);
-        let xy = reals.sum([reals.times(a[0], a[1]), reals.times(b[0], b[1])], bits);
-        let yy = reals.sum_of_two(yy_sharp, h, bits);
-        let trace = reals.sum_of_two(xx, yy_sharp, bits);
-        let terms = [reals.times(area, area), reals.times(h, trace)];
+        let square = [
+            self.product(a[0], a[0]),
+            self.product(b[0], b[0]),
+            reals.term(h),
+        ];
+        let xx = reals.sum(square, bits);
+        let square = [self.product(a[1], a[1]), self.product(b[1], b[1])];
+        let yy_sharp = reals.sum(square, bits);
+        let mixed = [self.product(a[0], a[1]), self.product(b[0], b[1])];
+        let xy = reals.sum(mixed, bits);
+        let yy = reals.sum([reals.term(yy_sharp), reals.term(h)], bits);
+        let trace = reals.sum([reals.term(xx), reals.term(yy_sharp)], bits);
+        let terms = [self.product(area, area), reals.product(h, trace, 31 + bits)];
         let determinant = reals.sum(terms, bits);
         self.doubt_unless_large([xx, yy, determinant]);
         Variance {
@@ -179,15 +186,18 @@ impl<W: Doubles> Stages<'_, W> {
         z: [Real<W>; 2],
     ) -> Real<W> {
         let (reals, bits) = (self.reals, self.bits());
-        let crossed = reals.opposite(reals.times(sharp[1], z[1]));
-        let sharp_sum = reals.sum([reals.times(sharp[0], z[0]), crossed], bits);
+        let crossed = self.product(reals.opposite(sharp[1]), z[1]);
+        let sharp_sum = reals.sum([self.product(sharp[0], z[0]), crossed], bits);
         let terms = [
-            reals.times(filtered[0], z[0]),
-            reals.times(filtered[1], z[1]),
+            self.product(filtered[0], z[0]),
+            self.product(filtered[1], z[1]),
         ];
         let filtered_sum = reals.sum(terms, bits);
         let h = reals.number(self.rules.low_pass);
-        let both = [reals.times(area, sharp_sum), reals.times(h, filtered_sum)];
+        let both = [
+            self.product(area, sharp_sum),
+            reals.product(h, filtered_sum, 31 + bits),
+        ];
         reals.multiply(reals.sum(both, bits), inverse, bits)
     }
 
@@ -211,19 +221,14 @@ impl<W: Doubles> Stages<'_, W> {
         projected: &ProjectedWords<W>,
     ) -> ([W::Word; 3], W::Word) {
         let (math, reals) = (self.math, self.reals);
-        let unit = self.axis_unit(splats, 2);
-        let normal = [
-            self.turned(splats, 2, 0, unit),
-            self.turned(splats, 2, 1, unit),
-            self.turned(splats, 2, 2, unit),
-        ];
+        let normal = self.turned(splats, 2);
         let [ratio_x, ratio_y] = projected.ratio;
         let terms = [
-            reals.times(normal[0], ratio_x),
-            reals.times(normal[1], ratio_y),
-            normal[2],
+            self.product(normal[0], ratio_x),
+            self.product(normal[1], ratio_y),
+            reals.term(normal[2]),
         ];
-        let away = reals.sum_is_positive(terms);
+        let away = reals.sum_is_positive(terms, self.bits());
         let one = power(attribute_fraction(&self.widths).into());
         let [limit, least] = [reals.constant(one), reals.constant(-one)];
         let mut facing = [math.splat(0); 3];

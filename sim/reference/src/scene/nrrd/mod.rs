@@ -23,7 +23,8 @@ pub(super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Volume, Proble
     let values = match (&header.data_file, attached) {
         (Some(data_file), _) => {
             let path = folder.unwrap_or(Path::new("")).join(data_file);
-            let data = read_file(&path).map_err(|problem| unreadable(data_file, &problem))?;
+            let data =
+                read_file(&path).map_err(|problem| unreadable(data_file, &path, &problem))?;
             decode(&header, &data, needed)?
         }
         (None, Some(data)) => decode(&header, data, needed)?,

@@ -48,6 +48,7 @@ impl GaussianFile {
             return Err(not_in_parts("it is no .ply file"));
         }
         let mut file = File::open(path)?;
+        crate::input::note(path);
         let metadata = file.metadata()?;
         if !metadata.is_file() {
             return Err(Problem::NotAFile);

@@ -159,6 +159,8 @@ fn parse(bytes: &[u8], path: &Path) -> Result<Cloud, Problem> {
         "obj" => obj::cloud(bytes),
         "las" | "laz" => las::cloud(bytes),
         _ if bytes.starts_with(b"LASF") => las::cloud(bytes),
+        // Of stdin the first bytes alone say what it is.
+        "" if xyz::begins(bytes) => xyz::records(bytes).map(plain),
         other => Err(Problem::malformed(
             "point cloud",
             format!("'.{other}' is no format of points"),

@@ -11,13 +11,27 @@ use crate::vector;
 /// Squared lengths that are taken for a unit normal's.
 const UNIT_LENGTHS: std::ops::Range<f64> = 0.9..1.1;
 
+/// Does a text begin like one of points: is its first line that says something one of numbers?
+pub(super) fn begins(bytes: &[u8]) -> bool {
+    let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+    let mut lines = start
+        .lines()
+        .map(str::trim)
+        .filter(|line| says_something(line));
+    lines.next().is_some_and(|line| numbers(line, 1).is_ok())
+}
+
+fn says_something(line: &str) -> bool {
+    !(line.is_empty() || line.starts_with('#') || line.starts_with("//"))
+}
+
 /// Every line's numbers as a record.
 pub(super) fn records(bytes: &[u8]) -> Result<Vec<Record>, Problem> {
     let text = String::from_utf8_lossy(bytes);
     let mut rows: Vec<Vec<f64>> = Vec::new();
     for (index, line) in text.lines().enumerate() {
         let line = line.trim();
-        if line.is_empty() || line.starts_with('#') || line.starts_with("//") {
+        if !says_something(line) {
             continue;
         }
         let row = numbers(line, index + 1)?;

@@ -92,7 +92,9 @@ pub(in super::super) fn load(bytes: &[u8], folder: Option<&Path>) -> Result<Note
         }
         name => {
             let path = folder.unwrap_or(Path::new("")).join(name);
-            decode(&read_file(&path).map_err(|problem| unreadable(&shorten(name), &problem))?)?
+            decode(
+                &read_file(&path).map_err(|problem| unreadable(&shorten(name), &path, &problem))?,
+            )?
         }
     };
     let notes = if fields.is_turned()? {

@@ -12,6 +12,7 @@ pub(super) mod vti;
 
 use super::bytes::{Endian, Scalar, checked_bytes, truncated};
 use super::error::Problem;
+use std::path::Path;
 
 /// A regular grid of numbers, x fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,12 +105,19 @@ pub(super) fn three_spacings(text: &str) -> Option<[f64; 3]> {
     }
 }
 
-/// The problem of a data file that is named in a header.
-pub(super) fn unreadable(data_file: &str, problem: &Problem) -> Problem {
+/// The problem of a data file, at `path`, that is named in a header.
+pub(super) fn unreadable(data_file: &str, path: &Path, problem: &Problem) -> Problem {
+    let mut packed = path.as_os_str().to_owned();
+    packed.push(".gz");
+    let fix = if Path::new(&packed).is_file() {
+        format!("unpack '{data_file}.gz', which lies in its place (gunzip)")
+    } else {
+        "put the data beside the header or correct the name".to_owned()
+    };
     Problem::malformed(
         format!("data file '{data_file}'"),
         format!("it {problem}"),
-        "put the data beside the header or correct the name",
+        fix,
     )
 }
 

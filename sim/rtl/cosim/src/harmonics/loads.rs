@@ -1,8 +1,7 @@
 //! What the harmonics unit is given: a scene's splats, random ones, and bits that round, clamp and wrap where others do not.
 
-use super::bench::{HarmonicsLoad, HarmonicsSplat, coefficients};
-use crate::setup::loads::playbot;
-use crate::workload::split_mix;
+use crate::random::split_mix;
+use crate::scenes::playbot;
 use anyhow::Result;
 use splatline::float::coefficient;
 use splatline::format::Lean18;
@@ -10,6 +9,33 @@ use splatline::setup::harmonics::direction;
 use splatline::splat::VolumeSplat;
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
+
+/// A splat's direction and colours, as bits.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct HarmonicsSplat {
+    /// Q1.30.
+    pub direction: [i32; 3],
+    /// As the port takes it: what is above 4 is 4.
+    pub degree: u8,
+    /// Q3.28.
+    pub base: [i32; 3],
+    /// Q3.28, as many as the degree has.
+    pub coefficients: Vec<[i32; 3]>,
+}
+
+/// Splats of one kind.
+#[derive(Clone, Debug)]
+pub struct HarmonicsLoad {
+    /// What they are.
+    pub name: String,
+    /// The splats.
+    pub splats: Vec<HarmonicsSplat>,
+}
+
+/// Coefficients of a degree as the port takes it.
+fn coefficients(degree: u8) -> usize {
+    (usize::from(degree.min(4)) + 1).pow(2) - 1
+}
 
 /// 1.0 of a direction.
 const ONE: i64 = 1 << 30;

@@ -1,12 +1,10 @@
-//! Spherical harmonics in hardware (`sim/rtl/harmonics_unit.sv`): their program, the co-simulation with the kernel, and mistakes
-//! (`docs/harmonics-unit.md`).
+//! The harmonics unit (`sim/rtl/harmonics_unit.sv`): its program, and its co-simulation with the kernel's `setup::harmonics`.
+//!
+//! [`program`] is the basis as a list of sums, [`schedule`] puts them in an order, [`text`] writes that as a circuit reads it; [`loads`] makes splats and
+//! [`unit`] compares every colour.
 
-pub mod bench;
-pub mod circuit;
 pub mod loads;
-pub mod mistakes;
-pub mod model;
 pub mod program;
-pub mod report;
 pub mod schedule;
 pub mod text;
+pub mod unit;

@@ -2,7 +2,7 @@
 
 use super::program::{RightFactor, Target};
 use super::schedule::{LOADS, PlacedTerm, Schedule, schedule};
-use crate::area::rtl;
+use crate::tools::rtl;
 use anyhow::Result;
 use std::fmt::Write;
 use std::path::PathBuf;

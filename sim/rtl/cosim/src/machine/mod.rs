@@ -1,7 +1,4 @@
-//! The whole machine (`sim/rtl/splat_machine.sv`) from a memory image to a frame: against the kernel's frame, pixel by pixel, and against the model's cycles.
+//! The whole machine (`sim/rtl/splat_machine.sv`) from a memory image to a frame.
 
-pub mod bench;
-pub mod circuit;
-pub mod mistakes;
-pub mod model;
-pub mod report;
+pub mod loads;
+pub mod unit;

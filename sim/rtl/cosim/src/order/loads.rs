@@ -1,83 +1,88 @@
 //! What is ordered: captured scenes with the model's lists, and keys that a sorter finds hard.
 
-use super::bench::{OrderLoad, SortedSplat};
-use crate::setup::loads::{lion, playbot};
-use crate::workload::{GuitarView, TILE, guitar_scene, shared, split_mix};
-use anyhow::Result;
+use crate::package::TILE;
+use crate::random::split_mix;
+use crate::scenes::Seen;
+use splatline::footprint::Footprint;
 use splatline::footprint::depth::KEY_BITS;
 use splatline::format::Traversal;
-use splatline_sim::camera::Camera;
 use splatline_sim::design::DesignChoice;
 use splatline_sim::fixed::{self, Options};
 use splatline_sim::machine::workload::{Workload, extract_from};
 use splatline_sim::rules::Compositing;
-use splatline_sim::scene::{self, Scene, synthetic};
 
-/// A scene, seen.
-pub struct Seen {
-    /// Its name.
-    pub name: &'static str,
-    /// The scene.
-    pub scene: Scene,
-    /// The camera.
-    pub camera: Camera,
+/// A visible splat as the sorter takes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SortedSplat {
+    /// Its number in the scene.
+    pub number: u32,
+    /// The key of its depth.
+    pub key: u64,
+    /// First and last tile of its box, each a column and a row.
+    pub tiles: [[u16; 2]; 2],
 }
 
-/// The scenes that ways of sorting and whole frames are measured on.
-pub const SCENES: [&str; 5] = ["guitar", "playbot", "lion", "aneurism", "deep stack"];
+/// A picture's splats in the order of the scene, and what is to come of them.
+#[derive(Clone, Debug)]
+pub struct OrderLoad {
+    /// What it is.
+    pub name: String,
+    /// Columns and rows of tiles.
+    pub size: [u16; 2],
+    /// The splats.
+    pub splats: Vec<SortedSplat>,
+    /// The list of every tile, row by row.
+    pub lists: Vec<Vec<u32>>,
+}
 
-/// The named of [`SCENES`] in square pictures of so many pixels a side, and the names of those whose data is not at hand.
-pub fn scenes(names: &[&'static str], size: usize) -> Result<(Vec<Seen>, Vec<&'static str>)> {
-    let mut seen = Vec::new();
-    let mut missing = Vec::new();
-    for name in names {
-        let found = match *name {
-            "guitar" => guitar_scene(GuitarView::Close, size)?,
-            "playbot" => playbot()?,
-            "lion" => lion()?,
-            "aneurism" => aneurism(size)?,
-            _ => Some(deep_stack(size)),
+impl SortedSplat {
+    /// The word of the memory.
+    pub fn word(&self) -> [u32; 4] {
+        let [first, last] = self.tiles;
+        let places = [first[0], first[1], last[0], last[1]];
+        let places = places
+            .iter()
+            .rev()
+            .fold(0u128, |word, place| word << 12 | u128::from(*place & 0xfff));
+        let word = places << 80 | u128::from(self.number) << 48 | u128::from(self.key);
+        [0, 32, 64, 96].map(|bit| (word >> bit) as u32)
+    }
+}
+
+impl OrderLoad {
+    /// A load whose lists follow from boxes and keys, tile by tile: slow and plain.
+    fn plain(name: &str, size: [u16; 2], splats: Vec<SortedSplat>) -> OrderLoad {
+        let mut load = OrderLoad {
+            name: name.to_owned(),
+            size,
+            splats,
+            lists: Vec::new(),
         };
-        match found {
-            Some((scene, camera)) => seen.push(Seen {
-                name,
-                scene,
-                camera: resized(camera, size),
-            }),
-            None => missing.push(*name),
+        let sorted = load.sorted();
+        for row in 0..size[1] {
+            for column in 0..size[0] {
+                let meets = |splat: &&SortedSplat| {
+                    let [first, last] = splat.tiles;
+                    (first[0]..=last[0]).contains(&column) && (first[1]..=last[1]).contains(&row)
+                };
+                let list = sorted.iter().filter(meets).map(|splat| splat.number);
+                load.lists.push(list.collect());
+            }
         }
+        load
     }
-    Ok((seen, missing))
-}
 
-/// The same view in a square picture of another size.
-fn resized(camera: Camera, size: usize) -> Camera {
-    let scale = size as f64 / camera.height as f64;
-    let shift = (camera.width as f64 * scale - size as f64) / 2.0;
-    Camera {
-        fx: camera.fx * scale,
-        fy: camera.fy * scale,
-        cx: camera.cx * scale - shift,
-        cy: camera.cy * scale,
-        width: size,
-        height: size,
-        ..camera
+    /// Nearest first; equal keys by number.
+    pub fn sorted(&self) -> Vec<SortedSplat> {
+        let mut sorted = self.splats.clone();
+        sorted.sort_by_key(|splat| (splat.key, splat.number));
+        sorted
     }
-}
 
-fn aneurism(size: usize) -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("volumes/aneurism.nhdr") else {
-        return Ok(None);
-    };
-    let scene = scene::load(&file, &Default::default())?;
-    let camera = scene.default_camera(size, size);
-    Ok(Some((scene, camera)))
-}
-
-fn deep_stack(size: usize) -> (Scene, Camera) {
-    let scene = synthetic::deep_stack(1);
-    let camera = scene.default_camera(size, size);
-    (scene, camera)
+    /// Entries of all lists.
+    pub fn entries(&self) -> usize {
+        self.lists.iter().map(Vec::len).sum()
+    }
 }
 
 /// The work of a scene's picture in tiles of the circuit's size, and its splats with the model's lists.
@@ -94,7 +99,7 @@ pub fn ordered(seen: &Seen, design: &DesignChoice) -> (Workload, OrderLoad) {
     let size = [0, 1].map(|axis| (size[axis] as u16).div_ceil(TILE[axis]));
     let numbered = (0..).zip(&footprints);
     let splat = |(number, footprint): (u32, &Result<_, _>)| {
-        let footprint: &splatline::footprint::Footprint = footprint.as_ref().ok()?;
+        let footprint: &Footprint = footprint.as_ref().ok()?;
         let tiles = [0, 1].map(|axis| footprint.first[axis] / TILE[axis]);
         let last = [0, 1].map(|axis| (footprint.end[axis] - 1) / TILE[axis]);
         Some(SortedSplat {

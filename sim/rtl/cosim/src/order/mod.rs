@@ -1,9 +1,4 @@
-//! Order and binning in hardware (`sim/rtl/splat_order.sv`): its co-simulation with the kernel's order and the model's lists, its mistakes, and what
-//! the ways of sorting cost (`docs/decisions/depth-order.md`).
+//! Sorter and binning (`sim/rtl/splat_order.sv`) against the kernel's order and the model's lists.
 
-pub mod bench;
-pub mod circuit;
 pub mod loads;
-pub mod mistakes;
-pub mod model;
-pub mod study;
+pub mod unit;

@@ -7,7 +7,7 @@
 //! A result has as many registers in a row as rounds pass until its last reader, and splats take them in turn. So a register is written again only
 //! by a slot that is issued after the old value's last reader, and the sequencer may pause between any two rounds.
 
-use crate::workload::split_mix;
+use crate::random::split_mix;
 use anyhow::{Context, Result, ensure};
 use std::collections::HashMap;
 
@@ -107,7 +107,7 @@ pub struct Term {
 /// Where a sum's last bit lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
-    /// So many bits below the largest term's leading bit; at most four terms.
+    /// So many bits below the end of the largest term's format; at most four terms, of normalised factors.
     Below(i32),
     /// So many powers above the first term's exponent.
     First(i32),

@@ -4,6 +4,7 @@
 
 use super::assemble::{Operand, Operation, Pick, Program, Table, Term, Unit, Value};
 use anyhow::Result;
+use splatline::math::GUARD;
 
 /// A result.
 pub(super) const fn value(value: Value) -> Operand {
@@ -57,6 +58,15 @@ pub(super) const fn taken_off(term: Term) -> Term {
     }
 }
 
+/// Rounded down.
+pub(super) fn cut(terms: Vec<Term>) -> Vec<Term> {
+    let down = |term| Term {
+        floor: true,
+        ..term
+    };
+    terms.into_iter().map(down).collect()
+}
+
 /// A program in the making.
 #[derive(Default)]
 pub(super) struct Builder {
@@ -98,7 +108,15 @@ impl Builder {
 
     /// `sum_of_products`.
     pub(super) fn sum(&mut self, name: &str, terms: Vec<Term>, bits: u32) -> Value {
-        self.add(name, terms, Unit::Below(60), Some(bits))
+        let window = Unit::Below((bits + GUARD) as i32);
+        self.add(name, cut(terms), window, Some(bits))
+    }
+
+    /// Twice the sum of seed and quotient in `square_root`.
+    pub(super) fn heron(&mut self, name: &str, seed: Value, quotient: Term, bits: u32) -> Value {
+        let above = 32 - (bits + GUARD) as i32;
+        let terms = cut(vec![plain(value(seed)), quotient]);
+        self.add(name, terms, Unit::First(above), Some(bits))
     }
 
     /// `SoftFloat::multiply`.

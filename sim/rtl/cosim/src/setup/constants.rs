@@ -10,6 +10,7 @@ use splatline::format::Widths;
 use splatline::kernel::Kernel;
 use splatline::math::{Extended, LN_2, SoftFloat, fraction, ln};
 use splatline::rules::{Cutoff, Rules, THRESHOLD};
+use splatline::setup::axis_bits;
 use splatline::view::{Projection, View, round_entry};
 
 /// An address, a value, an exponent.
@@ -88,7 +89,7 @@ fn turn(widths: &Widths, view: &View) -> Vec<Named> {
             let position = round_entry(entry, widths.position.into());
             all.push(named(&format!("turn_{r}{c}"), position, -30));
             all.push(named(&format!("rest_{r}{c}"), rest, -30 - low as i32));
-            let axis = round_entry(entry, widths.view.into());
+            let axis = round_entry(entry, axis_bits(widths));
             all.push(named(&format!("axis_{r}{c}"), axis, -30));
         }
     }

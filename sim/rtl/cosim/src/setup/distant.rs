@@ -1,9 +1,9 @@
 //! Splats under rules with a spacing, on both sides of the distance k and exactly there, for the program with distance scaling.
 
-use super::bench::SetupLoad;
 use super::exact::{FOCAL, few_bits, straight};
 use super::loads::{name_of, rules, synthetic};
-use crate::workload::split_mix;
+use super::unit::SetupLoad;
+use crate::random::split_mix;
 use splatline::format::Widths;
 use splatline::math::SoftFloat;
 use splatline::rules::Rules as KernelRules;

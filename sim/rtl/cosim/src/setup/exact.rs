@@ -1,11 +1,11 @@
 //! Splats of few bits before cameras that turn nothing: what random numbers hardly ever make, and where mistakes hide that they do not show.
 //!
 //! Sums that are exactly 0 or a power of two; positions at every power around the end of a word; depths on the planes themselves; an eye whose coordinates
-//! fill 60 bits; the least components of axes. Each stands for a mistake of [`super::mistakes`] that captured scenes and random bits let pass.
+//! fill 60 bits; the least components of axes. Each stands for a mistake of `mutations.tsv` that captured scenes and random bits let pass.
 
-use super::bench::SetupLoad;
 use super::loads::{name_of, rules};
-use crate::workload::split_mix;
+use super::unit::SetupLoad;
+use crate::random::split_mix;
 use splatline::float;
 use splatline::math::{Extended, SoftFloat};
 use splatline::rules::Rules as KernelRules;

@@ -1,18 +1,16 @@
 //! What is set up: captured scenes, hard cases, and bits of which nobody made a splat.
 
-use super::bench::SetupLoad;
-use crate::workload::{GuitarView, guitar_scene, shared, split_mix};
-use anyhow::{Context, Result};
+use super::unit::SetupLoad;
+use crate::random::split_mix;
+use crate::scenes::scenes;
+use anyhow::Result;
 use splatline::float;
 use splatline::math::SoftFloat;
 use splatline::rules::Rules as KernelRules;
 use splatline::splat::{Axis, VolumeSplat};
 use splatline::view::{Projection, View};
-use splatline_sim::camera::Camera;
 use splatline_sim::fixed::QuantisedScene;
 use splatline_sim::rules::Rules;
-use splatline_sim::scene::points::{self, spheres};
-use splatline_sim::scene::{self, Scene};
 use splatline_sim::vectors::hard_cases;
 
 /// Both kinds of rules by the simulator's names and the kernel's.
@@ -57,57 +55,28 @@ pub(super) fn name_of(rules: &KernelRules) -> &'static str {
     if rules.normalised { "ewa" } else { "3dgs" }
 }
 
-/// The scenes at hand, every `step`-th splat of them, and the names of those that are not.
-pub fn captured(step: usize) -> Result<(Vec<SetupLoad>, Vec<&'static str>)> {
+/// Every `step`-th splat of the scenes at hand under both kinds of rules.
+pub fn captured(step: usize, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
     let mut loads = Vec::new();
-    let mut missing = Vec::new();
-    for (name, seen) in [
-        ("guitar", guitar_scene(GuitarView::Close, 512)?),
-        ("playbot", playbot()?),
-        ("lion", lion()?),
-    ] {
-        let Some((mut scene, camera)) = seen else {
-            missing.push(name);
-            continue;
-        };
+    for mut seen in scenes(&["guitar", "playbot", "lion"], 512, missing)? {
         let mut index = 0;
-        scene.splats.retain(|_| {
+        seen.scene.splats.retain(|_| {
             index += 1;
             (index - 1) % step == 0
         });
-        scene.harmonics = None;
+        seen.scene.harmonics = None;
         for (rules, _) in rules() {
-            let quantised = QuantisedScene::new(&scene, &camera, &rules);
+            let quantised = QuantisedScene::new(&seen.scene, &seen.camera, &rules);
             let stated = quantised.rules(&rules);
             loads.push(SetupLoad {
-                name: format!("{name}, {}", name_of(&stated)),
+                name: format!("{}, {}", seen.name, name_of(&stated)),
                 view: quantised.view,
                 rules: stated,
                 splats: quantised.splats,
             });
         }
     }
-    Ok((loads, missing))
-}
-
-pub(crate) fn playbot() -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("gaussians/playbot_lod4.ply") else {
-        return Ok(None);
-    };
-    let scene = scene::load(&file, &Default::default())?;
-    let camera = scene.default_camera(640, 480);
-    Ok(Some((scene, camera)))
-}
-
-pub(crate) fn lion() -> Result<Option<(Scene, Camera)>> {
-    let Some(file) = shared("points/lion_takanawa.ply") else {
-        return Ok(None);
-    };
-    let scene = spheres::as_spheres(&points::load(&file)?, spheres::LION_DEVIATION);
-    let (eye, target) = ([4.11, 3.88, -0.16], [-2.89, 3.88, -1.16]);
-    let camera =
-        Camera::look_at(eye, target, scene.up, 45.0, 512, 512).context("the lion's camera")?;
-    Ok(Some((scene, camera)))
+    Ok(loads)
 }
 
 /// A splat of random bits: mantissas from 0 to the ends of the format, exponents over `range` powers around those of a usual scene.

@@ -3,10 +3,11 @@
 //! The list says nothing of the arithmetic: what a sum, a rounding or a table is stands in `setup_core.sv`. Names are the kernel's.
 
 use super::assemble::{Operand, Pick, Program, Table, Term, Unit, Value};
-use super::builder::{Builder, constant, less, plain, product, taken_off, value};
+use super::builder::{Builder, constant, cut, less, plain, product, taken_off, value};
 use super::distance;
 use anyhow::Result;
 use splatline::format::Widths;
+use splatline::math::GUARD;
 
 /// Items of a record: the difference to the eye (high and low parts), the axes, the weight.
 pub const ITEMS: u8 = 16;
@@ -91,13 +92,13 @@ pub fn units(widths: &Widths) -> Result<Program> {
         None,
     );
     let nothing = plain(Operand::Input(AXES));
-    let shear = builder.sum("rounded", vec![plain(value(given)), nothing], bits);
     let whole = builder.round("31 bits", value(given), 31);
+    let shear = builder.sum("rounded", vec![plain(value(whole)), nothing], bits);
     let vertical = builder.reciprocal("reciprocal", whole, bits);
     let seed = builder.root("root, seed", whole, 31);
     let inverse = builder.reciprocal("1/root", seed, 31);
-    let heron = vec![plain(value(seed)), product(value(whole), value(inverse))];
-    let twice = builder.sum("root, twice", heron, bits);
+    let quotient = product(value(whole), value(inverse));
+    let twice = builder.heron("root, twice", seed, quotient, bits);
     let squared_width = builder.root("root, 16 bits", whole, 16);
     let cutoff = cutoff(builder, given);
     all.finish([
@@ -162,12 +163,8 @@ fn turned_axes(builder: &mut Builder, bits: u32) -> [[Value; 3]; 3] {
                 product(component, constant(AXIS[row][i]))
             };
             let name = format!("axis {axis}, row {row}");
-            builder.add(
-                &name,
-                (0..3).map(entry).collect(),
-                Unit::First(0),
-                Some(bits),
-            )
+            let unit = Unit::First(61 - (bits + GUARD) as i32);
+            builder.add(&name, cut((0..3).map(entry).collect()), unit, Some(bits))
         })
     })
 }
@@ -345,8 +342,8 @@ fn peak(
     let squared = builder.multiply("density squared", value(slant), value(inverse), bits);
     let seed = builder.root("density, seed", squared, 31);
     let inverse = builder.reciprocal("1/density", seed, 31);
-    let heron = vec![plain(value(seed)), product(value(squared), value(inverse))];
-    let density = builder.sum("density, twice", heron, bits);
+    let quotient = product(value(squared), value(inverse));
+    let density = builder.heron("density, twice", seed, quotient, bits);
     let [gain_u, gain_v] = projected.gain;
     let area = builder.multiply("area", value(gain_u), value(gain_v), bits);
     let peak = builder.multiply("weight of the area", value(weight), value(area), bits);

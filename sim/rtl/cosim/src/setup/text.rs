@@ -5,9 +5,10 @@
 use super::assemble::{
     LATENCY, LOAD_AHEAD, Operand, Operation, Pick, Program, Table, Term, Unit, constant,
 };
-use super::program::{SetupProgram, low_bits, program};
-use anyhow::{Context, Result, ensure};
+use super::program::{SetupProgram, low_bits};
+use anyhow::{Result, ensure};
 use splatline::format::Widths;
+use splatline::setup::axis_bits;
 use std::fmt::Write;
 
 /// The slot's type.
@@ -57,13 +58,8 @@ fn slot_bits() -> u32 {
     FIELDS.iter().map(|(_, bits)| bits).sum()
 }
 
-/// The text of a design's package.
-pub fn text(name: &str, widths: &Widths) -> Result<String> {
-    with_program(name, widths, program)
-}
-
-/// The same for another program.
-pub fn with_program(name: &str, widths: &Widths, program: SetupProgram) -> Result<String> {
+/// The text of a design's package with this program.
+pub fn text(name: &str, widths: &Widths, program: SetupProgram) -> Result<String> {
     ensure!(
         widths.colour <= 26,
         "there is no setup unit for design '{name}': colour = {}: it must be at most 26",
@@ -89,7 +85,7 @@ pub fn with_program(name: &str, widths: &Widths, program: SetupProgram) -> Resul
 
 fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     let out = program.latency();
-    let rows: [(&str, i64, &str); 10] = [
+    let rows: [(&str, i64, &str); 11] = [
         (
             "POSITION",
             widths.position.into(),
@@ -100,6 +96,11 @@ fn parameters(text: &mut String, widths: &Widths, program: &Program) {
             "MANTISSA",
             widths.mantissa.into(),
             "magnitude bits of a mantissa",
+        ),
+        (
+            "AXIS_DROP",
+            31 - i64::from(axis_bits(widths)),
+            "bits of an axis' components that are 0",
         ),
         ("ROUND", program.round as i64, "cycles of a round"),
         (
@@ -275,11 +276,4 @@ fn sum(values: &mut Vec<(&'static str, i64)>, operation: &Operation, term: usize
         ("normal", operation.bits.is_some().into()),
         ("drop", i64::from(31 - operation.bits.unwrap_or(31))),
     ]);
-}
-
-/// Where a design's package is kept.
-pub fn path(design: &str) -> Result<std::path::PathBuf> {
-    let package = crate::package::path(design);
-    let folder = package.parent().context("a design has a folder")?;
-    Ok(folder.join("splatline_setup_pkg.sv"))
 }

@@ -1,0 +1,413 @@
+//! The page of machines: throughput of the raster unit, machines of others beside ours, where bytes and energy go, and what memory parts make of
+//! the same picture. The page shows the guitar; the CSV files have every scene.
+
+use super::Page;
+use crate::table::Table;
+use crate::views::{BRAIN, GUITAR, LION, View};
+use anyhow::Result;
+use splatline::format::Traversal;
+use splatline_sim::design::{DesignChoice, traversal_name};
+use splatline_sim::fixed::Options;
+use splatline_sim::machine::energy::{Energy, EnergyTable, estimate};
+use splatline_sim::machine::lanes::{LaneShape, LaneWork};
+use splatline_sim::machine::memory::parts::PARTS;
+use splatline_sim::machine::others::{self, Outcome};
+use splatline_sim::machine::workload::{Workload, extract_if_room};
+use splatline_sim::machine::{Config, Timing, simulate, simulate_alone};
+use splatline_sim::report::machine::{plots, watch};
+use std::path::Path;
+
+/// Pixels a side.
+const SIZE: usize = 512;
+
+const VIEWS: [&str; 5] = [BRAIN, GUITAR, "guitar close-up", "playbot", LION];
+
+/// Clock of the machines with a memory part, MHz.
+const CLOCK: u32 = 100;
+
+/// The schedule of the public FPGA rasterizer: box_pixels + 3 rows + 8 pairs, no early termination.
+const FPGA: &str =
+    "overlap=serial row_cycles=3 rows_at_once=1 splat_cycles=8 tile_termination=0 latency=0";
+
+/// Machines by name, as changes to the default one.
+const MACHINES: [(&str, &str); 11] = [
+    ("serial, 3 per row, 8 per pair", FPGA),
+    ("1 lane", ""),
+    ("1 lane, skips finished pixels", "pixel_termination=skip"),
+    ("4 lanes, run", "lanes=4"),
+    ("4 lanes, aligned", "lanes=4 layout=aligned"),
+    ("4 lanes, quad", "lanes=4 layout=quad"),
+    ("4 lanes, rows", "lanes=4 layout=rows rows_at_once=4"),
+    (
+        "4 lanes, rows, skips finished pixels",
+        "lanes=4 layout=rows rows_at_once=4 pixel_termination=skip",
+    ),
+    ("8 lanes, run", "lanes=8 rows_at_once=4"),
+    ("8 lanes, rows", "lanes=8 layout=rows rows_at_once=8"),
+    ("4 x 1 lane, dynamic tiles", "raster_units=4"),
+];
+
+/// The tables of all scenes.
+struct Tables {
+    throughput: Table,
+    others: Table,
+    work: Table,
+    energy: Table,
+    memories: Table,
+}
+
+impl Tables {
+    fn new() -> Tables {
+        Tables {
+            throughput: Table::new(&[
+                "scene",
+                "machine",
+                "traversal",
+                "Mcycles",
+                "raster",
+                "covered",
+                "live",
+                "lanes busy",
+                "largest stall of the lanes",
+            ]),
+            others: Table::new(&[
+                "scene",
+                "machine",
+                "pixels tested",
+                "inside",
+                "blended",
+                "tested for one blended",
+                "products for one blended",
+                "cycles",
+                "raster cycles",
+                "MB",
+                "mJ",
+                "of this pixel path",
+            ]),
+            work: Table::new(&["scene", "what", "of", "count", "%"]),
+            energy: Table::new(&["scene", "unit", "mJ", "%", "of this DRAM"]),
+            memories: Table::new(&[
+                "scene",
+                "memory",
+                "cycles",
+                "geometry",
+                "sort",
+                "raster",
+                "MB moved",
+                "% of peak",
+                "rows hit, %",
+                "turns of the bus",
+                "ms",
+            ]),
+        }
+    }
+
+    /// Measures one scene.
+    fn add(&mut self, view: &View, design: &DesignChoice) -> Result<()> {
+        for traversal in [Traversal::Box, Traversal::Spans] {
+            let workload = workload(view, design, traversal, &Config::default())?;
+            for (machine, words) in MACHINES {
+                let words: Vec<String> = words.split_whitespace().map(str::to_owned).collect();
+                let mut config = Config::default();
+                config.set_words(&words)?;
+                let timing = simulate_alone(&workload, &config);
+                let first = [view.name, machine, traversal_name(traversal)].map(str::to_owned);
+                self.throughput
+                    .push(first.into_iter().chain(lanes(&timing)));
+            }
+        }
+        for outcome in others::run_all(&view.splats(), &EnergyTable::default())? {
+            self.others.push(
+                [view.name.to_owned()]
+                    .into_iter()
+                    .chain(outcome_cells(&outcome)),
+            );
+        }
+        let config = Config::primitive(4);
+        let workload = workload(view, design, design.traversal, &config)?;
+        let timing = simulate_alone(&workload, &config);
+        for (what, of, count, whole) in work(&workload, &timing) {
+            let cells = [
+                view.name.to_owned(),
+                what.to_owned(),
+                of.to_owned(),
+                count.to_string(),
+            ];
+            self.work
+                .push(cells.into_iter().chain([percent(count, whole)]));
+        }
+        let energy = estimate(
+            &design.widths,
+            design.traversal,
+            &config,
+            &timing,
+            &EnergyTable::default(),
+        );
+        for cells in energy_cells(&energy) {
+            self.energy
+                .push([view.name.to_owned()].into_iter().chain(cells));
+        }
+        for part in 0..=PARTS.len() as u32 {
+            self.memories.push(
+                [view.name.to_owned()]
+                    .into_iter()
+                    .chain(memory_cells(&workload, part)),
+            );
+        }
+        Ok(())
+    }
+}
+
+/// The page over the scenes of a folder.
+pub fn page(data: &Path) -> Result<Page> {
+    let design = DesignChoice::all().remove(2);
+    let mut page = Page::new("machines", "Machines, memories and energy");
+    let mut tables = Tables::new();
+    for name in VIEWS {
+        tables.add(&View::load(name, data, SIZE)?, &design)?;
+    }
+    page.add(
+        "Pictures of 512 x 512, tiles of 16 x 16, design standard24. Tables are of the guitar from afar; files of CSV beside this page have five scenes. \
+         `splatline model` prints the same of any scene and machine.",
+    );
+    page.add(
+        "## Throughput of the raster unit\n\nA machine is the default one with the changes that its name says. *Covered* is covered pixels (r < c) that lanes visited, per \
+         cycle of the raster phase, lane and raster unit; *live* counts only those that had not finished. Both count memory stalls, hazards and \
+         drains. Mcycles are all three phases. By spans; [throughput.csv](throughput.csv) has boxes too.",
+    );
+    page.add(
+        tables
+            .throughput
+            .only(0, GUITAR)
+            .only(1, traversal_name(Traversal::Spans))
+            .markdown(),
+    );
+    page.beside("throughput.csv", tables.throughput.csv());
+    page.add(format!(
+        "## Machines of others\n\n{}\nTested, inside and blended count pixels once per splat. Energy: {}. [machines.csv](machines.csv)",
+        others::note(),
+        EnergyTable::default().statement()
+    ));
+    page.add(tables.others.only(0, GUITAR).markdown());
+    page.beside("machines.csv", tables.others.csv());
+    page.add("## Where the work goes\n\nstandard24 on `primitive-4`; [work.csv](work.csv), [energy.csv](energy.csv).");
+    page.add(tables.work.only(0, GUITAR).markdown());
+    page.beside("work.csv", tables.work.csv());
+    page.add(tables.energy.only(0, GUITAR).markdown());
+    page.beside("energy.csv", tables.energy.csv());
+    add_plots(&mut page, &View::load(GUITAR, data, SIZE)?, &design)?;
+    page.add(format!(
+        "## Memories\n\n`primitive-4` at {CLOCK} MHz, eight passes of sort over entries of 8 bytes; [memories.csv](memories.csv)."
+    ));
+    page.add(tables.memories.only(0, GUITAR).markdown());
+    page.beside("memories.csv", tables.memories.csv());
+    Ok(page)
+}
+
+/// Plots of the cycles of four lanes.
+fn add_plots(page: &mut Page, view: &View, design: &DesignChoice) -> Result<()> {
+    let config = Config::primitive(4);
+    let workload = workload(view, design, design.traversal, &config)?;
+    let work = LaneWork::new(&workload, LaneShape::from(&config));
+    let timing = simulate(&workload, &work, &config);
+    let watched = watch(&workload, &work, &config, &timing);
+    page.add("Where the cycles of `primitive-4` go, which `splatline model -o` writes for any machine and scene:");
+    for plot in plots(&timing, &watched, workload.columns, &config) {
+        let file = format!("machines-guitar-{}.svg", plot.file);
+        page.add(format!("![{}]({file})", plot.title));
+        page.beside(&file, plot.alone());
+    }
+    Ok(())
+}
+
+fn workload(
+    view: &View,
+    design: &DesignChoice,
+    traversal: Traversal,
+    config: &Config,
+) -> Result<Workload> {
+    let options = Options {
+        traversal,
+        ..view.options(design)
+    };
+    let tile = [config.tile_width, config.tile_height];
+    Ok(extract_if_room(&view.scene, &view.camera, &options, tile)?)
+}
+
+fn percent(part: u64, whole: u64) -> String {
+    format!("{:.1}", 100.0 * part as f64 / whole.max(1) as f64)
+}
+
+/// What the lanes do within the raster phase: what the other phases take is no fault of theirs.
+fn lanes(timing: &Timing) -> [String; 6] {
+    let lanes = timing.units.get("lanes").cloned().unwrap_or_default();
+    let within = lanes.instances * timing.raster;
+    let stall = lanes.stalled.iter().max_by_key(|(_, cycles)| **cycles);
+    let stall = stall.map(|(cause, cycles)| {
+        format!("{} {} %", cause.replace('_', " "), percent(*cycles, within))
+    });
+    [
+        format!("{:.3}", timing.total as f64 / 1e6),
+        format!("{:.3}", timing.raster as f64 / 1e6),
+        format!("{:.3}", timing.pixels.covered_per_cycle_and_lane),
+        format!("{:.3}", timing.pixels.live_per_cycle_and_lane),
+        format!("{} %", percent(lanes.busy, within)),
+        stall.unwrap_or_else(|| "-".to_owned()),
+    ]
+}
+
+fn outcome_cells(outcome: &Outcome) -> [String; 11] {
+    let Timing { pixels, bytes, .. } = &outcome.timing;
+    let blended = pixels.live.max(1) as f64;
+    let path = ["splat_setup", "row_generator", "lanes", "blend"];
+    let units = outcome
+        .energy
+        .units
+        .iter()
+        .filter(|unit| path.contains(&unit.unit));
+    let path: u64 = units.map(|unit| unit.attojoules).sum();
+    [
+        outcome.preset.name.to_owned(),
+        pixels.visited.to_string(),
+        pixels.covered.to_string(),
+        pixels.live.to_string(),
+        format!("{:.2}", pixels.visited as f64 / blended),
+        format!("{:.2}", outcome.products as f64 / blended),
+        outcome.timing.total.to_string(),
+        outcome.timing.raster.to_string(),
+        format!("{:.2}", bytes.all() as f64 / 1e6),
+        format!("{:.3}", outcome.energy.mj_per_frame),
+        format!("{:.3}", path as f64 / 1e15),
+    ]
+}
+
+/// Where splats, pairs, rows, pixels and bytes go: what, of what, how many, of how many.
+fn work(workload: &Workload, timing: &Timing) -> [(&'static str, &'static str, u64, u64); 13] {
+    let all = workload.totals();
+    let (pixels, splats, bytes) = (&timing.pixels, &timing.splats, &timing.bytes);
+    let pairs = workload.pairs.len() as u64;
+    let without = workload.pairs.iter().filter(|pair| !pair.visits).count() as u64;
+    let empty = pixels.rows - pixels.runs.min(pixels.rows);
+    let visited = "pixels visited";
+    [
+        (
+            "splats that are seen",
+            "splats",
+            splats.visible,
+            splats.fetched,
+        ),
+        ("pairs without a pixel", "pairs", without, pairs),
+        (
+            "pairs left out, their tile having finished",
+            "pairs",
+            pixels.pairs_left_out,
+            pairs,
+        ),
+        ("rows without a pixel", "rows drawn", empty, pixels.rows),
+        (
+            "pixels outside the footprint",
+            visited,
+            pixels.visited - pixels.covered,
+            pixels.visited,
+        ),
+        (
+            "pixels that had finished",
+            visited,
+            pixels.covered - pixels.live,
+            pixels.visited,
+        ),
+        ("pixels blended", visited, pixels.live, pixels.visited),
+        (
+            "pixels blended",
+            "pixels of all pairs",
+            pixels.live,
+            all.visited,
+        ),
+        ("bytes of splats", "bytes", bytes.splats_read, bytes.all()),
+        (
+            "bytes of packets and lists written",
+            "bytes",
+            bytes.packets_written,
+            bytes.all(),
+        ),
+        ("bytes of the sort", "bytes", bytes.sort_moved, bytes.all()),
+        (
+            "bytes of packets and lists read",
+            "bytes",
+            bytes.packets_read,
+            bytes.all(),
+        ),
+        (
+            "bytes of pixels",
+            "bytes",
+            bytes.pixels_written,
+            bytes.all(),
+        ),
+    ]
+}
+
+fn energy_cells(energy: &Energy) -> Vec<[String; 4]> {
+    let millijoules = |attojoules: u64| format!("{:.4}", attojoules as f64 / 1e15);
+    let mut cells: Vec<_> = energy
+        .units
+        .iter()
+        .map(|unit| {
+            let [own, dram] = [unit.attojoules, unit.dram_attojoules].map(millijoules);
+            [
+                unit.unit.to_owned(),
+                own,
+                percent(unit.attojoules, energy.attojoules),
+                dram,
+            ]
+        })
+        .collect();
+    cells.push([
+        "all".to_owned(),
+        format!("{:.4}", energy.mj_per_frame),
+        "100.0".to_owned(),
+        String::new(),
+    ]);
+    cells
+}
+
+/// The same machine with two channels (part 0) or with a part; eight passes of sort over entries of eight bytes.
+fn memory_cells(workload: &Workload, memory_part: u32) -> Vec<String> {
+    let config = Config {
+        clock_mhz: CLOCK,
+        sort_passes: 8,
+        sort_bytes: 8,
+        memory_part,
+        ..Config::primitive(4)
+    };
+    let timing = simulate_alone(workload, &config);
+    let name = timing
+        .memory
+        .as_ref()
+        .map_or("two channels, 64 and 32 bytes a cycle", |facts| facts.part);
+    let traffic = match &timing.memory {
+        None => [
+            format!("{:.2}", timing.bytes.all() as f64 / 1e6),
+            String::new(),
+            String::new(),
+            String::new(),
+        ],
+        Some(facts) => {
+            let counts = &facts.counts;
+            [
+                format!("{:.2}", facts.bytes_moved as f64 / 1e6),
+                percent(facts.bytes_moved, facts.bytes_at_peak),
+                percent(counts.row_hits, counts.reads + counts.writes),
+                counts.turnarounds.to_string(),
+            ]
+        }
+    };
+    let cycles = [timing.total, timing.geometry, timing.sort, timing.raster]
+        .map(|cycles| cycles.to_string());
+    let ms = format!("{:.2}", timing.total as f64 / (1000.0 * f64::from(CLOCK)));
+    [name.to_owned()]
+        .into_iter()
+        .chain(cycles)
+        .chain(traffic)
+        .chain([ms])
+        .collect()
+}

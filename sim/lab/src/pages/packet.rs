@@ -1,0 +1,45 @@
+//! The footprint packet's bit layout, printed from the kernel's own table.
+
+use super::Page;
+use crate::table::Table;
+use splatline::footprint::packet::{Layout, VERSION};
+use splatline_sim::design::DesignChoice;
+
+/// The page: one table with the offsets of every design.
+pub fn page() -> Page {
+    let mut page = Page::new("packet", "The footprint packet");
+    page.add(format!(
+        "Layout version {VERSION}. Fields follow each other without padding, least significant bit first, in 32-bit words. `offset:width` in bits; fraction \
+         bits behind a point. Signed fields are two's complement. A mantissa `m` and its exponent `e` stand for m 2^e."
+    ));
+    let designs = DesignChoice::all();
+    let layouts: Vec<Layout> = designs
+        .iter()
+        .map(|design| Layout::new(&design.widths))
+        .collect();
+    let mut headings = vec!["field", "signed"];
+    headings.extend(designs.iter().map(|design| design.name.as_str()));
+    let mut table = Table::new(&headings);
+    for (index, first) in layouts[0].fields().iter().enumerate() {
+        let signed = if first.signed { "yes" } else { "" };
+        let places = layouts.iter().map(|layout| {
+            let field = layout.fields()[index];
+            format!("{}:{}.{}", field.offset, field.width, field.fraction)
+        });
+        table.push(
+            [first.name.to_owned(), signed.to_owned()]
+                .into_iter()
+                .chain(places),
+        );
+    }
+    let sizes = layouts
+        .iter()
+        .map(|layout| format!("{} ({})", layout.bits(), layout.words()));
+    table.push(
+        ["bits (words)".to_owned(), String::new()]
+            .into_iter()
+            .chain(sizes),
+    );
+    page.add(table.markdown());
+    page
+}

@@ -1,0 +1,176 @@
+//! Error against width, stage by stage and all together: the kernel's integers, and the floating-point formats that others use.
+//!
+//! One stage at a time is as narrow as the row says while all others keep deep32's widths (or single precision), so that a column tells what its
+//! stage alone costs; the last column has all of them narrow at once.
+
+use super::Page;
+use crate::table::Table;
+use crate::views::{DEEP_STACK, View};
+use anyhow::Result;
+use splatline::format::{Traversal, WIDTH_RANGES};
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed;
+use splatline_sim::machine::Config;
+use splatline_sim::machine::area::{Calibration, estimate, synthesis};
+use splatline_sim::metrics::compare;
+use splatline_sim::picture::Picture;
+use splatline_sim::reference::formats::{self, BFLOAT16, FP16, FP32, RoundedStages};
+use std::path::Path;
+
+/// Pixels a side.
+const SIZE: usize = 256;
+
+/// Views that are measured; the page shows the first.
+const VIEWS: [&str; 3] = ["guitar close-up", "playbot", DEEP_STACK];
+
+/// Bits of the rows.
+const WIDTHS: [u8; 7] = [8, 10, 12, 16, 18, 20, 24];
+
+/// The kernel's stages and their widths.
+const STAGES: [(&str, &[&str]); 5] = [
+    ("setup", &["position", "view", "mantissa", "subpixel"]),
+    ("radial index", &["radial"]),
+    ("kernel", &["table", "interpolation", "weight"]),
+    ("opacity", &["peak", "alpha"]),
+    ("blend", &["transmittance", "colour", "accumulator"]),
+];
+
+/// deep32 with these widths, each at most so many bits and within its range.
+fn narrowed(keys: &[&str], bits: u8) -> Result<DesignChoice> {
+    let mut text = String::from("base = \"deep32\"\n");
+    let deep = DesignChoice::all().remove(3).widths.numbers();
+    for ((key, low, _), own) in WIDTH_RANGES.iter().zip(deep) {
+        if keys.contains(key) {
+            text += &format!("{key} = {}\n", bits.max(*low).min(own));
+        }
+    }
+    Ok(DesignChoice::from_toml("narrowed.toml", &text)?)
+}
+
+/// PSNR of colours, dB.
+fn psnr(picture: &Picture, reference: &Picture) -> Result<String> {
+    Ok(format!(
+        "{:.1}",
+        compare(picture, reference)?.colour.psnr_db
+    ))
+}
+
+fn of_design(view: &View, design: &DesignChoice, reference: &Picture) -> Result<String> {
+    let options = fixed::Options {
+        traversal: Traversal::Spans,
+        ..view.options(design)
+    };
+    psnr(
+        &fixed::draw(&view.scene, &view.camera, &options).picture,
+        reference,
+    )
+}
+
+/// Look-up tables and multipliers of the primitive with four lanes.
+fn area(design: &DesignChoice) -> [String; 2] {
+    let area = estimate(
+        &design.widths,
+        Traversal::Spans,
+        &Config::primitive(4),
+        &Calibration::default(),
+    );
+    [area.raster.luts, area.raster.dsps].map(|count| count.to_string())
+}
+
+fn add_fixed(table: &mut Table, view: &View, reference: &Picture) -> Result<()> {
+    let all: Vec<&str> = STAGES
+        .iter()
+        .flat_map(|(_, keys)| keys.iter().copied())
+        .collect();
+    for bits in WIDTHS {
+        let mut row = vec![view.name.to_owned(), bits.to_string()];
+        for (_, keys) in STAGES {
+            row.push(of_design(view, &narrowed(keys, bits)?, reference)?);
+        }
+        let together = narrowed(&all, bits)?;
+        row.push(of_design(view, &together, reference)?);
+        table.push(row.into_iter().chain(area(&together)));
+    }
+    for design in DesignChoice::all() {
+        let mut row = vec![view.name.to_owned(), design.name.clone()];
+        row.extend(STAGES.iter().map(|_| String::new()));
+        row.push(of_design(view, &design, reference)?);
+        table.push(row.into_iter().chain(area(&design)));
+    }
+    Ok(())
+}
+
+fn add_floats(table: &mut Table, view: &View, reference: &Picture) -> Result<()> {
+    let single = RoundedStages::all(FP32);
+    for (name, format) in [("fp32", FP32), ("fp16", FP16), ("bfloat16", BFLOAT16)] {
+        let narrow = [
+            RoundedStages {
+                setup: format,
+                ..single
+            },
+            RoundedStages {
+                raster: format,
+                ..single
+            },
+            RoundedStages {
+                kernel: format,
+                ..single
+            },
+            RoundedStages {
+                blend: format,
+                ..single
+            },
+            RoundedStages::pixels(format),
+            RoundedStages::all(format),
+        ];
+        let mut row = vec![view.name.to_owned(), name.to_owned()];
+        for stages in narrow {
+            let drawing = formats::draw(&view.scene, &view.camera, &view.rules, &stages);
+            row.push(psnr(&drawing.picture, reference)?);
+        }
+        table.push(row);
+    }
+    Ok(())
+}
+
+/// The page over the scenes of a folder.
+pub fn page(data: &Path) -> Result<Page> {
+    let mut headings = vec!["scene", "bits"];
+    headings.extend(STAGES.iter().map(|(name, _)| *name));
+    headings.extend(["all", "LUT", "DSP"]);
+    let mut fixed = Table::new(&headings);
+    let mut floats = Table::new(&[
+        "scene",
+        "format",
+        "setup",
+        "radial index",
+        "kernel and opacity",
+        "blend",
+        "all but setup",
+        "all",
+    ]);
+    for name in VIEWS {
+        let view = View::load(name, data, SIZE)?;
+        let reference = view.reference();
+        add_fixed(&mut fixed, &view, &reference)?;
+        add_floats(&mut floats, &view, &reference)?;
+    }
+    let mut page = Page::new("widths", "Error against width");
+    page.add(format!(
+        "PSNR of colours in dB against the float reference, {SIZE}x{SIZE} pixels, spans, {}; [widths.csv](widths.csv) and [formats.csv](formats.csv) have \
+         playbot and the deep stack too. A column has its stage as narrow as the row says and everything else at \
+         deep32's widths; `all` has every stage narrow. A width stays within its own range, so that a row of few bits may hold wider ones. LUT and DSP are those of \
+         the primitive with four lanes and all stages so narrow: {}.",
+        VIEWS[0],
+        synthesis::statement(&Calibration::default())
+    ));
+    page.add(fixed.only(0, VIEWS[0]).markdown());
+    page.beside("widths.csv", fixed.csv());
+    page.add(
+        "Floating-point formats: the usual formulas (determinant as a difference, conic by division), every operation rounded; other stages in single precision. \
+         A centre is relative to its tile of 16 x 16 pixels.",
+    );
+    page.add(floats.only(0, VIEWS[0]).markdown());
+    page.beside("formats.csv", floats.csv());
+    Ok(page)
+}

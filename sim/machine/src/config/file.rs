@@ -1,0 +1,425 @@
+//! From TOML text to a [`Config`] and back. Errors name the file, the line, the key and what is allowed.
+
+use super::Config;
+use super::settings::{SETTINGS, setting};
+use crate::input;
+use serde::de::{Error as _, IntoDeserializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+use thiserror::Error;
+use toml::de::{DeTable, DeValue};
+use toml::{Table, Value};
+
+/// What is wrong with a machine file or with one setting.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("{file}: cannot read the machine: {problem}")]
+    Unreadable {
+        /// The file.
+        file: String,
+        /// What the system said.
+        problem: String,
+    },
+    /// Not TOML.
+    #[error("{file}: {problem}")]
+    Malformed {
+        /// The file.
+        file: String,
+        /// The parser's message, which names line and column.
+        problem: String,
+    },
+    /// No such key.
+    #[error("{place}: unknown key '{key}'{hint}")]
+    UnknownKey {
+        /// File and line, or the option.
+        place: String,
+        /// The key.
+        key: String,
+        /// What may have been meant.
+        hint: String,
+    },
+    /// A value of the wrong kind or out of range.
+    #[error("{place}: {key} = {value}: {allowed}")]
+    NotAllowed {
+        /// File and line, or the option.
+        place: String,
+        /// The key.
+        key: String,
+        /// The value found.
+        value: String,
+        /// What is allowed.
+        allowed: String,
+    },
+}
+
+/// Reads a machine file.
+pub fn from_file(path: &Path) -> Result<Config, ConfigError> {
+    let file = path.display().to_string();
+    let text = input::text(path, input::SETTINGS).map_err(|error| ConfigError::Unreadable {
+        file: file.clone(),
+        problem: error.to_string(),
+    })?;
+    from_toml(&file, &text)
+}
+
+/// Reads a machine from the text of a file; keys that it does not name keep their defaults.
+pub fn from_toml(file: &str, text: &str) -> Result<Config, ConfigError> {
+    let malformed = |error: toml::de::Error| ConfigError::Malformed {
+        file: file.to_owned(),
+        problem: error.to_string(),
+    };
+    let place = |start: usize| {
+        let line = 1 + text[..start].matches('\n').count();
+        format!("{file}:{line}")
+    };
+    let sections = DeTable::parse(text).map_err(malformed)?;
+    let mut config = Config::default();
+    let mut places = BTreeMap::new();
+    for (section, keys) in sections.get_ref() {
+        let DeValue::Table(keys) = keys.get_ref() else {
+            return Err(unknown(&place(section.span().start), section.get_ref()));
+        };
+        if !is_section(section.get_ref()) {
+            return Err(unknown(&place(section.span().start), section.get_ref()));
+        }
+        for (key, value) in keys {
+            let place = place(key.span().start);
+            let value = Value::deserialize(value.clone().into_deserializer()).map_err(malformed)?;
+            config.set(
+                &place,
+                &format!("{}.{}", section.get_ref(), key.get_ref()),
+                &value,
+            )?;
+            places.insert(key.get_ref().to_string(), place);
+        }
+    }
+    let place = |key: &str| {
+        places
+            .get(key)
+            .cloned()
+            .unwrap_or_else(|| format!("{file}:1"))
+    };
+    config.check_at(place)?;
+    Ok(config)
+}
+
+fn is_section(name: &str) -> bool {
+    SETTINGS.iter().any(|setting| setting.section == name)
+}
+
+impl Config {
+    /// Gives a setting a value; `place` says where that stands, for messages.
+    pub fn set(&mut self, place: &str, key: &str, value: &Value) -> Result<(), ConfigError> {
+        let Some(setting) = setting(key) else {
+            return Err(unknown(place, key));
+        };
+        if !setting.accepts(value) {
+            return Err(ConfigError::NotAllowed {
+                place: place.to_owned(),
+                key: key.to_owned(),
+                value: value.to_string(),
+                allowed: setting.allowed(),
+            });
+        }
+        self.put(setting, value.clone());
+        Ok(())
+    }
+
+    /// Gives settings values by `key=value` words, as the command line has them.
+    pub fn set_words(&mut self, words: &[String]) -> Result<(), ConfigError> {
+        for word in words {
+            let (key, text) = word.split_once('=').unwrap_or((word, ""));
+            let text = text.trim();
+            let number = text.parse().map(Value::Integer);
+            let value = number.unwrap_or_else(|_| Value::from(text));
+            self.set("--set", key.trim(), &value)?;
+        }
+        self.check_at(|_| "--set".to_owned())
+    }
+
+    /// Checks the settings together; `place` says where a key stands.
+    fn check_at(&self, place: impl FnOnce(&str) -> String) -> Result<(), ConfigError> {
+        let checked = self.check_together();
+        checked.map_err(|(key, value, allowed)| ConfigError::NotAllowed {
+            place: place(key),
+            key: key.to_owned(),
+            value,
+            allowed,
+        })
+    }
+}
+
+impl Serialize for Config {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut values = self.values();
+        let mut sections: BTreeMap<&str, Table> = BTreeMap::new();
+        for setting in SETTINGS.iter() {
+            let section = sections.entry(&setting.section).or_default();
+            section.extend(values.remove_entry(&setting.key));
+        }
+        sections.serialize(to)
+    }
+}
+
+impl<'de> Deserialize<'de> for Config {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Config, D::Error> {
+        let sections = BTreeMap::<String, Table>::deserialize(from)?;
+        let mut config = Config::default();
+        for (section, keys) in sections {
+            for (key, value) in keys {
+                let set = config.set("machine", &format!("{section}.{key}"), &value);
+                set.map_err(D::Error::custom)?;
+            }
+        }
+        let checked = config.check_at(|_| "machine".to_owned());
+        checked.map_err(D::Error::custom)?;
+        Ok(config)
+    }
+}
+
+/// The whole configuration with a comment per setting; reading it back gives the same configuration.
+pub fn to_toml(config: &Config) -> String {
+    let mut text = String::from(
+        "# A splatting machine. Times in clock cycles; what is left out keeps its default.\n",
+    );
+    let values = config.values();
+    let mut section = "";
+    for setting in SETTINGS.iter() {
+        if setting.section != section {
+            section = &setting.section;
+            // Writing to a String cannot fail.
+            let _ = writeln!(text, "\n[{section}]");
+        }
+        let (meaning, allowed) = (setting.meaning(), setting.allowed());
+        let line = format!("{} = {}", setting.key, values[&setting.key]);
+        let _ = writeln!(text, "{line:<32} # {meaning}; {allowed}");
+    }
+    text
+}
+
+/// The keys of the section that an unknown key stands in, or the sections.
+pub fn known(key: &str) -> String {
+    let section = key.split_once('.').map_or("", |(section, _)| section);
+    let in_section = SETTINGS.iter().filter(|setting| setting.section == section);
+    let keys: Vec<&str> = in_section.map(|setting| setting.key.as_str()).collect();
+    if !keys.is_empty() {
+        return format!("[{section}] has {}", keys.join(", "));
+    }
+    let mut sections: Vec<&str> = SETTINGS
+        .iter()
+        .map(|setting| setting.section.as_str())
+        .collect();
+    sections.dedup();
+    format!(
+        "the sections are {}; docs/files.md lists their keys",
+        sections.join(", ")
+    )
+}
+
+fn unknown(place: &str, key: &str) -> ConfigError {
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let hint = match setting(name) {
+        // The name that the setting once had, and that the command line has for something else.
+        None if name == "part" => {
+            ": the memory is memory_part; the FPGA is the option --part".to_owned()
+        }
+        Some(setting) => format!(": '{name}' belongs into [{}]", setting.section),
+        None => {
+            let start: String = name.chars().take(3).collect();
+            let near = SETTINGS
+                .iter()
+                .filter(|setting| setting.key.starts_with(&start));
+            let keys: Vec<&str> = near.map(|setting| setting.key.as_str()).collect();
+            if keys.is_empty() {
+                format!(": {}", known(key))
+            } else {
+                format!(": did you mean {}?", keys.join(" or "))
+            }
+        }
+    };
+    ConfigError::UnknownKey {
+        place: place.to_owned(),
+        key: key.to_owned(),
+        hint,
+    }
+}
+
+/// Line, counted from 1, on which `key` is set in `[section]` (or as `section.key`); 1 if it is not found.
+pub fn line_of(text: &str, section: &str, key: &str) -> usize {
+    let sets = |line: &str, name: &str| {
+        line.strip_prefix(name)
+            .is_some_and(|rest| rest.trim_start().starts_with('='))
+    };
+    let dotted = format!("{section}.{key}");
+    let quoted = format!("\"{key}\"");
+    let mut current = "";
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim();
+        if let Some(name) = line
+            .strip_prefix('[')
+            .and_then(|rest| rest.split(']').next())
+        {
+            current = name.trim();
+            if section.is_empty() && current == key {
+                return index + 1;
+            }
+        }
+        let inside = current == section && (sets(line, key) || sets(line, &quoted));
+        if inside || (current.is_empty() && sets(line, &dotted)) {
+            return index + 1;
+        }
+    }
+    1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::memory::parts::PARTS;
+
+    #[test]
+    fn the_resolved_file_reads_back() {
+        let mut config = Config::default();
+        config
+            .set_words(&[
+                "lanes=4".into(),
+                "layout=rows".into(),
+                "memory.latency=17".into(),
+            ])
+            .unwrap();
+        assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
+        assert_eq!(from_toml("m.toml", ""), Ok(Config::default()));
+    }
+
+    #[test]
+    fn a_reports_machine_reads_back() {
+        let mut config = Config::primitive(4);
+        config.set_words(&["memory.latency=17".into()]).unwrap();
+        let text = serde_json::to_string(&config).unwrap();
+        assert_eq!(serde_json::from_str::<Config>(&text).unwrap(), config);
+        let wrong = text.replace("17", "-17");
+        let error = serde_json::from_str::<Config>(&wrong).unwrap_err();
+        assert!(error.to_string().contains("latency"), "{error}");
+    }
+
+    #[test]
+    fn the_primitive_is_a_machine_and_keeps_what_the_circuit_fixes() {
+        for lanes in [1, 2, 4, 8, 16] {
+            let config = Config::named(&format!("primitive-{lanes}")).unwrap();
+            assert_eq!(config.lanes, lanes);
+            assert_eq!(from_toml("m.toml", &to_toml(&config)), Ok(config));
+        }
+        assert_eq!(Config::named("primitive-3"), None);
+        let mut config = Config::primitive(4);
+        let error = config.set_words(&["rows_at_once=2".into()]).unwrap_err();
+        assert!(error.to_string().contains("needs 1"), "{error}");
+        let mut config = Config::primitive(4);
+        config.set_words(&["splat_cycles=1".into()]).unwrap();
+        let error = config.set_words(&["splat_cycles=2".into()]).unwrap_err();
+        assert!(error.to_string().contains("allows 1 and 4"), "{error}");
+    }
+
+    #[test]
+    fn every_setting_can_be_set_to_its_limits() {
+        for setting in SETTINGS.iter() {
+            assert!(setting.accepts(&setting.default), "{}", setting.key);
+            let mut config = Config::default();
+            assert_eq!(setting.value(&config), setting.default);
+            for value in setting.limits() {
+                config.set("--set", &setting.key, &value).unwrap();
+                assert_eq!(setting.value(&config), value, "{}", setting.key);
+            }
+        }
+        assert_eq!(SETTINGS.len(), Config::default().values().len());
+        let parts = PARTS.iter().map(|part| Value::from(part.name));
+        let all = std::iter::once(Value::from("channels")).chain(parts);
+        assert!(setting("memory_part").unwrap().limits().into_iter().eq(all));
+    }
+
+    /// Every key of a file: what is beyond its range or of another kind is refused by file, line, key and what is allowed.
+    #[test]
+    fn every_key_is_refused_outside_its_range_by_name_and_line() {
+        for setting in SETTINGS.iter() {
+            let limits = setting.limits();
+            let numbers: Vec<i64> = limits.iter().filter_map(Value::as_integer).collect();
+            let mut wrong = vec!["\"none such\"".to_owned(), "1.5".to_owned()];
+            match (numbers.first(), numbers.last()) {
+                (Some(low), Some(high)) => {
+                    wrong.extend([low - 1, high + 1, i64::MAX].map(|number| number.to_string()));
+                }
+                _ => wrong.push("1".to_owned()),
+            }
+            for value in wrong {
+                let text = format!(
+                    "# a machine\n\n[{}]\n{} = {value}\n",
+                    setting.section, setting.key
+                );
+                let printed = from_toml("m.toml", &text).unwrap_err().to_string();
+                let place = format!("m.toml:4: {} = ", setting.path());
+                assert!(printed.starts_with(&place), "{printed}");
+                assert!(printed.ends_with(&setting.allowed()), "{printed}");
+                let mut config = Config::default();
+                let word = format!("{}={}", setting.key, value.trim_matches('"'));
+                if config.set_words(std::slice::from_ref(&word)).is_ok() {
+                    panic!("--set {word} was taken");
+                }
+            }
+        }
+    }
+
+    /// The name that a memory part once had is told what it is called now.
+    #[test]
+    fn the_old_name_of_a_memory_part_is_told_the_new_one() {
+        for (text, line) in [
+            ("[memory]\npart = \"ddr3-1600-x16\"\n", 2),
+            ("memory.part = 1\n", 1),
+        ] {
+            let printed = from_toml("m.toml", text).unwrap_err().to_string();
+            let expected = format!(
+                "m.toml:{line}: unknown key 'memory.part': the memory is memory_part; the FPGA is the option --part"
+            );
+            assert_eq!(printed, expected);
+        }
+    }
+
+    #[test]
+    fn errors_name_key_line_and_range() {
+        let message = |text: &str| from_toml("m.toml", text).unwrap_err().to_string();
+        assert_eq!(
+            message("[tile]\n\n[memory]\nlatency = 1000000\n"),
+            "m.toml:4: memory.latency = 1000000: allowed are 0 to 100000"
+        );
+        assert_eq!(
+            message("[lanes]\nlanes = 3\n"),
+            "m.toml:2: lanes.lanes = 3: allowed are 1, 2, 4, 8, 16, 32, 64"
+        );
+        assert_eq!(
+            message("[lanes]\nlayout = \"cube\"\n"),
+            "m.toml:2: lanes.layout = \"cube\": allowed are \"run\", \"aligned\", \"quad\", \"rows\""
+        );
+        assert_eq!(
+            message("[lanes]\nlatency = 3\n"),
+            "m.toml:2: unknown key 'lanes.latency': 'latency' belongs into [memory]"
+        );
+        assert!(message("[memory]\nlatencies = 3\n").contains("did you mean latency"));
+        assert!(
+            message("[lanes]\nlayout = \"quad\"\n")
+                .contains("m.toml:2: layout = \"quad\": allowed with 2")
+        );
+        assert!(message("x = \n").contains("line 1"));
+        assert!(message("tile.tile_width = 9").contains("m.toml:1"));
+        let printed = message("colour = 9");
+        assert!(
+            printed.contains("m.toml:1: unknown key 'colour': the sections are tile, memory"),
+            "{printed}"
+        );
+        let printed = message("[buffer]\nhue = 3\n");
+        assert!(
+            printed.contains("[buffer] has tile_buffers, buffer_banks"),
+            "{printed}"
+        );
+    }
+}

@@ -1,0 +1,106 @@
+//! Frames that the machine draws: small ones that show what goes wrong between its units, and captured scenes.
+
+use crate::order::loads::{OrderLoad, ordered};
+use crate::package::TILE;
+use crate::scenes::{SCENES, Seen, scenes};
+use crate::unit::Extent;
+use anyhow::Result;
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::hybrid::spacing;
+use splatline_sim::machine::workload::Workload;
+use splatline_sim::rules::{Antialias, Rules};
+use splatline_sim::scene::synthetic;
+
+/// A scene, its work for the model, and its lists.
+pub struct MachineLoad {
+    /// The scene.
+    pub seen: Seen,
+    /// What the model clocks.
+    pub workload: Workload,
+    /// The lists of its tiles.
+    pub lists: OrderLoad,
+    /// Cycles that model and circuit may be apart: what happens once in a frame is not modelled.
+    pub apart: u64,
+}
+
+impl MachineLoad {
+    /// Of a scene; with distance scaling it has the spacing of its samples.
+    fn new(mut seen: Seen, design: &DesignChoice, scales: bool, apart: u64) -> MachineLoad {
+        if scales {
+            seen.scene.natural_rules = spaced(&seen);
+        }
+        let (workload, lists) = ordered(&seen, design);
+        MachineLoad {
+            seen,
+            workload,
+            lists,
+            apart,
+        }
+    }
+
+    /// Columns and rows of its tiles.
+    pub fn tiles(&self) -> [usize; 2] {
+        let size = [self.seen.camera.width, self.seen.camera.height];
+        [0, 1].map(|axis| size[axis].div_ceil(TILE[axis].into()))
+    }
+}
+
+/// The rules of the scene with the spacing of its samples.
+fn spaced(seen: &Seen) -> Rules {
+    let rules = seen.scene.natural_rules;
+    rules.with_antialias(Antialias::Swan(spacing(&seen.scene)))
+}
+
+/// The frames of an extent.
+pub fn loads(
+    extent: Extent,
+    design: &DesignChoice,
+    scales: bool,
+    missing: &mut Vec<&'static str>,
+) -> Result<Vec<MachineLoad>> {
+    let (seen, apart) = match extent {
+        Extent::Quick => (small(), 1_200),
+        Extent::Full => (scenes(&SCENES, 128, missing)?, u64::MAX),
+    };
+    let load = |seen| MachineLoad::new(seen, design, scales, apart);
+    Ok(seen.into_iter().map(load).collect())
+}
+
+/// A crowd with lists that end within words, culled splats and tiles cut by the edge; a few splats among tiles without any, of which some are at the
+/// edges; a single row of pixels, whose many tiles are looked up while those without splats are written; and one tile alone with more splats than wait
+/// for it, behind which no word is on its way when its pixels begin to leave.
+fn small() -> Vec<Seen> {
+    let crowd = Seen {
+        name: "crowd",
+        scene: synthetic::random_gaussians(120, 9, 4.0),
+        camera: synthetic::camera(70, 45),
+    };
+    let sparse = Seen {
+        name: "sparse",
+        scene: synthetic::random_gaussians(7, 5, 2.0),
+        camera: synthetic::camera(200, 100),
+    };
+    let row = Seen {
+        name: "row",
+        scene: synthetic::random_gaussians(40, 3, 0.5),
+        camera: row_of(2_000),
+    };
+    let tile = Seen {
+        name: "tile",
+        scene: synthetic::random_gaussians(300, 4, 20.0),
+        camera: synthetic::camera(32, 32),
+    };
+    vec![crowd, sparse, row, tile]
+}
+
+/// A picture of one row that is as wide as a scene: the vertical focal length alone is so small that every splat meets it.
+fn row_of(columns: usize) -> Camera {
+    let camera = synthetic::camera(columns, columns);
+    Camera {
+        fy: 1.0,
+        cy: 0.5,
+        height: 1,
+        ..camera
+    }
+}

@@ -1,0 +1,350 @@
+//! A scene's records in a memory image, through the machine, and the frame that it leaves there: every pixel against the kernel's, cycles against the model's.
+
+use super::loads::{MachineLoad, loads};
+use crate::bench::Bench;
+use crate::circuit::{Circuit, MACHINE};
+use crate::findings::Findings;
+use crate::memory::{Memory, MemoryTiming};
+use crate::package::TILE;
+use crate::random::split_mix;
+use crate::rules::write_rules;
+use crate::setup::distant::enlarged;
+use crate::setup::program::with_distance_scaling;
+use crate::setup::record::record;
+use crate::setup::unit::write_constants;
+use crate::simulation::Simulation;
+use crate::unit::{Extent, Unit};
+use anyhow::{Context, Result, anyhow, ensure};
+use splatline::LentList;
+use splatline::Renderer;
+use splatline::blend::Pixel;
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::Layout;
+use splatline::format::{RuntimeWidths, Widths};
+use splatline::kernel::{entries, fill_gaussian};
+use splatline::rules::Rules;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed::QuantisedScene;
+use splatline_sim::machine::{Config, simulate_alone};
+
+/// Words of a record.
+const RECORD: usize = 5;
+
+/// Cycles without an access to the memory after which the machine hangs.
+const PATIENCE: u64 = 1 << 18;
+
+/// How frames are drawn.
+#[derive(Clone, Copy, Debug)]
+struct FrameTiming {
+    memory: MemoryTiming,
+    /// Frames in a row, of which the last counts: what one leaves behind must not reach the next. A single one shows whether it is said to be whole too early.
+    frames: u32,
+    /// Is there no room for the last entry of the lists?
+    full: bool,
+}
+
+/// A memory of usual latency at full speed; slow and narrow; with pauses, whose cycles no model counts, twice and once; and lists without room.
+const TIMINGS: [FrameTiming; 5] = [
+    timing([60, 0], 16, 2, false),
+    timing([300, 0], 4, 2, false),
+    timing([13, 3], 16, 2, false),
+    timing([13, 3], 16, 1, false),
+    timing([60, 0], 16, 1, true),
+];
+
+const fn timing([latency, pauses]: [u64; 2], bytes: u32, frames: u32, full: bool) -> FrameTiming {
+    FrameTiming {
+        memory: MemoryTiming {
+            latency,
+            pauses,
+            bytes,
+        },
+        frames,
+        full,
+    }
+}
+
+/// A machine.
+pub struct MachineUnit {
+    circuit: Circuit,
+    design: DesignChoice,
+    scales: bool,
+    config: Config,
+}
+
+impl MachineUnit {
+    /// A design's with so many cores of setup and lanes, with distance scaling or without.
+    pub fn new(design: &str, cores: u32, lanes: u32, scales: bool) -> Result<MachineUnit> {
+        let mut circuit = Circuit::new(&MACHINE, design, lanes)?.with("CORES", cores);
+        if scales {
+            circuit = circuit.with_program(with_distance_scaling);
+        }
+        let program = (circuit.program)(&circuit.widths)?;
+        // Every core of setup takes a splat in a round of the program.
+        let config = Config {
+            setup_units: cores,
+            setup_interval: program.round as u32,
+            setup_latency: program.latency() as u32,
+            ..Config::machine(lanes)
+        };
+        Ok(MachineUnit {
+            circuit,
+            design: DesignChoice::load(design)?,
+            scales,
+            config,
+        })
+    }
+
+    /// The model's cycles: all, geometry, raster.
+    fn modelled(&self, load: &MachineLoad, memory: &MemoryTiming) -> [u64; 3] {
+        let config = Config {
+            latency: memory.latency as u32,
+            read_bandwidth: memory.bytes,
+            write_bandwidth: memory.bytes,
+            ..self.config
+        };
+        let timing = simulate_alone(&load.workload, &config);
+        [timing.total, timing.geometry, timing.raster]
+    }
+}
+
+impl Unit for MachineUnit {
+    type Load = MachineLoad;
+    const COUNTS: &'static [&'static str] = &[
+        "splats",
+        "seen",
+        "beyond k",
+        "painted",
+        "entries",
+        "geometry",
+        "geometry, model",
+        "sort",
+        "lists",
+        "raster",
+        "raster, model",
+        "all, model",
+    ];
+    const PRESSURES: usize = TIMINGS.len();
+
+    fn circuit(&self) -> &Circuit {
+        &self.circuit
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<MachineLoad>> {
+        loads(extent, &self.design, self.scales, missing)
+    }
+
+    fn name(&self, load: &MachineLoad) -> String {
+        load.seen.name.to_owned()
+    }
+
+    fn compare(
+        &self,
+        circuit: Simulation,
+        load: &MachineLoad,
+        pressure: usize,
+    ) -> Result<Findings> {
+        let timing = TIMINGS[pressure];
+        let rules = load.seen.scene.natural_rules;
+        let scene = QuantisedScene::new(&load.seen.scene, &load.seen.camera, &rules);
+        let rules = scene.rules(&rules);
+        let widths = &self.circuit.widths;
+        let mut bench = Bench::new(circuit, 1)?;
+        write_constants(&mut bench, &self.circuit, &scene.view, &rules)?;
+        write_rules(&mut bench, widths, &rules)?;
+        // The tile buffers are cleared once.
+        (0..1_100).for_each(|_| bench.cycle());
+        let room = load.lists.entries() - usize::from(timing.full);
+        let (words, frame) = image(&mut bench, widths, &scene, room)?;
+        let mut run = FrameRun {
+            memory: Memory::new(&bench.circuit, words, timing.memory, 1)?,
+            bench,
+            phases: [0; 4],
+        };
+        let mut findings = Findings::default();
+        let drawn = (0..timing.frames).try_for_each(|_| run.frame(load));
+        drawn.with_context(|| format!("after {:?} cycles", run.phases))?;
+        // What was written last is on its way for a while.
+        (0..=timing.memory.latency).for_each(|_| run.memory.cycle(&mut run.bench.circuit));
+        let full = run.read("full")? == 1;
+        let [geometry, sort, fill, raster] = run.phases;
+        findings.cycles = run.phases.iter().sum();
+        let [all, geometry_model, raster_model] = self.modelled(load, &timing.memory);
+        let expected = kernel_frame(widths, &scene, &rules)?;
+        let clear = Pixel::clear(widths);
+        let painted = expected.iter().filter(|pixel| **pixel != clear).count();
+        for (name, count) in [
+            ("splats", scene.splats.len() as u64),
+            ("seen", run.read("visible")?),
+            (
+                "beyond k",
+                enlarged(widths, &scene.view, &rules, &scene.splats) as u64,
+            ),
+            ("painted", painted as u64),
+            ("entries", run.read("entries")?),
+            ("geometry", geometry),
+            ("geometry, model", geometry_model),
+            ("sort", sort),
+            ("lists", fill),
+            ("raster", raster),
+            ("raster, model", raster_model),
+            ("all, model", all),
+        ] {
+            findings.count(name, count);
+        }
+        findings.compared = expected.len() as u64;
+        let apart = all.abs_diff(findings.cycles);
+        findings.first_difference = if run.memory.beyond > 0 || full != timing.full {
+            Some(format!(
+                "{} accesses astray, full: {full}",
+                run.memory.beyond
+            ))
+        } else if full {
+            None
+        } else if timing.memory.pauses == 0 && apart >= load.apart {
+            Some(format!("{} cycles, {all} by the model", findings.cycles))
+        } else {
+            let size = scene.view.viewport.map(usize::from);
+            difference(&expected, &run.memory.words[frame..], size)
+        };
+        Ok(findings)
+    }
+}
+
+/// A machine that draws frames.
+struct FrameRun {
+    bench: Bench,
+    memory: Memory,
+    /// Cycles of geometry, sort, lists and raster.
+    phases: [u64; 4],
+}
+
+impl FrameRun {
+    fn frame(&mut self, load: &MachineLoad) -> Result<()> {
+        let circuit = &mut self.bench.circuit;
+        let [begins, phase, listing] =
+            ["begins", "phase", "listing"].map(|name| circuit.port(name));
+        let (begins, phase, listing) = (begins?, phase?, listing?);
+        self.phases = [0; 4];
+        circuit.set(begins, 1);
+        self.memory.cycle(circuit);
+        circuit.set(begins, 0);
+        // A circuit that goes on reading and writing hangs as well.
+        let work = 1_000 * load.seen.scene.splats.len() + 1_100 * load.lists.entries();
+        let pixels = load.seen.camera.width * load.seen.camera.height;
+        let limit = PATIENCE + (work + 16 * pixels) as u64;
+        let mut idle = 0;
+        for cycle in 0.. {
+            let moved = self.memory.read + self.memory.written;
+            self.memory.settle(circuit);
+            let now = circuit.get(phase);
+            let lists = now == 2 && circuit.is(listing);
+            self.memory.edge(circuit);
+            match now {
+                0 => return Ok(()),
+                1 => self.phases[0] += 1,
+                2 if lists => self.phases[2] += 1,
+                2 => self.phases[1] += 1,
+                _ => self.phases[3] += 1,
+            }
+            idle += 1;
+            if self.memory.read + self.memory.written != moved {
+                idle = 0;
+            }
+            ensure!(idle < PATIENCE && cycle < limit, "the machine hangs");
+        }
+        Ok(())
+    }
+
+    fn read(&self, name: &str) -> Result<u64> {
+        let circuit = &self.bench.circuit;
+        Ok(circuit.get(circuit.port(name)?))
+    }
+}
+
+/// Records at the beginning, bits of nothing in all places that the machine is to write, and a word between any two regions; drives the ports that say where
+/// all of it lies. Gives the image and the word at which the frame begins.
+fn image(
+    bench: &mut Bench,
+    widths: &Widths,
+    scene: &QuantisedScene,
+    room: usize,
+) -> Result<(Vec<[u32; 4]>, usize)> {
+    let mut words: Vec<[u32; 4]> = Vec::new();
+    for splat in &scene.splats {
+        let record = record(splat).context("a splat without a place in a record")?;
+        let mut padded = [0; 4 * RECORD];
+        padded[..record.len()].copy_from_slice(&record);
+        words.extend(padded.as_chunks::<4>().0);
+    }
+    let count = scene.splats.len();
+    let packet = Layout::new(widths).words().div_ceil(4);
+    let [columns, rows] = scene.view.viewport;
+    let pixels = usize::from(columns) * usize::from(rows);
+    let mut next = words.len() + 1;
+    for (base, size) in [
+        ("base_packets", packet * count),
+        ("base_a", count),
+        ("base_b", count),
+        ("base_lists", room.div_ceil(4)),
+        ("base_frame", pixels),
+    ] {
+        bench.set(&[(base, next as u64)])?;
+        next += size + 1;
+    }
+    ensure!(room < 1 << 24, "more list entries than the machine counts");
+    bench.set(&[
+        ("records", count as u64),
+        ("most", room as u64),
+        ("columns", columns.into()),
+        ("rows", rows.into()),
+    ])?;
+    let mut state = 1;
+    words.resize_with(next, || [(); 4].map(|()| split_mix(&mut state) as u32));
+    Ok((words, next - pixels - 1))
+}
+
+/// The frame by the kernel's own renderer.
+fn kernel_frame(widths: &Widths, scene: &QuantisedScene, rules: &Rules) -> Result<Vec<Pixel>> {
+    let design = RuntimeWidths::new(*widths).ok();
+    let mut memory = vec![0; entries(widths)];
+    fill_gaussian(&mut memory, widths, rules.table_range);
+    let design = design.context("widths out of range")?;
+    let renderer =
+        Renderer::with_table(design, *rules, &memory).map_err(|error| anyhow!("{error:?}"))?;
+    let mut footprints = vec![Footprint::EMPTY; scene.splats.len()];
+    let mut order = vec![0; scene.splats.len()];
+    let mut list = LentList::new(&mut footprints, &mut order);
+    let [columns, rows] = scene.view.viewport.map(usize::from);
+    let mut pixels = vec![Pixel::clear(widths); columns * rows];
+    renderer
+        .render(&scene.view, &scene.splats, &mut list, &mut pixels)
+        .map_err(|error| anyhow!("{error}"))?;
+    Ok(pixels)
+}
+
+/// The first pixel with another word than the kernel's.
+fn difference(expected: &[Pixel], got: &[[u32; 4]], size: [usize; 2]) -> Option<String> {
+    let word = |pixel: &Pixel| {
+        let [red, green, blue] = pixel.colour;
+        [pixel.transmittance, red, green, blue]
+    };
+    let mut places = places(size).zip(got);
+    let (place, got) = places.find(|(place, got)| word(&expected[*place]) != **got)?;
+    let at = [place % size[0], place / size[0]];
+    let wanted = word(&expected[place]);
+    Some(format!("pixel {at:?}: {got:x?}, not {wanted:x?}"))
+}
+
+/// Places of the frame's pixels in the order in which the machine writes them: tile by tile, each row by row.
+fn places([columns, rows]: [usize; 2]) -> impl Iterator<Item = usize> {
+    let tile = TILE.map(usize::from);
+    let tiles = (0..rows)
+        .step_by(tile[1])
+        .flat_map(move |y| (0..columns).step_by(tile[0]).map(move |x| [x, y]));
+    tiles.flat_map(move |[left, top]| {
+        let bottom = rows.min(top + tile[1]);
+        let right = columns.min(left + tile[0]);
+        (top..bottom).flat_map(move |y| (left..right).map(move |x| y * columns + x))
+    })
+}

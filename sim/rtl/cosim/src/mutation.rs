@@ -1,0 +1,307 @@
+//! Mutations: circuits with one small mistake each, which the comparisons must notice. `mutations.tsv` lists them all; here they are put into the sources.
+//!
+//! Building a circuit takes longer than judging a mutation by it, so that one circuit holds many, of which a number picks one when it is simulated. An item of
+//! a module (`always_ff`, `always_comb`, `assign`, a function) with mutations in it becomes a choice between its texts with one of them each and the text
+//! as it is. A mutation outside such items (a parameter, a port, a package) has no choice and is built alone. The committed circuits know nothing of this.
+
+use crate::circuit::Source;
+use anyhow::{Context, Result, ensure};
+use std::ops::Range;
+
+/// One mutation: in `file`, the text `from` (which occurs once) becomes `to`.
+#[derive(Clone, Debug)]
+pub struct Mutation {
+    /// What must notice it: a unit's comparison, or a proof.
+    pub judge: String,
+    /// What went wrong, in words.
+    pub name: String,
+    /// The file of `sim/rtl`.
+    pub file: String,
+    /// Text of the circuit.
+    pub from: String,
+    /// The mistake.
+    pub to: String,
+}
+
+/// The place of a mutation in its list, from 1 on; 0 is none.
+pub type MutationNumber = usize;
+
+const TABLE: &str = include_str!("../mutations.tsv");
+
+/// The mutations that a unit's comparison or a proof must notice.
+pub fn mutations(judge: &str) -> Result<Vec<Mutation>> {
+    let mut all = Vec::new();
+    for line in TABLE.lines().skip(1) {
+        let mutation = parse(line).with_context(|| format!("mutations.tsv: '{line}'"))?;
+        if mutation.judge == judge {
+            all.push(mutation);
+        }
+    }
+    ensure!(!all.is_empty(), "mutations.tsv names no '{judge}'");
+    Ok(all)
+}
+
+/// A line's five columns; a line break within one is written `\n`.
+fn parse(line: &str) -> Option<Mutation> {
+    let columns = line.split('\t').map(|column| column.replace("\\n", "\n"));
+    let [judge, name, file, from, to] = columns.collect::<Vec<String>>().try_into().ok()?;
+    Some(Mutation {
+        judge,
+        name,
+        file,
+        from,
+        to,
+    })
+}
+
+impl Mutation {
+    /// The file's text with the mistake, whose place must be there once.
+    pub fn applied(&self, text: &str) -> Result<String> {
+        let Mutation { file, from, to, .. } = self;
+        let places = text.matches(from.as_str()).count();
+        ensure!(
+            places == 1,
+            "{file}: '{from}' occurs {places} times, not once; adapt mutations.tsv"
+        );
+        Ok(text.replace(from, to))
+    }
+}
+
+/// Sources with choices, and which of the mutations are among them.
+#[derive(Debug)]
+pub struct Switched {
+    /// The sources.
+    pub sources: Vec<Source>,
+    /// Mutations that have a choice.
+    pub chosen: Vec<MutationNumber>,
+}
+
+/// Sources with a choice for each of the mutations that can have one.
+pub fn with_choices(sources: Vec<Source>, mutations: &[Mutation]) -> Result<Switched> {
+    let mut switched = Switched {
+        sources: Vec::new(),
+        chosen: Vec::new(),
+    };
+    for (name, text) in sources {
+        let own = (1..).zip(mutations).filter(|(_, m)| m.file == name);
+        let (text, chosen) = file_with_choices(&text, own).with_context(|| name.clone())?;
+        switched.sources.push((name, text));
+        switched.chosen.extend(chosen);
+    }
+    Ok(switched)
+}
+
+/// What a module is told the number by: `+mutation=NUMBER`.
+const NUMBER: &str = "
+  int mutation;
+  initial if ($value$plusargs(\"mutation=%d\", mutation) == 0) mutation = 0;
+";
+
+/// The end of a module's ports.
+const PORTS_END: &str = "\n);\n";
+
+fn file_with_choices<'a>(
+    text: &str,
+    mutations: impl Iterator<Item = (MutationNumber, &'a Mutation)>,
+) -> Result<(String, Vec<MutationNumber>)> {
+    let items = items(text);
+    let mut wrong: Vec<Vec<(MutationNumber, String)>> = vec![Vec::new(); items.len()];
+    let mut chosen = Vec::new();
+    for (number, mutation) in mutations {
+        let changed = mutation.applied(text)?;
+        let place = text.find(&mutation.from).context("its place is there")?;
+        let end = place + mutation.from.len();
+        let holds = |item: &Range<usize>| item.start <= place && end <= item.end;
+        // A file without ports is a package.
+        if let Some(index) = items.iter().position(holds)
+            && text.contains(PORTS_END)
+        {
+            let item = &items[index];
+            let end = item.end + changed.len() - text.len();
+            wrong[index].push((number, changed[item.start..end].to_owned()));
+            chosen.push(number);
+        }
+    }
+    if chosen.is_empty() {
+        return Ok((text.to_owned(), chosen));
+    }
+    let mut result = String::new();
+    let mut done = 0;
+    for (item, wrong) in items.iter().zip(&wrong).filter(|(_, w)| !w.is_empty()) {
+        result += &text[done..item.start];
+        result += &choice(&text[item.clone()], wrong)?;
+        done = item.end;
+    }
+    result += &text[done..];
+    let result = result.replacen(PORTS_END, &format!("{PORTS_END}{NUMBER}"), 1);
+    Ok((result, chosen))
+}
+
+/// The choice between an item and its wrong texts.
+fn choice(right: &str, wrong: &[(MutationNumber, String)]) -> Result<String> {
+    let (head, body) = parts(right)?;
+    let mut text = format!("{head} begin\n");
+    for (number, wrong) in wrong {
+        let (same, wrong) = parts(wrong)?;
+        ensure!(same == head, "a mutation changes an item's head: {head}");
+        text += &format!("if (mutation == {number}) begin\n{wrong}\nend else ");
+    }
+    text += &format!("begin\n{body}\nend\nend\n");
+    if right.starts_with("function") {
+        text += "endfunction";
+    }
+    Ok(text)
+}
+
+/// What stands before an item's statement, and the statement.
+fn parts(item: &str) -> Result<(&str, &str)> {
+    for keyword in ["assign", "always_comb"] {
+        if let Some(body) = item.strip_prefix(keyword) {
+            return Ok(("always_comb", body));
+        }
+    }
+    if item.starts_with("always_ff") {
+        let end = item.find(')').context("always_ff without a clock")? + 1;
+        return Ok(item.split_at(end));
+    }
+    let end = item.find(';').context("a function without a head")? + 1;
+    let body = item[end..].trim_end();
+    let body = body.strip_suffix("endfunction");
+    Ok((&item[..end], body.context("a function without an end")?))
+}
+
+/// Where a module's items begin and end; others than those above are passed over.
+fn items(text: &str) -> Vec<Range<usize>> {
+    let mut items = Vec::new();
+    let mut open: Option<(usize, &str)> = None;
+    let mut depth = 0;
+    for (place, word) in words(text) {
+        let Some((start, kind)) = open else {
+            if ["assign", "always_comb", "always_ff", "function"].contains(&word) {
+                (open, depth) = (Some((place, word)), 0);
+            }
+            continue;
+        };
+        match word {
+            "begin" | "case" => depth += 1,
+            "end" | "endcase" => depth -= 1,
+            _ => {}
+        }
+        let ends = match kind {
+            "function" => word == "endfunction",
+            _ => depth == 0 && ["end", "endcase", ";"].contains(&word),
+        };
+        if ends {
+            items.push(start..place + word.len());
+            open = None;
+        }
+    }
+    items
+}
+
+/// Words and semicolons, without those of comments.
+fn words(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut place = 0;
+    std::iter::from_fn(move || {
+        loop {
+            let rest = text.get(place..)?;
+            let first = rest.chars().next()?;
+            let begin = place;
+            if rest.starts_with("//") {
+                place += rest.find('\n').unwrap_or(rest.len());
+            } else if first.is_ascii_alphanumeric() || first == '_' {
+                let of_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+                place += rest.find(|c| !of_word(c)).unwrap_or(rest.len());
+                return Some((begin, &text[begin..place]));
+            } else {
+                place += first.len_utf8();
+                if first == ';' {
+                    return Some((begin, &text[begin..place]));
+                }
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circuit::{Circuit, HARMONICS, MACHINE, ORDER, PRIMITIVE, SETUP};
+
+    const UNIT: &str = "// A unit; assign nothing.
+module unit (
+    input logic clk,
+    input logic a,
+    output logic b
+);
+  logic c;  // begin
+  assign c = !a;
+  other #(.EMPTY(1)) rest (.clk, .c);
+  function automatic logic turned(input logic value);
+    turned = !value;
+  endfunction
+  always_ff @(posedge clk) begin
+    if (a) begin
+      b <= turned(c);
+    end
+  end
+endmodule
+";
+
+    fn switched(mutations: &[Mutation]) -> (String, Vec<MutationNumber>) {
+        let sources = vec![("unit.sv".to_owned(), UNIT.to_owned())];
+        let mut switched = with_choices(sources, mutations).unwrap();
+        (switched.sources.remove(0).1, switched.chosen)
+    }
+
+    #[test]
+    fn items_with_mutations_become_choices() {
+        let mutations = [
+            "unit\tanother's\trest.sv\ta\tb",
+            "unit\twire\tunit.sv\tc = !a\tc = a",
+            "unit\tparameter\tunit.sv\tEMPTY(1)\tEMPTY(0)",
+            "unit\tregister\tunit.sv\tb <= turned(c);\tb <= c;",
+            "unit\tcondition\tunit.sv\tif (a)\tif (1'b1)",
+            "unit\tfunction\tunit.sv\tturned = !value\tturned = value",
+        ];
+        let (text, chosen) = switched(&mutations.map(|line| parse(line).unwrap()));
+        assert_eq!(chosen, [2, 4, 5, 6]);
+        let plain: Vec<&str> = text.split_whitespace().collect();
+        let plain = plain.join(" ");
+        for part in [
+            "); int mutation; initial",
+            "always_comb begin if (mutation == 2) begin c = a; end else begin c = !a; end end",
+            "other #(.EMPTY(1)) rest",
+            "function automatic logic turned(input logic value); begin if (mutation == 6) begin turned = value; end else begin turned = !value; end end endfunction",
+            "always_ff @(posedge clk) begin if (mutation == 4) begin begin if (a) begin b <= c; end end end else if (mutation == 5) begin begin if (1'b1) begin",
+        ] {
+            assert!(plain.contains(part), "{part}\n{text}");
+        }
+    }
+
+    #[test]
+    fn a_unit_without_mutations_stays_as_it_is() {
+        assert_eq!(switched(&[]), (UNIT.to_owned(), Vec::new()));
+    }
+
+    /// The circuits change; a mutation whose place has gone would say so only when it is judged.
+    #[test]
+    fn every_mutation_has_its_place() {
+        for (judge, unit, choices) in [
+            ("primitive", &PRIMITIVE, 42),
+            ("setup", &SETUP, 49),
+            ("machine", &MACHINE, 22),
+            ("order", &ORDER, 26),
+            ("harmonics", &HARMONICS, 41),
+        ] {
+            let sources = Circuit::new(unit, "lean18", 1).unwrap().sources().unwrap();
+            let mutations = mutations(judge).unwrap();
+            for mutation in &mutations {
+                let source = sources.iter().find(|source| source.0 == mutation.file);
+                mutation.applied(&source.unwrap().1).unwrap();
+            }
+            let chosen = with_choices(sources, &mutations).unwrap().chosen;
+            assert_eq!(chosen.len(), choices, "{judge}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! In which cycle every handshake inside the circuit took place, and whether the machine's clock says the same, splat by splat.
+
+use super::workload::{BenchTile, BenchWorkload};
+use crate::simulation::{Port, Simulation};
+use anyhow::Result;
+use splatline::format::Design;
+use splatline_sim::machine::primitive::{LaneRun, PrimitiveClock, QUEUE, for_each_slot};
+
+/// Lanes that a circuit may have.
+const MOST_LANES: usize = 16;
+
+/// Cycles of a tile's handshakes, in the order in which they took place.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Stamps {
+    /// From which cycle on each packet was offered.
+    pub offered: Vec<u64>,
+    /// Each packet's handshake.
+    pub taken: Vec<u64>,
+    /// The row generator takes each splat over from setup.
+    pub begun: Vec<u64>,
+    /// Each run leaves the row generator.
+    pub left: Vec<u64>,
+    /// Each run is popped from the queue of its lane.
+    pub popped: [Vec<u64>; MOST_LANES],
+    /// The last packet's last pixel has left its lane.
+    pub idle_at: Option<u64>,
+}
+
+/// The ports that show the handshakes.
+pub struct StampPorts {
+    packet_valid: Port,
+    packet_ready: Port,
+    splat_begun: Port,
+    run_left: Port,
+    lanes_popped: Port,
+    raster_idle: Port,
+}
+
+impl StampPorts {
+    /// Of a circuit.
+    pub fn new(circuit: &Simulation) -> Result<StampPorts> {
+        Ok(StampPorts {
+            packet_valid: circuit.port("packet_valid")?,
+            packet_ready: circuit.port("packet_ready")?,
+            splat_begun: circuit.port("splat_begun")?,
+            run_left: circuit.port("run_left")?,
+            lanes_popped: circuit.port("lanes_popped")?,
+            raster_idle: circuit.port("raster_idle")?,
+        })
+    }
+
+    /// Lanes that pop a run in this cycle, a bit for each.
+    pub fn popped(&self, circuit: &Simulation) -> u64 {
+        circuit.get(self.lanes_popped)
+    }
+}
+
+impl Stamps {
+    /// Notes what the circuit's ports say in a cycle, for a tile of so many packets.
+    pub fn note(&mut self, ports: &StampPorts, circuit: &Simulation, now: u64, packets: usize) {
+        let all_taken = self.taken.len() == packets;
+        if all_taken && circuit.is(ports.raster_idle) && self.idle_at.is_none() {
+            self.idle_at = Some(now);
+        }
+        if circuit.is(ports.packet_valid) {
+            if self.offered.len() == self.taken.len() {
+                self.offered.push(now);
+            }
+            if circuit.is(ports.packet_ready) {
+                self.taken.push(now);
+            }
+        }
+        if circuit.is(ports.splat_begun) {
+            self.begun.push(now);
+        }
+        if circuit.is(ports.run_left) {
+            self.left.push(now);
+        }
+        let mut lanes = ports.popped(circuit);
+        while lanes != 0 {
+            self.popped[lanes.trailing_zeros() as usize].push(now);
+            lanes &= lanes - 1;
+        }
+    }
+
+    /// Cycles from the first packet's handshake to the last packet's last pixel; 0 without packets.
+    pub fn raster_cycles(&self) -> u64 {
+        let ends = self.taken.first().zip(self.idle_at);
+        ends.map_or(0, |(first, last)| last - first)
+    }
+
+    /// The first handshake in another cycle than the machine's clock says, to which the same packets are offered in the same cycles.
+    pub fn difference<D: Design>(
+        &self,
+        design: D,
+        [lanes, interval]: [u32; 2],
+        tile: &BenchTile,
+        workload: &BenchWorkload,
+    ) -> Option<String> {
+        let mut same = Same::default();
+        // The first packet is offered before its tile has begun; time is counted from its handshake, and with it the turns of setup.
+        let first = self.taken.first().copied().unwrap_or(0);
+        let lanes = lanes as usize;
+        let mut clock = PrimitiveClock::with_interval(lanes, QUEUE, interval, first);
+        let mut left = self.left.iter();
+        let mut popped = self.popped.each_ref().map(|lane| lane.iter());
+        for (place, index) in tile.list.iter().enumerate() {
+            same.splat = place;
+            let footprint = &workload.footprints[*index as usize];
+            let offered = self.offered.get(place).copied().unwrap_or(0);
+            let stamp = clock.packet(offered.max(first));
+            same.check("packet taken", stamp.taken, self.taken.get(place));
+            same.check("rows begun", stamp.begun, self.begun.get(place));
+            for_each_slot(design, footprint, &tile.window, lanes, |run| {
+                let slot = clock.slot(run);
+                if let (Some(LaneRun { lane, .. }), Some(cycle)) = (run, slot.popped) {
+                    same.check("run left the rows", slot.left, left.next());
+                    same.check("run popped", cycle, popped[lane].next());
+                }
+            });
+        }
+        if !tile.list.is_empty() {
+            same.check("last pixel", clock.idle_at(), self.idle_at.as_ref());
+        }
+        same.check("runs left over", 0, Some(&(left.len() as u64)));
+        same.first
+    }
+}
+
+/// The first cycle that is not the same, in words.
+#[derive(Default)]
+struct Same {
+    splat: usize,
+    first: Option<String>,
+}
+
+impl Same {
+    fn check(&mut self, what: &str, model: u64, circuit: Option<&u64>) {
+        if self.first.is_none() && circuit != Some(&model) {
+            let circuit = circuit.map_or("never".to_owned(), |cycle| format!("in cycle {cycle}"));
+            let place = self.splat;
+            self.first = Some(format!(
+                "splat {place}: {what} in cycle {model} by the model, {circuit} by the circuit"
+            ));
+        }
+    }
+}

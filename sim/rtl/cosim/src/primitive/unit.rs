@@ -1,0 +1,432 @@
+//! Tiles through the primitive: the next one is drawn while the last is read out, with back-pressure at every interface.
+
+use super::stamps::{StampPorts, Stamps};
+use super::words::{self, Roots};
+use super::workload::{self, BenchTile, BenchWorkload};
+use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
+use crate::circuit::{Circuit, PRIMITIVE};
+use crate::findings::Findings;
+use crate::rules::write_rules;
+use crate::scenes::scenes;
+use crate::simulation::{Port, Simulation};
+use crate::unit::{Extent, Unit};
+use anyhow::{Context, Result};
+use splatline::blend::{FINISHED, Pixel};
+use splatline::draw::{Coverage, Painter};
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::Layout;
+use splatline::format::{RuntimeWidths, Traversal, Widths};
+use splatline::kernel::{FootprintTable, entries, fill_gaussian};
+use splatline::rules::{Compositing, Rules as KernelRules};
+use splatline::target::Target;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed::kernel_rules;
+use splatline_sim::machine::primitive::SETUP_INTERVAL;
+use splatline_sim::rules::Rules;
+
+/// The numbers of lanes that tests draw with.
+pub const LANES: [u32; 2] = [1, 4];
+
+/// At full speed; with packets that come late and nothing else, so that cycles can still be compared; with back-pressure everywhere.
+pub const PRESSURES: [Pressure; 3] = [pressure(0, 0, 0), pressure(200, 0, 0), pressure(80, 60, 90)];
+
+const fn pressure(packets: u8, lanes: u8, pixels: u8) -> Pressure {
+    Pressure {
+        offers: [packets; 2],
+        answers: pixels,
+        inside: lanes,
+        stalls: 0,
+        resets: 0,
+        retracts: false,
+    }
+}
+
+/// Footprints and tiles under rules.
+pub struct PrimitiveLoad {
+    /// The rules' name.
+    pub rules_name: &'static str,
+    /// The kernel's rules.
+    pub rules: KernelRules,
+    /// Footprints and tiles.
+    pub workload: BenchWorkload,
+}
+
+/// The primitive of a design with some lanes.
+pub struct PrimitiveUnit {
+    circuit: Circuit,
+    design: DesignChoice,
+    lanes: u32,
+    interval: u32,
+}
+
+impl PrimitiveUnit {
+    /// As it usually is.
+    pub fn new(design: &str, lanes: u32) -> Result<PrimitiveUnit> {
+        Self::with_interval(design, lanes, SETUP_INTERVAL)
+    }
+
+    /// With other cycles between two packets.
+    pub fn with_interval(design: &str, lanes: u32, interval: u32) -> Result<PrimitiveUnit> {
+        let circuit = Circuit::new(&PRIMITIVE, design, lanes)?.with("SETUP_INTERVAL", interval);
+        let mut choice = DesignChoice::load("standard24")?.at_run_time();
+        choice.name = design.to_owned();
+        choice.widths = circuit.widths;
+        Ok(PrimitiveUnit {
+            circuit,
+            design: choice,
+            lanes,
+            interval,
+        })
+    }
+
+    /// The workloads of scenes under one of their rules.
+    fn of_rules(
+        &self,
+        rules: &Rules,
+        extent: Extent,
+        missing: &mut Vec<&'static str>,
+    ) -> Result<Vec<BenchWorkload>> {
+        let (design, widths) = (&self.design, &self.circuit.widths);
+        let (random, size, deep) = match extent {
+            Extent::Quick => (1_200, 256, 64),
+            Extent::Full => (40_000, 512, 128),
+        };
+        let mut workloads = vec![
+            workload::random(widths, random, 20, 7),
+            workload::random(widths, random / 4, 1, 8),
+            workload::vast(widths, random / 12, 10),
+            workload::crowd(design, rules),
+            workload::sparse(design, rules),
+            workload::hard(design, rules)?,
+        ];
+        let mut seen = scenes(&["deep stack"], deep, missing)?;
+        seen.extend(scenes(&["guitar", "lion"], size, missing)?);
+        workloads.extend(
+            seen.iter()
+                .map(|seen| workload::picture(seen, design, rules)),
+        );
+        Ok(workloads)
+    }
+}
+
+impl Unit for PrimitiveUnit {
+    type Load = PrimitiveLoad;
+    const COUNTS: &'static [&'static str] = &[
+        "tiles",
+        "splats",
+        "visited",
+        "covered",
+        "roots",
+        "splats timed",
+        "raster cycles",
+    ];
+    const PRESSURES: usize = PRESSURES.len();
+
+    fn circuit(&self) -> &Circuit {
+        &self.circuit
+    }
+
+    /// Scenes and random packets; and random packets by rules that skip what is faint inside of a footprint. Those of scenes skip nothing there: `3dgs` ends a
+    /// footprint where it becomes faint, and `ewa` draws what is there.
+    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<PrimitiveLoad>> {
+        let mut loads = Vec::new();
+        for (rules_name, rules) in [("3dgs", Rules::GAUSSIAN_3D), ("ewa", Rules::EWA)] {
+            for workload in self.of_rules(&rules, extent, missing)? {
+                loads.push(PrimitiveLoad {
+                    rules_name,
+                    rules: kernel_rules(&rules),
+                    workload,
+                });
+            }
+        }
+        let faint = Rules {
+            alpha_min: Rules::GAUSSIAN_3D.alpha_min,
+            ..Rules::EWA
+        };
+        let count = match extent {
+            Extent::Quick => 600,
+            Extent::Full => 20_000,
+        };
+        loads.push(PrimitiveLoad {
+            rules_name: "ewa, faint skipped",
+            rules: kernel_rules(&faint),
+            workload: workload::random(&self.circuit.widths, count, 20, 9),
+        });
+        if extent == Extent::Quick {
+            loads
+                .iter_mut()
+                .for_each(|load| shorten(&mut load.workload));
+        }
+        Ok(loads)
+    }
+
+    fn name(&self, load: &PrimitiveLoad) -> String {
+        format!("{}, {}", load.workload.name, load.rules_name)
+    }
+
+    fn compare(
+        &self,
+        circuit: Simulation,
+        load: &PrimitiveLoad,
+        pressure: usize,
+    ) -> Result<Findings> {
+        let widths = &self.circuit.widths;
+        let pressure = &PRESSURES[pressure];
+        let mut bench = Bench::new(circuit, 1)?;
+        write_rules(&mut bench, widths, &load.rules)?;
+        let difference = words::first_difference(&mut bench, widths.mantissa)?;
+        if difference.is_some() {
+            return Ok(Findings {
+                first_difference: difference,
+                ..Findings::default()
+            });
+        }
+        let golden = Golden::new(widths, &load.rules)?;
+        let layout = Layout::new(widths);
+        let BenchWorkload {
+            tiles, footprints, ..
+        } = &load.workload;
+        let items: Vec<Item> = tiles
+            .iter()
+            .map(|tile| item(&layout, tile, footprints))
+            .collect();
+        let mut coverage = Coverage::default();
+        let mut pixels = Vec::new();
+        for tile in tiles {
+            let (drawn, covered) = golden.draw(tile, footprints);
+            pixels.extend(drawn);
+            coverage += covered;
+        }
+        let channels = channels(&bench.circuit)?;
+        let mut checker = PrimitiveChecker {
+            design: golden.design,
+            shape: [self.lanes, self.interval],
+            timed: (pressure.inside == 0).then_some(0),
+            load,
+            pixels,
+            tile: 0,
+            stamps: Stamps::default(),
+            raster_cycles: 0,
+            roots: Roots::new(&bench.circuit)?,
+            ports: PrimitivePorts::new(&bench.circuit)?,
+            enabled: true,
+        };
+        let mut findings = bench.run(&channels, &items, pressure, &mut checker)?;
+        let splats = tiles.iter().map(|tile| tile.list.len() as u64).sum();
+        for (name, count) in [
+            ("tiles", tiles.len() as u64),
+            ("splats", splats),
+            ("visited", coverage.visited),
+            ("covered", coverage.covered),
+            ("roots", checker.roots.compared),
+            ("splats timed", checker.timed.unwrap_or(0)),
+            ("raster cycles", checker.raster_cycles),
+        ] {
+            findings.count(name, count);
+        }
+        Ok(findings)
+    }
+}
+
+/// The quick extent's limits: pairs of splat and tile, tiles.
+const QUICK: (usize, usize) = (6_000, 200);
+
+/// Keeps tiles spread over the workload until the limits are reached.
+fn shorten(workload: &mut BenchWorkload) {
+    let (mut pairs, mut tiles) = (0, Vec::new());
+    // A stride coprime to every number of tiles that occurs visits them all, far apart from each other.
+    let count = workload.tiles.len();
+    for i in 0..count.min(QUICK.1) {
+        let tile = &workload.tiles[i * 37 % count];
+        if tiles.is_empty() || pairs + tile.list.len() <= QUICK.0 {
+            pairs += tile.list.len();
+            tiles.push(tile.clone());
+        }
+    }
+    workload.tiles = tiles;
+}
+
+/// Tiles, packets and ends of tiles in, pixels out.
+pub fn channels(circuit: &Simulation) -> Result<Channels> {
+    let window = ["first_column", "first_row", "end_column", "end_row"];
+    let pixel = ["finished", "transmittance", "red", "green", "blue"];
+    Ok(Channels {
+        sources: vec![
+            Channel::new(circuit, "tile", &window)?,
+            Channel::new(circuit, "packet", &["packet"])?,
+            Channel::new(circuit, "finish", &[])?,
+        ],
+        sink: Channel::new(circuit, "pixel", &pixel)?,
+        enable: Some(circuit.port("lanes_enable")?),
+    })
+}
+
+/// A tile in one lane: its window, its packets, its end.
+pub fn item(layout: &Layout, tile: &BenchTile, footprints: &[Footprint]) -> Item {
+    let [first, end] = [tile.window.first, tile.window.end];
+    let window = [first[0], first[1], end[0], end[1]].map(|place| vec![place.into()]);
+    let offer = |source, data| Offer { source, data };
+    let mut offers = vec![offer(0, window.to_vec())];
+    for index in &tile.list {
+        let packet = layout.encode(&footprints[*index as usize]);
+        offers.push(offer(1, vec![packet.to_vec()]));
+    }
+    offers.push(offer(2, Vec::new()));
+    Item {
+        lanes: vec![offers],
+        answers: tile.size().iter().product(),
+    }
+}
+
+/// The pixel that the read-out offers.
+pub fn pixel(answer: &[Vec<u32>]) -> Pixel {
+    let [finished, transmittance, red, green, blue] = [0, 1, 2, 3, 4].map(|i| answer[i][0]);
+    let flag = if finished == 1 { FINISHED } else { 0 };
+    Pixel {
+        colour: [red, green, blue],
+        transmittance: transmittance | flag,
+    }
+}
+
+/// The kernel with its footprint table filled, as the circuit has it before the first tile.
+pub struct Golden<'a> {
+    design: RuntimeWidths,
+    widths: &'a Widths,
+    rules: &'a KernelRules,
+    memory: Vec<u32>,
+}
+
+impl<'a> Golden<'a> {
+    /// Fills the table.
+    pub fn new(widths: &'a Widths, rules: &'a KernelRules) -> Result<Self> {
+        let mut memory = vec![0; entries(widths)];
+        fill_gaussian(&mut memory, widths, rules.table_range);
+        let design = RuntimeWidths::new(*widths).ok();
+        Ok(Golden {
+            design: design.context("widths out of range")?,
+            widths,
+            rules,
+            memory,
+        })
+    }
+
+    /// The window's pixels, row by row, and what was visited.
+    ///
+    /// # Panics
+    /// If the table were not of the design: it is made for it.
+    pub fn draw(&self, tile: &BenchTile, footprints: &[Footprint]) -> (Vec<Pixel>, Coverage) {
+        let table = FootprintTable::new(&self.memory, self.widths, self.rules.table_range)
+            .expect("the table was made for these widths");
+        let order = Compositing::FrontToBack;
+        let painter = Painter::new(self.design, self.rules, table, order, Traversal::Spans);
+        let [columns, rows] = tile.size();
+        let mut pixels = vec![Pixel::clear(self.widths); columns * rows];
+        let mut target = Target::new(&mut pixels, tile.window, columns)
+            .expect("the memory was made for this window");
+        let mut coverage = Coverage::default();
+        for index in &tile.list {
+            coverage += painter.draw(&footprints[*index as usize], &mut target);
+        }
+        (pixels, coverage)
+    }
+}
+
+struct PrimitivePorts {
+    tile: [Port; 2],
+    finish: [Port; 2],
+    lanes_enable: Port,
+    stamps: StampPorts,
+}
+
+impl PrimitivePorts {
+    fn new(circuit: &Simulation) -> Result<PrimitivePorts> {
+        Ok(PrimitivePorts {
+            tile: [circuit.port("tile_valid")?, circuit.port("tile_ready")?],
+            finish: [circuit.port("finish_valid")?, circuit.port("finish_ready")?],
+            lanes_enable: circuit.port("lanes_enable")?,
+            stamps: StampPorts::new(circuit)?,
+        })
+    }
+}
+
+struct PrimitiveChecker<'a> {
+    design: RuntimeWidths,
+    /// Lanes, and cycles between two packets.
+    shape: [u32; 2],
+    /// Splats whose handshakes were compared, if they can be.
+    timed: Option<u64>,
+    load: &'a PrimitiveLoad,
+    /// The pixels of all tiles by the kernel.
+    pixels: Vec<Pixel>,
+    /// The tile that is being drawn.
+    tile: usize,
+    stamps: Stamps,
+    raster_cycles: u64,
+    roots: Roots,
+    ports: PrimitivePorts,
+    /// Were the lanes allowed to move in the cycle before?
+    enabled: bool,
+}
+
+impl Checker for PrimitiveChecker<'_> {
+    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
+        let (got, expected) = (pixel(answer), self.pixels[number]);
+        (got != expected).then(|| {
+            let place = self.place(number);
+            format!("{place}: the kernel has {expected:x?}, the circuit {got:x?}")
+        })
+    }
+
+    fn observe(&mut self, circuit: &Simulation, cycle: u64) -> Option<String> {
+        let both = |[valid, ready]: [Port; 2]| circuit.is(valid) && circuit.is(ready);
+        let mut difference = self.roots.note(circuit);
+        let popped = self.ports.stamps.popped(circuit);
+        if !self.enabled && popped != 0 {
+            difference = Some(format!(
+                "a lane took a run in cycle {cycle}, while lanes were held"
+            ));
+        }
+        self.enabled = circuit.is(self.ports.lanes_enable);
+        if both(self.ports.tile) {
+            self.stamps = Stamps::default();
+            return difference;
+        }
+        let workload = &self.load.workload;
+        let Some(tile) = workload.tiles.get(self.tile) else {
+            return difference;
+        };
+        let packets = tile.list.len();
+        self.stamps
+            .note(&self.ports.stamps, circuit, cycle, packets);
+        if both(self.ports.finish) {
+            self.raster_cycles += self.stamps.raster_cycles();
+            if let Some(timed) = &mut self.timed {
+                *timed += packets as u64;
+                let stamps = &self.stamps;
+                let other = stamps.difference(self.design, self.shape, tile, workload);
+                difference = difference.or(other.map(|word| format!("tile {}, {word}", self.tile)));
+            }
+            self.tile += 1;
+        }
+        difference
+    }
+}
+
+impl PrimitiveChecker<'_> {
+    /// Tile and pixel of an answer.
+    fn place(&self, mut number: usize) -> String {
+        for (index, tile) in self.load.workload.tiles.iter().enumerate() {
+            let [columns, rows] = tile.size();
+            if number < columns * rows {
+                let [x, y] = tile.window.first;
+                let (x, y) = (
+                    usize::from(x) + number % columns,
+                    usize::from(y) + number / columns,
+                );
+                return format!("tile {index}, pixel ({x}, {y})");
+            }
+            number -= columns * rows;
+        }
+        "a pixel too many".to_owned()
+    }
+}

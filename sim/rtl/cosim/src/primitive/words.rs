@@ -1,0 +1,137 @@
+//! Words that reach no pixel, so that drawing alone would not notice a mistake in them: those of the two units behind every alignment of the circuit, fed with
+//! shifts of 64 and more, saturation and roundings that carry; and the row unit's roots, whose last bits the spans' slack hides.
+
+use crate::bench::Bench;
+use crate::random::split_mix;
+use crate::simulation::{Port, Simulation};
+use anyhow::Result;
+use splatline::math::{SoftFloat, root_seed, shift_signed};
+use std::collections::VecDeque;
+
+/// Words that a comparison feeds.
+const WORDS: usize = 3_000;
+
+/// Magnitude bits of the units in flat_primitive.sv.
+const BITS: u32 = 40;
+
+/// Cycles of align.sv and of normalise.sv.
+const ALIGN: usize = 4;
+const NORMALISE: usize = 3;
+
+/// A value and the shift that it is aligned by.
+#[derive(Clone, Copy)]
+struct UnitWord {
+    value: i64,
+    shift: i16,
+}
+
+impl UnitWord {
+    fn random(state: &mut u64) -> UnitWord {
+        let [bits, kind, far] = [0; 3].map(|_: u32| split_mix(state));
+        let magnitude = match kind % 4 {
+            // Ones that a rounding carries through, powers of two, and anything.
+            0 => (1 << ((kind >> 8) % u64::from(BITS))) - 1,
+            1 => 1 << ((kind >> 8) % u64::from(BITS)),
+            _ => bits >> (64 - BITS) >> ((kind >> 8) % u64::from(BITS)),
+        };
+        let reach = if kind & 64 == 0 { 90 } else { 1_000 };
+        UnitWord {
+            value: if kind & 128 == 0 { 1 } else { -1 } * magnitude as i64,
+            shift: (far % (2 * reach + 1)) as i16 - reach as i16,
+        }
+    }
+}
+
+/// The first word of which either unit makes something else than the kernel, in words.
+pub fn first_difference(bench: &mut Bench, mantissa: u8) -> Result<Option<String>> {
+    let outputs = ["aligned", "normal", "normal_negative", "normal_exponent"];
+    let [aligned, normal, negative, exponent] = outputs.map(|name| bench.circuit.port(name));
+    let (aligned, normal) = (aligned?, [normal?, negative?, exponent?]);
+    let mut state = 5;
+    let mut fed = VecDeque::new();
+    for _ in 0..WORDS {
+        let word = UnitWord::random(&mut state);
+        bench.set(&[
+            ("unit_negative", (word.value < 0).into()),
+            ("unit_magnitude", word.value.unsigned_abs()),
+            ("unit_shift", u64::from(word.shift as u16)),
+        ])?;
+        bench.circuit.settle();
+        if let (Some(then), Some(later)) = (fed.get(ALIGN - 1), fed.get(NORMALISE - 1)) {
+            let got = bench.circuit.get(aligned) as i64;
+            let got_normal = normal.map(|port| bench.circuit.get(port));
+            let difference = of_alignment(then, got);
+            let difference = difference.or_else(|| of_normalisation(later, mantissa, got_normal));
+            if difference.is_some() {
+                return Ok(difference);
+            }
+        }
+        bench.circuit.edge();
+        bench.cycles += 1;
+        fed.push_front(word);
+        fed.truncate(ALIGN);
+    }
+    Ok(None)
+}
+
+fn of_alignment(UnitWord { value, shift }: &UnitWord, got: i64) -> Option<String> {
+    let expected = shift_signed(*value, (*shift).into());
+    (got != expected)
+        .then(|| format!("{value} aligned by {shift}: the kernel has {expected}, align.sv {got}"))
+}
+
+fn of_normalisation(
+    UnitWord { value, .. }: &UnitWord,
+    mantissa: u8,
+    [magnitude, negative, exponent]: [u64; 3],
+) -> Option<String> {
+    let expected = SoftFloat::from_wide(*value, 0, mantissa.into());
+    let sign = if negative == 1 { -1 } else { 1 };
+    let got = (sign * magnitude as i32, i32::from(exponent as i16));
+    // The exponent of 0 says nothing.
+    let same = got.0 == expected.mantissa && (got.0 == 0 || got.1 == expected.exponent);
+    (!same).then(|| {
+        format!("{value} as a mantissa: the kernel has {expected:?}, normalise.sv {got:?}")
+    })
+}
+
+/// The row unit's arguments on their way, and the roots that were compared with the kernel's.
+pub struct Roots {
+    under_way: VecDeque<u64>,
+    /// Roots compared.
+    pub compared: u64,
+    squared: [Port; 2],
+    root: [Port; 2],
+}
+
+impl Roots {
+    /// Of a circuit.
+    pub fn new(circuit: &Simulation) -> Result<Roots> {
+        Ok(Roots {
+            under_way: VecDeque::new(),
+            compared: 0,
+            squared: [circuit.port("squared_valid")?, circuit.port("squared")?],
+            root: [circuit.port("root_valid")?, circuit.port("root")?],
+        })
+    }
+
+    /// The difference of the root that leaves the unit in this cycle.
+    pub fn note(&mut self, circuit: &Simulation) -> Option<String> {
+        let [valid, root] = self.root;
+        let mut difference = None;
+        if circuit.is(valid)
+            && let Some(squared) = self.under_way.pop_front()
+        {
+            self.compared += 1;
+            let (expected, got) = (u64::from(root_seed(squared).0), circuit.get(root));
+            difference = (expected != got).then(|| {
+                format!("root of {squared:#x}: the kernel has {expected:#x}, the row unit {got:#x}")
+            });
+        }
+        let [valid, squared] = self.squared;
+        if circuit.is(valid) {
+            self.under_way.push_back(circuit.get(squared));
+        }
+        difference
+    }
+}

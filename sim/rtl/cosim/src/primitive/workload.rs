@@ -1,0 +1,292 @@
+//! What is drawn: tiles of footprints from scenes, and footprints made from random numbers.
+
+use crate::package::TILE;
+use crate::random::split_mix;
+use crate::scenes::Seen;
+use anyhow::Result;
+use splatline::footprint::{Conic, Footprint};
+use splatline::format::Widths;
+use splatline::raster::Window;
+use splatline::setup::{Covariance2d, ldl};
+use splatline_sim::camera::Camera;
+use splatline_sim::design::DesignChoice;
+use splatline_sim::fixed;
+use splatline_sim::reference::golden;
+use splatline_sim::rules::{Compositing, Rules};
+use splatline_sim::scene::{Scene, synthetic};
+
+/// A window within one block of the tile buffer, and the footprints to be drawn there, in order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BenchTile {
+    /// The pixels.
+    pub window: Window,
+    /// Indices of footprints.
+    pub list: Vec<u32>,
+}
+
+impl BenchTile {
+    /// Columns and rows.
+    pub fn size(&self) -> [usize; 2] {
+        [0, 1].map(|axis| usize::from(self.window.end[axis] - self.window.first[axis]))
+    }
+}
+
+/// Footprints and the tiles that draw them.
+#[derive(Clone, Debug)]
+pub struct BenchWorkload {
+    /// What it is.
+    pub name: &'static str,
+    /// Footprints, nearest first.
+    pub footprints: Vec<Footprint>,
+    /// Tiles.
+    pub tiles: Vec<BenchTile>,
+}
+
+/// A few thousand Gaussians of all sizes over a small picture.
+pub fn crowd(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
+    let scene = synthetic::random_gaussians(2_000, 9, 4.0);
+    let camera = synthetic::camera(150, 100);
+    from_scene("crowd", &scene, &camera, design, rules)
+}
+
+/// A few Gaussians in a picture most of whose tiles have none.
+pub fn sparse(design: &DesignChoice, rules: &Rules) -> BenchWorkload {
+    let scene = synthetic::random_gaussians(20, 9, 4.0);
+    let camera = synthetic::camera(480, 320);
+    from_scene("sparse", &scene, &camera, design, rules)
+}
+
+/// The whole picture of a scene.
+pub fn picture(seen: &Seen, design: &DesignChoice, rules: &Rules) -> BenchWorkload {
+    from_scene(seen.name, &seen.scene, &seen.camera, design, rules)
+}
+
+/// The hard Gaussians of the golden set: needles, huge, near the plane, off the axis.
+pub fn hard(design: &DesignChoice, rules: &Rules) -> Result<BenchWorkload> {
+    let set = golden::GoldenA::load(&golden::archive())?;
+    Ok(from_scene(
+        "hard",
+        &set.scene(golden::ALL),
+        &set.camera,
+        design,
+        rules,
+    ))
+}
+
+/// Tiles over a whole picture of a scene.
+fn from_scene(
+    name: &'static str,
+    scene: &Scene,
+    camera: &Camera,
+    design: &DesignChoice,
+    rules: &Rules,
+) -> BenchWorkload {
+    let options = fixed::Options {
+        rules,
+        compositing: Compositing::FrontToBack,
+        design,
+        traversal: splatline::format::Traversal::Spans,
+    };
+    let mut footprints: Vec<Footprint> = fixed::footprints(scene, camera, &options)
+        .into_iter()
+        .flatten()
+        .collect();
+    footprints.sort_by_key(|footprint| footprint.depth);
+    let viewport = [camera.width, camera.height].map(|size| size as u16);
+    let tiles = tiles(&footprints, viewport);
+    BenchWorkload {
+        name,
+        footprints,
+        tiles,
+    }
+}
+
+/// The tiles of a viewport with the footprints whose boxes touch them.
+fn tiles(footprints: &[Footprint], viewport: [u16; 2]) -> Vec<BenchTile> {
+    let [columns, rows] = [0, 1].map(|axis| viewport[axis].div_ceil(TILE[axis]));
+    let tile = |index: u16| {
+        let first = [index % columns * TILE[0], index / columns * TILE[1]];
+        let end = [0, 1].map(|axis| (first[axis] + TILE[axis]).min(viewport[axis]));
+        BenchTile {
+            window: Window { first, end },
+            list: Vec::new(),
+        }
+    };
+    let mut tiles: Vec<BenchTile> = (0..columns * rows).map(tile).collect();
+    for (index, footprint) in footprints.iter().enumerate() {
+        for y in footprint.first[1] / TILE[1]..=(footprint.end[1] - 1) / TILE[1] {
+            for x in footprint.first[0] / TILE[0]..=(footprint.end[0] - 1) / TILE[0] {
+                tiles[usize::from(y * columns + x)].list.push(index as u32);
+            }
+        }
+    }
+    tiles
+}
+
+/// Random footprints over random windows: from far below a pixel to far beyond the screen, axis ratios to 2^15, every colour,
+/// opacity and cut-off that a packet can hold (cut-offs up to setup's limit of 15).
+pub fn random(widths: &Widths, count: usize, per_tile: usize, seed: u64) -> BenchWorkload {
+    random_between(
+        "random packets",
+        [-4.0, 20.0],
+        widths,
+        count,
+        per_tile,
+        seed,
+    )
+}
+
+/// The same with half-widths from 2^27 to 2^35 pixels, which setup does not give and the row unit cuts from 2^30 on.
+pub fn vast(widths: &Widths, count: usize, seed: u64) -> BenchWorkload {
+    random_between("vast packets", [27.0, 33.0], widths, count, 10, seed)
+}
+
+/// Random footprints whose longer axis has a deviation of two to the power of something in this range, in pixels.
+fn random_between(
+    name: &'static str,
+    powers: [f64; 2],
+    widths: &Widths,
+    count: usize,
+    per_tile: usize,
+    seed: u64,
+) -> BenchWorkload {
+    let mut random = WorkloadRandom(seed);
+    let mut footprints = Vec::with_capacity(count);
+    let mut tiles = Vec::new();
+    while footprints.len() < count {
+        let block = TILE.map(|size| size * (random.below(2000 / u32::from(size)) as u16));
+        let window = random.window(block);
+        let list = footprints.len() as u32..(footprints.len() + per_tile) as u32;
+        while footprints.len() < list.end as usize {
+            footprints.extend(random.footprint(widths, &window, powers));
+        }
+        tiles.push(BenchTile {
+            window,
+            list: list.collect(),
+        });
+    }
+    BenchWorkload {
+        name,
+        footprints,
+        tiles,
+    }
+}
+
+/// The farthest centre that is tried, in pixels.
+const FARTHEST: f64 = 1e8;
+
+/// Setup keeps the middle of a row nearer than 2^30 pixels. Beyond 2^31 it leaves its word, and circuit and kernel differ.
+const FARTHEST_MIDDLE: f64 = 1e9;
+
+struct WorkloadRandom(u64);
+
+impl WorkloadRandom {
+    fn bits(&mut self, count: u8) -> u32 {
+        (split_mix(&mut self.0) >> (64 - u32::from(count))) as u32
+    }
+
+    fn below(&mut self, end: u32) -> u32 {
+        ((u64::from(self.bits(32)) * u64::from(end)) >> 32) as u32
+    }
+
+    fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * f64::from(self.bits(32)) / 2f64.powi(32)
+    }
+
+    /// A part of a block; in half of the cases all of it.
+    fn window(&mut self, block: [u16; 2]) -> Window {
+        let mut window = Window {
+            first: block,
+            end: [0, 1].map(|axis| block[axis] + TILE[axis]),
+        };
+        if self.below(2) == 0 {
+            for axis in 0..2 {
+                let size = u32::from(TILE[axis]);
+                let (a, b) = (self.below(size), self.below(size));
+                window.first[axis] = block[axis] + a.min(b) as u16;
+                window.end[axis] = block[axis] + a.max(b) as u16 + 1;
+            }
+        }
+        window
+    }
+
+    /// A footprint that touches the window, or nothing if this one cannot be had.
+    fn footprint(
+        &mut self,
+        widths: &Widths,
+        window: &Window,
+        powers: [f64; 2],
+    ) -> Option<Footprint> {
+        let (long, ratio, angle) = (
+            self.between(powers[0], powers[1]),
+            self.between(0.0, 15.0),
+            self.between(0.0, 3.15),
+        );
+        let (long, short) = ((2.0 * long).exp2(), (2.0 * (long - ratio)).exp2());
+        let (sine, cosine) = angle.sin_cos();
+        let variance = Covariance2d {
+            xx: fixed::scaled(long * cosine * cosine + short * sine * sine),
+            xy: fixed::scaled((long - short) * sine * cosine),
+            yy: fixed::scaled(long * sine * sine + short * cosine * cosine),
+            determinant: fixed::scaled(long * short),
+        };
+        let peak = self.bits(4 + widths.peak) >> self.below(8);
+        let cutoff = (self.bits(32) >> self.below(5)).min(15 << 28);
+        let radius = f64::from(cutoff).sqrt() / f64::from(1 << 14);
+        let reach = [
+            cosine.hypot(sine * (short / long).sqrt()),
+            sine.hypot(cosine * (short / long).sqrt()),
+        ]
+        .map(|part| part * long.sqrt() * radius);
+        let mut footprint = Footprint {
+            depth: u64::from(self.bits(32)) << 16,
+            centre: [0; 2],
+            first: [0; 2],
+            end: [0; 2],
+            ldl: ldl(widths, &variance)?,
+            conic: Conic {
+                mantissa: [0; 3],
+                exponent: 0,
+            },
+            cutoff,
+            opacity: peak,
+            colour: [0; 3].map(|_: u32| self.bits(4 + widths.colour) >> self.below(8)),
+        };
+        // In half of the cases the window lies on the ellipse's rim, which for large ones it would hardly meet by chance.
+        let rim = self.below(2) == 0;
+        let (along, across) = self.between(0.0, 6.3).sin_cos();
+        let (along, across) = (along * long.sqrt() * radius, across * short.sqrt() * radius);
+        let point = [
+            along * cosine - across * sine,
+            along * sine + across * cosine,
+        ];
+        let mut centres = [0.0; 2];
+        for axis in 0..2 {
+            let middle = f64::from(window.first[axis] + window.end[axis]) / 2.0;
+            let size = f64::from(TILE[axis]);
+            let spot = self.between(-1.0, 1.0);
+            let offset = if rim {
+                point[axis] + spot * size / 2.0
+            } else {
+                spot * (reach[axis] + size / 2.0)
+            };
+            // A packet's centre has 28 bits before the point.
+            let centre = (middle + offset).clamp(-FARTHEST, FARTHEST);
+            centres[axis] = centre;
+            footprint.centre[axis] = (centre * f64::from(widths.subpixel).exp2()) as i64;
+            // `as` saturates: boxes are clipped to the widest viewport.
+            footprint.first[axis] = (centre - reach[axis] - 0.5).ceil() as u16;
+            footprint.end[axis] = (centre + reach[axis] + 0.5) as u16;
+            if footprint.end[axis] <= footprint.first[axis] {
+                return None;
+            }
+        }
+        // How far the middle of a visible row can lie from the first column.
+        let shear = (long - short) * sine * cosine / (long * sine * sine + short * cosine * cosine);
+        let rows = (f64::from(window.first[1]) - centres[1]).abs() + f64::from(TILE[1]);
+        if centres[0].abs() + (shear * rows).abs() > FARTHEST_MIDDLE {
+            return None;
+        }
+        Some(footprint)
+    }
+}

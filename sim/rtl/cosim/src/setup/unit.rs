@@ -1,0 +1,284 @@
+//! The setup unit against the kernel's `setup`: every packet and every reason of a cull, with back-pressure at both ends.
+
+use super::constants::constants;
+use super::distant::distant;
+use super::exact::exact;
+use super::loads::{captured, synthetic};
+use super::program::{program, with_distance_scaling};
+use super::record::record;
+use crate::bench::{Bench, Channel, Channels, Checker, Item, Offer, Pressure};
+use crate::circuit::{Circuit, SETUP};
+use crate::findings::Findings;
+use crate::simulation::Simulation;
+use crate::unit::{Extent, Unit};
+use anyhow::{Context, Result};
+use splatline::footprint::Footprint;
+use splatline::footprint::packet::{Layout, Packet};
+use splatline::format::RuntimeWidths;
+use splatline::math::SoftFloat;
+use splatline::rules::Rules;
+use splatline::setup::{Cull, setup};
+use splatline::splat::VolumeSplat;
+use splatline::view::View;
+
+/// What is set up: splats seen by a camera under rules.
+#[derive(Clone, Debug)]
+pub struct SetupLoad {
+    /// What it is.
+    pub name: String,
+    /// The camera.
+    pub view: View,
+    /// The rules.
+    pub rules: Rules,
+    /// The splats.
+    pub splats: Vec<VolumeSplat>,
+}
+
+/// At full speed; with packets that are not taken for thousands of cycles, until every queue is full; with pauses at both ends.
+const PRESSURES: [Pressure; 3] = [
+    PAUSES[0],
+    Pressure {
+        stalls: 2_048,
+        ..PAUSES[0]
+    },
+    PAUSES[1],
+];
+
+const PAUSES: [Pressure; 2] = [at_both_ends(0), at_both_ends(96)];
+
+const fn at_both_ends(share: u8) -> Pressure {
+    Pressure {
+        offers: [share; 2],
+        answers: share,
+        inside: 0,
+        stalls: 0,
+        resets: 0,
+        retracts: true,
+    }
+}
+
+/// The names of culls as in [`Cull::ALL`].
+const CULLS: [&str; 6] = [
+    "near",
+    "far",
+    "range",
+    "degenerate",
+    "transparent",
+    "outside",
+];
+
+/// The unit of a design with some cores.
+pub struct SetupUnit {
+    circuit: Circuit,
+    scales: bool,
+}
+
+impl SetupUnit {
+    /// For rules without a spacing.
+    pub fn new(design: &str, cores: u32) -> Result<SetupUnit> {
+        let circuit = Circuit::new(&SETUP, design, cores)?.with_program(program);
+        Ok(SetupUnit {
+            circuit,
+            scales: false,
+        })
+    }
+
+    /// With distance scaling, under rules with a spacing.
+    pub fn with_distance_scaling(design: &str, cores: u32) -> Result<SetupUnit> {
+        let circuit = Circuit::new(&SETUP, design, cores)?;
+        Ok(SetupUnit {
+            circuit: circuit.with_program(with_distance_scaling),
+            scales: true,
+        })
+    }
+
+    /// The same unit with another circuit.
+    pub fn around(self, circuit: Circuit) -> SetupUnit {
+        SetupUnit { circuit, ..self }
+    }
+}
+
+/// Splats of one part of a load.
+const PART: usize = 10_000;
+
+impl Unit for SetupUnit {
+    type Load = SetupLoad;
+    const COUNTS: &'static [&'static str] = &CULLS;
+    const PRESSURES: usize = PRESSURES.len();
+
+    fn circuit(&self) -> &Circuit {
+        &self.circuit
+    }
+
+    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<SetupLoad>> {
+        // The quickest to show a mutation first.
+        let loads = match (self.scales, extent) {
+            (true, Extent::Quick) => distant(300, 1),
+            (true, Extent::Full) => distant(4_000, 1),
+            (false, Extent::Quick) => {
+                [exact(300, 1), synthetic(400, 1), captured(400, missing)?].concat()
+            }
+            (false, Extent::Full) => [
+                exact(12_000, 1),
+                synthetic(12_000, 1),
+                captured(1, missing)?,
+            ]
+            .concat(),
+        };
+        Ok(loads.into_iter().flat_map(parts).collect())
+    }
+
+    fn name(&self, load: &SetupLoad) -> String {
+        load.name.clone()
+    }
+
+    fn compare(&self, circuit: Simulation, load: &SetupLoad, pressure: usize) -> Result<Findings> {
+        let mut bench = Bench::new(circuit, 7)?;
+        write_constants(&mut bench, &self.circuit, &load.view, &load.rules)?;
+        let design = RuntimeWidths::new(self.circuit.widths).ok();
+        let mut checker = SetupChecker {
+            design: design.context("widths out of range")?,
+            layout: Layout::new(&self.circuit.widths),
+            load,
+            offered: Vec::new(),
+            culled: [0; 6],
+        };
+        let mut items = Vec::new();
+        for splat in &load.splats {
+            // One whose exponents have no place in a record is not offered.
+            if let Some(record) = record(splat) {
+                items.push(one_record(record.to_vec()));
+                checker.offered.push(splat);
+            }
+        }
+        let channels = channels(&bench.circuit)?;
+        let mut findings = bench.run(&channels, &items, &PRESSURES[pressure], &mut checker)?;
+        for (name, count) in CULLS.into_iter().zip(checker.culled) {
+            findings.count(name, count);
+        }
+        Ok(findings)
+    }
+}
+
+fn parts(load: SetupLoad) -> Vec<SetupLoad> {
+    let part = |splats: &[VolumeSplat]| SetupLoad {
+        name: load.name.clone(),
+        splats: splats.to_vec(),
+        ..load
+    };
+    load.splats.chunks(PART).map(part).collect()
+}
+
+/// Records in, packets or reasons out.
+pub(super) fn channels(circuit: &Simulation) -> Result<Channels> {
+    Ok(Channels {
+        sources: vec![Channel::new(circuit, "record", &["record"])?],
+        sink: Channel::new(circuit, "packet", &["cull", "packet"])?,
+        enable: None,
+    })
+}
+
+/// A record and its answer.
+pub(super) fn one_record(record: Vec<u32>) -> Item {
+    Item {
+        lanes: vec![vec![Offer {
+            source: 0,
+            data: vec![record],
+        }]],
+        answers: 1,
+    }
+}
+
+/// The words of a packet at the port.
+pub(super) fn packet(words: &[u32]) -> Packet {
+    let mut packet = Packet::default();
+    packet[..words.len()].copy_from_slice(words);
+    packet
+}
+
+/// Writes the constants that the circuit's program asks for, by their names.
+pub fn write_constants(
+    bench: &mut Bench,
+    circuit: &Circuit,
+    view: &View,
+    rules: &Rules,
+) -> Result<()> {
+    let widths = &circuit.widths;
+    let names = (circuit.program)(widths)?.constants;
+    for (index, value, exponent) in constants(&names, widths, view, rules)? {
+        bench.set(&[
+            ("constant_valid", 1),
+            ("constant_index", index.into()),
+            ("constant_value", value as u64),
+            ("constant_exponent", exponent as u64),
+        ])?;
+        bench.cycle();
+    }
+    bench.set(&[("constant_valid", 0)])
+}
+
+struct SetupChecker<'a> {
+    design: RuntimeWidths,
+    layout: Layout,
+    load: &'a SetupLoad,
+    offered: Vec<&'a VolumeSplat>,
+    culled: [u64; 6],
+}
+
+impl Checker for SetupChecker<'_> {
+    fn check(&mut self, number: usize, answer: &[Vec<u32>]) -> Option<String> {
+        let SetupLoad { view, rules, .. } = self.load;
+        let expected = setup(self.design, view, rules, self.offered[number]);
+        let place = |cull| Cull::ALL.iter().position(|known| *known == cull);
+        if let Err(cull) = &expected {
+            self.culled[place(*cull)?] += 1;
+        }
+        let known = |reason: u32| Cull::ALL.get((reason as usize).wrapping_sub(1)).copied();
+        let (reason, got) = (answer[0][0], packet(&answer[1]));
+        let words = match (expected, reason) {
+            (Ok(wanted), 0) => {
+                let length = self.layout.words();
+                if self.layout.encode(&wanted)[..length] == got[..length] {
+                    return None;
+                }
+                match self.layout.decode(&got) {
+                    Ok(got) => in_words(&wanted, &got),
+                    Err(error) => format!("no packet: {error:?}"),
+                }
+            }
+            (Ok(_), reason) => format!("culled: {:?}", known(reason)),
+            (Err(cull), reason) if known(reason) == Some(cull) => return None,
+            (Err(cull), reason) => format!("{:?}, not {cull:?}", known(reason)),
+        };
+        Some(format!("splat {number}: {words}"))
+    }
+}
+
+/// The first field that is another one, with both values, and the names of the others.
+fn in_words(wanted: &Footprint, got: &Footprint) -> String {
+    let number = |x: SoftFloat| format!("{} * 2^{}", x.mantissa, x.exponent);
+    let fields = |f: &Footprint| {
+        [
+            ("depth", f.depth.to_string()),
+            ("centre", format!("{:?}", f.centre)),
+            ("horizontal", number(f.ldl.horizontal)),
+            ("squared width", number(f.ldl.squared_width)),
+            ("shear", number(f.ldl.shear)),
+            ("vertical", number(f.ldl.vertical)),
+            (
+                "conic",
+                format!("{:?} * 2^{}", f.conic.mantissa, f.conic.exponent),
+            ),
+            ("cut-off", f.cutoff.to_string()),
+            ("opacity", f.opacity.to_string()),
+            ("colour", format!("{:?}", f.colour)),
+            ("first", format!("{:?}", f.first)),
+            ("end", format!("{:?}", f.end)),
+        ]
+    };
+    let (wanted, got) = (fields(wanted), fields(got));
+    let pairs = wanted.iter().zip(&got);
+    let differ = pairs.filter(|(wanted, got)| wanted != got);
+    let words = differ.map(|((name, wanted), (_, got))| format!("{name} {got}, not {wanted}"));
+    words.collect::<Vec<_>>().join("; ")
+}

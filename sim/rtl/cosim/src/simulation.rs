@@ -1,0 +1,164 @@
+//! A verilated circuit behind a safe handle: its ports by name, and half cycles of its clock.
+#![allow(unsafe_code)]
+
+use crate::mutation::MutationNumber;
+use anyhow::{Context, Result};
+use libloading::Library;
+use std::ffi::{CStr, c_char, c_void};
+use std::path::Path;
+
+/// A circuit being simulated.
+pub struct Simulation {
+    state: *mut c_void,
+    eval: unsafe extern "C" fn(*mut c_void, u8),
+    destroy: unsafe extern "C" fn(*mut c_void),
+    ports: Vec<(String, PortData)>,
+    /// Keeps the code loaded.
+    _library: Library,
+}
+
+/// A port of the circuit; mirrors `Port` of shim.cpp.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct PortData {
+    name: *const c_char,
+    data: *mut c_void,
+    bits: u32,
+    is_input: bool,
+}
+
+/// A port's place among those of its circuit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Port(usize);
+
+impl Simulation {
+    /// The circuit in a library that [`Circuit`](crate::circuit::Circuit) has built, with the mutation of this number; 0 is none. The seed chooses what its
+    /// registers hold; inputs are 0.
+    pub fn new(library: &Path, seed: u32, mutation: MutationNumber) -> Result<Simulation> {
+        // SAFETY: the library is the shim and a verilated model, whose loading runs no code of its own; the symbols have the shim's types, and the
+        // simulation is freed by the same library before that is unloaded.
+        unsafe {
+            let library = Library::new(library).context("a circuit's library")?;
+            let make: unsafe extern "C" fn(u32, u32) -> *mut c_void =
+                *library.get(b"circuit_make")?;
+            let port: unsafe extern "C" fn(*mut c_void, usize, *mut PortData) -> bool =
+                *library.get(b"circuit_port")?;
+            let mut simulation = Simulation {
+                state: make(seed, mutation as u32),
+                eval: *library.get(b"circuit_eval")?,
+                destroy: *library.get(b"circuit_destroy")?,
+                ports: Vec::new(),
+                _library: library,
+            };
+            let mut found = PortData {
+                name: std::ptr::null(),
+                data: std::ptr::null_mut(),
+                bits: 0,
+                is_input: false,
+            };
+            while port(simulation.state, simulation.ports.len(), &mut found) {
+                let name = CStr::from_ptr(found.name).to_str()?.to_owned();
+                simulation.ports.push((name, found));
+            }
+            for place in 0..simulation.ports.len() {
+                if simulation.ports[place].1.is_input {
+                    simulation.set(Port(place), 0);
+                }
+            }
+            Ok(simulation)
+        }
+    }
+
+    /// The port of this name.
+    pub fn port(&self, name: &str) -> Result<Port> {
+        let place = self.ports.iter().position(|port| port.0 == name);
+        Ok(Port(place.with_context(|| {
+            format!("the circuit has no port '{name}'")
+        })?))
+    }
+
+    /// Drives a port of up to 64 bits; what does not fit is cut off.
+    pub fn set(&mut self, port: Port, value: u64) {
+        let PortData { data, bits, .. } = self.ports[port.0].1;
+        let value = value & (u64::MAX >> (64 - bits.min(64)));
+        // SAFETY: the pointer is the port's in the living model, which stores so many bits in the smallest C integer that holds them, and wider ones in
+        // words of 32 bits.
+        unsafe {
+            match bits {
+                0..=8 => *data.cast() = value as u8,
+                9..=16 => *data.cast() = value as u16,
+                17..=32 => *data.cast() = value as u32,
+                33..=64 => *data.cast() = value,
+                _ => self.set_words(port, &[value as u32, (value >> 32) as u32]),
+            }
+        }
+    }
+
+    /// Drives a port of any width with words of 32 bits; words that are missing are 0.
+    pub fn set_words(&mut self, port: Port, words: &[u32]) {
+        let PortData { data, bits, .. } = self.ports[port.0].1;
+        let word = |index: usize| words.get(index).copied().unwrap_or(0);
+        if bits <= 64 {
+            return self.set(port, u64::from(word(0)) | u64::from(word(1)) << 32);
+        }
+        let count = bits.div_ceil(32) as usize;
+        for index in 0..count {
+            let kept = (bits - 32 * index as u32).min(32);
+            let value = word(index) & (u32::MAX >> (32 - kept));
+            // SAFETY: the port has so many words.
+            unsafe { *data.cast::<u32>().add(index) = value };
+        }
+    }
+
+    /// What is at a port of up to 64 bits; of a wider one the lowest.
+    pub fn get(&self, port: Port) -> u64 {
+        let PortData { data, bits, .. } = self.ports[port.0].1;
+        // SAFETY: as in `set`.
+        unsafe {
+            match bits {
+                0..=8 => u64::from(*data.cast::<u8>()),
+                9..=16 => u64::from(*data.cast::<u16>()),
+                17..=32 => u64::from(*data.cast::<u32>()),
+                33..=64 => *data.cast::<u64>(),
+                _ => u64::from(*data.cast::<u32>()) | u64::from(*data.cast::<u32>().add(1)) << 32,
+            }
+        }
+    }
+
+    /// Is a port of one bit set?
+    pub fn is(&self, port: Port) -> bool {
+        self.get(port) != 0
+    }
+
+    /// A port's words.
+    pub fn words(&self, port: Port) -> Vec<u32> {
+        let PortData { data, bits, .. } = self.ports[port.0].1;
+        if bits <= 64 {
+            let value = self.get(port);
+            let words = [value as u32, (value >> 32) as u32];
+            return words[..bits.div_ceil(32) as usize].to_vec();
+        }
+        // SAFETY: as in `set_words`.
+        let word = |index| unsafe { *data.cast::<u32>().add(index) };
+        (0..bits.div_ceil(32) as usize).map(word).collect()
+    }
+
+    /// The outputs follow the inputs, before the clock's edge.
+    pub fn settle(&mut self) {
+        // SAFETY: the simulation was made by the same library.
+        unsafe { (self.eval)(self.state, 0) };
+    }
+
+    /// The clock's edge.
+    pub fn edge(&mut self) {
+        // SAFETY: as in `settle`.
+        unsafe { (self.eval)(self.state, 1) };
+    }
+}
+
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        // SAFETY: made by the same library, not used afterwards; the library is dropped after this.
+        unsafe { (self.destroy)(self.state) }
+    }
+}

@@ -1,0 +1,162 @@
+//! What the units of `sim/rtl` have in common: loads, back-pressure, and a comparison with what defines the unit. From it follow the report of a full
+//! comparison and the judgement of mutations.
+
+use crate::circuit::{Circuit, Effort};
+use crate::findings::Findings;
+use crate::mutation::{Mutation, MutationNumber, mutations, with_choices};
+use crate::simulation::Simulation;
+use anyhow::{Result, bail, ensure};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// How much is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Extent {
+    /// What tests draw and mutations are judged by: seconds.
+    Quick,
+    /// Every splat of captured scenes and thousands of others.
+    Full,
+}
+
+/// A unit as it is compared with what defines it.
+pub trait Unit: Sync {
+    /// What one comparison is made of.
+    type Load: Sync;
+    /// Counts of [`Findings`] that the report shows.
+    const COUNTS: &'static [&'static str];
+    /// Ways of feeding and emptying the unit; the first is that at full speed.
+    const PRESSURES: usize;
+
+    /// The circuit.
+    fn circuit(&self) -> &Circuit;
+
+    /// What it is given. The names of scenes whose data is not at hand go to `missing`. Loads of one name in a row are parts of one.
+    fn loads(&self, extent: Extent, missing: &mut Vec<&'static str>) -> Result<Vec<Self::Load>>;
+
+    /// A load's name.
+    fn name(&self, load: &Self::Load) -> String;
+
+    /// Gives a load to the circuit under one of the pressures. An error is a circuit that hangs.
+    fn compare(&self, circuit: Simulation, load: &Self::Load, pressure: usize) -> Result<Findings>;
+
+    /// The comparison of all pressures, or of one for each part of a divided load.
+    fn compare_parts(&self, library: &Path, parts: &[Self::Load]) -> Result<Vec<Findings>> {
+        let jobs: Vec<(usize, usize)> = if parts.len() == 1 {
+            (0..Self::PRESSURES).map(|pressure| (0, pressure)).collect()
+        } else {
+            (0..parts.len())
+                .map(|part| (part, part % Self::PRESSURES))
+                .collect()
+        };
+        jobs.into_par_iter()
+            .map(|(part, pressure)| {
+                let circuit = Simulation::new(library, part as u32 + 1, 0)?;
+                self.compare(circuit, &parts[part], pressure)
+            })
+            .collect()
+    }
+
+    /// What a circuit's comparison says first, or nothing if it agrees everywhere.
+    fn first_difference(
+        &self,
+        library: &Path,
+        mutation: MutationNumber,
+        loads: &[Self::Load],
+    ) -> Option<String> {
+        let pressures = |load| (0..Self::PRESSURES).map(move |pressure| (load, pressure));
+        let jobs: Vec<(&Self::Load, usize)> = loads.iter().flat_map(pressures).collect();
+        let difference = |(load, pressure): (&Self::Load, usize)| {
+            let found = Simulation::new(library, 1, mutation)
+                .and_then(|circuit| self.compare(circuit, load, pressure));
+            let difference = match found {
+                Ok(findings) => findings.first_difference?,
+                Err(error) => format!("{error:#}"),
+            };
+            Some(format!("{}: {difference}", self.name(load)))
+        };
+        jobs.into_par_iter().find_map_first(difference)
+    }
+}
+
+/// Compares everything and prints a line for each load.
+pub fn report<U: Unit>(unit: &U) -> Result<()> {
+    let circuit = unit.circuit();
+    let library = circuit.library(Effort::Much)?;
+    let mut missing = Vec::new();
+    let loads = unit.loads(Extent::Full, &mut missing)?;
+    println!("{circuit}; not at hand: {missing:?}\n");
+    let columns = U::COUNTS.join(" | ");
+    println!("| load | compared | cycles at full speed | {columns} |");
+    println!("|---|{}", "---:|".repeat(2 + U::COUNTS.len()));
+    let mut total = Findings::default();
+    for parts in loads.chunk_by(|a, b| unit.name(a) == unit.name(b)) {
+        let found = unit.compare_parts(&library, parts)?;
+        let unhindered = found.first().map_or(0, |first| first.cycles);
+        let mut sum = Findings::default();
+        found.into_iter().for_each(|part| sum += part);
+        let counts = U::COUNTS.iter().map(|name| sum.counted(name).to_string());
+        let counts: Vec<String> = counts.collect();
+        let name = unit.name(&parts[0]);
+        println!(
+            "| {name} | {} | {unhindered} | {} |",
+            sum.compared,
+            counts.join(" | ")
+        );
+        total += sum;
+    }
+    println!("\n{} compared\n", total.compared);
+    match total.first_difference {
+        Some(difference) => bail!("{difference}"),
+        None => Ok(()),
+    }
+}
+
+/// A unit with its mutations: one circuit with all that have a choice; the others are built when they are asked for.
+pub struct Judge<U: Unit> {
+    unit: U,
+    loads: Vec<U::Load>,
+    mutations: Vec<Mutation>,
+    chosen: Vec<MutationNumber>,
+    library: PathBuf,
+}
+
+/// What notices mutations.
+pub trait Judgement {
+    /// How a mutation is noticed; nothing if it survives.
+    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>>;
+}
+
+impl<U: Unit> Judge<U> {
+    /// Builds the circuit for the mutations of this judge; without one of them it must agree.
+    pub fn new(unit: U, judge: &str, extent: Extent) -> Result<Judge<U>> {
+        let mutations = mutations(judge)?;
+        let circuit = unit.circuit();
+        let judge = Judge {
+            chosen: with_choices(circuit.sources()?, &mutations)?.chosen,
+            library: circuit.with_choices(&mutations)?,
+            loads: unit.loads(extent, &mut Vec::new())?,
+            mutations,
+            unit,
+        };
+        let difference = judge.unit.first_difference(&judge.library, 0, &judge.loads);
+        ensure!(
+            difference.is_none(),
+            "without a mutation: {}",
+            difference.unwrap_or_default()
+        );
+        Ok(judge)
+    }
+}
+
+impl<U: Unit> Judgement for Judge<U> {
+    fn verdict(&self, mutation: &Mutation) -> Result<Option<String>> {
+        let place = self.mutations.iter().position(|m| m.name == mutation.name);
+        let number = place.map_or(0, |place| place + 1);
+        if self.chosen.contains(&number) {
+            let library = &self.library;
+            return Ok(self.unit.first_difference(library, number, &self.loads));
+        }
+        let library = self.unit.circuit().mutated(mutation)?;
+        Ok(self.unit.first_difference(&library, 0, &self.loads))
+    }
+}

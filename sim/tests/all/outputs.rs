@@ -1,0 +1,156 @@
+//! No output of any command replaces a file that the command has read, whatever that file is called and however it came to be read.
+
+use super::hostile::seeds::seed;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+/// A folder of scenes that consist of several files, and of settings.
+fn scenes(folder: &Path) {
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
+    for made in ["sg", "d", "ve"] {
+        std::fs::create_dir(folder.join(made)).unwrap();
+    }
+    let bundle = std::io::Cursor::new(seed("first.sog"));
+    let mut bundle = zip::ZipArchive::new(bundle).unwrap();
+    bundle.extract(folder.join("sg")).unwrap();
+    write("scene.ply", &seed("binary.ply"));
+    write("ve/splats.hex", &seed("binary.ply"));
+    write("volume.mhd", &seed("volume.mhd"));
+    write("volume.raw", &seed("volume.raw"));
+    write("head.nhdr", &seed("detached.nhdr"));
+    write("data", &[7; 60]);
+    let (text, buffer) = gltf();
+    write("scene.gltf", text.as_bytes());
+    write("scene.bin", &buffer);
+    write("grid.csv", &seed("grid.csv"));
+    write("d/front.csv", b"[machine]\nlanes = [1, 2]\n");
+    write("d/answer.json", b"[machine]\nlanes = [1, 2]\n");
+    write("d/timing.json", &seed("footprints.csv"));
+    write("d/machine.toml", &seed("machine.toml"));
+    write("d/action_counts.yaml", &seed("prices.toml"));
+    write("path.toml", &seed("path.toml"));
+    write("d/design.toml", b"base = \"lean18\"\n");
+}
+
+/// A scene of glTF with its numbers in a file beside it: a binary one taken apart.
+fn gltf() -> (String, Vec<u8>) {
+    let whole = seed("tiny.glb");
+    let length = |at: usize| u32::from_le_bytes(whole[at..at + 4].try_into().unwrap()) as usize;
+    let json = &whole[20..20 + length(12)];
+    let text = std::str::from_utf8(json).unwrap();
+    let beside = "\"buffers\":[{\"uri\":\"scene.bin\",";
+    assert!(text.contains("\"buffers\":[{"), "{text}");
+    let text = text.replace("\"buffers\":[{", beside);
+    (text, whole[28 + json.len()..].to_vec())
+}
+
+/// Every file below a folder.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.extend(contents(&path));
+        } else {
+            all.insert(path.display().to_string(), std::fs::read(&path).unwrap());
+        }
+    }
+    all
+}
+
+/// A command, and the name by which its output would meet a file that it reads: a link where the format wants another extension.
+const CASES: &[(&str, Option<(&str, &str)>)] = &[
+    ("render sg -o x.png --json sg/meta.json", None),
+    ("render sg -o link.png", Some(("sg/ml.webp", "link.png"))),
+    (
+        "render sg/meta.json -o link.png",
+        Some(("sg/q.webp", "link.png")),
+    ),
+    (
+        "render scene.gltf -o link.png",
+        Some(("scene.bin", "link.png")),
+    ),
+    (
+        "render volume.mhd -o link.png",
+        Some(("volume.raw", "link.png")),
+    ),
+    ("render head.nhdr -o link.png", Some(("data", "link.png"))),
+    (
+        "render grid.csv --as surface -o link.png",
+        Some(("grid.csv", "link.png")),
+    ),
+    (
+        "render scene.ply --chunks 1 --eye 0,0,-4 --target 0,0,0 -o link.png",
+        Some(("scene.ply", "link.png")),
+    ),
+    (
+        "render sg --camera-path path.toml -o link.png",
+        Some(("path.toml", "link-0002.png")),
+    ),
+    ("compare sg -o d", Some(("sg/meta.json", "d/report.json"))),
+    ("compare sg -o d --json sg/meta.json", None),
+    (
+        "compare sg -o d --camera-path path.toml",
+        Some(("path.toml", "d/frames.json")),
+    ),
+    (
+        "footprints scene.gltf -o link.csv",
+        Some(("scene.bin", "link.csv")),
+    ),
+    (
+        "footprints scene.ply --design d/design.toml -o link.csv",
+        Some(("d/design.toml", "link.csv")),
+    ),
+    ("info sg --json sg/meta.json", None),
+    ("page sg -o link.html", Some(("sg/c.webp", "link.html"))),
+    ("profile sg --json sg/meta.json", None),
+    (
+        "fit scene.ply --max-error 1 --design d/design.toml -o d/design.toml",
+        None,
+    ),
+    (
+        "fit sg --max-error 1 -o link.toml",
+        Some(("sg/s.webp", "link.toml")),
+    ),
+    ("simulate --footprints d/timing.json -o d", None),
+    ("simulate sg --machine d/machine.toml -o d", None),
+    ("simulate sg -o d --calibration d/action_counts.yaml", None),
+    (
+        "simulate sg --machines -o d",
+        Some(("sg/meta.json", "d/machines.json")),
+    ),
+    ("sweep sg --space d/front.csv -o d", None),
+    ("optimize sg --space d/answer.json --fps 1 -o d", None),
+    ("trace sg --format perfetto -o sg/meta.json", None),
+    ("vectors export ve --scene ve/splats.hex", None),
+];
+
+#[test]
+fn no_command_replaces_what_it_reads() {
+    let mut failed = Vec::new();
+    for (line, link) in CASES {
+        let folder = tempfile::tempdir().unwrap();
+        scenes(folder.path());
+        if let Some((file, name)) = link {
+            let name = folder.path().join(name);
+            let _ = std::fs::remove_file(&name);
+            std::fs::hard_link(folder.path().join(file), name).unwrap();
+        }
+        let before = contents(folder.path());
+        let output = Command::new(env!("CARGO_BIN_EXE_splatline"))
+            .args(line.split_whitespace())
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        let refused =
+            said.contains("would be destroyed") && matches!(output.status.code(), Some(1 | 2));
+        let changed =
+            |(name, bytes): (&String, &Vec<u8>)| std::fs::read(name).ok().as_ref() != Some(bytes);
+        if !refused || before.iter().any(changed) {
+            failed.push(format!("{line}: {said}"));
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
