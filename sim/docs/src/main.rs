@@ -1,7 +1,7 @@
 //! `splatline-docs`: prints the documentation's pages of figures and its galleries.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use splatline_docs::gallery::command::{self as gallery, GALLERY_EXAMPLES, GalleryOptions};
+use splatline_docs::gallery::{self, GALLERY_EXAMPLES, GalleryOptions};
 use splatline_docs::pages::check::differences;
 use splatline_docs::pages::{Page, accuracy, machines, packet, picture, speed, systems, widths};
 use splatline_sim::cli::{Failure, create_folder, finish, print_result, write};
@@ -19,7 +19,7 @@ struct Program {
 
 #[derive(Debug, Subcommand)]
 enum PageCommand {
-    /// Draw the exhibits that show each system, with their numbers beside the pictures.
+    /// Draw every plan of a folder, with its figures beside the pictures.
     #[command(after_help = GALLERY_EXAMPLES)]
     Gallery(GalleryOptions),
     /// Measure the figures that the documentation states and write its pages.
@@ -106,7 +106,7 @@ fn print(name: PageName, options: &ResultsOptions) -> Result<Page, Failure> {
     let page = match name {
         PageName::Accuracy => accuracy::page(data),
         PageName::Packet => Ok(packet::page()),
-        PageName::Systems => Ok(systems::page(data)?),
+        PageName::Systems => Ok(systems::page()?),
         PageName::Widths => widths::page(data),
         PageName::Machines => machines::page(data),
         PageName::Speed => speed::page(data, &levels(options)),

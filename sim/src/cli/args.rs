@@ -34,6 +34,13 @@ Examples:
   splatline render guitar.ply --eye -1,2,3 --target 0,0,0 --fov 50 --repeat 5 --json times.json -o guitar.png
   splatline render lion.ply --as surface --light 1,0,1 --layers 4 --edges -o lion.png      a point cloud
   splatline render dem.csv --as surface --texture dem.jpg -o dem.png      a photograph over a height field
+  splatline render demo --sheets image-aligned -o sheets.png      sheet buffers
+  splatline render deep-stack --deep-alpha transmittance --alpha-bits 16 -o deep.png
+  splatline render random:2000 --spheres exact --sphere-index ray -o spheres.png
+  splatline render sphere --as surface --flatten 1024 -o flat.png      volume kernels, thin along the normal
+  splatline render checkerboard --as texture --eye 0,-1.5,0.4 --target 0,0,0 --up 0,0,1 -o plane.png
+  splatline render hills --as surface --texture checkerboard -o hills.png
+  splatline render --plan sim/plans/05-sheets.toml -o sheets.png
   splatline render guitar.ply --camera-path keys.toml --json frames.json -o frames/guitar.png
       a picture a frame: frames/guitar-0001.png and so on, and one report over all";
 

@@ -8,7 +8,7 @@ use super::say::{Failure, print_error, print_result, warn};
 use super::summary::{if_layers_were_merged, if_nothing_is_seen, of_drawing};
 use crate::picture::{Depth, EXTENSIONS, Picture, PictureFormat};
 use crate::plan::measure::draw_alone;
-use crate::plan::{Engine, Look, Prepared};
+use crate::plan::{Engine, Prepared, Technique};
 use crate::progress::ProgressMeter;
 use std::path::Path;
 
@@ -71,9 +71,9 @@ pub fn write_picture(
 
 /// Refuses a picture that does not fit into memory.
 pub fn check_room(prepared: &Prepared) -> Result<(), Failure> {
-    let bytes = match (&prepared.plan.look, prepared.plan.engine) {
+    let bytes = match (&prepared.plan.technique, prepared.plan.engine) {
         // The reference of surfaces keeps every fragment.
-        (Look::Surface(_), Engine::Float) => COMPARED,
+        (Technique::Surface(_), Engine::Float) => COMPARED,
         _ => DRAWN,
     };
     room_for_picture(&prepared.plan.camera, bytes)

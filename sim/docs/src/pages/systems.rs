@@ -1,97 +1,55 @@
-//! The page of systems: where each lives, and its error in fixed point against float as the gallery measures it.
+//! The page of systems: where each lives, and the golden table's errors of its plans.
 
 use super::Page;
-use crate::gallery::Exhibit;
-use crate::gallery::surface::GalleryError;
-use crate::gallery::{deep, kernels, surface, texture};
-use splatline_sim::systems::{SYSTEMS, System};
+use splatline_sim::plan::golden::{self, BARS, GoldenLine};
+use splatline_sim::systems::SYSTEMS;
 use std::fmt::Write;
 use std::path::Path;
 
-/// The bars: decibels and absolute bias.
-const BARS: (f64, f64) = (60.0, 5e-4);
+/// Where the plans are, from the repository's root.
+pub const PLANS: &str = "sim/plans";
 
-/// Makes all exhibits and reads every system's worst comparison from them.
-pub fn page(data: &Path) -> Result<Page, GalleryError> {
-    let mut exhibits = surface::surface(data)?;
-    exhibits.extend(kernels::kernels(data));
-    for name in deep::NAMES {
-        exhibits.extend(deep::some(data, name).exhibits);
-    }
-    for name in texture::NAMES {
-        exhibits.extend(texture::some(data, name)?);
-    }
+/// Draws all plans. Nothing is read but the repository's own files.
+pub fn page() -> anyhow::Result<Page> {
     let mut page = Page::new("systems", "The systems of the papers");
-    page.add(text(&exhibits));
+    page.add(text(&golden::lines(Path::new(PLANS))?));
     Ok(page)
 }
 
-/// PSNR, largest error and bias: the worst of each over a system's comparisons.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Worst {
-    psnr_db: f64,
-    max_abs: f64,
-    bias: f64,
-}
-
-fn text(exhibits: &[Exhibit]) -> String {
+fn text(lines: &[GoldenLine]) -> String {
     let mut text = format!(
-        "Errors are fixed point in `standard24` against the float counterpart, the worst \
-         of the system's comparisons in its exhibits; the bar is at least {} dB and at most {:.0e} of bias. Files are those of `src` unless they begin with \
-         `sim`, references are in `sim/reference/src/engines`.\n\n\
-         | # | system | source | files | reference | exhibits | PSNR dB | largest error | bias | bar |\n|---|---|---|---|---|---|---|---|---|---|\n",
+        "Each system is drawn by small [plans](../../{PLANS}), as `splatline compare --plan FILE` does. Errors are fixed point in `standard24` against the float \
+         counterpart, the worse of colour and alpha; the bar is at least {} dB and at most {:.0e} of bias. [golden.csv](../../{PLANS}/golden.csv) has counts and \
+         checksums. Files are those of `src` unless they begin with `sim`, references are in `sim/reference/src/engines`.\n\n\
+         | # | system | source | files | reference | plan | PSNR dB | largest error | bias | bar |\n|---|---|---|---|---|---|--:|--:|--:|---|\n",
         BARS.0, BARS.1
     );
     for system in &SYSTEMS {
-        let measured = match worst(system, exhibits) {
-            Some(Worst {
+        let mut shown = format!(
+            "| {} | {} | {} | {} | {} |",
+            system.number, system.name, system.source, system.modules, system.reference
+        );
+        for line in lines
+            .iter()
+            .filter(|line| line.system() == Some(system.number))
+        {
+            let GoldenLine {
+                plan,
                 psnr_db,
                 max_abs,
                 bias,
-            }) => {
-                let met = psnr_db >= BARS.0 && bias.abs() <= BARS.1;
-                let met = if met { "met" } else { "missed" };
-                format!("{psnr_db:.1} | {max_abs:.1e} | {bias:+.1e} | {met}")
-            }
-            None => "see the exhibit | | | ".to_owned(),
-        };
-        let collection = system.exhibits.0;
-        // Writing to a String cannot fail.
-        let _ = writeln!(
-            text,
-            "| {} | {} | {} | {} | {} | [{collection}](../gallery/{collection}/README.md) | {measured} |",
-            system.number, system.name, system.source, system.modules, system.reference
-        );
+                ..
+            } = line;
+            let met = if line.meets_bars() { "met" } else { "missed" };
+            // Writing to a String cannot fail.
+            let _ = writeln!(
+                text,
+                "{shown} [{plan}](../../{PLANS}/{plan}.toml) | {psnr_db:.1} | {max_abs:.1e} | {bias:+.1e} | {met} |"
+            );
+            shown = "| | | | | |".to_owned();
+        }
     }
     text
-}
-
-/// None if no exhibit holds a comparison of the system.
-fn worst(system: &System, exhibits: &[Exhibit]) -> Option<Worst> {
-    let comparisons = system.exhibits.1.iter().filter_map(|(exhibit, what)| {
-        let numbers = &exhibits.iter().find(|e| e.name == *exhibit)?.numbers;
-        let value = |suffixes: &[&str]| {
-            let named = |name: &str| suffixes.iter().any(|s| name == format!("{what}: {s}"));
-            numbers
-                .iter()
-                .find(|(name, _, _)| named(name))
-                .map(|(_, value, _)| *value)
-        };
-        Some(Worst {
-            psnr_db: value(&["PSNR"])?,
-            max_abs: value(&["largest error", "largest difference"])?,
-            bias: value(&["bias"])?,
-        })
-    });
-    comparisons.reduce(|a, b| Worst {
-        psnr_db: a.psnr_db.min(b.psnr_db),
-        max_abs: a.max_abs.max(b.max_abs),
-        bias: if a.bias.abs() > b.bias.abs() {
-            a.bias
-        } else {
-            b.bias
-        },
-    })
 }
 
 #[cfg(test)]
@@ -99,27 +57,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_worst_comparison_of_a_system_counts() {
-        let mut exhibit = Exhibit {
-            name: "antialias".to_owned(),
-            equation: "",
-            caption: String::new(),
-            pictures: Vec::new(),
-            numbers: Vec::new(),
+    fn a_system_shows_every_plan_of_its_own_and_whether_it_meets_the_bar() {
+        let line = |plan: &str, psnr_db| GoldenLine {
+            plan: plan.to_owned(),
+            psnr_db,
+            max_abs: 0.1,
+            bias: -1e-5,
+            items: 1,
+            culled: 0,
+            pixels: None,
+            crc32: 0,
         };
-        for (what, psnr) in [
-            ("ewa fixed against float", 70.0),
-            ("none fixed against float", 50.0),
-        ] {
-            exhibit.number(format!("{what}: PSNR"), psnr, "dB");
-            exhibit.number(format!("{what}: largest difference"), 0.1, "");
-            exhibit.number(format!("{what}: bias"), -1e-5, "");
-        }
-        let exhibits = [exhibit];
-        assert_eq!(worst(&SYSTEMS[0], &exhibits).unwrap().psnr_db, 70.0);
-        assert_eq!(worst(&SYSTEMS[3], &exhibits).unwrap().psnr_db, 50.0);
-        assert_eq!(worst(&SYSTEMS[1], &exhibits), None);
-        let page = text(&exhibits);
-        assert!(page.contains("| 50.0 | 1.0e-1 | -1.0e-5 | missed |") && page.contains("| 70.0 |"));
+        let page = text(&[line("01-a", 70.0), line("05-b", 50.0), line("05-c", 61.0)]);
+        assert!(
+            page.contains("[01-a](../../sim/plans/01-a.toml) | 70.0 | 1.0e-1 | -1.0e-5 | met |")
+        );
+        assert!(page.contains("| 50.0 | 1.0e-1 | -1.0e-5 | missed |"));
+        assert!(page.contains("| | | | | | [05-c]"));
     }
 }

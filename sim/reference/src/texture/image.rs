@@ -15,6 +15,9 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 /// Columns and rows of a texture at most: a 16384^2 photograph is already 6 GB of doubles.
 const LARGEST_SIDE: usize = 8192;
 
+/// A texture without a file: 96 x 96 texels of a checkerboard whose fields are 12 wide.
+const CHECKERBOARD: &str = "checkerboard";
+
 /// Colours on a grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
@@ -44,8 +47,15 @@ impl Texture {
         }
     }
 
-    /// Loads a PNG or JPEG file; an alpha channel is ignored.
+    /// Loads a PNG or JPEG file, whose alpha channel is ignored, or makes the texture named `checkerboard`.
     pub fn load(path: &Path) -> Result<Texture, LoadError> {
+        if path == Path::new(CHECKERBOARD) {
+            return Ok(Texture::from_pattern(96, 96, |u, v| {
+                let field = (u / 12.0) as usize + (v / 12.0) as usize;
+                let [light, dark] = [[0.65, 0.62, 0.55], [0.35, 0.36, 0.42]];
+                if field % 2 == 0 { light } else { dark }
+            }));
+        }
         decode(path).map_err(|problem| problem.of(path.display().to_string()))
     }
 

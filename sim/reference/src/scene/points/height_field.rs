@@ -39,15 +39,26 @@ pub struct HeightField {
     pub spacing: f64,
 }
 
+/// A height field without a file: hills of two wave lengths.
+const HILLS: &str = "hills";
+
 /// Is the path that of a height field?
 pub fn is_height_field(path: &Path) -> bool {
-    path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"))
+    let csv = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
+    csv || path == Path::new(HILLS)
 }
 
 impl HeightField {
-    /// Loads a text file of heights.
+    /// Loads a text file of heights, or makes the field named `hills`.
     pub fn load(path: &Path, spacing: f64) -> Result<HeightField, LoadError> {
+        if path == Path::new(HILLS) {
+            let wave = |x: usize, y: usize| (0.35 * x as f64).sin() + (0.21 * y as f64).cos();
+            return Ok(HeightField::from_heights(64, 64, spacing, |x, y| {
+                2.0 * spacing * wave(x, y)
+            }));
+        }
         read_file(path)
             .and_then(|bytes| HeightField::parse(&bytes, spacing))
             .map_err(|problem| problem.of(path.display().to_string()))
