@@ -45,34 +45,33 @@ pub struct WorkOptions {
 
 /// How splats become pixels, where affine footprints are not composited one by one.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Techniques")]
 pub struct TechniqueOptions {
     /// Which samples become points, gathered in depth ranges; needs --antialias swan
-    #[arg(long, value_parser = one_of(POINTS), conflicts_with_all = ["from", "sheets", "deep_alpha", "spheres"])]
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(POINTS), conflicts_with_all = ["from", "sheets", "deep_alpha", "spheres"])]
     pub points: Option<Points>,
     /// Phases per pixel and axis of --traversal stamp, as a power of two
-    #[arg(long, value_name = "N", default_value = "3", conflicts_with = "from", value_parser = clap::value_parser!(u8).range(0..=6))]
+    #[arg(long, help_heading = "Techniques", value_name = "N", default_value = "3", conflicts_with = "from", value_parser = clap::value_parser!(u8).range(0..=6))]
     pub phase_bits: u8,
     /// Adds the splats of a slab in a sheet buffer, and composites the sheets
-    #[arg(long, value_parser = one_of(SHEETS), conflicts_with_all = ["from", "deep_alpha", "spheres"])]
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(SHEETS), conflicts_with_all = ["from", "deep_alpha", "spheres"])]
     pub sheets: Option<SheetKind>,
     /// Thickness of a slab, scene units [default: the samples' spacing]
-    #[arg(long, value_name = "T", value_parser = positive, requires = "sheets")]
+    #[arg(long, help_heading = "Techniques", value_name = "T", value_parser = positive, requires = "sheets")]
     pub sheet_thickness: Option<f64>,
     /// Composites through an alpha channel of its own width that keeps this
-    #[arg(long, value_parser = one_of(REPRESENTATIONS), conflicts_with_all = ["from", "spheres"])]
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(REPRESENTATIONS), conflicts_with_all = ["from", "spheres"])]
     pub deep_alpha: Option<Representation>,
     /// Bits of the deep alpha channel, 8 to 32
-    #[arg(long, value_name = "N", default_value = "24", requires = "deep_alpha", value_parser = clap::value_parser!(u8).range(8..=32))]
+    #[arg(long, help_heading = "Techniques", value_name = "N", default_value = "24", requires = "deep_alpha", value_parser = clap::value_parser!(u8).range(8..=32))]
     pub alpha_bits: u8,
     /// What becomes of the bits below the deep alpha channel's last
-    #[arg(long, value_parser = one_of(ROUNDINGS), default_value = "nearest", requires = "deep_alpha")]
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(ROUNDINGS), default_value = "nearest", requires = "deep_alpha")]
     pub alpha_rounding: ChannelRounding,
     /// Draws splats as spheres of their first axis' length, outlined by this ellipse
-    #[arg(long, value_parser = one_of(ELLIPSES), conflicts_with = "from")]
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(ELLIPSES), conflicts_with = "from")]
     pub spheres: Option<bool>,
     /// How a pixel's place inside a sphere's outline becomes a radial index
-    #[arg(long, value_parser = one_of(INDICES), default_value = "affine", requires = "spheres")]
+    #[arg(long, help_heading = "Techniques", value_parser = one_of(INDICES), default_value = "affine", requires = "spheres")]
     pub sphere_index: Index,
 }
 
