@@ -245,9 +245,6 @@ pub fn room_for_picture(camera: &Camera, bytes: u64) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Bytes of a frame of a camera path: its plan, and what is reported of it.
-const FRAME_BYTES: usize = 40_000;
-
 /// Bytes of a pixel of each further reference picture that is kept beside those being compared.
 pub const HELD_PIXEL_BYTES: u64 = 32;
 

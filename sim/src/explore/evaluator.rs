@@ -17,7 +17,7 @@ use crate::machine::workload::{Workload, extract_if_room};
 use crate::machine::{Timing, simulate};
 use crate::metrics::{self, stored};
 use crate::picture::Picture;
-use crate::plan::{Depiction, DesignVariant, Engine, Prepared};
+use crate::plan::{self, DesignVariant, Engine, Prepared};
 use anyhow::{Context, Result, bail};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -288,7 +288,7 @@ impl<'a> Evaluator<'a> {
     pub fn new(subject: &'a Subject<'a>, similarity: bool) -> Evaluator<'a> {
         let with_references = subject.frames.iter().zip(&subject.references);
         let quantised = |(frame, _): (&&Prepared, &Picture)| match frame.subject() {
-            Ok(Depiction::Splats(s)) if s.hybrid.is_none() => {
+            Ok(plan::Subject::Splats(s)) if s.are_composited() => {
                 Some(QuantisedScene::new(s.scene, s.camera, s.rules))
             }
             _ => None,

@@ -44,7 +44,7 @@ impl Identity {
         let (first, more) = subject.frames.split_first().context("there is no frame")?;
         let mut scenes = SceneDigests::default();
         let scene = &first.splats()?.scene;
-        let look = look(first)?;
+        let look = technique(first)?;
         Ok(Identity(json!({
             "format": FORMAT,
             "program": { "version": env!("CARGO_PKG_VERSION"), "sources_sha256": env!("SPLATLINE_SOURCES") },
@@ -124,9 +124,9 @@ impl Identity {
     }
 }
 
-/// Rules and order of blending, as a plan records them.
-fn look(frame: &Prepared) -> Result<Value> {
-    let mut recorded = serde_json::to_value(&frame.plan.look)?;
+/// Rules, order and method of blending, as a plan records them.
+fn technique(frame: &Prepared) -> Result<Value> {
+    let mut recorded = serde_json::to_value(&frame.plan.technique)?;
     Ok(recorded["splats"].take())
 }
 
@@ -153,7 +153,7 @@ impl SceneDigests {
             "scene": scene.name,
             "sha256": self.of(scene),
             "camera": serde_json::from_str::<Value>(&frame.plan.camera.to_json())?,
-            "rules": look(frame)?["rules"],
+            "rules": technique(frame)?["rules"],
         }))
     }
 }

@@ -7,7 +7,7 @@ use crate::machine::area::{Calibration, Family};
 use crate::machine::config::{Config, SETTINGS};
 use crate::machine::energy::{EnergyTable, SHIPPED};
 use crate::picture::Picture;
-use crate::plan::Look;
+use crate::plan::Technique;
 use crate::rules::{Compositing, Rules};
 use crate::scene::synthetic;
 use proptest::prelude::*;
@@ -65,7 +65,7 @@ impl Facts {
         let design = DesignChoice::from_toml("d.toml", &self.design).unwrap();
         let (scene, camera) = (self.scene.clone(), self.camera.clone());
         let mut prepared = Prepared::of_splats(scene, camera, self.rules, design);
-        if let Look::Splats { compositing, .. } = &mut prepared.plan.look {
+        if let Technique::Splats { compositing, .. } = &mut prepared.plan.technique {
             *compositing = self.compositing;
         }
         let subject = Subject {

@@ -98,9 +98,9 @@ pub fn page(sweep: &Sweep) -> String {
 /// What the page's script reads.
 #[derive(Serialize)]
 struct PointsData<'a> {
-    columns: Vec<&'a str>,
+    columns: &'a [String],
     axes: Vec<&'a str>,
-    rows: Vec<Vec<&'a str>>,
+    rows: Vec<&'a [String]>,
     front: Vec<usize>,
 }
 

@@ -89,7 +89,7 @@ fn report(folder: &Path) -> Vec<u8> {
 /// As `--from` reads it. Pictures of any size are asked for; small ones are drawn.
 fn report_file(path: &Path) -> Result<(), String> {
     let told = |error| format!("{error:#}");
-    let prepared = Prepared::from_report(path, &|_| ()).map_err(told)?;
+    let prepared = Prepared::from_file(path, &|_| ()).map_err(told)?;
     let camera = &prepared.plan.camera;
     if camera.width.max(camera.height) > 64 {
         return Err("a picture that takes long".to_owned());
