@@ -154,7 +154,7 @@ impl Throughput {
             bytes_per_frame: bytes,
             bytes_per_s: bytes as f64 / seconds,
             channel_bytes_per_s: config.channel_bytes_per_cycle(clock.mhz) * hertz,
-            memory: part.map_or("the channels", |part| part.name),
+            memory: part.map_or("the channels", |part| part.name.as_str()),
             frames_in_work: config.overlap_frames,
             clock,
         }

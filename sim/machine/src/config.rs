@@ -181,7 +181,7 @@ mod part_by_name {
         let part = (*part as usize)
             .checked_sub(1)
             .and_then(|index| PARTS.get(index));
-        to.serialize_str(part.map_or("channels", |part| part.name))
+        to.serialize_str(part.map_or("channels", |part| part.name.as_str()))
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {

@@ -31,6 +31,7 @@ pub mod others;
 pub mod parts;
 pub mod primitive;
 mod raster;
+pub mod record;
 mod sequencer;
 pub mod summary;
 mod tile_order;

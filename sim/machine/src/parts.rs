@@ -3,7 +3,7 @@
 //! A question about a machine is asked of a part that one can buy. The parts that ship lie in `parts/parts.toml`; a file of the same form adds
 //! others. The memory is a board's, not the FPGA's: each part names the one that its figure is of, and `--bandwidth` says another.
 
-use super::area::{Area, Fabric, Family};
+use super::area::{Fabric, Family};
 use super::config::line_of;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -132,8 +132,8 @@ impl Part {
     }
 
     /// How much of it a machine takes, in one line.
-    pub fn text(&self, name: &str, area: &Area, channel_bytes_per_s: f64) -> String {
-        let taken = (area.raster + area.around).resources();
+    pub fn text(&self, name: &str, taken: Fabric, channel_bytes_per_s: f64) -> String {
+        let taken = taken.resources();
         let shares = taken.iter().zip(self.fabric().resources());
         let words: Vec<String> = shares
             .map(|((what, count), (_, of))| format!("{what} {}", share(*count as f64, of as f64)))

@@ -87,7 +87,7 @@ impl OrderReuse {
 }
 
 /// Gain and errors over all pictures whose order was kept; nothing of none.
-pub fn text(kept: &[ReusedOrderFrame], frames: usize) -> String {
+pub fn text(kept: &[&ReusedOrderFrame], frames: usize) -> String {
     let Some(worst) = kept
         .iter()
         .max_by(|a, b| a.error.max_abs.total_cmp(&b.error.max_abs))

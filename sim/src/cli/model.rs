@@ -1,34 +1,48 @@
-//! `splatline model`: cycles of a scene, or of other people's footprints, on a machine.
+//! `splatline simulate`: cycles of a scene, or of other people's footprints, on a machine.
+//!
+//! ```text
+//! options -> plan -> work of a picture -> simulation -> record -> page and files
+//! ```
 
 use super::kept::{self, OrderReuse, ReusedOrderFrame};
-use super::machine_args::{AreaOptions, ModelOptions};
+use super::machine_args::ModelOptions;
 use super::output::{self, Outputs, write};
 use super::resolve::{
     NamedFrame, PlanRequest, calibration, energy_table, machine, part, refuse_kept_order,
 };
 use super::say::{Failure, print_result, warn};
 use crate::design::DesignChoice;
-use crate::machine::area::{self, Calibration, synthesis};
-use crate::machine::clock::{Clock, Throughput};
-use crate::machine::config;
-use crate::machine::energy;
-use crate::machine::histogram::Histograms;
+use crate::machine::clock::Throughput;
 use crate::machine::lanes::{LaneShape, LaneWork};
-use crate::machine::parts::Part;
-use crate::machine::summary::{self, OverFrames};
+use crate::machine::record::{AreaRecord, CostedMachine, PictureRecord, Prices};
+use crate::machine::summary::OverFrames;
 use crate::machine::timing::Timing;
 use crate::machine::workload::{TableOptions, Workload, read_table};
-use crate::machine::{Config, others, simulate, simulate_alone};
-use crate::metrics::median;
+use crate::machine::{Config, config, energy, others, simulate_alone};
 use crate::plan::DesignVariant;
 use crate::progress::ProgressMeter;
 use crate::report::machine::{page, watch};
 use crate::scene::Scene;
 use anyhow::anyhow;
-use serde_json::json;
+use serde::Serialize;
 use splatline::format::Traversal;
 use std::path::Path;
 use std::time::Instant;
+
+/// The files that may be written.
+const FILES: [&str; 5] = [
+    "timing.json",
+    "timing.html",
+    "machine.toml",
+    "action_counts.yaml",
+    "machines.json",
+];
+
+/// Format of timing.json.
+const TIMING: &str = "splatline-timing/1";
+
+/// Frames that are printed one by one; of more than these only the summary is.
+const FEW_FRAMES: usize = 8;
 
 /// What is timed, and what it is timed on.
 struct Modelled {
@@ -38,17 +52,44 @@ struct Modelled {
     machine: Config,
 }
 
-/// What a folder of results may hold.
-const FILES: [&str; 5] = [
-    "timing.json",
-    "timing.html",
-    "machine.toml",
-    "action_counts.yaml",
-    "machines.json",
-];
+/// A result with its format's name.
+#[derive(Serialize)]
+struct Versioned<T> {
+    format: &'static str,
+    #[serde(flatten)]
+    result: T,
+}
 
-/// Frames that are told one by one; of more than these only the summary is.
-const FEW_FRAMES: usize = 8;
+/// One of several pictures.
+#[derive(Serialize)]
+struct FrameRecord {
+    name: String,
+    visible: usize,
+    cycles: Timing,
+    pace: Throughput,
+    kept: Option<ReusedOrderFrame>,
+}
+
+/// Several pictures.
+#[derive(Serialize)]
+struct FramesRecord {
+    frames: Vec<FrameRecord>,
+    over_frames: OverFrames,
+    area: AreaRecord,
+    host: AllSeconds,
+}
+
+#[derive(Serialize)]
+struct AllSeconds {
+    all_s: f64,
+}
+
+/// Machines of others on a scene.
+#[derive(Serialize)]
+struct MachinesRecord {
+    scene: String,
+    machines: Vec<others::Outcome>,
+}
 
 pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let mut outputs = Outputs::default();
@@ -58,11 +99,16 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     if options.machines {
         return others_beside_ours(options, &outputs);
     }
-    let priced = Priced::new(&options.area)?;
+    let named = options.area.part.clone().unwrap_or_default();
+    let prices = Prices {
+        calibration: calibration(&options.area)?,
+        part: part(&options.area)?.map(|part| (named, part)),
+        energy: energy_table(&options.energy)?,
+    };
     if let Some(table) = &options.footprints {
         let modelled = from_table(table, options)?;
         outputs.spare_inputs()?;
-        return one(&modelled, &priced, options);
+        return one(&modelled, &prices, options);
     }
     if options.view.scene.is_none() && options.view.from.is_none() {
         let message = "name a scene, a report with --from, or a table with --footprints";
@@ -71,15 +117,26 @@ pub fn run(options: &ModelOptions) -> Result<(), Failure> {
     let asked = PlanRequest::work(&options.view, &options.work)
         .on(&options.machine)
         .keeping_order();
-    let mut frames = asked.frames(&options.path, &options.more)?;
+    let frames = asked.frames(&options.path, &options.more)?;
     outputs.spare_inputs()?;
     if options.path.camera_path.is_none() {
         refuse_kept_order(&frames[0].prepared.plan.machine)?;
     }
-    match frames.len() {
-        1 => one(&from_scene(&frames.remove(0))?, &priced, options),
-        _ => several(&frames, &priced, options),
+    match frames.as_slice() {
+        [frame] => one(&from_scene(frame)?, &prices, options),
+        _ => several(&frames, &prices, options),
     }
+}
+
+fn write_json(
+    folder: &Path,
+    file: &str,
+    format: &'static str,
+    result: impl Serialize,
+) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(&Versioned { format, result });
+    let text = text.map_err(|error| anyhow!("{file}: {error}"))?;
+    write(&folder.join(file), format!("{text}\n").as_bytes())
 }
 
 /// All machines of the presets on the scene's splats.
@@ -89,207 +146,136 @@ fn others_beside_ours(options: &ModelOptions, outputs: &Outputs) -> Result<(), F
         .prepare()?;
     outputs.spare_inputs()?;
     warn(&prepared.setup_warnings()?);
-    let splats = prepared.splats()?;
-    let outcomes = others::run_all(&splats.without_points(), &energy_table(&options.energy)?)?;
-    let (table, note) = (others::table_of(&outcomes), others::note());
+    let splats = prepared.splats()?.without_points();
+    let machines = others::run_all(&splats, &energy_table(&options.energy)?)?;
+    let (table, note) = (others::table_of(&machines), others::note());
     print_result(&format!("{table}\n{note}"))?;
-    if let Some(folder) = &options.output {
-        let line = |outcome: &others::Outcome| {
-            json!({
-                "machine": outcome.preset.name,
-                "source": outcome.preset.source,
-                "products": outcome.products,
-                "cycles": outcome.timing,
-                "energy": outcome.energy,
-            })
-        };
-        let lines: Vec<_> = outcomes.iter().map(line).collect();
-        let result = json!({ "format": "splatline-machines/1", "scene": prepared.scene.name(), "machines": lines });
-        write(
-            &folder.join("machines.json"),
-            format!("{result:#}\n").as_bytes(),
-        )?;
-    }
-    Ok(())
+    let Some(folder) = &options.output else {
+        return Ok(());
+    };
+    let scene = prepared.scene.name().to_owned();
+    let record = MachinesRecord { scene, machines };
+    write_json(folder, "machines.json", "splatline-machines/1", record)
 }
 
-/// What area and clock are counted by.
-struct Priced {
-    prices: Calibration,
-    part: Option<(String, Part)>,
-}
-
-impl Priced {
-    fn new(options: &AreaOptions) -> Result<Priced, Failure> {
-        let named = options.part.clone().unwrap_or_default();
-        Ok(Priced {
-            prices: calibration(options)?,
-            part: part(options)?.map(|part| (named, part)),
-        })
-    }
-
-    fn pace(&self, timing: &Timing, entry: &DesignVariant, config: &Config) -> Throughput {
-        let clock = Clock::of(config, &entry.design.widths, self.prices.family);
-        Throughput::new(timing, config, clock)
+fn costed<'a>(
+    variant: &'a DesignVariant,
+    config: &'a Config,
+    prices: &'a Prices,
+) -> CostedMachine<'a> {
+    CostedMachine {
+        widths: &variant.design.widths,
+        traversal: variant.traversal,
+        config,
+        prices,
     }
 }
 
 /// One picture, with all accounts.
-fn one(modelled: &Modelled, priced: &Priced, options: &ModelOptions) -> Result<(), Failure> {
-    let Modelled {
-        name,
-        workload,
-        entry,
-        machine: config,
-    } = modelled;
-    let work = LaneWork::new(workload, LaneShape::from(config));
-    let (timing, seconds) = timed(workload, &work, config, options.repeat);
-    let speed = timing.total as f64 / seconds / 1e6;
-    print_result(&summary::text(name, &timing))?;
-    let pace = priced.pace(&timing, entry, config);
-    print_result(&pace.text())?;
-    let area = estimate_area(priced, entry, config, &pace)?;
-    let energy = energy::estimate(
-        &entry.design.widths,
-        entry.traversal,
-        config,
-        &timing,
-        &energy_table(&options.energy)?,
-    );
-    print_result(&energy.text())?;
-    print_result(&format!(
-        "host: {:.1} ms for {} cycles: {speed:.0} million simulated cycles per second on one core\n",
-        seconds * 1e3,
-        timing.total
-    ))?;
+fn one(modelled: &Modelled, prices: &Prices, options: &ModelOptions) -> Result<(), Failure> {
+    let (workload, config) = (&modelled.workload, &modelled.machine);
+    let costed = costed(&modelled.entry, config, prices);
+    let record = costed.picture(&modelled.name, workload, options.repeat);
+    print_result(&costed.text(&record))?;
     let Some(folder) = &options.output else {
         return Ok(());
     };
-    let histograms = Histograms::new(&work, config, workload.splats.len());
-    let watched = watch(workload, &work, config, &timing);
-    let page = page(name, &timing, &watched, workload.columns, config);
+    let page = page_of(&record, workload, config);
     write(&folder.join("timing.html"), page.as_bytes())?;
-    write(
-        &folder.join("action_counts.yaml"),
-        energy::action_counts(&energy).as_bytes(),
-    )?;
-    let result = json!({
-        "format": "splatline-timing/1",
-        "scene": name,
-        "splats": workload.splats.len(),
-        "visible": workload.visible(),
-        "cycles": timing,
-        "pace": pace,
-        "area": area,
-        "energy": energy,
-        "histograms": histograms,
-        "host": { "simulation_s": seconds, "cycles_per_s": timing.total as f64 / seconds },
-    });
-    write_results(folder, &result, config)
+    let actions = energy::action_counts(&record.energy);
+    write(&folder.join("action_counts.yaml"), actions.as_bytes())?;
+    write_machine(folder, config)?;
+    write_json(folder, "timing.json", TIMING, record)
+}
+
+fn page_of(record: &PictureRecord, workload: &Workload, config: &Config) -> String {
+    let work = LaneWork::new(workload, LaneShape::from(config));
+    let watched = watch(workload, &work, config, &record.cycles);
+    page(
+        &record.scene,
+        &record.cycles,
+        &watched,
+        workload.columns,
+        config,
+    )
+}
+
+fn write_machine(folder: &Path, config: &Config) -> Result<(), Failure> {
+    let text = config::to_toml(config);
+    write(&folder.join("machine.toml"), text.as_bytes())
 }
 
 /// Several pictures: the worst of them, the 95th percentile and the mean.
-fn several(frames: &[NamedFrame], priced: &Priced, options: &ModelOptions) -> Result<(), Failure> {
+fn several(frames: &[NamedFrame], prices: &Prices, options: &ModelOptions) -> Result<(), Failure> {
     let started = Instant::now();
-    let progress = ProgressMeter::new(frames.len());
-    let mut paces = Vec::with_capacity(frames.len());
-    let mut records = Vec::with_capacity(frames.len());
-    let mut kept: Vec<ReusedOrderFrame> = Vec::new();
-    let mut order = OrderReuse::default();
-    for frame in frames {
-        progress.doing(&frame.name);
-        let plan = &frame.prepared.plan;
-        let (workload, of_kept) = match plan.machine.sort_every {
-            1 => (from_scene(frame)?.workload, None),
-            _ => {
-                announce(frame)?;
-                order.next(frame)?
-            }
-        };
-        let timing = simulate_alone(&workload, &plan.machine);
-        let pace = priced.pace(&timing, &plan.entry, &plan.machine);
-        records.push(json!({ "name": frame.name, "visible": workload.visible(), "cycles": timing, "pace": pace, "kept": of_kept }));
-        kept.extend(of_kept);
-        if plan.machine.sort_every > 1 {
-            order.keep(workload);
-        }
-        paces.push(pace);
-        progress.advance();
-    }
-    drop(progress);
+    let records = simulated(frames, prices)?;
     let plan = &frames[0].prepared.plan;
-    let (entry, config) = (&plan.entry, &plan.machine);
-    let named: Vec<(&str, &Throughput)> = frames
+    let costed = costed(&plan.entry, &plan.machine, prices);
+    let named: Vec<(&str, &Throughput)> = records
         .iter()
-        .map(|frame| frame.name.as_str())
-        .zip(&paces)
+        .map(|record| (record.name.as_str(), &record.pace))
         .collect();
-    let over = OverFrames::new(&named);
+    let over_frames = OverFrames::new(&named);
     if frames.len() <= FEW_FRAMES {
         for (name, pace) in &named {
             let (ms, fps) = (pace.ms_per_frame, pace.frames_per_s);
             print_result(&format!("{name}: {ms:.3} ms, {fps:.2} frames a second\n"))?;
         }
     }
-    print_result(&over.text())?;
-    print_result(&kept::text(&kept, frames.len()))?;
-    let clock = &paces[0].clock;
-    print_result(&format!("clock: {} MHz ({})\n", clock.mhz, clock.of))?;
-    let area = estimate_area(priced, entry, config, &paces[0])?;
-    let seconds = started.elapsed().as_secs_f64();
+    let kept: Vec<&ReusedOrderFrame> = records.iter().flat_map(|record| &record.kept).collect();
+    let (pace, area) = (&records[0].pace, costed.area());
+    let all_s = started.elapsed().as_secs_f64();
     print_result(&format!(
-        "host: {} frames in {seconds:.1} s\n",
+        "{}{}clock: {} MHz ({})\n{}host: {} frames in {all_s:.1} s\n",
+        over_frames.text(),
+        kept::text(&kept, frames.len()),
+        pace.clock.mhz,
+        pace.clock.of,
+        costed.area_text(&area, pace.channel_bytes_per_s),
         frames.len()
     ))?;
     let Some(folder) = &options.output else {
         return Ok(());
     };
-    let result = json!({
-        "format": "splatline-timing/1",
-        "frames": records,
-        "over_frames": over,
-        "area": area,
-        "host": { "all_s": seconds },
-    });
-    write_results(folder, &result, config)
+    write_machine(folder, &plan.machine)?;
+    let record = FramesRecord {
+        frames: records,
+        over_frames,
+        area,
+        host: AllSeconds { all_s },
+    };
+    write_json(folder, "timing.json", TIMING, record)
 }
 
-fn write_results(
-    folder: &Path,
-    result: &serde_json::Value,
-    config: &Config,
-) -> Result<(), Failure> {
-    write(
-        &folder.join("timing.json"),
-        format!("{result:#}\n").as_bytes(),
-    )?;
-    write(
-        &folder.join("machine.toml"),
-        config::to_toml(config).as_bytes(),
-    )
-}
-
-/// The machine's area, and how much of the part it takes, which are also said.
-fn estimate_area(
-    priced: &Priced,
-    entry: &DesignVariant,
-    config: &Config,
-    pace: &Throughput,
-) -> Result<serde_json::Value, Failure> {
-    let prices = &priced.prices;
-    let area = area::estimate(&entry.design.widths, entry.traversal, config, prices);
-    let statement = synthesis::statement(prices);
-    print_result(&format!(
-        "area: raster units {}; around them {}\n{statement}\n",
-        area.raster, area.around
-    ))?;
-    if let Some((name, part)) = &priced.part {
-        print_result(&part.text(name, &area, pace.channel_bytes_per_s))?;
+/// All pictures one after the other, since one may keep the order of the one before.
+fn simulated(frames: &[NamedFrame], prices: &Prices) -> Result<Vec<FrameRecord>, Failure> {
+    let progress = ProgressMeter::new(frames.len());
+    let mut order = OrderReuse::default();
+    let mut records = Vec::with_capacity(frames.len());
+    for frame in frames {
+        progress.doing(&frame.name);
+        announce(frame)?;
+        let plan = &frame.prepared.plan;
+        let keeps_order = plan.machine.sort_every > 1;
+        let (workload, kept) = if keeps_order {
+            order.next(frame)?
+        } else {
+            (frame.prepared.workload()?, None)
+        };
+        let cycles = simulate_alone(&workload, &plan.machine);
+        records.push(FrameRecord {
+            name: frame.name.clone(),
+            visible: workload.visible(),
+            pace: costed(&plan.entry, &plan.machine, prices).throughput(&cycles),
+            cycles,
+            kept,
+        });
+        if keeps_order {
+            order.keep(workload);
+        }
+        progress.advance();
     }
-    let part = priced.part.as_ref().map(|(_, part)| part);
-    Ok(
-        json!({ "raster": area.raster, "around": area.around, "luts_in_all": area.weight, "of": statement, "part": part }),
-    )
+    Ok(records)
 }
 
 /// Says what of a frame the kernel does not take as it is, and what the machine reads nothing for.
@@ -358,17 +344,4 @@ fn from_table(path: &Path, options: &ModelOptions) -> Result<Modelled, Failure> 
         entry,
         machine,
     })
-}
-
-/// The timing and the median of the seconds that simulating it took.
-fn timed(workload: &Workload, work: &LaneWork, config: &Config, repeat: u32) -> (Timing, f64) {
-    let mut seconds = Vec::new();
-    loop {
-        let started = Instant::now();
-        let timing = simulate(workload, work, config);
-        seconds.push(started.elapsed().as_secs_f64());
-        if seconds.len() >= repeat as usize {
-            return (timing, median(&mut seconds).unwrap_or(0.0));
-        }
-    }
 }

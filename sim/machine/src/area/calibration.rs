@@ -5,10 +5,11 @@
 //! file may replace any of it, for another device or a chip: `family = "ecp5"` names the prices that it starts from.
 
 use super::Fabric;
-use super::circuit::Bits;
+use super::circuit::{Bits, ROW_JUMPS};
 use super::synthesis::{Synthesised, SynthesisedPart, synthesised};
 use crate::primitive::SETUP_INTERVAL;
 use serde::{Deserialize, Serialize};
+use std::sync::LazyLock;
 
 /// A family of devices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -90,17 +91,25 @@ pub struct Calibration {
 }
 
 /// What data sheets say: everything that is not fitted.
+#[derive(Clone, Deserialize)]
 struct SynthesisSheet {
     multiplier: [u64; 2],
-    shapes: &'static [[u64; 2]],
+    shapes: Vec<[u64; 2]>,
     block_kbit: u64,
     lut_memory: Option<LutMemory>,
     /// Look-up tables, multipliers and kilobits of the device whose ratios are the weights.
     device: [f64; 3],
 }
 
-const SHAPES_18K: [[u64; 2]; 5] = [[512, 36], [1024, 18], [2048, 9], [4096, 4], [8192, 2]];
-const SHAPES_4K: [[u64; 2]; 4] = [[256, 16], [512, 8], [1024, 4], [2048, 2]];
+#[derive(Deserialize)]
+struct SynthesisSheets {
+    xilinx7: SynthesisSheet,
+    ecp5: SynthesisSheet,
+    ice40: SynthesisSheet,
+}
+
+static SHEETS: LazyLock<SynthesisSheets> =
+    LazyLock::new(|| toml::from_str(include_str!("families.toml")).expect("a sheet a family"));
 
 impl Family {
     /// All of them.
@@ -126,40 +135,11 @@ impl Family {
         Family::ALL.into_iter().find(|family| family.name() == name)
     }
 
-    fn sheet(self) -> SynthesisSheet {
+    fn sheet(self) -> &'static SynthesisSheet {
         match self {
-            // XC7A100T (DS180); RAM32M of four LUTs holds 32 words of 6 bits (UG474).
-            Family::Xilinx7 => SynthesisSheet {
-                multiplier: [24, 17],
-                shapes: &SHAPES_18K,
-                block_kbit: 18,
-                lut_memory: Some(LutMemory {
-                    words: 32,
-                    bits: 6,
-                    luts: 4,
-                }),
-                device: [63_400.0, 240.0, 4_860.0],
-            },
-            // LFE5U-85F (FPGA-DS-02012); TRELLIS_DPR16X4 takes four LUTs.
-            Family::Ecp5 => SynthesisSheet {
-                multiplier: [18, 18],
-                shapes: &SHAPES_18K,
-                block_kbit: 18,
-                lut_memory: Some(LutMemory {
-                    words: 16,
-                    bits: 4,
-                    luts: 4,
-                }),
-                device: [83_640.0, 156.0, 3_744.0],
-            },
-            // iCE40UP5K (FPGA-DS-02008).
-            Family::Ice40 => SynthesisSheet {
-                multiplier: [16, 16],
-                shapes: &SHAPES_4K,
-                block_kbit: 4,
-                lut_memory: None,
-                device: [5_280.0, 8.0, 120.0],
-            },
+            Family::Xilinx7 => &SHEETS.xilinx7,
+            Family::Ecp5 => &SHEETS.ecp5,
+            Family::Ice40 => &SHEETS.ice40,
         }
     }
 
@@ -188,7 +168,7 @@ impl Calibration {
             luts: lines(&found, |fabric| fabric.luts),
             flip_flops: lines(&found, |fabric| fabric.flip_flops),
             multiplier: sheet.multiplier,
-            shapes: sheet.shapes.to_vec(),
+            shapes: sheet.shapes.clone(),
             block_kbit: sheet.block_kbit,
             setup_kbit: over_mantissa(&found, SHARED_SETUP, |fabric| fabric.memory_kbit),
             row_kbit: over_mantissa(&found, SynthesisedPart::Rows, |fabric| fabric.memory_kbit),
@@ -225,10 +205,12 @@ impl Calibration {
         *self == self.family.calibration()
     }
 
-    /// Multipliers of splat setup where a packet comes in so many cycles.
+    /// Multipliers of splat setup where a packet comes in so many cycles: C dy and S dy share theirs, and so do those of the jumps (`shared_multiply.sv`).
     pub(super) fn setup_dsps(&self, bits: &Bits, interval: u32) -> u64 {
-        let products = bits.setup_multipliers().into_iter();
+        let [linear, _, square] = bits.setup_products().map(|product| product.factors);
+        let products = [(linear, 2), (square, 1), ROW_JUMPS];
         products
+            .into_iter()
             .map(|(factors, count)| self.tiles(factors) * count.div_ceil(interval.max(1).into()))
             .sum()
     }

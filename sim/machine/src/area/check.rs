@@ -23,9 +23,8 @@ impl Calibration {
         for bits in self.multiplier {
             whole("multiplier", bits, MULTIPLIER)?;
         }
-        if self.shapes.is_empty() {
-            return Err(refused("shapes", "[]", "at least one [words, bits]"));
-        }
+        let shapes = || "at least one [words, bits]".to_owned();
+        check(!self.shapes.is_empty(), "shapes", "[]", shapes)?;
         for number in self.shapes.as_flattened() {
             whole("shapes", *number, BLOCK)?;
         }
@@ -68,43 +67,31 @@ fn check_line(name: &str, line: &PriceLine) -> Result<(), Refused> {
 }
 
 fn price(key: &str, value: f64) -> Result<(), Refused> {
-    if value.abs() <= LARGEST {
-        Ok(())
-    } else {
-        Err(refused(
-            key,
-            &value.to_string(),
-            &format!("numbers from {} to {LARGEST}", -LARGEST),
-        ))
-    }
+    let allowed = || format!("numbers from {} to {LARGEST}", -LARGEST);
+    check(value.abs() <= LARGEST, key, value, allowed)
 }
 
 fn weight(key: &str, value: f64) -> Result<(), Refused> {
-    if (0.0..=LARGEST).contains(&value) {
-        Ok(())
-    } else {
-        Err(refused(
-            key,
-            &value.to_string(),
-            &format!("numbers from 0 to {LARGEST}"),
-        ))
-    }
+    let allowed = || format!("numbers from 0 to {LARGEST}");
+    check((0.0..=LARGEST).contains(&value), key, value, allowed)
 }
 
 fn whole(key: &str, value: u64, (low, high): (u64, u64)) -> Result<(), Refused> {
-    if (low..=high).contains(&value) {
-        Ok(())
-    } else {
-        Err(refused(
-            key,
-            &value.to_string(),
-            &format!("whole numbers from {low} to {high}"),
-        ))
-    }
+    let allowed = || format!("whole numbers from {low} to {high}");
+    check((low..=high).contains(&value), key, value, allowed)
 }
 
-fn refused(key: &str, value: &str, allowed: &str) -> Refused {
-    (key.to_owned(), value.to_owned(), allowed.to_owned())
+fn check(
+    holds: bool,
+    key: &str,
+    value: impl ToString,
+    allowed: impl Fn() -> String,
+) -> Result<(), Refused> {
+    if holds {
+        Ok(())
+    } else {
+        Err((key.to_owned(), value.to_string(), allowed()))
+    }
 }
 
 #[cfg(test)]

@@ -61,67 +61,62 @@ impl Bits {
         }
     }
 
-    /// Products of splat setup, of which each packet has one: C dy and C dy^2, S dy, and those with the rows that are jumped over. How many of them are
-    /// made by the same multipliers where packets come less often stands beside each (`shared_multiply.sv`). Bits of unsigned factors here and below, as
-    /// `multiply.sv` has them.
-    pub fn setup_multipliers(&self) -> [([u64; 2], u64); 3] {
+    /// Products of splat setup, of which each packet has one: C dy, S dy, C dy^2.
+    pub fn setup_products(&self) -> [Product; 3] {
         let m = self.mantissa;
-        [([m, m], 2), ([m, m], 1), ([64, 16], 3)]
+        let product = |operands| Product::new([m, m], operands);
+        [[m + 1, m + 2], [m + 1, m + 2], [m + 2, m + 2]].map(product)
     }
 
-    /// Products of a row: half-width, root, A dx, A dx^2, and those with the pixels before its first.
-    pub fn row_multipliers(&self) -> [[u64; 2]; 6] {
+    /// Products of a row: half-width, root, A dx, A dx^2.
+    pub fn row_products(&self) -> [Product; 4] {
         let m = self.mantissa;
         [
-            [33, m],
-            [17, 16],
-            [m + 1, m],
-            [m + 1, m + 1],
-            [32, 5],
-            [33, 5],
+            Product::new([33, m], [m + 1, 33]),
+            Product::new([17, 16], [18, 17]),
+            Product::new([m + 1, m], [m + 1, m + 2]),
+            Product::new([m + 1, m + 1], [m + 3, m + 2]),
         ]
     }
 
     /// The product of opacity, that of the share of the transmittance, and one colour's. An opacity's and a kernel's 1.0 have no multiplier.
-    pub fn blend_multipliers(&self) -> [[u64; 2]; 3] {
+    pub fn blend_products(&self) -> [Product; 3] {
+        let (peak, share, colour) = (self.peak, self.transmittance, self.colour + 4);
         [
-            [self.peak + 4, self.weight],
-            [self.transmittance + 1, self.alpha],
-            [self.transmittance + 1, self.colour + 4],
+            Product::new([peak + 4, self.weight], [peak + 5, self.weight]),
+            Product::new([share + 1, self.alpha], [share + 2, self.alpha]),
+            Product::new([share + 1, colour], [share + 2, colour]),
         ]
     }
 
     /// The table's interpolation; none without fraction bits.
-    pub fn interpolation_multiplier(&self) -> Option<[u64; 2]> {
-        (self.interpolation > 0).then_some([self.step, self.interpolation])
-    }
-
-    /// Products of splat setup as energy counts them: C dy, S dy, C dy^2. Signed bits here and below.
-    pub fn setup_products(&self) -> [[u64; 2]; 3] {
-        let m = self.mantissa;
-        [[m + 1, m + 2], [m + 1, m + 2], [m + 2, m + 2]]
-    }
-
-    /// The same of a row: half-width, root, A dx, A dx^2.
-    pub fn row_products(&self) -> [[u64; 2]; 4] {
-        let m = self.mantissa;
-        [[m + 1, 33], [18, 17], [m + 1, m + 2], [m + 3, m + 2]]
-    }
-
-    /// And of a pixel: opacity, share of the transmittance, one colour.
-    pub fn blend_products(&self) -> [[u64; 2]; 3] {
-        [
-            [self.peak + 5, self.weight],
-            [self.transmittance + 2, self.alpha],
-            [self.transmittance + 2, self.colour + 4],
-        ]
-    }
-
-    /// The table's interpolation; none without fraction bits.
-    pub fn interpolation_product(&self) -> Option<[u64; 2]> {
-        (self.interpolation > 0).then_some([self.step + 1, self.interpolation + 1])
+    pub fn interpolation_product(&self) -> Option<Product> {
+        let (step, fraction) = (self.step, self.interpolation);
+        let product = Product::new([step, fraction], [step + 1, fraction + 1]);
+        (fraction > 0).then_some(product)
     }
 }
+
+/// A product of the circuit.
+#[derive(Clone, Copy, Debug)]
+pub struct Product {
+    /// Bits of its unsigned factors, as `multiply.sv` has them: area counts these.
+    pub factors: [u64; 2],
+    /// Bits of its signed operands: energy counts these.
+    pub operands: [u64; 2],
+}
+
+impl Product {
+    const fn new(factors: [u64; 2], operands: [u64; 2]) -> Product {
+        Product { factors, operands }
+    }
+}
+
+/// Factors of the products with the rows that splat setup jumps over, and how many there are: no packet has to have one.
+pub const ROW_JUMPS: ([u64; 2], u64) = ([64, 16], 3);
+
+/// The same of a row, with the pixels before its first.
+pub const PIXEL_JUMPS: [[u64; 2]; 2] = [[32, 5], [33, 5]];
 
 /// Bits of adders, and widths of shifters by any number of places.
 pub struct Operators {

@@ -16,7 +16,7 @@ pub use calibration::{Calibration, Family, Lines, LutMemory, PriceLine};
 
 use super::config::{Config, LaneLayout, Overlap, Termination};
 use super::primitive::{QUEUE, SETUP_INTERVAL};
-use circuit::{Bits, GeometryCircuit, Operators};
+use circuit::{Bits, GeometryCircuit, Operators, PIXEL_JUMPS};
 use serde::Serialize;
 use splatline::footprint::packet;
 use splatline::format::{Traversal, Widths};
@@ -127,10 +127,12 @@ fn rows(bits: &Bits, traversal: Traversal, config: &Config, calibration: &Calibr
         };
     }
     let logic = |lines: &Lines| lines.rows.at(bits.mantissa).round() as u64;
+    let products = bits.row_products().map(|product| product.factors);
+    let products = [&products[..], &PIXEL_JUMPS].concat();
     Fabric {
         luts: logic(&calibration.luts),
         flip_flops: logic(&calibration.flip_flops),
-        dsps: shared(&bits.row_multipliers(), config.row_cycles, calibration),
+        dsps: shared(&products, config.row_cycles, calibration),
         memory_kbit: calibration.blocks_of(&calibration.row_kbit, bits.mantissa),
     }
 }
@@ -157,11 +159,11 @@ fn lanes(bits: &Bits, config: &Config, calibration: &Calibration) -> Fabric {
     let lane = |lines: &Lines| (lanes as f64 * lines.lane.at(bits.lane)).round() as u64;
     // The lines hold a lane with the circuit's queue.
     let luts = lane(&calibration.luts) + lanes * mask + queues * queue(config.row_fifo).luts;
-    let [opacity, share, colour] = bits.blend_multipliers();
+    let [opacity, share, colour] = bits.blend_products().map(|product| product.factors);
     let blend = |products: &[[u64; 2]]| shared(products, config.blend_interval, calibration);
     let interpolation = bits
-        .interpolation_multiplier()
-        .map_or(0, |product| calibration.tiles(product));
+        .interpolation_product()
+        .map_or(0, |product| calibration.tiles(product.factors));
     let pixels = u64::from(config.tile_width) * u64::from(config.tile_height);
     let [words, entry] = bits.table;
     let bank: u64 = bits
@@ -238,6 +240,45 @@ impl Fabric {
             .filter(|((_, estimated), (_, found))| estimated != found)
             .map(|((_, estimated), (_, found))| (estimated as f64 / found as f64 - 1.0).abs())
             .fold(0.0, f64::max)
+    }
+}
+
+/// Headings of [`Fabric::cells`].
+const RESOURCES: &str = "luts,flip_flops,dsps,memory_kbit";
+
+/// The lines of a table of counts, whose columns before the counts have this heading; nothing if one of them is none.
+fn lines_of<T>(
+    text: &str,
+    heading: &str,
+    line: impl Fn(&[&str], Fabric) -> Option<T>,
+) -> Option<Vec<T>> {
+    let (first, rest) = text.split_once('\n')?;
+    let is_heading = first.strip_prefix(heading) == Some(&format!(",{RESOURCES}"));
+    let lines = rest.lines().filter(|_| is_heading);
+    let read = |text: &str| {
+        let cells: Vec<&str> = text.split(',').collect();
+        let (columns, counts) = cells.split_at_checked(heading.split(',').count())?;
+        line(columns, Fabric::from_cells(counts)?)
+    };
+    is_heading.then(|| lines.map(read).collect())?
+}
+
+impl Fabric {
+    fn from_cells(cells: &[&str]) -> Option<Fabric> {
+        let counts: Result<Vec<u64>, _> = cells.iter().map(|cell| cell.parse()).collect();
+        let [luts, flip_flops, dsps, memory_kbit] = counts.ok()?.try_into().ok()?;
+        Some(Fabric {
+            luts,
+            flip_flops,
+            dsps,
+            memory_kbit,
+        })
+    }
+
+    fn cells(&self) -> String {
+        self.resources()
+            .map(|(_, count)| count.to_string())
+            .join(",")
     }
 }
 

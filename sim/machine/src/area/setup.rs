@@ -4,7 +4,7 @@
 //! there are cores. So an interval between two splats is a number of cores. Below eight cycles there is no such circuit: its ends take a
 //! record in eight, and so many cores with registers and shifters of their own would be the wrong circuit for it.
 
-use super::{Calibration, Fabric, Family};
+use super::{Calibration, Fabric, Family, RESOURCES, lines_of};
 use crate::config::Config;
 use splatline::format::Widths;
 use std::fmt::Write;
@@ -12,8 +12,7 @@ use std::fmt::Write;
 /// The counts, as `rtl -- area setup` prints them.
 pub const CSV: &str = include_str!("setup.csv");
 
-const HEADING: &str =
-    "design,position,mantissa,round,family,cores,luts,flip_flops,dsps,memory_kbit";
+const HEADING: &str = "design,position,mantissa,round,family,cores";
 
 /// Cycles between two splats at best.
 pub const LEAST_INTERVAL: u32 = 8;
@@ -53,24 +52,19 @@ impl SetupUnit {
 
 /// The table's text.
 pub fn to_csv(units: &[SetupUnit]) -> String {
-    let mut text = format!("{HEADING}\n");
+    let mut text = format!("{HEADING},{RESOURCES}\n");
     for unit in units {
-        let Fabric {
-            luts,
-            flip_flops,
-            dsps,
-            memory_kbit,
-        } = unit.fabric;
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{},{},{},{luts},{flip_flops},{dsps},{memory_kbit}",
+            "{},{},{},{},{},{},{}",
             unit.design,
             unit.position,
             unit.mantissa,
             unit.round,
             unit.family.name(),
-            unit.cores
+            unit.cores,
+            unit.fabric.cells()
         );
     }
     text
@@ -78,42 +72,18 @@ pub fn to_csv(units: &[SetupUnit]) -> String {
 
 /// The lines of a table; nothing if one of them is none.
 pub fn parse(text: &str) -> Option<Vec<SetupUnit>> {
-    let lines = text.strip_prefix(HEADING)?.lines();
-    lines
-        .filter(|line| !line.is_empty())
-        .map(parse_line)
-        .collect()
-}
-
-fn parse_line(line: &str) -> Option<SetupUnit> {
-    let [
-        design,
-        position,
-        mantissa,
-        round,
-        family,
-        cores,
-        counts @ ..,
-    ] = line
-        .split(',')
-        .collect::<Vec<_>>()
-        .try_into()
-        .ok()
-        .map(|all: [&str; 10]| all)?;
-    let [luts, flip_flops, dsps, memory_kbit] = counts.map(|count| count.parse().ok());
-    Some(SetupUnit {
-        design: design.to_owned(),
-        position: position.parse().ok()?,
-        mantissa: mantissa.parse().ok()?,
-        round: round.parse().ok()?,
-        family: Family::named(family)?,
-        cores: cores.parse().ok()?,
-        fabric: Fabric {
-            luts: luts?,
-            flip_flops: flip_flops?,
-            dsps: dsps?,
-            memory_kbit: memory_kbit?,
-        },
+    lines_of(text, HEADING, |columns, fabric| {
+        let [design, position, mantissa, round, family, cores]: [&str; 6] =
+            columns.try_into().ok()?;
+        Some(SetupUnit {
+            design: design.to_owned(),
+            position: position.parse().ok()?,
+            mantissa: mantissa.parse().ok()?,
+            round: round.parse().ok()?,
+            family: Family::named(family)?,
+            cores: cores.parse().ok()?,
+            fabric,
+        })
     })
 }
 

@@ -4,7 +4,7 @@
 //! fitted; two lanes and a design between the two have not been seen by the fit.
 
 use super::calibration::{Calibration, Family};
-use super::{Fabric, raster_unit};
+use super::{Fabric, RESOURCES, lines_of, raster_unit};
 use crate::config::Config;
 use crate::design::DesignChoice;
 use splatline::format::{Lean18, Rounding, Standard24, Traversal, Widths};
@@ -13,7 +13,7 @@ use std::fmt::Write;
 /// The table, as it lies beside this file.
 pub const CSV: &str = include_str!("synthesised.csv");
 
-const HEADING: &str = "design,widths,family,part,luts,flip_flops,dsps,memory_kbit";
+const HEADING: &str = "design,widths,family,part";
 
 /// What was synthesised.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,44 +92,21 @@ pub fn synthesised() -> Vec<Synthesised> {
 
 /// The lines of a table; nothing if one of them is none.
 pub fn parse(text: &str) -> Option<Vec<Synthesised>> {
-    let lines = text.strip_prefix(HEADING)?.lines();
-    lines
-        .filter(|line| !line.is_empty())
-        .map(parse_line)
-        .collect()
-}
-
-fn parse_line(line: &str) -> Option<Synthesised> {
-    let [
-        design,
-        widths,
-        family,
-        part,
-        luts,
-        flip_flops,
-        dsps,
-        memory_kbit,
-    ] = line.split(',').collect::<Vec<_>>().try_into().ok()?;
-    let numbers: Vec<u8> = widths
-        .split(' ')
-        .map(|width| width.parse().ok())
-        .collect::<Option<_>>()?;
-    let part = match part.split_once(' ') {
-        Some(("setup", interval)) => SynthesisedPart::Setup(interval.parse().ok()?),
-        _ if part == "rows" => SynthesisedPart::Rows,
-        _ => SynthesisedPart::Lanes(part.parse().ok()?),
-    };
-    Some(Synthesised {
-        design: design.to_owned(),
-        widths: widths_of(numbers.try_into().ok()?),
-        family: Family::named(family)?,
-        part,
-        fabric: Fabric {
-            luts: luts.parse().ok()?,
-            flip_flops: flip_flops.parse().ok()?,
-            dsps: dsps.parse().ok()?,
-            memory_kbit: memory_kbit.parse().ok()?,
-        },
+    lines_of(text, HEADING, |columns, fabric| {
+        let [design, widths, family, part]: [&str; 4] = columns.try_into().ok()?;
+        let numbers: Result<Vec<u8>, _> = widths.split(' ').map(str::parse).collect();
+        let part = match part.split_once(' ') {
+            Some(("setup", interval)) => SynthesisedPart::Setup(interval.parse().ok()?),
+            _ if part == "rows" => SynthesisedPart::Rows,
+            _ => SynthesisedPart::Lanes(part.parse().ok()?),
+        };
+        Some(Synthesised {
+            design: design.to_owned(),
+            widths: widths_of(numbers.ok()?.try_into().ok()?),
+            family: Family::named(family)?,
+            part,
+            fabric,
+        })
     })
 }
 
@@ -142,7 +119,7 @@ fn widths_of(numbers: [u8; 12]) -> Widths {
 
 /// The table's text.
 pub fn to_csv(lines: &[Synthesised]) -> String {
-    let mut text = format!("{HEADING}\n");
+    let mut text = format!("{HEADING},{RESOURCES}\n");
     for line in lines {
         let widths: Vec<String> = line
             .widths
@@ -156,19 +133,14 @@ pub fn to_csv(lines: &[Synthesised]) -> String {
             SynthesisedPart::Rows => "rows".to_owned(),
             SynthesisedPart::Lanes(lanes) => lanes.to_string(),
         };
-        let Fabric {
-            luts,
-            flip_flops,
-            dsps,
-            memory_kbit,
-        } = line.fabric;
         // Writing to a String cannot fail.
         let _ = writeln!(
             text,
-            "{},{},{},{part},{luts},{flip_flops},{dsps},{memory_kbit}",
+            "{},{},{},{part},{}",
             line.design,
             widths.join(" "),
-            line.family.name()
+            line.family.name(),
+            line.fabric.cells()
         );
     }
     text

@@ -334,7 +334,7 @@ mod tests {
             }
         }
         assert_eq!(SETTINGS.len(), Config::default().values().len());
-        let parts = PARTS.iter().map(|part| Value::from(part.name));
+        let parts = PARTS.iter().map(|part| Value::from(part.name.as_str()));
         let all = std::iter::once(Value::from("channels")).chain(parts);
         assert!(setting("memory_part").unwrap().limits().into_iter().eq(all));
     }

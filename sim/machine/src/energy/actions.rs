@@ -4,7 +4,7 @@
 //! passed through it: geometry setup by splats, splat setup by pairs, the row generator by rows, lanes and blend by pixels, queues by entries,
 //! the memory interface by bytes.
 
-use super::super::area::circuit::{Bits, GeometryCircuit, SetupStage};
+use super::super::area::circuit::{Bits, GeometryCircuit, Product, SetupStage};
 use super::super::config::{Config, Overlap};
 use super::super::timing::Timing;
 use super::EnergyTable;
@@ -169,6 +169,10 @@ pub fn of<'a>(
     units
 }
 
+fn operands<const N: usize>(products: [Product; N]) -> [[u64; 2]; N] {
+    products.map(|product| product.operands)
+}
+
 /// What all units need.
 struct CountedPicture<'a, 't> {
     bits: Bits,
@@ -242,7 +246,7 @@ impl<'t> CountedPicture<'_, 't> {
         let mut unit = self.unit("splat_setup");
         let m = self.bits.mantissa;
         match self.traversal {
-            Traversal::Spans => unit.products(&self.bits.setup_products(), pairs),
+            Traversal::Spans => unit.products(&operands(self.bits.setup_products()), pairs),
             Traversal::Box => unit.products(&[[m + 1, m + 1]; 7], pairs),
         }
         let [setup, _] = self.bits.operators();
@@ -259,7 +263,7 @@ impl<'t> CountedPicture<'_, 't> {
         match self.traversal {
             Traversal::Spans => {
                 let [_, row] = self.bits.operators();
-                unit.products(&self.bits.row_products(), pixels.rows);
+                unit.products(&operands(self.bits.row_products()), pixels.rows);
                 unit.adder_bits(row.adder_bits, pixels.rows);
                 let bits = u64::from(widths.mantissa.min(18));
                 unit.memory(
@@ -283,10 +287,10 @@ impl<'t> CountedPicture<'_, 't> {
         let [words, entry] = self.bits.table;
         unit.memory("table", words, entry, [pixels.covered, 0]);
         if let Some(product) = self.bits.interpolation_product() {
-            unit.products(&[product], pixels.covered);
+            unit.products(&[product.operands], pixels.covered);
             unit.adders(self.bits.weight + 1, pixels.covered);
         }
-        let [opacity, ..] = self.bits.blend_products();
+        let [opacity, ..] = operands(self.bits.blend_products());
         unit.products(&[opacity], pixels.covered);
         unit
     }
@@ -295,7 +299,7 @@ impl<'t> CountedPicture<'_, 't> {
     fn blend(&self) -> UnitActions<'t> {
         let pixels = &self.timing.pixels;
         let mut unit = self.unit("blend");
-        let [_, share, colour] = self.bits.blend_products();
+        let [_, share, colour] = operands(self.bits.blend_products());
         unit.products(&[share, colour, colour, colour], pixels.live);
         unit.adders(self.bits.transmittance + 2, pixels.live);
         unit.adders(self.bits.accumulator + 5, 3 * pixels.live);

@@ -289,8 +289,8 @@ impl Memory for Shared {
         let clock = 1_000_000 * u128::from(self.config.clock_mhz.max(1));
         let at_peak = u128::from(cycles) * u128::from(self.part.peak_bytes_per_s()) / clock;
         Some(MemoryFacts {
-            part: self.part.name,
-            source: self.part.source,
+            part: &self.part.name,
+            source: &self.part.source,
             counts,
             bytes_moved: (counts.reads + counts.writes) * self.part.burst_bytes(),
             bytes_at_peak: u64::try_from(at_peak).unwrap_or(u64::MAX),

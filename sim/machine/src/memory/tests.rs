@@ -66,7 +66,7 @@ const SHEETS: [TestSheet; 3] = [
 /// Every part says which sheet and which table in it its figures are from.
 #[test]
 fn every_part_names_its_sheet() {
-    for part in &PARTS {
+    for part in PARTS.iter() {
         assert!(SHEETS.iter().any(|sheet| sheet.part == part.name));
         let sheet = ["JEDEC", "data sheet"]
             .iter()

@@ -29,6 +29,7 @@ use crate::fixed::Options;
 use crate::host_memory::TooLarge;
 use crate::rules::{Compositing, Rules};
 use crate::scene::Scene;
+use serde::Serialize;
 use splatline::format::{Traversal, Widths};
 
 /// Which pixels a machine tests.
@@ -62,19 +63,24 @@ pub struct Operations {
 }
 
 /// A machine.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Preset {
     /// Name in tables.
+    #[serde(rename = "machine")]
     pub name: &'static str,
     /// The paper that it was reimplemented from; `ours` for our own.
     pub source: &'static str,
     /// Design of the kernel whose footprints it draws.
+    #[serde(skip)]
     pub design: &'static str,
     /// Which pixels it tests.
+    #[serde(skip)]
     pub tested: Tested,
     /// Its operations, if it is not the kernel's integers.
+    #[serde(skip)]
     pub float: Option<Operations>,
     /// The machine around it.
+    #[serde(skip)]
     pub config: fn() -> Config,
 }
 
@@ -182,11 +188,13 @@ fn sixteen_rows() -> Config {
 }
 
 /// A machine's work and what it takes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Outcome {
     /// The machine.
+    #[serde(flatten)]
     pub preset: Preset,
     /// Cycles, bytes, pixels.
+    #[serde(rename = "cycles")]
     pub timing: Timing,
     /// Its energy.
     pub energy: Energy,
