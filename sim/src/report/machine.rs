@@ -241,8 +241,7 @@ fn over_time(timing: &Timing, watched: &Watched) -> String {
             )
         };
         chart.curve(slots.iter().enumerate().map(point), class, unit);
-        let x = LEFT + area.width - 220.0 + 110.0 * place as f64;
-        let x = x - if place == 0 { 20.0 } else { 0.0 };
+        let x = LEFT + area.width - 260.0 + [0.0, 110.0, 170.0][place];
         chart.text((x, TOP - 16.0), Anchor::Start, class, unit);
     }
     chart.finish()
