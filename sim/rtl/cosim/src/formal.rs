@@ -13,8 +13,8 @@ use std::process::Command;
 /// A module, and the parameters that it is proven for: all of them are small, and the argument does not depend on them.
 #[derive(Clone, Copy, Debug)]
 struct Proof {
-    /// Its name among the judges of `mutations.tsv`.
-    name: &'static str,
+    /// What it is the proof of among the judges of `mutations.tsv`.
+    judge: &'static str,
     /// The module.
     unit: &'static str,
     /// The units that it is made of; those whose properties lie beside them stand alone.
@@ -28,84 +28,58 @@ struct Proof {
 
 /// What is proven.
 const PROOFS: [Proof; 9] = [
+    inductive(
+        "fifo",
+        &["fifo.sv"],
+        "-set BITS 4 -set PLACES 4",
+        ["7", "2"],
+    ),
     Proof {
-        name: "proof of fifo",
-        unit: "fifo",
-        files: &["fifo.sv"],
-        parameters: "-set BITS 4 -set PLACES 4",
-        cycles: "7",
-        induction: Some("2"),
+        judge: "fifo at rest",
+        ..inductive(
+            "fifo",
+            &["fifo.sv"],
+            "-set BITS 4 -set PLACES 4 -set RESTS 1",
+            ["7", "2"],
+        )
     },
+    inductive("run_queue", &["run_queue.sv"], "-set DEPTH 2", ["6", "2"]),
+    inductive("visible_box", &["visible_box.sv"], "", ["3", "4"]),
+    inductive("row_counter", &["row_counter.sv"], "", ["6", "2"]),
+    inductive("row_window", &["row_window.sv"], "", ["6", "6"]),
+    inductive("lane", &["lane.sv"], "", ["10", "7"]),
+    inductive("splat_primitive", &END_FILES, "-set LANES 2", ["22", "2"]),
     Proof {
-        name: "proof of fifo at rest",
-        unit: "fifo",
-        files: &["fifo.sv"],
-        parameters: "-set BITS 4 -set PLACES 4 -set RESTS 1",
-        cycles: "7",
-        induction: Some("2"),
-    },
-    Proof {
-        name: "proof of run_queue",
-        unit: "run_queue",
-        files: &["run_queue.sv"],
-        parameters: "-set DEPTH 2",
-        cycles: "6",
-        induction: Some("2"),
-    },
-    Proof {
-        name: "proof of visible_box",
-        unit: "visible_box",
-        files: &["visible_box.sv"],
-        parameters: "",
-        cycles: "3",
-        induction: Some("4"),
-    },
-    Proof {
-        name: "proof of row_counter",
-        unit: "row_counter",
-        files: &["row_counter.sv"],
-        parameters: "",
-        cycles: "6",
-        induction: Some("2"),
-    },
-    Proof {
-        name: "proof of row_window",
-        unit: "row_window",
-        files: &["row_window.sv"],
-        parameters: "",
-        cycles: "6",
-        induction: Some("6"),
-    },
-    Proof {
-        name: "proof of lane",
-        unit: "lane",
-        files: &["lane.sv"],
-        parameters: "",
-        cycles: "10",
-        induction: Some("7"),
-    },
-    Proof {
-        name: "proof of splat_primitive",
-        unit: "splat_primitive",
-        files: &[
-            "delay.sv",
-            "packet_decode.sv",
-            "formal/idle_units.sv",
-            "splat_primitive.sv",
-        ],
-        parameters: "-set LANES 2",
-        cycles: "22",
-        induction: Some("2"),
-    },
-    Proof {
-        name: "proof of chain",
-        unit: "chain",
-        files: &["fifo.sv", "run_queue.sv", "lane.sv", "formal/chain.sv"],
-        parameters: "",
-        cycles: "40",
         induction: None,
+        ..inductive("chain", &CHAIN_FILES, "", ["40", ""])
     },
 ];
+
+const END_FILES: [&str; 4] = [
+    "delay.sv",
+    "packet_decode.sv",
+    "formal/idle_units.sv",
+    "splat_primitive.sv",
+];
+
+const CHAIN_FILES: [&str; 4] = ["fifo.sv", "run_queue.sv", "lane.sv", "formal/chain.sv"];
+
+/// A unit of these files and parameters, shown for some cycles from reset on and by an induction of some.
+const fn inductive(
+    unit: &'static str,
+    files: &'static [&'static str],
+    parameters: &'static str,
+    [cycles, induction]: [&'static str; 2],
+) -> Proof {
+    Proof {
+        judge: unit,
+        unit,
+        files,
+        parameters,
+        cycles,
+        induction: Some(induction),
+    }
+}
 
 /// Proves everything and every mutation's counterexample; prints a table.
 pub fn report() -> Result<()> {
@@ -123,7 +97,7 @@ pub fn report() -> Result<()> {
             base && step != Some(false),
             "{unit} does not keep its promises"
         );
-        for mutation in mutations(proof.name)? {
+        for mutation in mutations(&format!("proof of {}", proof.judge))? {
             let (base, _) = verdict(proof, Some(&mutation))?;
             let name = &mutation.name;
             println!("| {unit} | {name} | {cycles} | {base} | |");
@@ -236,7 +210,7 @@ mod tests {
     #[test]
     fn mutations_are_made_in_the_units_that_there_are() {
         for proof in &PROOFS {
-            for mutation in mutations(proof.name).unwrap() {
+            for mutation in mutations(&format!("proof of {}", proof.judge)).unwrap() {
                 let file = mutation.file.as_str();
                 assert!(proof.files.contains(&file), "{}", mutation.name);
                 let text = source(file, Some(&mutation)).unwrap();

@@ -117,89 +117,45 @@ fn parameters(text: &mut String, widths: &Widths) {
         .max()
         .unwrap_or(1);
     let layout = Layout::new(widths);
-    let rows: [(&str, u32, &str); 18] = [
-        (
-            "MANTISSA",
-            widths.mantissa.into(),
-            "magnitude bits of a mantissa",
-        ),
-        (
-            "SUBPIXEL",
-            widths.subpixel.into(),
-            "fraction bits of a centre",
-        ),
-        (
-            "RADIAL",
-            widths.radial.into(),
-            "fraction bits of the radial index",
-        ),
-        (
-            "TABLE",
-            widths.table.into(),
-            "log2 of the footprint table's intervals",
-        ),
-        (
-            "INTERPOLATION",
-            widths.interpolation.into(),
-            "bits of the position within an interval",
-        ),
-        (
-            "WEIGHT",
-            widths.weight.into(),
-            "fraction bits of a table entry",
-        ),
-        (
-            "STEP_BITS",
-            steps,
-            "bits of the largest step between two entries",
-        ),
-        (
-            "PEAK",
-            widths.peak.into(),
-            "fraction bits of a peak opacity",
-        ),
-        ("ALPHA", widths.alpha.into(), "fraction bits of an opacity"),
-        (
-            "TRANSMITTANCE",
-            widths.transmittance.into(),
-            "fraction bits of the deep alpha channel",
-        ),
-        (
-            "COLOUR",
-            widths.colour.into(),
-            "fraction bits of a splat's colour",
-        ),
-        (
-            "ACCUMULATOR",
-            widths.accumulator.into(),
-            "fraction bits of a pixel's colour",
-        ),
-        (
-            "SUM_BITS",
-            u32::from(widths.accumulator) + 5,
-            "bits of a pixel's colour: below 32, see blend.sv",
-        ),
-        (
-            "BLOCK_BITS",
-            BLOCK.ilog2(),
-            "log2 of the columns between two seeds",
-        ),
-        (
-            "GUARD",
-            GUARD,
-            "bits below the lanes' unit from which seeds are balanced",
-        ),
-        ("TILE_COLUMN_BITS", TILE_BITS[0], "log2 of a tile's columns"),
-        ("TILE_ROW_BITS", TILE_BITS[1], "log2 of a tile's rows"),
-        ("PACKET_BITS", layout.bits() as u32, "bits of a packet"),
-    ];
-    for (name, value, meaning) in rows {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "  localparam int {name} = {value};  // {meaning}");
-    }
+    let Widths {
+        mantissa,
+        subpixel,
+        radial,
+        table,
+        interpolation,
+        weight,
+        peak,
+        alpha,
+        transmittance,
+        colour,
+        accumulator,
+        ..
+    } = *widths;
+    let (sum, block, bits) = (accumulator + 5, BLOCK.ilog2(), layout.bits());
+    let [columns, rows] = TILE_BITS;
+    // Writing to a String cannot fail.
     let _ = writeln!(
         text,
-        "  localparam logic [3:0] PACKET_VERSION = 4'd{VERSION};\n"
+        "  localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
+  localparam int SUBPIXEL = {subpixel};  // fraction bits of a centre
+  localparam int RADIAL = {radial};  // fraction bits of the radial index
+  localparam int TABLE = {table};  // log2 of the footprint table's intervals
+  localparam int INTERPOLATION = {interpolation};  // bits of the position within an interval
+  localparam int WEIGHT = {weight};  // fraction bits of a table entry
+  localparam int STEP_BITS = {steps};  // bits of the largest step between two entries
+  localparam int PEAK = {peak};  // fraction bits of a peak opacity
+  localparam int ALPHA = {alpha};  // fraction bits of an opacity
+  localparam int TRANSMITTANCE = {transmittance};  // fraction bits of the deep alpha channel
+  localparam int COLOUR = {colour};  // fraction bits of a splat's colour
+  localparam int ACCUMULATOR = {accumulator};  // fraction bits of a pixel's colour
+  localparam int SUM_BITS = {sum};  // bits of a pixel's colour: below 32, see blend.sv
+  localparam int BLOCK_BITS = {block};  // log2 of the columns between two seeds
+  localparam int GUARD = {GUARD};  // bits below the lanes' unit from which seeds are balanced
+  localparam int TILE_COLUMN_BITS = {columns};  // log2 of a tile's columns
+  localparam int TILE_ROW_BITS = {rows};  // log2 of a tile's rows
+  localparam int PACKET_BITS = {bits};  // bits of a packet
+  localparam logic [3:0] PACKET_VERSION = 4'd{VERSION};
+"
     );
 }
 

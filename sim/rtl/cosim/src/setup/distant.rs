@@ -1,7 +1,7 @@
 //! Splats under rules with a spacing, on both sides of the distance k and exactly there, for the program with distance scaling.
 
 use super::exact::{FOCAL, few_bits, straight};
-use super::loads::{name_of, rules, synthetic};
+use super::loads::{name_of, rules, soft_float, synthetic};
 use super::unit::SetupLoad;
 use crate::random::split_mix;
 use splatline::format::Widths;
@@ -18,9 +18,9 @@ pub fn distant(count: usize, seed: u64) -> Vec<SetupLoad> {
     for (index, load) in synthetic(count, seed).into_iter().enumerate() {
         let spacing = match load.view.projection {
             // k lies where the camera of the hard cases looks at, 4 units away.
-            Projection::Perspective => spacing(13, -11),
+            Projection::Perspective => soft_float(13, -11),
             // All splats beyond k, or none.
-            Projection::Orthographic => spacing([11, 13][index % 2], -13),
+            Projection::Orthographic => soft_float([11, 13][index % 2], -13),
         };
         loads.push(spaced(load, spacing, index));
     }
@@ -48,10 +48,6 @@ pub fn enlarged(
     splats.iter().filter(beyond).count()
 }
 
-const fn spacing(mantissa: i32, exponent: i32) -> SoftFloat {
-    SoftFloat { mantissa, exponent }
-}
-
 /// The load with a spacing and pixels that are not square: higher than wide, or wider than high.
 fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
     let longer = &mut load.view.focal[index / 2 % 2];
@@ -65,10 +61,7 @@ fn spaced(mut load: SetupLoad, spacing: SoftFloat, index: usize) -> SetupLoad {
 fn at_k(count: usize, seed: u64, projection: Projection, rules: KernelRules) -> SetupLoad {
     let mut state = seed;
     let splat = |_| VolumeSplat {
-        weight: SoftFloat {
-            mantissa: (split_mix(&mut state) >> 34) as i32 | 1,
-            exponent: -30,
-        },
+        weight: soft_float((split_mix(&mut state) >> 34) as i32 | 1, -30),
         ..few_bits(&mut state)
     };
     let word = match projection {
@@ -79,7 +72,7 @@ fn at_k(count: usize, seed: u64, projection: Projection, rules: KernelRules) -> 
         name: format!("{word}, {}", name_of(&rules)),
         view: straight(projection, FOCAL),
         rules: KernelRules {
-            spacing: spacing(1, -FOCAL),
+            spacing: soft_float(1, -FOCAL),
             ..rules
         },
         splats: (0..count).map(splat).collect(),

@@ -3,7 +3,7 @@
 //! Sums that are exactly 0 or a power of two; positions at every power around the end of a word; depths on the planes themselves; an eye whose coordinates
 //! fill 60 bits; the least components of axes. Each stands for a mistake of `mutations.tsv` that captured scenes and random bits let pass.
 
-use super::loads::{name_of, rules};
+use super::loads::{name_of, rules, soft_float};
 use super::unit::SetupLoad;
 use crate::random::split_mix;
 use splatline::float;
@@ -84,10 +84,7 @@ fn on_the_planes(
         splats: (0..count)
             .map(|index| {
                 let mut splat = few_bits(&mut state);
-                splat.centre[2] = SoftFloat {
-                    mantissa: (index % 8) as i32 - 6,
-                    exponent: 0,
-                };
+                splat.centre[2] = soft_float((index % 8) as i32 - 6, 0);
                 splat
             })
             .collect(),
@@ -102,24 +99,12 @@ fn on_the_edge(count: usize) -> SetupLoad {
     };
     let splat = |index: usize| VolumeSplat {
         centre: [
-            SoftFloat {
-                mantissa: 120 + index as i32,
-                exponent: -8 - FOCAL,
-            },
-            SoftFloat {
-                mantissa: 0,
-                exponent: 0,
-            },
-            SoftFloat {
-                mantissa: 1,
-                exponent: 0,
-            },
+            soft_float(120 + index as i32, -8 - FOCAL),
+            SoftFloat::ZERO,
+            soft_float(1, 0),
         ],
         axes: [plain([1, 1, 0]), plain([1, -1, 0]), plain([1, 0, 0])],
-        weight: SoftFloat {
-            mantissa: 1,
-            exponent: -12,
-        },
+        weight: soft_float(1, -12),
         colour: [0.0, 0.5, 1.0].map(float::colour),
     };
     SetupLoad {
@@ -147,15 +132,9 @@ fn least_components(count: usize) -> SetupLoad {
             exponent: -27 - FOCAL,
         };
         VolumeSplat {
-            centre: [0, 0, 1].map(|mantissa| SoftFloat {
-                mantissa,
-                exponent: 0,
-            }),
+            centre: [0, 0, 1].map(|mantissa| soft_float(mantissa, 0)),
             axes,
-            weight: SoftFloat {
-                mantissa: 1,
-                exponent: -1,
-            },
+            weight: soft_float(1, -1),
             colour: [0.0, 0.5, 1.0].map(float::colour),
         }
     };
@@ -175,10 +154,7 @@ fn far_from_the_origin(count: usize, seed: u64) -> SetupLoad {
     let view = straight(Projection::Perspective, FOCAL);
     let mut state = seed;
     let place = 1 << 59;
-    let at_place = SoftFloat {
-        mantissa: 1 << 30,
-        exponent: 29 - FOCAL,
-    };
+    let at_place = soft_float(1 << 30, 29 - FOCAL);
     SetupLoad {
         name: "far from the origin, 3dgs".to_owned(),
         view: View {
@@ -231,9 +207,11 @@ pub(super) fn straight(projection: Projection, focal: i32) -> View {
 
 /// A splat whose numbers have two bits and a sign, some tens of pixels around the middle, of some pixels' size.
 pub(super) fn few_bits(state: &mut u64) -> VolumeSplat {
-    let mut number = |exponent: i32| SoftFloat {
-        mantissa: [0, 0, 0, 1, 1, -1, -1, 2, 3, -3][(split_mix(state) % 10) as usize] << 24,
-        exponent: exponent - 24,
+    let mut number = |exponent: i32| {
+        soft_float(
+            [0, 0, 0, 1, 1, -1, -1, 2, 3, -3][(split_mix(state) % 10) as usize] << 24,
+            exponent - 24,
+        )
     };
     let axes = [(); 3].map(|()| Axis {
         mantissa: [(); 3].map(|()| number(0).mantissa),
@@ -242,19 +220,9 @@ pub(super) fn few_bits(state: &mut u64) -> VolumeSplat {
     let aside = [number(-4), number(-3)];
     let powers = split_mix(state) >> 32;
     VolumeSplat {
-        centre: [
-            aside[0],
-            aside[1],
-            SoftFloat {
-                mantissa: 1,
-                exponent: (powers % 2) as i32,
-            },
-        ],
+        centre: [aside[0], aside[1], soft_float(1, (powers % 2) as i32)],
         axes,
-        weight: SoftFloat {
-            mantissa: 1 << (powers >> 8 & 3),
-            exponent: -2,
-        },
+        weight: soft_float(1 << (powers >> 8 & 3), -2),
         // The middle between an even and an odd number, whatever bits a colour has.
         colour: [0.0, 0.5 + 0.5f64.powi((powers >> 16) as i32 % 24 + 5), 1.0].map(float::colour),
     }
@@ -262,20 +230,13 @@ pub(super) fn few_bits(state: &mut u64) -> VolumeSplat {
 
 /// Splats to all four sides of the middle at every power of two, with mantissas up to where a word ends.
 fn aside(powers: Range<i32>, axes: i32) -> Vec<VolumeSplat> {
-    let nothing = SoftFloat {
-        mantissa: 0,
-        exponent: 0,
-    };
     let mut splats = Vec::new();
     for exponent in powers {
         for mantissa in [1 << 30, 3 << 29, 0x7f00_0000, i32::MAX] {
             for (axis, mantissa) in [(0, mantissa), (0, -mantissa), (1, mantissa), (1, -mantissa)] {
-                let mut centre = [nothing; 3];
-                centre[axis] = SoftFloat { mantissa, exponent };
-                centre[2] = SoftFloat {
-                    mantissa: 1,
-                    exponent: 0,
-                };
+                let mut centre = [SoftFloat::ZERO; 3];
+                centre[axis] = soft_float(mantissa, exponent);
+                centre[2] = soft_float(1, 0);
                 splats.push(VolumeSplat {
                     centre,
                     axes: [0, 1, 2].map(|i| {
@@ -286,10 +247,7 @@ fn aside(powers: Range<i32>, axes: i32) -> Vec<VolumeSplat> {
                             exponent: axes,
                         }
                     }),
-                    weight: SoftFloat {
-                        mantissa: 1,
-                        exponent: -1,
-                    },
+                    weight: soft_float(1, -1),
                     colour: [0.0, 0.5, 1.0].map(float::colour),
                 });
             }

@@ -51,6 +51,11 @@ pub fn synthetic(count: usize, seed: u64) -> Vec<SetupLoad> {
     loads
 }
 
+/// A number by its mantissa and exponent.
+pub(super) const fn soft_float(mantissa: i32, exponent: i32) -> SoftFloat {
+    SoftFloat { mantissa, exponent }
+}
+
 pub(super) fn name_of(rules: &KernelRules) -> &'static str {
     if rules.normalised { "ewa" } else { "3dgs" }
 }

@@ -85,60 +85,29 @@ pub fn text(name: &str, widths: &Widths, program: SetupProgram) -> Result<String
 
 fn parameters(text: &mut String, widths: &Widths, program: &Program) {
     let out = program.latency();
-    let rows: [(&str, i64, &str); 11] = [
-        (
-            "POSITION",
-            widths.position.into(),
-            "magnitude bits of a difference to the eye",
-        ),
-        ("LOW", low_bits(widths).into(), "those of its low part"),
-        (
-            "MANTISSA",
-            widths.mantissa.into(),
-            "magnitude bits of a mantissa",
-        ),
-        (
-            "AXIS_DROP",
-            31 - i64::from(axis_bits(widths)),
-            "bits of an axis' components that are 0",
-        ),
-        ("ROUND", program.round as i64, "cycles of a round"),
-        (
-            "LATENCY",
-            LATENCY as i64,
-            "cycles from a sum's last slot to its use",
-        ),
-        (
-            "LOAD_AHEAD",
-            LOAD_AHEAD as i64,
-            "cycles before a round's end from which its records are full",
-        ),
-        (
-            "OUT_ROUND",
-            (out / program.round) as i64,
-            "round in which a splat's results come",
-        ),
-        ("OUT_SLOT", (out % program.round) as i64, "their first slot"),
-        (
-            "WORDS",
-            program
-                .operations
-                .iter()
-                .filter(|o| o.out)
-                .map(|o| o.terms.len() as i64)
-                .sum(),
-            "slots with results",
-        ),
-        (
-            "FIRST_REGISTER",
-            FIRST_REGISTER.into(),
-            "address of the first number outside the cores",
-        ),
-    ];
-    for (name, value, meaning) in rows {
-        // Writing to a String cannot fail.
-        let _ = writeln!(text, "  localparam int {name} = {value};  // {meaning}");
-    }
+    let Widths {
+        position, mantissa, ..
+    } = *widths;
+    let (low, round) = (low_bits(widths), program.round);
+    let axis_drop = 31 - axis_bits(widths);
+    let (out_round, out_slot) = (out / round, out % round);
+    let results = program.operations.iter().filter(|operation| operation.out);
+    let words: usize = results.map(|operation| operation.terms.len()).sum();
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "  localparam int POSITION = {position};  // magnitude bits of a difference to the eye
+  localparam int LOW = {low};  // those of its low part
+  localparam int MANTISSA = {mantissa};  // magnitude bits of a mantissa
+  localparam int AXIS_DROP = {axis_drop};  // bits of an axis' components that are 0
+  localparam int ROUND = {round};  // cycles of a round
+  localparam int LATENCY = {LATENCY};  // cycles from a sum's last slot to its use
+  localparam int LOAD_AHEAD = {LOAD_AHEAD};  // cycles before a round's end from which its records are full
+  localparam int OUT_ROUND = {out_round};  // round in which a splat's results come
+  localparam int OUT_SLOT = {out_slot};  // their first slot
+  localparam int WORDS = {words};  // slots with results
+  localparam int FIRST_REGISTER = {FIRST_REGISTER};  // address of the first number outside the cores"
+    );
     for (place, name) in REGISTERS.iter().enumerate() {
         let _ = writeln!(
             text,
