@@ -14,8 +14,12 @@ use splatline_sim::scene::synthetic;
 use splatline_sim::vectors::{self, hard_cases};
 use std::io::Write;
 
-/// From this package's folder, and from that of the fuzz targets, which read these seeds as well.
-const OTHERS: [&str; 2] = ["reference/tests/files", "../reference/tests/files"];
+/// From this package's folder; that of the fuzz targets, which read these seeds as well, lies beside them.
+const OTHERS: [&str; 3] = [
+    "reference/tests/files",
+    "machine/src/energy",
+    "machine/src/parts",
+];
 
 const GAUSSIAN: [&str; 17] = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity", "scale_0", "scale_1",
@@ -190,9 +194,28 @@ fn manifest() -> Vec<u8> {
 /// A file of the reference's tests; most were written by other tools (reference/tests/files/make.py).
 fn from_others(name: &str) -> Vec<u8> {
     let package = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
-    let files = OTHERS.map(|folder| package.join(folder).join(name));
-    let found = files.iter().find_map(|file| std::fs::read(file).ok());
-    found.unwrap_or_else(|| panic!("no seed {}", files[0].display()))
+    let folders = [package, &package.join("..")];
+    let files = folders.map(|from| OTHERS.map(|folder| from.join(folder).join(name)));
+    let found = files
+        .iter()
+        .flatten()
+        .find_map(|file| std::fs::read(file).ok());
+    found.unwrap_or_else(|| panic!("no seed {name}"))
+}
+
+/// The two parts of `tiny.glb`: its JSON, naming `tiny.bin` as its buffer, and that buffer.
+pub fn apart() -> [Vec<u8>; 2] {
+    let whole = from_others("tiny.glb");
+    let length = |at: usize| {
+        let bytes = whole[at..].first_chunk().expect("a chunk's length");
+        u32::from_le_bytes(*bytes) as usize
+    };
+    let json = &whole[20..20 + length(12)];
+    let rest = 20 + json.len();
+    let binary = whole[rest + 8..rest + 8 + length(rest)].to_vec();
+    let named = "\"buffers\":[{\"uri\":\"tiny.bin\",";
+    let json = String::from_utf8_lossy(json).replace("\"buffers\":[{", named);
+    [json.into_bytes(), binary]
 }
 
 /// The sound file of that name.
@@ -210,6 +233,7 @@ pub fn seed(name: &str) -> Vec<u8> {
             let header = ply_header("binary_little_endian", &GAUSSIAN, 2);
             header.into_bytes().into_iter().chain(records).collect()
         }
+        "tiny.gltf" => apart()[0].clone(),
         "scene.splat" => splat(),
         "scene.spz" => spz(),
         "raw.nrrd" => volume("raw"),
